@@ -1,0 +1,68 @@
+"""Constrained dynamics of robot arms as a graph: bodies are vertices, joints are edges, one system for everything.
+
+The names below are the public interface; docs/notation.md relates them to the paper.
+"""
+
+from graphdyn.dynamics import (
+    ForwardDynamics,
+    InverseDynamics,
+    bias_torque,
+    forward_dynamics,
+    inverse_dynamics,
+    kkt_system,
+    mass_matrix,
+)
+from graphdyn.errors import (
+    GimbalLock,
+    GraphDynError,
+    InconsistentState,
+    InvalidInput,
+    InvalidModel,
+    RankDeficientConstraints,
+    SingularMassMatrix,
+)
+from graphdyn.graph import Graph
+from graphdyn.inertia import Consistency
+from graphdyn.kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
+from graphdyn.kkt import KKTSolution, KKTSystem
+from graphdyn.kr500 import kr500
+from graphdyn.model import Body, Frame, Joint, JointLimits, RobotModel
+from graphdyn.placement import Placement
+from graphdyn.regressors import body_regressor, joint_torque_regressor
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Body",
+    "Consistency",
+    "ForwardDynamics",
+    "Frame",
+    "GimbalLock",
+    "Graph",
+    "GraphDynError",
+    "InconsistentState",
+    "InvalidInput",
+    "InvalidModel",
+    "InverseDynamics",
+    "Joint",
+    "JointLimits",
+    "KKTSolution",
+    "KKTSystem",
+    "MaximalState",
+    "Placement",
+    "RankDeficientConstraints",
+    "RobotModel",
+    "SingularMassMatrix",
+    "bias_torque",
+    "body_regressor",
+    "forward_dynamics",
+    "frame_placement",
+    "inverse_dynamics",
+    "joint_acceleration",
+    "joint_state",
+    "joint_torque_regressor",
+    "kkt_system",
+    "kr500",
+    "mass_matrix",
+    "maximal_state",
+]

@@ -1,0 +1,71 @@
+"""The door for array arguments: convert once, broadcast, refuse the rest by name, shape and row."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.model import RobotModel
+
+
+def joint_arrays(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, Array]:
+    """The arguments as float arrays with one common leading shape.
+
+    Each must have shape (…, n); external_wrenches (…, n, 6). None stands for zeros.
+
+    Raises InvalidInput, naming the argument, its shape and the first offending row, where an argument is not numeric,
+    has the wrong trailing shape, does not broadcast with the others, or contains NaN or infinity.
+    """
+    n = model.n_bodies
+    arrays, leading = {}, {}
+    for name, value in arguments.items():
+        trailing = (n, BODY_FREEDOMS) if name == "external_wrenches" else (n,)
+        array = np.zeros(trailing) if value is None else _as_floats(name, value)
+        if array.shape[-len(trailing) :] != trailing:
+            expected = ", ".join(["…", *map(str, trailing)])
+            raise InvalidInput(
+                f"{name} has shape {array.shape}, expected ({expected}) for the {n} joints of robot '{model.name}'"
+            )
+        _refuse_non_finite(name, array, len(trailing), model)
+        arrays[name] = array
+        leading[name] = array.shape[: array.ndim - len(trailing)]
+    try:
+        common = np.broadcast_shapes(*leading.values())
+    except ValueError as error:
+        shapes = ", ".join(f"{name} {arrays[name].shape}" for name in arrays)
+        raise InvalidInput(f"leading dimensions do not broadcast: {shapes}") from error
+    return {name: np.broadcast_to(array, common + array.shape[len(leading[name]) :]) for name, array in arrays.items()}
+
+
+def one_state(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, Array]:
+    """As joint_arrays, for verbs that take ONE state. Raises InvalidInput where there are leading dimensions."""
+    arrays = joint_arrays(model, **arguments)
+    batch = next(iter(arrays.values())).shape[:-1]
+    if batch:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise InvalidInput(f"one state expected, got leading dimensions {batch} ({shapes}); pass one row at a time")
+    return arrays
+
+
+def _as_floats(name: str, value: ArrayLike) -> Array:
+    try:
+        array = np.asarray(value)
+        if np.iscomplexobj(array):
+            raise TypeError("complex numbers")
+        return np.asarray(array, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(f"{name} is not an array of real numbers: {error}") from error
+
+
+def _refuse_non_finite(name: str, array: Array, n_trailing: int, model: RobotModel) -> None:
+    bad = np.argwhere(~np.isfinite(array))
+    if bad.size == 0:
+        return
+    index = tuple(int(k) for k in bad[0])
+    row, joint = index[: array.ndim - n_trailing], index[array.ndim - n_trailing]
+    where = f"row {row[0] if len(row) == 1 else row}, " if row else ""
+    rows = len({tuple(k[: array.ndim - n_trailing]) for k in bad.tolist()})
+    raise InvalidInput(
+        f"{name} contains {array[index]} at {where}joint '{model.joint_names[joint]}' "
+        f"({rows} of {int(np.prod(array.shape[: array.ndim - n_trailing]))} rows are not finite); remove or repair them"
+    )

@@ -1,0 +1,51 @@
+"""The system as the paper writes it, in q = (r, θ) with Cardano angles: a view of the twist form.
+
+With ω = D θ̇ (Eq. 33) and ω̇ = D θ̈ + Ḋ θ̇: rotational rows times Dᵀ, columns times D (docs/deviations.md, A1, A3).
+"""
+
+import numpy as np
+
+from graphdyn.errors import GimbalLock
+from graphdyn.kinematics import MaximalState
+from graphdyn.kkt import KKTSystem
+from graphdyn.layout import ANGULAR, LINEAR, Array, block_diagonal, stacked
+from graphdyn.rotation import cardano_rate_matrix, cardano_rate_matrix_derivative, cos_beta
+
+GIMBAL_LOCK = 1e-4
+"""|cos β| below which Cardano coordinates are refused: the error of the solution grows as eps / cos²β or faster,
+to 3e-7 at 1e-4 (`graphdyn errata` measures it)."""
+
+
+def cardano_system(state: MaximalState, twist: KKTSystem) -> KKTSystem:
+    """Eq. (111) in (r̈, θ̈) from the twist form of the same state. Raises GimbalLock, naming the body."""
+    cosines = cos_beta(state.rotation)
+    if np.any(cosines < GIMBAL_LOCK):
+        body = int(np.argmin(cosines)) % state.model.n_bodies
+        raise GimbalLock(
+            f"body '{state.model.body_names[body]}' is at |cos β| = {cosines.min():.1e}, below {GIMBAL_LOCK:g}: the "
+            "Cardano angles do not determine its motion there; use coordinates='twist', regular in every pose"
+        )
+    rates = state.cardano_rates
+    to_twist = rate_map(state)
+    drift = np.zeros_like(state.velocity)
+    drift[..., ANGULAR] = np.einsum("...ab,...b->...a", cardano_rate_matrix_derivative(state.cardano, rates), rates)
+    transposed = np.swapaxes(to_twist, -1, -2)
+    return KKTSystem(
+        mass=transposed @ twist.mass @ to_twist,
+        constraint_jacobian=twist.constraint_jacobian @ to_twist,
+        force=_apply(transposed, twist.force - _apply(twist.mass, stacked(drift))),
+        zeta=twist.zeta - _apply(twist.constraint_jacobian, stacked(drift)),
+        coordinates="cardano",
+    )
+
+
+def rate_map(state: MaximalState) -> Array:
+    """diag(E, D_1, …, E, D_n) (…, 6n, 6n): from (ṙ, θ̇) to (ṙ, ω)."""
+    blocks = np.zeros((*state.velocity.shape, 6))
+    blocks[..., LINEAR, LINEAR] = np.eye(3)
+    blocks[..., ANGULAR, ANGULAR] = cardano_rate_matrix(state.cardano)
+    return block_diagonal(blocks)
+
+
+def _apply(matrix: Array, vector: Array) -> Array:
+    return (matrix @ vector[..., None])[..., 0]

@@ -1,0 +1,215 @@
+"""The public verbs. All follow from the maximal-coordinate system: its solution, its null space, its path matrix.
+
+Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for wrong shapes, NaN and infinities.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arrays import joint_arrays, one_state
+from graphdyn.cardano import cardano_system
+from graphdyn.constraints import constraints
+from graphdyn.errors import InvalidInput, SingularMassMatrix
+from graphdyn.kinematics import (
+    MaximalState,
+    bias_acceleration,
+    maximal_state,
+    null_space,
+    project_accelerations,
+)
+from graphdyn.kkt import Coordinates, KKTSystem
+from graphdyn.layout import Array, per_body, stacked
+from graphdyn.model import RobotModel
+from graphdyn.reactions import in_link_axes, join_reactions, split_reactions, transmitted_wrenches
+from graphdyn.unconstrained import actuator_terms, applied_terms, mass_blocks, mass_terms, passive_terms
+
+Method = Literal["projected", "dense"]
+METHODS: tuple[Method, ...] = ("projected", "dense")
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardDynamics:
+    """Answer of forward_dynamics.
+
+    a: joint accelerations                                  (…, n)     [rad/s² or m/s²]
+    body_accelerations: r̈ in world axes, ω̇ in body axes     (…, n, 6)  [m/s², rad/s²]
+    multipliers: reaction of the inside body on body j      (…, n, 5)  [N, N m]
+    joint_wrenches: force, moment on body j, actuator included, at O_j, in link axes   (…, n, 6)  [N, N m]
+    """
+
+    a: Array
+    body_accelerations: Array
+    multipliers: Array
+    joint_wrenches: Array
+
+
+@dataclass(frozen=True, eq=False)
+class InverseDynamics:
+    """Answer of inverse_dynamics.
+
+    tau: actuator torques or forces                         (…, n)     [N m or N]
+    body_accelerations, multipliers, joint_wrenches: as in ForwardDynamics
+    """
+
+    tau: Array
+    body_accelerations: Array
+    multipliers: Array
+    joint_wrenches: Array
+
+
+def forward_dynamics(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    method: Method = "projected",
+) -> ForwardDynamics:
+    """All accelerations and all constraint forces, given the actuator torques.
+
+    q, v, tau: joint state and actuator torques             (…, n)     [rad or m, …/s, N m or N]
+    external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+    method: "dense" solves the 11n equations of Eq. (111) as they stand; "projected" eliminates the multipliers with
+        the null space of φ_q (NᵀAN a = …) and reads them off the path matrix: same answer, faster
+
+    Raises SingularMassMatrix where the torques do not determine the accelerations (massless bodies).
+    """
+    _check_method(method)
+    x = joint_arrays(model, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
+    state = maximal_state(model, x["q"], x["v"])
+    n, bias = null_space(state), bias_acceleration(model, x["q"], x["v"])
+    mass = _projected_mass(state, n)
+    _refuse_singular(model, mass)
+    if method == "dense":
+        solution = _kkt(state, x["tau"], x["external_wrenches"]).solve_unchecked()
+        accelerations = per_body(solution.acceleration)
+        wrenches = join_reactions(state, solution.multipliers, x["tau"])
+        a = project_accelerations(state, accelerations, bias)
+        return ForwardDynamics(a, accelerations, solution.multipliers, in_link_axes(state, wrenches))
+    passive = passive_terms(state, x["external_wrenches"])
+    free = _inertial_terms(state, bias) - passive
+    right = x["tau"] - np.einsum("...rk,...r->...k", n, stacked(free))
+    a = np.linalg.solve(mass, right[..., None])[..., 0]
+    accelerations = bias + per_body(np.einsum("...rk,...k->...r", n, a))
+    wrenches = transmitted_wrenches(state, _inertial_terms(state, accelerations) - passive)
+    multipliers, _ = split_reactions(state, wrenches)
+    return ForwardDynamics(a, accelerations, multipliers, in_link_axes(state, wrenches))
+
+
+def inverse_dynamics(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    method: Method = "projected",
+) -> InverseDynamics:
+    """Actuator torques and all constraint forces, given the joint accelerations.
+
+    q, v, a: joint state and accelerations                  (…, n)     [rad or m, …/s, …/s²]
+    external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+    method: "dense" solves E τ - φ_qᵀλ = A q̈ - B for the 6n unknowns (τ, λ); "projected" sums the wrenches outside
+        each joint with the path matrix: same answer, faster
+    """
+    _check_method(method)
+    x = joint_arrays(model, q=q, v=v, a=a, external_wrenches=external_wrenches)
+    state = maximal_state(model, x["q"], x["v"], x["a"])
+    assert state.acceleration is not None
+    accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
+    required = _inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
+    if method == "dense":
+        phi_q, _ = constraints(state)
+        matrix = np.concatenate([actuator_terms(state), -np.swapaxes(phi_q, -1, -2)], axis=-1)
+        unknowns = np.linalg.solve(matrix, stacked(required)[..., None])[..., 0]
+        tau = unknowns[..., : model.n_bodies]
+        multipliers = unknowns[..., model.n_bodies :].reshape(*tau.shape, 5)
+        wrenches = join_reactions(state, multipliers, tau)
+    else:
+        wrenches = transmitted_wrenches(state, required)
+        multipliers, tau = split_reactions(state, wrenches)
+    return InverseDynamics(tau, accelerations, multipliers, in_link_axes(state, wrenches))
+
+
+def mass_matrix(model: RobotModel, q: ArrayLike) -> Array:
+    """M = NᵀAN (…, n, n) [kg m², kg m, kg]."""
+    state = maximal_state(model, q)
+    return _projected_mass(state, null_space(state))
+
+
+def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike) -> Array:
+    """h (…, n): Coriolis, centrifugal and gravity torque, τ = M a + h without external wrenches [N m or N]."""
+    return inverse_dynamics(model, q, v, np.zeros(model.n_bodies)).tau
+
+
+def kkt_system(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    coordinates: Coordinates = "twist",
+) -> KKTSystem:
+    """Eq. (111) at ONE state: matrix (11n, 11n), right side, rank, condition number, solution, residuals.
+
+    q, v, tau: (n,); external_wrenches: (n, 6)
+    coordinates: "twist" (r̈, ω̇), regular in every pose; "cardano" (r̈, θ̈) as the paper writes it, rows times Dᵀ
+
+    Raises InvalidInput for more than one state; GimbalLock for Cardano coordinates at |cos β| below 1e-4.
+    """
+    if coordinates not in ("twist", "cardano"):
+        raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")
+    x = one_state(model, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
+    state = maximal_state(model, x["q"], x["v"])
+    system = _kkt(state, x["tau"], x["external_wrenches"])
+    return system if coordinates == "twist" else cardano_system(state, system)
+
+
+def _kkt(state: MaximalState, tau: Array, external_wrenches: Array) -> KKTSystem:
+    phi_q, zeta = constraints(state)
+    return KKTSystem(mass_terms(state), phi_q, applied_terms(state, tau, external_wrenches), zeta)
+
+
+def _inertial_terms(state: MaximalState, accelerations: Array) -> Array:
+    """A q̈ per body (…, n, 6)."""
+    return np.einsum("iab,...ib->...ia", mass_blocks(state), accelerations)
+
+
+def _projected_mass(state: MaximalState, n: Array) -> Array:
+    blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, 6, -1)
+    mass = np.einsum("...iak,iab,...ibl->...kl", blocks, mass_blocks(state), blocks, optimize=True)
+    return (mass + np.swapaxes(mass, -1, -2)) / 2
+
+
+def _check_method(method: str) -> None:
+    if method not in METHODS:
+        raise InvalidInput(f"method is '{method}'; use one of {', '.join(METHODS)}")
+
+
+def _refuse_singular(model: RobotModel, mass: Array) -> None:
+    """Singular: M scaled to unit diagonal has an eigenvalue at rounding level, or a zero on the diagonal."""
+    diagonal = np.abs(np.diagonal(mass, axis1=-2, axis2=-1))
+    if mass.size == 0:
+        return
+    scale = np.where(diagonal > 0, diagonal, 1.0) ** -0.5
+    values, vectors = np.linalg.eigh(mass * scale[..., :, None] * scale[..., None, :])
+    singular = np.abs(values).min(axis=-1) <= model.n_bodies * np.finfo(float).eps * np.abs(values).max(axis=-1)
+    singular |= (diagonal == 0).any(axis=-1)
+    if not singular.any():
+        return
+    row = tuple(int(k) for k in np.argwhere(singular)[0])
+    weakest = vectors[row][:, int(np.abs(values[row]).argmin())]
+    joint = int(np.abs(weakest).argmax())
+    massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
+    cause = f"bodies without mass or inertia: {', '.join(massless)}" if massless else "see physical_consistency()"
+    raise SingularMassMatrix(
+        f"the mass matrix of robot '{model.name}' is singular{f' in row {row}' if row else ''}: joint "
+        f"'{model.joint_names[joint]}' moves without inertia, so torques do not determine accelerations ({cause})"
+    )

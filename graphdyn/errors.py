@@ -1,0 +1,43 @@
+"""What graphdyn refuses, and the facts each refusal carries."""
+
+from collections.abc import Sequence
+
+
+class GraphDynError(Exception):
+    """Base of every error that graphdyn, urdf and crosscheck raise on purpose."""
+
+
+class InvalidModel(GraphDynError, ValueError):
+    """A body, joint or tree that no rigid-body system can have; the message names the element."""
+
+
+class InvalidInput(GraphDynError, ValueError):
+    """An array argument of the wrong shape, or with NaN or infinities; the message names argument and row."""
+
+
+class SingularMassMatrix(GraphDynError, ArithmeticError):
+    """The joint-space mass matrix is singular: the accelerations are not determined by the torques."""
+
+
+class InconsistentState(GraphDynError, ValueError):
+    """A maximal state whose bodies are not where their joints hold them."""
+
+
+class GimbalLock(GraphDynError, ArithmeticError):
+    """Cardano coordinates asked for where cos(beta) of a body vanishes (det D = cos beta, Eq. 33)."""
+
+
+class RankDeficientConstraints(GraphDynError, ArithmeticError):
+    """The rows of φ_q are linearly dependent.
+
+    rank: numerical rank of φ_q
+    n_rows: number of constraint rows
+    rows: names of the rows that take part in the dependency, strongest first ("phi_24": joint 2, row 4)
+    """
+
+    def __init__(self, rank: int, n_rows: int, rows: Sequence[str]):
+        self.rank, self.n_rows, self.rows = rank, n_rows, tuple(rows)
+        super().__init__(
+            f"the constraint Jacobian has rank {rank}, expected {n_rows}; dependent rows: {', '.join(rows)}. "
+            "The multipliers of these rows are not determined; use constraint rows that are independent in every pose"
+        )

@@ -1,0 +1,64 @@
+"""The dynamics as linear functions of the inertial parameters π (ten per body, Body.parameters)."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arrays import joint_arrays
+from graphdyn.kinematics import MaximalState, link_origins, maximal_state, null_space
+from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array
+from graphdyn.model import RobotModel
+from graphdyn.rotation import skew
+
+
+def body_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+    """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
+
+    The Newton-Euler equations (22), (23) moved from the center of mass to the link origin, where they are linear
+    in m, m c and I. The identification matrix of Eq. (49) is its counterpart with known centers of mass.
+    q, v, a: (…, n). Raises InvalidInput.
+    """
+    x = joint_arrays(model, q=q, v=v, a=a)
+    return _body_regressor(maximal_state(model, x["q"], x["v"], x["a"]))
+
+
+def joint_torque_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+    """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
+
+    The body regressors projected onto the joints, as the null space projects the body wrenches.
+    q, v, a: (…, n). Raises InvalidInput.
+    """
+    x = joint_arrays(model, q=q, v=v, a=a)
+    state = maximal_state(model, x["q"], x["v"], x["a"])
+    n = model.n_bodies
+    columns = null_space(state).reshape(*x["q"].shape[:-1], n, 6, n)
+    # velocity of the link origin instead of the center of mass, in link axes: ṙ_O = ṙ - ω × c
+    in_link = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
+    centers = np.stack([body.center_of_mass for body in model.bodies])
+    in_link = in_link + skew(centers) @ columns[..., ANGULAR, :]
+    at_origin = np.concatenate([in_link, columns[..., ANGULAR, :]], axis=-2)
+    blocks = np.einsum("...iak,...iap->...kip", at_origin, _body_regressor(state))
+    return blocks.reshape(*x["q"].shape, BODY_PARAMETERS * n)
+
+
+def _body_regressor(state: MaximalState) -> Array:
+    assert state.acceleration is not None
+    omega, alpha = state.velocity[..., ANGULAR], state.acceleration[..., ANGULAR]
+    to_center = state.position - link_origins(state)
+    spin, turn = (np.einsum("...iab,...ib->...ia", state.rotation, w) for w in (omega, alpha))
+    at_origin = state.acceleration[..., LINEAR] - np.cross(turn, to_center) - np.cross(spin, np.cross(spin, to_center))
+    felt = np.einsum("...iba,...ib->...ia", state.rotation, at_origin - state.model.gravity)
+    w, w_dot = skew(omega), skew(alpha)
+    y = np.zeros((*felt.shape[:-1], 6, BODY_PARAMETERS))
+    y[..., LINEAR, 0] = felt
+    y[..., LINEAR, 1:4] = w_dot + w @ w
+    y[..., ANGULAR, 1:4] = -skew(felt)
+    y[..., ANGULAR, 4:] = _tensor_columns(alpha) + w @ _tensor_columns(omega)
+    return y
+
+
+def _tensor_columns(x: Array) -> Array:
+    """L(x) (…, 3, 6) with I x = L(x) (I_xx, I_xy, I_yy, I_xz, I_yz, I_zz)."""
+    x1, x2, x3 = x[..., 0], x[..., 1], x[..., 2]
+    o = np.zeros_like(x1)
+    rows = [[x1, x2, o, x3, o, o], [o, x1, x2, o, x3, o], [o, o, o, x1, x2, x3]]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
