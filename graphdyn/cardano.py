@@ -9,6 +9,7 @@ from graphdyn.errors import GimbalLock
 from graphdyn.kinematics import MaximalState
 from graphdyn.kkt import KKTSystem
 from graphdyn.layout import ANGULAR, LINEAR, Array, block_diagonal, stacked
+from graphdyn.linear import apply
 from graphdyn.rotation import cardano_rate_matrix, cardano_rate_matrix_derivative, cos_beta
 
 GIMBAL_LOCK = 1e-4
@@ -25,27 +26,33 @@ def cardano_system(state: MaximalState, twist: KKTSystem) -> KKTSystem:
             f"body '{state.model.body_names[body]}' is at |cos β| = {cosines.min():.1e}, below {GIMBAL_LOCK:g}: the "
             "Cardano angles do not determine its motion there; use coordinates='twist', regular in every pose"
         )
-    rates = state.cardano_rates
-    to_twist = rate_map(state)
-    drift = np.zeros_like(state.velocity)
-    drift[..., ANGULAR] = np.einsum("...ab,...b->...a", cardano_rate_matrix_derivative(state.cardano, rates), rates)
+    return cardano_form(state, twist)
+
+
+def cardano_form(state: MaximalState, twist: KKTSystem) -> KKTSystem:
+    """As cardano_system, at any |cos β| > 0: for showing what happens near gimbal lock."""
+    to_twist, drift = rate_map(state), cardano_drift(state)
     transposed = np.swapaxes(to_twist, -1, -2)
     return KKTSystem(
         mass=transposed @ twist.mass @ to_twist,
         constraint_jacobian=twist.constraint_jacobian @ to_twist,
-        force=_apply(transposed, twist.force - _apply(twist.mass, stacked(drift))),
-        zeta=twist.zeta - _apply(twist.constraint_jacobian, stacked(drift)),
+        force=apply(transposed, twist.force - apply(twist.mass, drift)),
+        zeta=twist.zeta - apply(twist.constraint_jacobian, drift),
         coordinates="cardano",
     )
 
 
 def rate_map(state: MaximalState) -> Array:
-    """diag(E, D_1, …, E, D_n) (…, 6n, 6n): from (ṙ, θ̇) to (ṙ, ω)."""
+    """T = diag(E, D_1, …, E, D_n) (…, 6n, 6n): from (ṙ, θ̇) to (ṙ, ω), Eq. (33)."""
     blocks = np.zeros((*state.velocity.shape, 6))
     blocks[..., LINEAR, LINEAR] = np.eye(3)
     blocks[..., ANGULAR, ANGULAR] = cardano_rate_matrix(state.cardano)
     return block_diagonal(blocks)
 
 
-def _apply(matrix: Array, vector: Array) -> Array:
-    return (matrix @ vector[..., None])[..., 0]
+def cardano_drift(state: MaximalState) -> Array:
+    """Ṫ (ṙ, θ̇) (…, 6n): (r̈, ω̇) = T (r̈, θ̈) + this; its angular parts are Ḋ θ̇, Eq. (34)."""
+    rates = state.cardano_rates
+    drift = np.zeros_like(state.velocity)
+    drift[..., ANGULAR] = apply(cardano_rate_matrix_derivative(state.cardano, rates), rates)
+    return stacked(drift)

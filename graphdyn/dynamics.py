@@ -24,6 +24,7 @@ from graphdyn.kinematics import (
 )
 from graphdyn.kkt import Coordinates, KKTSystem
 from graphdyn.layout import Array, per_body, stacked
+from graphdyn.linear import apply, solve
 from graphdyn.model import RobotModel
 from graphdyn.reactions import in_link_axes, join_reactions, split_reactions, transmitted_wrenches
 from graphdyn.unconstrained import actuator_terms, applied_terms, mass_blocks, mass_terms, passive_terms
@@ -94,9 +95,9 @@ def forward_dynamics(
         return ForwardDynamics(a, accelerations, solution.multipliers, in_link_axes(state, wrenches))
     passive = passive_terms(state, x["external_wrenches"])
     free = _inertial_terms(state, bias) - passive
-    right = x["tau"] - np.einsum("...rk,...r->...k", n, stacked(free))
-    a = np.linalg.solve(mass, right[..., None])[..., 0]
-    accelerations = bias + per_body(np.einsum("...rk,...k->...r", n, a))
+    right = x["tau"] - apply(np.swapaxes(n, -1, -2), stacked(free))
+    a = solve(mass, right)
+    accelerations = bias + per_body(apply(n, a))
     wrenches = transmitted_wrenches(state, _inertial_terms(state, accelerations) - passive)
     multipliers, _ = split_reactions(state, wrenches)
     return ForwardDynamics(a, accelerations, multipliers, in_link_axes(state, wrenches))
@@ -127,7 +128,7 @@ def inverse_dynamics(
     if method == "dense":
         phi_q, _ = constraints(state)
         matrix = np.concatenate([actuator_terms(state), -np.swapaxes(phi_q, -1, -2)], axis=-1)
-        unknowns = np.linalg.solve(matrix, stacked(required)[..., None])[..., 0]
+        unknowns = solve(matrix, stacked(required))
         tau = unknowns[..., : model.n_bodies]
         multipliers = unknowns[..., model.n_bodies :].reshape(*tau.shape, 5)
         wrenches = join_reactions(state, multipliers, tau)

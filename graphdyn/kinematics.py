@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from graphdyn.arrays import joint_arrays
 from graphdyn.errors import InconsistentState, InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
+from graphdyn.linear import solve
 from graphdyn.model import RobotModel
 from graphdyn.rotation import cardano_angles, cardano_rate_matrix, rotation_about
 from graphdyn.vertices import Vertices, constraint_values
@@ -64,8 +65,7 @@ class MaximalState:
     def cardano_rates(self) -> Array:
         """θ̇ = D⁻¹ ω (…, n, 3) [rad/s], Eq. (3), (33). Grows without bound towards gimbal lock."""
         d = cardano_rate_matrix(self.cardano)
-        rates: Array = np.linalg.solve(d, self.velocity[..., ANGULAR, None])[..., 0]
-        return rates
+        return solve(d, self.velocity[..., ANGULAR])
 
     def constraint_residual(self) -> Array:
         """φ (…, n, 5), Eq. (65)-(105): how far the bodies are from where the joints hold them. [m, -]"""

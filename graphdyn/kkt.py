@@ -15,6 +15,7 @@ import numpy as np
 
 from graphdyn.errors import RankDeficientConstraints, SingularMassMatrix
 from graphdyn.layout import Array, constraint_row_names, per_joint
+from graphdyn.linear import apply, solve
 
 Coordinates = Literal["twist", "cardano"]
 
@@ -86,7 +87,7 @@ class KKTSystem:
     def solve_unchecked(self) -> KKTSolution:
         """As solve, without the two rank tests: for systems whose rank is known."""
         balance = self._balance()
-        solution = np.linalg.solve(self._balanced(), (self.rhs * balance)[..., None])[..., 0] * balance
+        solution = solve(self._balanced(), self.rhs * balance) * balance
         n_freedoms = self.mass.shape[-1]
         return KKTSolution(self, solution[..., :n_freedoms], solution[..., n_freedoms:])
 
@@ -138,8 +139,8 @@ class KKTSolution:
         """‖A q̈ + φ_qᵀλ - B‖∞ relative to the largest of the terms that are summed (…)."""
         s = self.system
         terms = (
-            _apply(s.mass, self.acceleration),
-            _apply(np.swapaxes(s.constraint_jacobian, -1, -2), self.stacked_multipliers),
+            apply(s.mass, self.acceleration),
+            apply(np.swapaxes(s.constraint_jacobian, -1, -2), self.stacked_multipliers),
             -s.force,
         )
         return _relative(terms)
@@ -148,11 +149,7 @@ class KKTSolution:
         """‖φ_q q̈ - ζ‖∞ relative to the largest of the terms that are summed (…)."""
         s = self.system
         # φ_q q̈ is itself a sum of terms that cancel: the accelerations of the two bodies at the joint
-        return _relative((_apply(s.constraint_jacobian, self.acceleration), -s.zeta), self.acceleration)
-
-
-def _apply(matrix: Array, vector: Array) -> Array:
-    return (matrix @ vector[..., None])[..., 0]
+        return _relative((apply(s.constraint_jacobian, self.acceleration), -s.zeta), self.acceleration)
 
 
 def _relative(terms: tuple[Array, ...], *inner: Array) -> Array:

@@ -7,6 +7,7 @@ import numpy as np
 
 from graphdyn.kinematics import MaximalState
 from graphdyn.layout import ANGULAR, LINEAR, Array, block_diagonal, stacked, stacked_rows
+from graphdyn.linear import apply
 from graphdyn.vertices import joint_vectors
 
 
@@ -72,5 +73,4 @@ def actuator_terms(state: MaximalState) -> Array:
 
 def applied_terms(state: MaximalState, tau: Array, external_wrenches: Array) -> Array:
     """B (…, 6n), Eq. (37)-(39): passive terms and actuators."""
-    driven = np.einsum("...rk,...k->...r", actuator_terms(state), tau)
-    return stacked(passive_terms(state, external_wrenches)) + driven
+    return stacked(passive_terms(state, external_wrenches)) + apply(actuator_terms(state), tau)

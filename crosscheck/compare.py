@@ -1,0 +1,254 @@
+"""The cross-check of one robot: graphdyn against Pinocchio, number by number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import urdf
+from crosscheck.baseline import Identification, compare_identification
+from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.quantities import (
+    BY_NAME,
+    QUANTITIES,
+    Conditioning,
+    Quantity,
+    forward_errors,
+    passive_errors,
+    rank_errors,
+)
+from crosscheck.states import Case, cases
+from graphdyn import InvalidInput, RobotModel, SingularMassMatrix, forward_dynamics
+from graphdyn.layout import Array
+from urdf.catalogue import locate
+
+CHUNK = 250
+"""States handled at once: keeps the dense 11n × 11n systems of a chunk within some tens of megabytes."""
+
+ROUTES = {"urdf": "Pinocchio builds the same file", "model": "Pinocchio is built from our model"}
+
+Progress = Callable[[str, int], None]
+"""Called with the name of a case and the number of states just done."""
+
+
+@dataclass(frozen=True)
+class WorstState:
+    """Where an error is largest, with the numbers to reproduce it."""
+
+    route: str
+    case: str
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    a: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class QuantityResult:
+    """One quantity over all routes, cases and samples.
+
+    max_relative_error: largest error on the scale of crosscheck.quantities; NaN counts as infinite
+    by_case: largest error of each case; by_route: of each route
+    """
+
+    quantity: Quantity
+    max_relative_error: float
+    by_case: Mapping[str, float]
+    by_route: Mapping[str, float]
+    worst: WorstState | None
+
+    @property
+    def agrees(self) -> bool:
+        return self.max_relative_error <= self.quantity.tolerance.bound
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The verdict on one robot.
+
+    quantities: by name, in the order of the table
+    not_compared: quantities left out, with the reason
+    routes: which of ROUTES were taken; notes: what the reader must know (a route Pinocchio refused, …)
+    """
+
+    robot: str
+    n_bodies: int
+    samples: int
+    seed: int
+    locked: Mapping[str, float]
+    routes: tuple[str, ...]
+    quantities: Mapping[str, QuantityResult]
+    not_compared: Mapping[str, str]
+    conditioning: Conditioning
+    identification: Identification | None
+    notes: tuple[str, ...]
+
+    @property
+    def agrees(self) -> bool:
+        return all(result.agrees for result in self.quantities.values())
+
+
+class Disagreement(AssertionError):
+    """Raised by assert_agrees; prints the table. comparison: all numbers."""
+
+    def __init__(self, comparison: Comparison):
+        from crosscheck.report import as_text  # the report knows comparisons, not the other way round
+
+        self.comparison = comparison
+        super().__init__(f"graphdyn and Pinocchio disagree on '{comparison.robot}'\n{as_text(comparison)}")
+
+
+def compare(
+    robot: str | Path | RobotModel,
+    samples: int = 1000,
+    seed: int = 0,
+    *,
+    lock: Mapping[str, float] | Iterable[str] | None = None,
+    gravity: ArrayLike | None = None,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Compare all quantities at random and at awkward states.
+
+    robot: name (urdf.robots), path of a URDF (both routes), or RobotModel (route "model" only, and notes say so)
+    samples: random states; the awkward ones come on top
+    lock, gravity: as in urdf.load, for names and paths only
+
+    Raises InvalidInput for samples < 1, or lock or gravity given with a RobotModel; urdf's errors for a file that
+    cannot be loaded.
+    """
+    if samples < 1:
+        raise InvalidInput(f"samples is {samples}; at least one random state is needed")
+    notes: list[str] = []
+    if isinstance(robot, RobotModel):
+        if lock is not None or gravity is not None:
+            raise InvalidInput(
+                "lock and gravity apply to names and files; a RobotModel already has its joints and gravity"
+            )
+        model, locked = robot, {}
+        notes.append("route 'urdf' not taken: a RobotModel was given, not a file")
+    else:
+        locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock or (), 0.0)
+        model = urdf.load(robot, lock=locked or None, gravity=gravity)
+    referees = {"model": PinocchioModel.from_model(model)}
+    if not isinstance(robot, RobotModel):
+        try:
+            referees = {"urdf": PinocchioModel.from_urdf(locate(robot)[0], model, locked), **referees}
+        except PinocchioRefuses as refusal:
+            notes.append(f"route 'urdf' not taken: {refusal}")
+
+    record = _Record()
+    reason = _why_not_forward(model)
+    skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
+    for case in cases(model, samples, seed):
+        for chunk in _chunks(case):
+            for route, referee in referees.items():
+                turned = referee.turned(chunk.turn, chunk.model.gravity)
+                tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
+                reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
+                record.add(route, chunk, passive_errors(chunk, reference))
+                if reason is None:
+                    record.add(route, chunk, forward_errors(chunk, tau, reference))
+            errors, conditioning = rank_errors(chunk, tau, regular=reason is None)
+            record.add("model", chunk, errors)
+            record.condition(conditioning)
+            if progress:
+                progress(case.name, len(chunk.q))
+    identification = None
+    if any(body.mass > 0 for body in model.bodies):
+        identification = compare_identification(model, referees["model"], seed)
+        missing = abs(identification.rank - identification.rank_there)
+        error = np.inf if missing else max(identification.difference, identification.error)
+        record.add_summary("model", "base_parameters", error)
+    else:
+        skipped["base_parameters"] = "no body has mass: kinematics only"
+        notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
+    assert record.conditioning is not None
+    return Comparison(
+        robot=model.name if isinstance(robot, RobotModel) else str(robot),
+        n_bodies=model.n_bodies,
+        samples=samples,
+        seed=seed,
+        locked=locked,
+        routes=tuple(referees),
+        quantities=record.results(),
+        not_compared=skipped,
+        conditioning=record.conditioning,
+        identification=identification,
+        notes=tuple(notes),
+    )
+
+
+def assert_agrees(robot: str | Path | RobotModel, samples: int = 1000, seed: int = 0, **options: object) -> Comparison:
+    """compare, for test suites: returns the Comparison, or raises Disagreement (an AssertionError) with the table."""
+    comparison = compare(robot, samples, seed, **options)  # type: ignore[arg-type]
+    if not comparison.agrees:
+        raise Disagreement(comparison)
+    return comparison
+
+
+def _chunks(case: Case) -> Iterable[Case]:
+    for start in range(0, len(case.q), CHUNK):
+        part = slice(start, start + CHUNK)
+        tau = None if case.tau is None else case.tau[part]
+        yield replace(
+            case,
+            q=case.q[part],
+            v=case.v[part],
+            a=case.a[part],
+            tau=tau,
+            external_wrenches=case.external_wrenches[part],
+        )
+
+
+def _why_not_forward(model: RobotModel) -> str | None:
+    """Why forward dynamics cannot be compared, or None. Judged at random states, where no pose is special."""
+    q, v = model.random_state(np.random.default_rng(0), 10)
+    try:
+        forward_dynamics(model, q, v, np.zeros_like(q))
+    except SingularMassMatrix as error:
+        return str(error)
+    return None
+
+
+class _Record:
+    """Largest errors so far."""
+
+    def __init__(self) -> None:
+        self._by_case: dict[str, dict[str, float]] = {}
+        self._by_route: dict[str, dict[str, float]] = {}
+        self._worst: dict[str, tuple[float, WorstState | None]] = {}
+        self.conditioning: Conditioning | None = None
+
+    def add(self, route: str, case: Case, errors: Mapping[str, Array]) -> None:
+        for name, values in errors.items():
+            values = np.where(np.isnan(values), np.inf, values)
+            k = int(values.argmax())
+            self._note(name, route, case.name, float(values[k]))
+            if name not in self._worst or values[k] > self._worst[name][0]:
+                state = (tuple(x[k].tolist()) for x in (case.q, case.v, case.a))
+                self._worst[name] = float(values[k]), WorstState(route, case.name, *state)
+
+    def add_summary(self, route: str, name: str, error: float) -> None:
+        """An error that belongs to all samples together."""
+        self._note(name, route, "all states", error)
+        self._worst[name] = error, None
+
+    def condition(self, conditioning: Conditioning) -> None:
+        self.conditioning = conditioning if self.conditioning is None else self.conditioning.merged(conditioning)
+
+    def results(self) -> dict[str, QuantityResult]:
+        return {
+            name: QuantityResult(
+                quantity, self._worst[name][0], self._by_case[name], self._by_route[name], self._worst[name][1]
+            )
+            for name, quantity in BY_NAME.items()
+            if name in self._worst
+        }
+
+    def _note(self, name: str, route: str, case: str, error: float) -> None:
+        for table, key in ((self._by_case, case), (self._by_route, route)):
+            row = table.setdefault(name, {})
+            row[key] = max(row.get(key, 0.0), error)

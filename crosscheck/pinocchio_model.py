@@ -1,0 +1,243 @@
+"""The referee: the same robot in Pinocchio. The only file that imports it.
+
+Two routes lead here: Pinocchio builds the URDF file itself (which checks our import), or it is built from our
+RobotModel through its API (which checks our dynamics). Results come back in the order and the axes of graphdyn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from graphdyn import GraphDynError, Placement, RobotModel
+from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_columns
+
+VERSION: str = pin.__version__
+
+
+class PinocchioRefuses(GraphDynError, ValueError):
+    """Pinocchio cannot build this file, or builds a robot with other joints."""
+
+
+@dataclass(frozen=True, eq=False)
+class RefereeValues:
+    """What Pinocchio computes at N states; bodies and joints in graphdyn's order.
+
+    rotation, position: link frames in the world            (N, n, 3, 3), (N, n, 3)
+    velocity, acceleration: ṙ, r̈ of the centers of mass in world axes, ω, ω̇ in body axes   (N, n, 6)
+    tau, joint_wrenches: rnea and its data.f                (N, n), (N, n, 6)
+    a: aba at the given torques                             (N, n)
+    mass_matrix, bias: crba, nonLinearEffects               (N, n, n), (N, n)
+    torque_regressor, body_regressor: computeJointTorqueRegressor, jointBodyRegressor   (N, n, 10n), (N, n, 6, 10)
+    tau_external, joint_wrenches_external, a_external: rnea, data.f and aba with the external wrenches
+    a_wrenches, a_body_accelerations: data.f and body accelerations at a, the answer of the forward problem
+    """
+
+    rotation: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    tau: Array
+    joint_wrenches: Array
+    a: Array
+    a_wrenches: Array
+    a_body_accelerations: Array
+    mass_matrix: Array
+    bias: Array
+    torque_regressor: Array
+    body_regressor: Array
+    tau_external: Array
+    joint_wrenches_external: Array
+    a_external: Array
+
+
+class PinocchioModel:
+    """One robot in Pinocchio, driven with graphdyn's joint order and plain joint angles."""
+
+    def __init__(self, native: pin.Model, model: RobotModel):
+        self._native, self._model = native, model
+        self._data = native.createData()
+        expected, known = set(model.joint_names), set(native.names[1:])
+        if expected != known:
+            raise PinocchioRefuses(
+                f"robot '{model.name}': Pinocchio has other joints; only here: {sorted(expected - known)}, "
+                f"only there: {sorted(known - expected)}"
+            )
+        self._ids = [native.getJointId(name) for name in model.joint_names]
+        self._joints = [native.joints[k] for k in self._ids]
+        self._columns = np.array([joint.idx_v for joint in self._joints])
+        native.gravity = pin.Motion(np.array(model.gravity), np.zeros(3))
+
+    @classmethod
+    def from_urdf(cls, path: Path, model: RobotModel, lock: Mapping[str, float]) -> PinocchioModel:
+        """Pinocchio's own reading of the file, with joints locked as in urdf.load. Raises PinocchioRefuses."""
+        try:
+            native = pin.buildModelFromUrdf(str(path))
+        except Exception as error:  # Pinocchio raises bare C++ exceptions of several types
+            raise PinocchioRefuses(f"Pinocchio cannot read {path}: {str(error).strip()}") from error
+        if lock:
+            reference = pin.neutral(native)
+            for name, value in lock.items():
+                _write(native.joints[native.getJointId(name)], reference, value)
+            native = pin.buildReducedModel(native, [native.getJointId(name) for name in lock], reference)
+        return cls(native, model)
+
+    @classmethod
+    def from_model(cls, model: RobotModel) -> PinocchioModel:
+        """The RobotModel, body by body through Pinocchio's API."""
+        native = pin.Model()
+        native.name = model.name
+        ids = {0: 0}
+
+        def add_outside(i: int) -> None:  # depth first: Pinocchio's algorithms rely on that order
+            for j in model.graph.outside(i):
+                joint, body = model.joints[j - 1], model.bodies[j - 1]
+                # a continuous joint is a plain angle here: the (cos, sin) joint takes no axis in the Python bindings
+                kind = pin.JointModelPrismaticUnaligned if joint.is_prismatic else pin.JointModelRevoluteUnaligned
+                ids[j] = native.addJoint(ids[i], kind(np.array(joint.axis)), _se3(joint.placement), joint.name)
+                inertia = pin.Inertia(body.mass, np.array(body.center_of_mass), np.array(body.inertia))
+                native.appendBodyToJoint(ids[j], inertia, pin.SE3.Identity())
+                add_outside(j)
+
+        add_outside(0)
+        return cls(native, model).turned(model.base, model.gravity)
+
+    def turned(self, base: Placement, gravity: Array) -> PinocchioModel:
+        """The same robot with its ground frame moved by base, under another gravity."""
+        native = pin.Model(self._native)
+        for k in range(1, native.njoints):
+            if native.parents[k] == 0:
+                native.jointPlacements[k] = _se3(base) * native.jointPlacements[k]
+        for k, frame in enumerate(native.frames):
+            if frame.parentJoint == 0:
+                native.frames[k].placement = _se3(base) * frame.placement
+        return PinocchioModel(native, self._model.with_gravity(gravity))
+
+    def frame_placement(self, q: Array, name: str) -> tuple[Array, Array]:
+        """Rotation and position of a named link or fixed joint at one state. Raises PinocchioRefuses if unknown."""
+        if not self._native.existFrame(name):
+            raise PinocchioRefuses(f"Pinocchio has no frame '{name}'")
+        pin.framesForwardKinematics(self._native, self._data, self.configuration(q))
+        placement = self._data.oMf[self._native.getFrameId(name)]
+        return placement.rotation, placement.translation
+
+    def configuration(self, q: Array) -> Array:
+        """Pinocchio's q (nq,) of one state: continuous joints as (cos, sin), others as they are."""
+        full = np.empty(self._native.nq)
+        for joint, value in zip(self._joints, q, strict=True):
+            _write(joint, full, value)
+        return full
+
+    def rnea(self, q: Array, v: Array, a: Array) -> Array:
+        """τ (N, n) of N states."""
+        rows = [
+            pin.rnea(self._native, self._data, self.configuration(q_k), self._there(v_k), self._there(a_k))
+            for q_k, v_k, a_k in zip(q, v, a, strict=True)
+        ]
+        return np.array(rows).reshape(q.shape)[..., self._columns]
+
+    def torque_regressor(self, q: Array, v: Array, a: Array) -> Array:
+        """computeJointTorqueRegressor at N states (N, n, 10n)."""
+        rows = [
+            pin.computeJointTorqueRegressor(
+                self._native, self._data, self.configuration(q_k), self._there(v_k), self._there(a_k)
+            )[np.ix_(self._columns, self._parameter_columns())]
+            for q_k, v_k, a_k in zip(q, v, a, strict=True)
+        ]
+        return np.array(rows).reshape(*q.shape, BODY_PARAMETERS * q.shape[-1])
+
+    def evaluate(self, q: Array, v: Array, a: Array, tau: Array, external_wrenches: Array) -> RefereeValues:
+        """Everything that is compared, at N states: q, v, a, tau (N, n), external_wrenches (N, n, 6)."""
+        rows = [self._evaluate_one(*state) for state in zip(q, v, a, tau, external_wrenches, strict=True)]
+        values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        rotation, velocity = values["rotation"], values["velocity"]
+        # raw spatial vectors so far; moved to the centers of mass for all states at once
+        _, forward = self._at_centers(rotation, velocity, values["a_body_accelerations"])
+        values["velocity"], values["acceleration"] = self._at_centers(rotation, velocity, values["acceleration"])
+        return RefereeValues(**{**values, "a_body_accelerations": forward})
+
+    def _evaluate_one(self, q: Array, v: Array, a: Array, tau: Array, external: Array) -> dict[str, Array]:
+        native, data, columns = self._native, self._data, self._columns
+        q, v, a, tau = self.configuration(q), self._there(v), self._there(a), self._there(tau)
+        forces = pin.StdVec_Force()
+        forces.extend(pin.Force.Zero() for _ in range(native.njoints))
+        for k, wrench in zip(self._ids, external, strict=True):
+            forces[k] = pin.Force(np.array(wrench))
+        row = {}
+        row["tau_external"] = pin.rnea(native, data, q, v, a, forces)[columns]
+        row["joint_wrenches_external"] = self._joint_wrenches()
+        row["tau"] = pin.rnea(native, data, q, v, a)[columns]
+        row["joint_wrenches"] = self._joint_wrenches()
+        row["bias"] = pin.nonLinearEffects(native, data, q, v)[columns]
+        mass = np.triu(pin.crba(native, data, q))
+        mass = mass + np.triu(mass, 1).T
+        row["mass_matrix"] = mass[np.ix_(columns, columns)]
+        regressor = pin.computeJointTorqueRegressor(native, data, q, v, a)
+        row["torque_regressor"] = regressor[np.ix_(columns, self._parameter_columns())]
+        pin.rnea(native, data, q, v, a)
+        row["body_regressor"] = np.array([pin.jointBodyRegressor(native, data, k) for k in self._ids])
+        pin.forwardKinematics(native, data, q, v, a)
+        row["rotation"] = np.array([data.oMi[k].rotation for k in self._ids])
+        row["position"] = np.array([data.oMi[k].translation for k in self._ids])
+        row["velocity"], row["acceleration"] = self._spatial(data.v), self._spatial(data.a)
+        row["a_external"] = self._aba(q, v, tau, forces)[columns]
+        a = self._aba(q, v, tau)
+        row["a"] = a[columns]
+        pin.rnea(native, data, q, v, a)
+        row["a_wrenches"] = self._joint_wrenches()
+        pin.forwardKinematics(native, data, q, v, a)
+        row["a_body_accelerations"] = self._spatial(data.a)
+        return row
+
+    def _aba(self, q: Array, v: Array, tau: Array, forces: pin.StdVec_Force | None = None) -> Array:
+        arguments = (self._native, self._data, q, v, tau)
+        a = pin.aba(*arguments) if forces is None else pin.aba(*arguments, forces)
+        return np.array(a)
+
+    def _joint_wrenches(self) -> Array:
+        return np.array([self._data.f[k].vector for k in self._ids])
+
+    def _spatial(self, vectors: pin.StdVec_Motion) -> Array:
+        """data.v or data.a of the bodies (n, 6), in link axes at the link origins."""
+        return np.array([vectors[k].vector for k in self._ids])
+
+    def _at_centers(self, rotation: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
+        """ṙ and ω, r̈ and ω̇ (N, n, 6) from spatial velocities and accelerations at the link origins."""
+        center = np.array([self._native.inertias[k].lever for k in self._ids])
+        linear, omega = velocity[..., LINEAR], velocity[..., ANGULAR]
+        alpha = acceleration[..., ANGULAR]
+        at_center = linear + np.cross(omega, center)
+        classical = acceleration[..., LINEAR] + np.cross(omega, linear)
+        classical = classical + np.cross(alpha, center) + np.cross(omega, np.cross(omega, center))
+
+        def in_world(vectors: Array) -> Array:
+            return np.einsum("...ab,...b->...a", rotation, vectors)
+
+        return (
+            np.concatenate([in_world(at_center), omega], axis=-1),
+            np.concatenate([in_world(classical), alpha], axis=-1),
+        )
+
+    def _there(self, values: Array) -> Array:
+        """A joint-space vector in Pinocchio's order."""
+        full = np.empty(self._native.nv)
+        full[self._columns] = values
+        return full
+
+    def _parameter_columns(self) -> Array:
+        """Column numbers of Pinocchio's regressor in graphdyn's body order."""
+        every = np.arange(BODY_PARAMETERS * self._native.nv)
+        return np.concatenate([every[parameter_columns(k)] for k in self._ids])
+
+
+def _se3(placement: Placement) -> pin.SE3:
+    return pin.SE3(np.array(placement.rotation), np.array(placement.translation))
+
+
+def _write(joint: pin.JointModel, full: Array, value: float) -> None:
+    """Write one joint position into Pinocchio's q; a continuous joint takes two entries, (cos, sin)."""
+    full[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))

@@ -1,0 +1,265 @@
+"""What is compared, and how each error is measured (docs/notation.md names the quantities).
+
+Every function returns one relative error per sample (N,): ‖x - reference‖∞ over a scale that cannot vanish.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.pinocchio_model import RefereeValues
+from crosscheck.states import Case
+from crosscheck.tolerances import (
+    ACCELERATION,
+    AGREEMENT,
+    FORWARD_WRENCH,
+    IDENTIFICATION,
+    RANK,
+    RESIDUAL,
+    ROUND_TRIP,
+    Tolerance,
+)
+from graphdyn import (
+    RobotModel,
+    bias_torque,
+    body_regressor,
+    forward_dynamics,
+    inverse_dynamics,
+    joint_torque_regressor,
+    mass_matrix,
+    maximal_state,
+)
+from graphdyn.constraints import constraints
+from graphdyn.kinematics import link_origins
+from graphdyn.kkt import KKTSystem
+from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.unconstrained import applied_terms, mass_terms
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One row of the table: what, against which function of Pinocchio, judged how.
+
+    forward: needs a regular mass matrix
+    """
+
+    name: str
+    against: str
+    tolerance: Tolerance
+    forward: bool = False
+
+
+QUANTITIES = (
+    Quantity("link_placement", "forwardKinematics, oMi", AGREEMENT),
+    Quantity("link_twist", "forwardKinematics, v", AGREEMENT),
+    Quantity("body_acceleration", "forwardKinematics, a", AGREEMENT),
+    Quantity("torque", "rnea", AGREEMENT),
+    Quantity("joint_wrench", "rnea, data.f", AGREEMENT),
+    Quantity("multipliers", "rnea, data.f", AGREEMENT),
+    Quantity("torque_external", "rnea with fext", AGREEMENT),
+    Quantity("joint_wrench_external", "rnea with fext, data.f", AGREEMENT),
+    Quantity("mass_matrix", "crba", AGREEMENT),
+    Quantity("bias_torque", "nonLinearEffects", AGREEMENT),
+    Quantity("torque_regressor", "computeJointTorqueRegressor", AGREEMENT),
+    Quantity("body_regressor", "jointBodyRegressor", AGREEMENT),
+    Quantity("acceleration", "aba; ours from the dense system", ACCELERATION, forward=True),
+    Quantity("acceleration_projected", "aba; ours from the null space", ACCELERATION, forward=True),
+    Quantity("acceleration_external", "aba with fext; dense system", ACCELERATION, forward=True),
+    Quantity("forward_body_acceleration", "aba, then a; dense system", ACCELERATION, forward=True),
+    Quantity("forward_joint_wrench", "aba, then rnea; dense system", FORWARD_WRENCH, forward=True),
+    Quantity("forward_multipliers", "aba, then rnea; dense system", FORWARD_WRENCH, forward=True),
+    Quantity("round_trip", "inverse(forward(τ)) = τ", ROUND_TRIP, forward=True),
+    Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", RESIDUAL, forward=True),
+    Quantity("constraint_residual", "φ_q q̈ = ζ", RESIDUAL, forward=True),
+    Quantity("constraint_rank", "φ_q has rank 5n", RANK),
+    Quantity("kkt_rank", "Eq. (111) has rank 11n", RANK, forward=True),
+    Quantity("base_parameters", "same least squares with Pinocchio's regressor", IDENTIFICATION),
+)
+BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
+
+
+@dataclass(frozen=True)
+class Conditioning:
+    """Extremes of rank and condition number over the samples of one case: (smallest, largest)."""
+
+    constraint_rank: tuple[int, int]
+    constraint_condition: tuple[float, float]
+    kkt_rank: tuple[int, int]
+    kkt_condition: tuple[float, float]
+    mass_matrix_condition: tuple[float, float]
+
+    def merged(self, other: Conditioning) -> Conditioning:
+        pairs = ((getattr(self, name), getattr(other, name)) for name in self.__dataclass_fields__)
+        return Conditioning(*((min(a[0], b[0]), max(a[1], b[1])) for a, b in pairs))
+
+
+def passive_errors(case: Case, ref: RefereeValues) -> dict[str, Array]:
+    """Errors of everything that does not need a regular mass matrix."""
+    model, q, v, a = case.model, case.q, case.v, case.a
+    state = maximal_state(model, q, v, a)
+    ours = inverse_dynamics(model, q, v, a)
+    loaded = inverse_dynamics(model, q, v, a, case.external_wrenches)
+    assert state.acceleration is not None
+    multipliers = multipliers_of(model, ref.rotation, ref.joint_wrenches)
+    reach = _reach(model, ref)
+    at_rest = inverse_dynamics(model, q, v, np.zeros_like(a)).joint_wrenches
+    return {
+        "link_placement": np.maximum(
+            _largest(state.rotation - ref.rotation), _relative(link_origins(state), ref.position)
+        ),
+        "link_twist": _by_part(state.velocity, ref.velocity),
+        "body_acceleration": _by_part(state.acceleration, ref.acceleration),
+        "torque": _relative(ours.tau, ref.tau, ref.joint_wrenches),
+        "joint_wrench": _wrenches(ours.joint_wrenches, ref.joint_wrenches, reach),
+        "multipliers": _relative(ours.multipliers, multipliers, ref.joint_wrenches),
+        "torque_external": _relative(loaded.tau, ref.tau_external, ref.joint_wrenches_external),
+        "joint_wrench_external": _wrenches(loaded.joint_wrenches, ref.joint_wrenches_external, reach),
+        "mass_matrix": _relative(mass_matrix(model, q), ref.mass_matrix),
+        "bias_torque": _relative(bias_torque(model, q, v), ref.bias, at_rest),
+        "torque_regressor": _by_parameter_type(
+            joint_torque_regressor(model, q, v, a), ref.torque_regressor, _lever_terms(ref, reach)
+        ),
+        "body_regressor": _by_parameter_type(body_regressor(model, q, v, a), ref.body_regressor),
+    }
+
+
+def forward_errors(case: Case, tau: Array, ref: RefereeValues) -> dict[str, Array]:
+    """Errors of everything that solves for accelerations."""
+    model, q, v = case.model, case.q, case.v
+    dense = forward_dynamics(model, q, v, tau, method="dense")
+    projected = forward_dynamics(model, q, v, tau)
+    loaded = forward_dynamics(model, q, v, tau, case.external_wrenches, method="dense")
+    back = inverse_dynamics(model, q, v, projected.a)
+    system = kkt_batch(case, tau)
+    solution = system.solve_unchecked()
+
+    def scale(a: Array, wrenches: Array) -> Array:
+        return acceleration_scale(ref.mass_matrix, a, tau, wrenches)
+
+    bound = scale(ref.a, ref.a_wrenches)
+    bound_loaded = scale(ref.a_external, ref.joint_wrenches_external)
+    reach = _reach(model, ref)
+    inertial = np.abs(ref.mass_matrix).sum(axis=-1).max(axis=-1) * _largest(ref.a)
+    multipliers = multipliers_of(model, ref.rotation, ref.a_wrenches)
+    body_error = _largest(dense.body_accelerations - ref.a_body_accelerations)
+    return {
+        "acceleration": _ratio(_largest(dense.a - ref.a), bound),
+        "acceleration_projected": _ratio(_largest(projected.a - ref.a), bound),
+        "acceleration_external": _ratio(_largest(loaded.a - ref.a_external), bound_loaded),
+        "forward_body_acceleration": _ratio(
+            body_error, model.n_bodies * np.maximum(1.0, reach) * bound + _largest(ref.a_body_accelerations)
+        ),
+        "forward_joint_wrench": _wrenches(dense.joint_wrenches, ref.a_wrenches, reach),
+        "forward_multipliers": _relative(dense.multipliers, multipliers, ref.a_wrenches),
+        "round_trip": _ratio(
+            _largest(back.tau - tau), np.maximum.reduce([_largest(tau), _largest(back.joint_wrenches), inertial])
+        ),
+        "dynamics_residual": solution.dynamics_residual(),
+        "constraint_residual": solution.constraint_residual(),
+    }
+
+
+def rank_errors(case: Case, tau: Array, regular: bool) -> tuple[dict[str, Array], Conditioning]:
+    """Missing ranks of φ_q and of the matrix of Eq. (111), as parts of the full rank, and the conditioning."""
+    system = kkt_batch(case, tau)
+    rank, kkt_rank = np.asarray(system.constraint_rank()), np.asarray(system.rank())
+    n_rows, size = system.constraint_jacobian.shape[-2], system.matrix.shape[-1]
+    errors = {"constraint_rank": 1.0 - rank / n_rows}
+    if regular:
+        errors["kkt_rank"] = 1.0 - kkt_rank / size
+    conditioning = Conditioning(
+        _range(rank),
+        _range(np.linalg.cond(system.constraint_jacobian)),
+        _range(kkt_rank),
+        _range(np.asarray(system.condition_number())),
+        _range(np.linalg.cond(mass_matrix(case.model, case.q))),
+    )
+    return errors, conditioning
+
+
+def kkt_batch(case: Case, tau: Array) -> KKTSystem:
+    """Eq. (111) at all states of a case at once."""
+    state = maximal_state(case.model, case.q, case.v)
+    phi_q, zeta = constraints(state)
+    applied = applied_terms(state, tau, np.zeros((case.model.n_bodies, 6)))
+    return KKTSystem(
+        np.broadcast_to(mass_terms(state), (*phi_q.shape[:-2], *phi_q.shape[-1:] * 2)), phi_q, applied, zeta
+    )
+
+
+def multipliers_of(model: RobotModel, rotation: Array, wrenches: Array) -> Array:
+    """The 30 multipliers that a referee's joint wrenches amount to (N, n, 5), by the definition of docs/notation.md.
+
+    rotation: R_0j of all bodies (N, n, 3, 3); wrenches: at O_j in link axes (N, n, 6)
+    """
+    force, moment = (np.einsum("...jab,...jb->...ja", rotation, wrenches[..., part]) for part in (LINEAR, ANGULAR))
+    result = np.empty((*wrenches.shape[:-1], 5))
+    for k, joint in enumerate(model.joints):
+        inside = rotation[..., joint.inside - 1, :, :] if joint.inside else model.base.rotation
+        t_1, t_2, p = ((inside @ joint.placement.rotation) @ x for x in (*joint.axis_normals, joint.axis))
+        f, m = force[..., k, :], moment[..., k, :]
+        if joint.is_prismatic:
+            rows = [(f * t_1).sum(-1), (f * t_2).sum(-1), (m * t_1).sum(-1), (m * t_2).sum(-1), (m * p).sum(-1)]
+        else:
+            rows = [f[..., 0], f[..., 1], f[..., 2], (m * t_1).sum(-1), (m * t_2).sum(-1)]
+        result[..., k, :] = np.stack(rows, axis=-1)
+    return result
+
+
+def acceleration_scale(mass: Array, a: Array, tau: Array, wrenches: Array) -> Array:
+    """cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench): what one relative rounding of the data does to a (N,)."""
+    inverse_norm = np.abs(np.linalg.inv(mass)).sum(axis=-1).max(axis=-1)
+    scale: Array = np.linalg.cond(mass) * _largest(a) + inverse_norm * (_largest(tau) + _largest(wrenches))
+    return scale
+
+
+def _largest(x: Array) -> Array:
+    return np.abs(x).reshape(len(x), -1).max(axis=-1)
+
+
+def _ratio(error: Array, scale: Array) -> Array:
+    """error / scale; an error without any scale counts as infinite, none as zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(error == 0, 0.0, error / scale)
+
+
+def _relative(x: Array, reference: Array, *terms: Array) -> Array:
+    return _ratio(_largest(x - reference), np.maximum.reduce([_largest(reference), *map(_largest, terms)]))
+
+
+def _by_part(x: Array, reference: Array) -> Array:
+    """Linear and angular parts (forces and moments) apart, each on its own scale; the larger error counts."""
+    return np.maximum(*(_relative(x[..., part], reference[..., part]) for part in (LINEAR, ANGULAR)))
+
+
+def _by_parameter_type(x: Array, reference: Array, *terms: Array) -> Array:
+    """Columns of m, of m c and of I apart, each on the scale of its type in the sample and in the summed terms."""
+    all_terms = [w.reshape(len(w), -1, 10) for w in (x, reference, *terms)]
+    types = (slice(0, 1), slice(1, 4), slice(4, 10))
+    return np.maximum.reduce([_relative(*(w[..., columns] for w in all_terms)) for columns in types])
+
+
+def _wrenches(x: Array, reference: Array, reach: Array) -> Array:
+    """Forces and moments apart; a moment sums forces times levers, which may cancel (an upright arm at rest)."""
+    levers = reference[..., LINEAR] * reach[:, None, None]
+    return np.maximum(
+        _relative(x[..., LINEAR], reference[..., LINEAR]),
+        _relative(x[..., ANGULAR], reference[..., ANGULAR], levers),
+    )
+
+
+def _reach(model: RobotModel, ref: RefereeValues) -> Array:
+    """Largest coordinate of a link origin from the base (N,) [m]."""
+    return _largest(ref.position - model.base.translation)
+
+
+def _lever_terms(ref: RefereeValues, reach: Array) -> Array:
+    """What a torque regressor sums: moments of the body regressors, and their forces times the arm's reach [m]."""
+    forces = ref.body_regressor[..., LINEAR, :] * reach[:, None, None, None]
+    return np.concatenate([forces, ref.body_regressor[..., ANGULAR, :]], axis=-2)
+
+
+def _range(x: Array) -> tuple:
+    return x.min().item(), x.max().item()

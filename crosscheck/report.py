@@ -1,0 +1,170 @@
+"""Comparisons as tables for people and as JSON for machines."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from crosscheck.compare import Comparison, QuantityResult
+from crosscheck.pinocchio_model import VERSION as PINOCCHIO_VERSION
+
+JSON_FORMAT = "graphdyn crosscheck 1"
+
+LIBRARIES = ("graphdyn", "numpy", "scipy", "yourdfpy", "example-robot-data")
+
+_NAME_WIDTH, _ROBOT_WIDTH = 36, 11
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that takes part in a comparison."""
+    return {**{name: version(name) for name in LIBRARIES}, "pinocchio": PINOCCHIO_VERSION}
+
+
+def detail(comparison: Comparison) -> Table:
+    """One robot, one row per quantity."""
+    table = Table(title=heading(comparison), title_justify="left", caption_justify="left")
+    table.caption = "\n".join(footnotes(comparison))
+    for column, justify in (("quantity", "left"), ("against", "left"), ("error", "right"), ("bound", "right")):
+        table.add_column(column, justify=justify)  # type: ignore[arg-type]
+    table.add_column("")
+    table.add_column("worst at", overflow="fold")
+    for name, result in comparison.quantities.items():
+        table.add_row(
+            name,
+            result.quantity.against,
+            f"{result.max_relative_error:.1e}",
+            f"{result.quantity.tolerance.bound:.1e}",
+            _verdict(result.agrees),
+            f"{result.worst.case}, route {result.worst.route}" if result.worst else "",
+        )
+    return table
+
+
+def overview(comparisons: Sequence[Comparison], width: int) -> list[Table]:
+    """Several robots side by side, as many tables as the width [characters] needs."""
+    per_table = max(1, (width - _NAME_WIDTH) // _ROBOT_WIDTH)
+    groups = [comparisons[k : k + per_table] for k in range(0, len(comparisons), per_table)]
+    return [_overview(group) for group in groups]
+
+
+def _overview(comparisons: Sequence[Comparison]) -> Table:
+    table = Table(caption_justify="left")
+    table.add_column("largest relative error", no_wrap=True)
+    table.add_column("bound", justify="right", no_wrap=True)
+    for comparison in comparisons:
+        table.add_column(Path(comparison.robot).name, justify="right", overflow="fold")
+    named: dict[str, QuantityResult] = {}
+    for comparison in comparisons:
+        named |= comparison.quantities
+    for name in named:
+        cells = []
+        for comparison in comparisons:
+            result = comparison.quantities.get(name)
+            cells.append("–" if result is None else f"{result.max_relative_error:.1e}{'' if result.agrees else ' ✗'}")
+        table.add_row(name, f"{named[name].quantity.tolerance.bound:.1e}", *cells)
+    table.add_section()
+    table.add_row("verdict", "", *(_verdict(comparison.agrees) for comparison in comparisons))
+    return table
+
+
+def heading(comparison: Comparison) -> str:
+    """Name, size and verdict in one line."""
+    locked = f", locked: {', '.join(comparison.locked)}" if comparison.locked else ""
+    return (
+        f"{comparison.robot}: {_verdict(comparison.agrees)} "
+        f"({comparison.n_bodies} joints{locked}; {comparison.samples} random states and the awkward ones, "
+        f"seed {comparison.seed}; routes: {', '.join(comparison.routes)})"
+    )
+
+
+def footnotes(comparison: Comparison) -> list[str]:
+    """Conditioning, base parameters, what was left out and why."""
+    c = comparison.conditioning
+    lines = [
+        f"rank φ_q {_span(c.constraint_rank)} of {5 * comparison.n_bodies}, cond {_span(c.constraint_condition)}; "
+        f"rank KKT {_span(c.kkt_rank)} of {11 * comparison.n_bodies}, cond {_span(c.kkt_condition)}; "
+        f"cond M {_span(c.mass_matrix_condition)}"
+    ]
+    if comparison.identification is not None:
+        i = comparison.identification
+        lines.append(
+            f"base parameters: {i.rank} (Pinocchio's regressor: {i.rank_there}), cond {i.condition_number:.3g}"
+        )
+    for reason in dict.fromkeys(comparison.not_compared.values()):
+        names = [name for name, why in comparison.not_compared.items() if why == reason]
+        lines.append(f"not compared: {', '.join(names)}: {reason}")
+    return [*lines, *comparison.notes]
+
+
+def as_text(comparison: Comparison) -> str:
+    """The detail table as plain text, for error messages and logs."""
+    buffer = io.StringIO()
+    Console(file=buffer, width=140).print(detail(comparison))
+    return buffer.getvalue()
+
+
+def as_json(comparison: Comparison) -> dict[str, Any]:
+    """Everything as plain data; numbers that are not finite become null. The format is described in docs/json.md."""
+    record = asdict(comparison)
+    record["agrees"] = comparison.agrees
+    for name, result in comparison.quantities.items():
+        record["quantities"][name] = {
+            "agrees": result.agrees,
+            "max_relative_error": result.max_relative_error,
+            "bound": result.quantity.tolerance.bound,
+            "bound_reason": result.quantity.tolerance.why,
+            "against": result.quantity.against,
+            "by_case": dict(result.by_case),
+            "by_route": dict(result.by_route),
+            "worst": asdict(result.worst) if result.worst else None,
+        }
+    finite: dict[str, Any] = _finite(record)
+    return finite
+
+
+def write_json(path: Path, record: dict[str, Any]) -> None:
+    """Write a whole file or none: to a neighbour first, then renamed. Raises OSError."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            json.dump(record, file, indent=2, ensure_ascii=False, allow_nan=False)
+            file.write("\n")
+        os.chmod(temporary, 0o666 & ~_umask())
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _verdict(agrees: bool) -> str:
+    return "agrees" if agrees else "DISAGREES"
+
+
+def _span(pair: tuple[float, float]) -> str:
+    low, high = (f"{value:.3g}" for value in pair)
+    return low if low == high else f"{low} … {high}"

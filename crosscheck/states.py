@@ -1,0 +1,104 @@
+"""The states at which two dynamics codes are compared: random ones, and the awkward ones on purpose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn import Placement, RobotModel, inverse_dynamics, maximal_state
+from graphdyn.layout import Array
+
+ACCELERATION_RANGE = 10.0
+"""Joint accelerations are uniform in ± this [rad/s² or m/s²]."""
+
+FAST = 10.0
+"""Factor on velocities and accelerations of the fast states."""
+
+LOAD = 0.1
+"""Size of the external forces [N] and moments [N m], as a part of the robot's weight in standard gravity."""
+
+AWKWARD = 50
+"""States of each awkward kind that is not bound to one body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """N states of one kind, of a robot that may be mounted and weighted differently from the original.
+
+    model: the robot, its base and gravity turned where the case needs it
+    turn: rotation of the world that base and gravity were given
+    q, v, a: (N, n); external_wrenches: (N, n, 6)
+    tau: given torques (N, n), or None for those that produce exactly a (everything cancels)
+    """
+
+    name: str
+    model: RobotModel
+    turn: Placement
+    q: Array
+    v: Array
+    a: Array
+    tau: Array | None
+    external_wrenches: Array
+
+
+def cases(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
+    """All cases for one robot, reproducible by seed."""
+    rng = np.random.default_rng(seed)
+    scale = _torque_scale(model, np.random.default_rng(seed))
+
+    def case(name: str, q: Array, v: Array, a: Array, *, of: RobotModel = model, turn: Placement | None = None) -> Case:
+        tau = rng.normal(size=q.shape) * scale
+        return Case(name, of, turn or Placement(), q, v, a, tau, _load(model, rng, len(q)))
+
+    def draw(size: int) -> tuple[Array, Array, Array]:
+        q, v = model.random_state(rng, size)
+        return q, v, rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
+
+    yield case("random", *draw(samples))
+    few = min(samples, AWKWARD)
+    q, v, a = draw(few)
+    rest = np.zeros_like(q)
+    yield case("zero pose at rest", rest[:1], rest[:1], rest[:1])
+    yield case("zero pose", rest, v, a)
+    q, v, a = draw(few)
+    yield case("fast", q, FAST * v, FAST * a)
+    yield case("zero gravity", *draw(few), of=model.with_gravity(np.zeros(3)))
+    q, v, a = draw(few)
+    yield Case("torques of a", model, Placement(), q, v, a, None, _load(model, rng, few))
+    for i, body in enumerate(model.bodies):
+        q, v, a = draw(1)
+        third = maximal_state(model, q[0]).rotation[i, :, 2]
+        turn = unit_turn(third)  # sin β = e_1·e_3 = 1
+        yield case(f"gimbal lock of {body.name}", q, v, a, of=turned(model, turn), turn=turn)
+    for joint in model.joints:
+        q, v, a = draw(1)
+        inside = maximal_state(model, q[0]).vertices.rotation[joint.inside]
+        turn = unit_turn(inside @ joint.placement.rotation @ joint.axis)
+        yield case(f"horizontal axis of {joint.name}", q, v, a, of=turned(model, turn), turn=turn)
+
+
+def unit_turn(direction: Array) -> Placement:
+    """A rotation of the world that brings a unit vector onto the world x axis."""
+    least = int(np.argmin(np.abs(direction)))
+    second = np.cross(direction, np.eye(3)[least])
+    second /= np.linalg.norm(second)
+    return Placement(np.stack([direction / np.linalg.norm(direction), second, np.cross(direction, second)]))
+
+
+def turned(model: RobotModel, turn: Placement) -> RobotModel:
+    return model.with_base(turn @ model.base).with_gravity(turn.rotation @ model.gravity)
+
+
+def _torque_scale(model: RobotModel, rng: np.random.Generator) -> Array:
+    """Per joint, the usual size of its torque (n,), so that random torques give sensible accelerations."""
+    q, v = model.random_state(rng, AWKWARD)
+    a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
+    rms: Array = np.sqrt(np.mean(inverse_dynamics(model, q, v, a).tau ** 2, axis=0))
+    return rms
+
+
+def _load(model: RobotModel, rng: np.random.Generator, size: int) -> Array:
+    weight = 9.81 * sum(body.mass for body in model.bodies)
+    return LOAD * weight * rng.normal(size=(size, model.n_bodies, 6))

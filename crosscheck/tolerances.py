@@ -1,0 +1,39 @@
+"""Bounds of the comparison, each with its reason. All errors are relative to a scale that cannot vanish.
+
+The scale of a sample is the largest of the reference values and of the terms that were summed to get them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """A bound on a relative error, and why it is what it is."""
+
+    bound: float
+    why: str
+
+
+AGREEMENT = Tolerance(
+    1e-13, "two recursions of at most some hundred roundings each; measured below 6e-15 on all robots tried"
+)
+ACCELERATION = Tolerance(
+    10 * EPS,
+    "backward stable solutions differ by eps (cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)); the factor 10 covers "
+    "the dimension",
+)
+FORWARD_WRENCH = Tolerance(
+    1e-12, "wrenches at the computed accelerations: inherits part of their error; measured below 4e-14"
+)
+ROUND_TRIP = Tolerance(
+    1e-12, "two backward stable solutions in sequence, on the scale of ‖M‖ ‖a‖; measured below 1e-15"
+)
+RESIDUAL = Tolerance(1e-13, "backward stable solution of a balanced system; measured below 1e-14")
+RANK = Tolerance(0.0, "a rank is an integer: full or not")
+IDENTIFICATION = Tolerance(
+    10 * EPS, "two least-squares solutions differ by eps cond(W) ‖x‖ (columns of unit length); factor 10 for the size"
+)

@@ -1,0 +1,50 @@
+"""Ordinary least squares on independent columns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """Answer of a linear least-squares problem W x = τ.
+
+    parameters: x                                           (b,)
+    column_scale: lengths of the columns of W; condition_number: of W with columns scaled to unit length
+    residual_rms: root mean square of W x - τ
+    """
+
+    parameters: Array
+    column_scale: Array
+    condition_number: float
+    residual_rms: float
+
+
+def ordinary_least_squares(regressor: ArrayLike, torque: ArrayLike) -> LeastSquares:
+    """x minimising ‖W x - τ‖ by singular values, columns scaled to unit length. W (rows, b), τ (rows,).
+
+    Never the normal equations of Eq. (56), (64): they square the condition number.
+    Raises InvalidInput where the shapes do not fit or the columns are dependent (see base_parameters).
+    """
+    from scipy.linalg import lstsq  # imported where first used: import graphdyn stays light
+
+    w, t = np.asarray(regressor, dtype=float), np.asarray(torque, dtype=float)
+    if w.ndim != 2 or t.shape != w.shape[:1]:
+        raise InvalidInput(f"regressor has shape {w.shape}, torque {t.shape}; expected (rows, b) and (rows,)")
+    scale = np.linalg.norm(w, axis=0)
+    if w.shape[1] and not np.all(scale > 0):
+        raise InvalidInput(f"column {int(np.argmin(scale))} of the regressor is zero; keep independent columns only")
+    x, _, rank, singular_values = lstsq(w / scale, t)
+    if rank < w.shape[1]:
+        raise InvalidInput(f"the regressor has rank {rank} of {w.shape[1]} columns; keep independent columns only")
+    parameters = x / scale
+    return LeastSquares(
+        parameters=parameters,
+        column_scale=scale,
+        condition_number=float(singular_values[0] / singular_values[-1]) if len(singular_values) else 1.0,
+        residual_rms=float(np.sqrt(np.mean((w @ parameters - t) ** 2))),
+    )
