@@ -20,6 +20,7 @@ from graphdyn.errors import (
     InvalidModel,
     RankDeficientConstraints,
     SingularMassMatrix,
+    UnknownFrame,
 )
 from graphdyn.graph import Graph
 from graphdyn.inertia import Consistency
@@ -53,6 +54,7 @@ __all__ = [
     "RankDeficientConstraints",
     "RobotModel",
     "SingularMassMatrix",
+    "UnknownFrame",
     "bias_torque",
     "body_regressor",
     "forward_dynamics",

@@ -23,7 +23,7 @@ from graphdyn.kinematics import (
     project_accelerations,
 )
 from graphdyn.kkt import Coordinates, KKTSystem
-from graphdyn.layout import Array, per_body, stacked
+from graphdyn.layout import BODY_FREEDOMS, Array, per_body, per_joint, stacked
 from graphdyn.linear import apply, solve
 from graphdyn.model import RobotModel
 from graphdyn.reactions import in_link_axes, join_reactions, split_reactions, transmitted_wrenches
@@ -130,7 +130,7 @@ def inverse_dynamics(
         matrix = np.concatenate([actuator_terms(state), -np.swapaxes(phi_q, -1, -2)], axis=-1)
         unknowns = solve(matrix, stacked(required))
         tau = unknowns[..., : model.n_bodies]
-        multipliers = unknowns[..., model.n_bodies :].reshape(*tau.shape, 5)
+        multipliers = per_joint(unknowns[..., model.n_bodies :])
         wrenches = join_reactions(state, multipliers, tau)
     else:
         wrenches = transmitted_wrenches(state, required)
@@ -184,7 +184,7 @@ def _inertial_terms(state: MaximalState, accelerations: Array) -> Array:
 
 
 def _projected_mass(state: MaximalState, n: Array) -> Array:
-    blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, 6, -1)
+    blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, BODY_FREEDOMS, n.shape[-1])
     mass = np.einsum("...iak,iab,...ibl->...kl", blocks, mass_blocks(state), blocks, optimize=True)
     return (mass + np.swapaxes(mass, -1, -2)) / 2
 

@@ -19,6 +19,10 @@ class SingularMassMatrix(GraphDynError, ArithmeticError):
     """The joint-space mass matrix is singular: the accelerations are not determined by the torques."""
 
 
+class UnknownFrame(GraphDynError, LookupError):
+    """A frame name that the robot does not have; the message lists those it has."""
+
+
 class InconsistentState(GraphDynError, ValueError):
     """A maximal state whose bodies are not where their joints hold them."""
 

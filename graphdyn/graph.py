@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.errors import InvalidModel
+
 IntArray = NDArray[np.int64]
 
 
@@ -18,6 +20,8 @@ class Graph:
     """A tree in regular labelling: the inside body of joint j has a number below j.
 
     inside: i(j) for j = 1 … n, the number of the vertex on the inside of joint j; 0 is the ground
+
+    Raises InvalidModel where a joint has its inside vertex after itself.
     """
 
     inside: tuple[int, ...]
@@ -25,7 +29,7 @@ class Graph:
     def __post_init__(self) -> None:
         for j, i in enumerate(self.inside, start=1):
             if not 0 <= i < j:
-                raise ValueError(f"joint {j} has inside vertex {i}; a tree with parents first needs 0 … {j - 1}")
+                raise InvalidModel(f"joint {j} has inside vertex {i}; a tree with parents first needs 0 … {j - 1}")
 
     @property
     def n(self) -> int:

@@ -55,6 +55,13 @@ class MaximalState:
             if not np.all(np.isfinite(array)):
                 raise InvalidInput(f"{name} of the maximal state contains NaN or infinity")
             object.__setattr__(self, name, array)
+        batches = {
+            name: getattr(self, name).shape[: -len(trailing)]
+            for name, trailing in shapes.items()
+            if getattr(self, name) is not None
+        }
+        if len(set(batches.values())) > 1:
+            raise InvalidInput(f"leading dimensions of the maximal state differ: {batches}")
 
     @property
     def cardano(self) -> Array:
@@ -156,7 +163,7 @@ def link_origins(state: MaximalState) -> Array:
 def frame_placement(model: RobotModel, q: ArrayLike, name: str) -> tuple[Array, Array]:
     """Rotation (…, 3, 3) and position (…, 3) [m] in the world of a named frame (see RobotModel.frame).
 
-    Raises KeyError for an unknown name, InvalidInput for wrong shapes, NaN or infinity.
+    Raises UnknownFrame for an unknown name, InvalidInput for wrong shapes, NaN or infinity.
     """
     frame = model.frame(name)
     state = maximal_state(model, q)

@@ -41,12 +41,12 @@ def constraint_row_names(n: int) -> tuple[str, ...]:
 
 def per_body(stacked: Array) -> Array:
     """(…, 6 n) seen as (…, n, 6)."""
-    return stacked.reshape(*stacked.shape[:-1], -1, BODY_FREEDOMS)
+    return stacked.reshape(*stacked.shape[:-1], stacked.shape[-1] // BODY_FREEDOMS, BODY_FREEDOMS)
 
 
 def per_joint(stacked: Array) -> Array:
     """(…, 5 n) seen as (…, n, 5)."""
-    return stacked.reshape(*stacked.shape[:-1], -1, JOINT_CONSTRAINTS)
+    return stacked.reshape(*stacked.shape[:-1], stacked.shape[-1] // JOINT_CONSTRAINTS, JOINT_CONSTRAINTS)
 
 
 def stacked(blocks: Array) -> Array:

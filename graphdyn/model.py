@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.errors import InvalidModel
+from graphdyn.errors import InvalidModel, UnknownFrame
 from graphdyn.graph import Graph
 from graphdyn.inertia import (
     Consistency,
@@ -65,9 +66,7 @@ class Body:
         asymmetry = np.abs(self.inertia - self.inertia.T).max()
         if asymmetry > SYMMETRY * np.abs(self.inertia).max():
             raise InvalidModel(f"{who}: inertia tensor is not symmetric (largest difference {asymmetry:.3g} kg m²)")
-        symmetric = (self.inertia + self.inertia.T) / 2
-        symmetric.setflags(write=False)
-        object.__setattr__(self, "inertia", symmetric)
+        object.__setattr__(self, "inertia", _read_only((self.inertia + self.inertia.T) / 2))
 
     @property
     def parameters(self) -> Array:
@@ -77,9 +76,7 @@ class Body:
     @classmethod
     def from_parameters(cls, name: str, parameters: ArrayLike) -> Body:
         """The body with these ten inertial parameters. Raises InvalidModel where m = 0 but m c ≠ 0."""
-        pi = np.asarray(parameters, dtype=float)
-        if pi.shape != (BODY_PARAMETERS,):
-            raise InvalidModel(f"body '{name}': parameters have shape {pi.shape}, expected ({BODY_PARAMETERS},)")
+        pi = _as_floats(f"body '{name}'", "parameter vector", parameters, (BODY_PARAMETERS,))
         if pi[0] == 0 and np.any(pi[1:4] != 0):
             raise InvalidModel(f"body '{name}': mass is 0 but the first moment is {pi[1:4].tolist()} kg m")
         return cls(name, *inertia_from_parameters(pi))
@@ -121,6 +118,10 @@ class Joint:
         who = f"joint '{self.name}'"
         if self.kind not in JOINT_KINDS:
             raise InvalidModel(f"{who}: kind '{self.kind}' cannot be represented; use one of {', '.join(JOINT_KINDS)}")
+        if not isinstance(self.inside, Integral):
+            raise InvalidModel(
+                f"{who}: inside is {self.inside!r}; give the number of the inside body, 0 for the ground"
+            )
         _freeze(self, who, axis=(3,), damping=(), friction=())
         for name, value in dataclasses.asdict(self.limits).items():
             if value is not None and not np.isfinite(value):
@@ -128,12 +129,11 @@ class Joint:
         lower, upper = self.limits.lower, self.limits.upper
         if lower is not None and upper is not None and lower > upper:
             raise InvalidModel(f"{who}: lower limit {lower} is above upper limit {upper}; swap them")
-        length = np.linalg.norm(self.axis)
-        if length == 0:
+        if not self.axis.any():
             raise InvalidModel(f"{who}: axis is zero; give a direction")
-        axis = self.axis / length
-        axis.setflags(write=False)
-        object.__setattr__(self, "axis", axis)
+        _, exponent = np.frexp(np.abs(self.axis).max())
+        axis = np.ldexp(self.axis, -exponent)  # exact; keeps the squares of a tiny axis from underflowing
+        object.__setattr__(self, "axis", _read_only(axis / np.linalg.norm(axis)))
 
     @property
     def is_prismatic(self) -> bool:
@@ -150,7 +150,7 @@ class Joint:
         least = int(np.argmax(alignment <= alignment.min() + TIE))
         t_1 = np.cross(self.axis, np.eye(3)[least])
         t_1 /= np.linalg.norm(t_1)
-        return np.stack([t_1, np.cross(self.axis, t_1)])
+        return _read_only(np.stack([t_1, np.cross(self.axis, t_1)]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,12 +196,10 @@ class RobotModel:
             raise InvalidModel(f"{who}: no moving body; the dynamics of a model without joints are empty")
         if len(self.bodies) != len(self.joints):
             raise InvalidModel(f"{who}: {len(self.bodies)} bodies but {len(self.joints)} joints; a tree has one each")
-        frame_names = [name for frame in self.frames for name in (frame.name, *frame.aliases)]
-        for what, names in (
-            ("body", [self.base_name, *(body.name for body in self.bodies)]),
-            ("joint", [joint.name for joint in self.joints]),
-            ("frame", frame_names),
-        ):
+        bodies = [self.base_name, *(body.name for body in self.bodies)]
+        frames = [name for frame in self.frames for name in (frame.name, *frame.aliases)]
+        joints = [joint.name for joint in self.joints]
+        for what, names in (("body", bodies), ("joint", joints), ("frame", bodies + frames)):
             repeated = [name for name in names if names.count(name) > 1]
             if repeated:
                 raise InvalidModel(f"{who}: {what} name '{repeated[0]}' is used more than once")
@@ -234,7 +232,7 @@ class RobotModel:
     def frame(self, name: str) -> Frame:
         """The frame of this name: a body, the ground, a fused link or the fixed joint that carried it.
 
-        Raises KeyError with the known names.
+        Raises UnknownFrame with the known names.
         """
         own = [Frame(self.base_name, 0, Placement())]
         own += [Frame(body.name, i, Placement()) for i, body in enumerate(self.bodies, start=1)]
@@ -245,7 +243,7 @@ class RobotModel:
         for frame in candidates:
             if name in frame.aliases:
                 return frame
-        raise KeyError(f"robot '{self.name}' has no frame '{name}'; known: {', '.join(f.name for f in candidates)}")
+        raise UnknownFrame(f"robot '{self.name}' has no frame '{name}'; known: {', '.join(f.name for f in candidates)}")
 
     def body_joint_vectors(self) -> Array:
         """C (n, n, 3): S_ij c_ij, c_ij from the center of mass of body i to joint j, in axes of body i. Eq. (11) [m].
@@ -266,15 +264,11 @@ class RobotModel:
     @cached_property
     def inertial_parameters(self) -> Array:
         """(10 n,): the parameters of all bodies (Body.parameters), body after body."""
-        return np.concatenate([body.parameters for body in self.bodies])
+        return _read_only(np.concatenate([body.parameters for body in self.bodies]))
 
     def with_inertial_parameters(self, parameters: ArrayLike) -> RobotModel:
         """The same robot with other inertial parameters (10 n,). Raises InvalidModel for a wrong length."""
-        pi = np.asarray(parameters, dtype=float)
-        if pi.shape != (BODY_PARAMETERS * self.n_bodies,):
-            raise InvalidModel(
-                f"robot '{self.name}': parameters have shape {pi.shape}, expected ({BODY_PARAMETERS * self.n_bodies},)"
-            )
+        pi = _as_floats(f"robot '{self.name}'", "parameter vector", parameters, (BODY_PARAMETERS * self.n_bodies,))
         bodies = [
             Body.from_parameters(body.name, pi[parameter_columns(i)]) for i, body in enumerate(self.bodies, start=1)
         ]
@@ -282,7 +276,7 @@ class RobotModel:
 
     def with_gravity(self, gravity: ArrayLike) -> RobotModel:
         """The same robot under another gravity vector (3,) [m/s²], world axes."""
-        return dataclasses.replace(self, gravity=np.asarray(gravity, dtype=float))
+        return dataclasses.replace(self, gravity=np.asarray(gravity))
 
     def with_base(self, base: Placement) -> RobotModel:
         """The same robot mounted with its ground frame at another placement in the world."""
@@ -293,7 +287,7 @@ class RobotModel:
 
         Continuous joints are drawn from [-π, π] rad.
         """
-        shape = (size,) if isinstance(size, int) else tuple(size)
+        shape = (size,) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
         lower, upper, speed = (np.array(values) for values in zip(*map(_sampling_range, self.joints), strict=True))
         q = rng.uniform(lower, upper, (*shape, self.n_bodies))
         v = rng.uniform(-speed, speed, (*shape, self.n_bodies))
@@ -312,24 +306,37 @@ class RobotModel:
 
 
 def _sampling_range(joint: Joint) -> tuple[float, float, float]:
+    """lower, upper and speed of random_state."""
     reach = SLIDE_RANGE if joint.is_prismatic else ANGLE_RANGE
-    lower, upper, speed = joint.limits.lower, joint.limits.upper, joint.limits.velocity
-    if lower is None or upper is None or lower == upper or joint.kind == "continuous":
-        lower, upper = -reach, reach
-    return lower, upper, abs(speed) if speed else reach
+    lower, upper, speed = joint.limits.lower, joint.limits.upper, abs(joint.limits.velocity or 0.0) or reach
+    if joint.kind == "continuous" or not (lower or upper):  # both zero or missing
+        return -reach, reach, speed
+    if lower is None:
+        assert upper is not None  # one of them is given
+        return upper - 2 * reach, upper, speed
+    return lower, lower + 2 * reach if upper is None else upper, speed
 
 
 def _freeze(owner: object, who: str, **shapes: tuple[int, ...]) -> None:
     """Convert the named fields to floats or read-only arrays; refuse wrong shapes, NaN and infinity by name."""
     for name, shape in shapes.items():
-        try:
-            value = np.array(getattr(owner, name), dtype=float)
-        except (TypeError, ValueError) as error:
-            raise InvalidModel(f"{who}: {name} is not numeric: {getattr(owner, name)!r}") from error
-        if value.shape != shape:
-            raise InvalidModel(f"{who}: {name} has shape {value.shape}, expected {shape}")
-        if not np.all(np.isfinite(value)):
-            raise InvalidModel(f"{who}: {name} contains NaN or infinity: {value.tolist()}")
-        value.setflags(write=False)
-        convert: Callable[[Array], object] = float if shape == () else np.asarray
-        object.__setattr__(owner, name, convert(value))
+        value = _as_floats(who, name, getattr(owner, name), shape)
+        object.__setattr__(owner, name, float(value) if shape == () else _read_only(value))
+
+
+def _as_floats(who: str, name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """A fresh float array of this shape; anything else is refused by name."""
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InvalidModel(f"{who}: {name} is not numeric: {value!r}") from error
+    if array.shape != shape:
+        raise InvalidModel(f"{who}: {name} has shape {array.shape}, expected {shape}")
+    if not np.all(np.isfinite(array)):
+        raise InvalidModel(f"{who}: {name} contains NaN or infinity: {array.tolist()}")
+    return array
+
+
+def _read_only(array: Array) -> Array:
+    array.setflags(write=False)
+    return array

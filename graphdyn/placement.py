@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from graphdyn.errors import InvalidModel
 from graphdyn.layout import Array
 
 ORTHONORMALITY = 1e-9
@@ -18,6 +19,8 @@ class Placement:
 
     rotation: R, columns are the axes of b in a             (3, 3)
     translation: t, the origin of b in a                    (3,)  [m]
+
+    Raises InvalidModel for wrong shapes, NaN or infinity, or a matrix that is not a proper rotation.
     """
 
     rotation: Array = field(default_factory=lambda: np.eye(3))
@@ -27,14 +30,14 @@ class Placement:
         for name, shape in (("rotation", (3, 3)), ("translation", (3,))):
             value = np.array(getattr(self, name), dtype=float)
             if value.shape != shape:
-                raise ValueError(f"{name} has shape {value.shape}, expected {shape}")
+                raise InvalidModel(f"{name} has shape {value.shape}, expected {shape}")
             if not np.all(np.isfinite(value)):
-                raise ValueError(f"{name} contains NaN or infinity: {value.tolist()}")
+                raise InvalidModel(f"{name} contains NaN or infinity: {value.tolist()}")
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         defect = np.abs(self.rotation.T @ self.rotation - np.eye(3)).max()
         if defect > ORTHONORMALITY or np.linalg.det(self.rotation) < 0:
-            raise ValueError(f"rotation is not a proper rotation matrix (|RᵀR - E| = {defect:.1e})")
+            raise InvalidModel(f"rotation is not a proper rotation matrix (|RᵀR - E| = {defect:.1e})")
 
     def __matmul__(self, other: Placement) -> Placement:
         """Frame c in a, from b in a (self) and c in b (other)."""

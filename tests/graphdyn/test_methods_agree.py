@@ -1,0 +1,312 @@
+"""The dense 11n equations are the specification; the fast forms, batches and round trips agree with them."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from random_trees import NAMED, SEEDS, body_of_points, random_state, random_wrenches, robots
+from witnesses import acceleration_scale, derivative, relative_error
+
+import graphdyn
+from graphdyn import Body, MaximalState, RobotModel
+
+EPS = np.finfo(float).eps
+
+ACCELERATION = 10 * EPS
+"""Times acceleration_scale, what one eps of rounding in M, τ and the wrenches does: measured 1.8 over 300 trees."""
+
+WRENCH = 50 * EPS
+"""Times cond(M), relative to the largest wrench, since wrenches carry the error of the accelerations: measured 4.9."""
+
+SUM = 1e-13
+"""The same sum in another order, relative to its largest term: measured 2.5e-15."""
+
+RESIDUAL = 1e-13
+"""Of Eq. (111) after solving, relative to the largest term that is summed: measured 6e-16."""
+
+STATICS = 1e-11
+"""Sixth-order differences of the pose of a link, relative to the largest wrench: measured 2e-14."""
+
+BATCH = 20 * EPS
+"""A batch against its rows: einsum and BLAS sum in another order. Measured 2; forward dynamics times cond(M)."""
+
+
+def check_forward(model, q, v, tau, wrenches):
+    fast = graphdyn.forward_dynamics(model, q, v, tau, wrenches)
+    dense = graphdyn.forward_dynamics(model, q, v, tau, wrenches, method="dense")
+    m = graphdyn.mass_matrix(model, q)
+    condition = np.linalg.cond(m)
+    assert np.abs(fast.a - dense.a).max() < ACCELERATION * acceleration_scale(m, dense.a, tau, dense.joint_wrenches)
+    assert relative_error(fast.body_accelerations, dense.body_accelerations) < WRENCH * condition
+    assert relative_error(fast.multipliers, dense.multipliers, dense.joint_wrenches) < WRENCH * condition
+    assert relative_error(fast.joint_wrenches, dense.joint_wrenches) < WRENCH * condition
+
+
+@given(robots(), SEEDS)
+def test_forward_dynamics_dense_and_projected(model, seed):
+    check_forward(model, *random_state(model, seed), random_wrenches(model, seed + 1))
+
+
+def test_forward_dynamics_of_the_named_robots(robot):
+    check_forward(robot, *random_state(robot, 50), random_wrenches(robot, 51))
+
+
+@given(robots(), SEEDS)
+def test_inverse_dynamics_dense_and_projected(model, seed):
+    q, v, a = random_state(model, seed)
+    wrenches = random_wrenches(model, seed + 1)
+    fast = graphdyn.inverse_dynamics(model, q, v, a, wrenches)
+    dense = graphdyn.inverse_dynamics(model, q, v, a, wrenches, method="dense")
+    size = dense.joint_wrenches
+    assert relative_error(fast.tau, dense.tau, size) < SUM
+    assert relative_error(fast.multipliers, dense.multipliers, size) < SUM
+    assert relative_error(fast.joint_wrenches, dense.joint_wrenches) < SUM
+    assert np.array_equal(fast.body_accelerations, dense.body_accelerations)
+
+
+@pytest.mark.parametrize("method", ["projected", "dense"])
+@given(robots(), SEEDS)
+def test_inverse_dynamics_undoes_forward_dynamics(method, model, seed):
+    q, v, tau = random_state(model, seed)
+    wrenches = random_wrenches(model, seed + 1)
+    f = graphdyn.forward_dynamics(model, q, v, tau, wrenches, method=method)
+    i = graphdyn.inverse_dynamics(model, q, v, f.a, wrenches, method=method)
+    condition = np.linalg.cond(graphdyn.mass_matrix(model, q))
+    size = f.joint_wrenches
+    assert relative_error(i.tau, tau, size) < WRENCH * condition
+    assert relative_error(i.multipliers, f.multipliers, size) < WRENCH * condition
+    assert relative_error(i.joint_wrenches, f.joint_wrenches) < WRENCH * condition
+    assert relative_error(i.body_accelerations, f.body_accelerations) < WRENCH * condition
+
+
+@given(robots(), SEEDS)
+def test_mass_matrix_and_bias_torque_make_the_inverse_dynamics(model, seed):
+    q, v, a = random_state(model, seed)
+    i = graphdyn.inverse_dynamics(model, q, v, a)
+    torque = graphdyn.mass_matrix(model, q) @ a + graphdyn.bias_torque(model, q, v)
+    assert relative_error(torque, i.tau, i.joint_wrenches) < SUM
+
+
+# External wrenches
+
+
+def with_load(model, j, mass, point):
+    """The robot with a point mass fixed in the link frame of body j."""
+    load = body_of_points("load", [mass], [point])
+    loaded = Body.from_parameters(model.bodies[j - 1].name, model.bodies[j - 1].parameters + load.parameters)
+    bodies = list(model.bodies)
+    bodies[j - 1] = loaded
+    return RobotModel(model.name, tuple(bodies), model.joints, gravity=model.gravity, base=model.base)
+
+
+@pytest.mark.parametrize("method", ["projected", "dense"])
+def test_weight_of_a_load_is_an_external_wrench(robot, rng, method):
+    q, v, _ = random_state(robot, 52)
+    mass, point = 12.0, rng.uniform(-0.5, 0.5, 3)
+    rotations = graphdyn.maximal_state(robot, q).rotation
+    for j in range(1, robot.n_bodies + 1):
+        force = rotations[j - 1].T @ (mass * robot.gravity)
+        wrenches = np.zeros((robot.n_bodies, 6))
+        wrenches[j - 1] = np.concatenate([force, np.cross(point, force)])
+        pushed = graphdyn.inverse_dynamics(robot, q, 0 * v, 0 * v, wrenches, method=method)
+        loaded = graphdyn.inverse_dynamics(with_load(robot, j, mass, point), q, 0 * v, 0 * v, method=method)
+        size = loaded.joint_wrenches
+        assert relative_error(pushed.tau, loaded.tau, size) < SUM
+        # the wrench of the inside body carries the load too, whether it is part of the body or pushes on it
+        assert relative_error(pushed.joint_wrenches, loaded.joint_wrenches) < SUM
+        assert relative_error(pushed.multipliers, loaded.multipliers, size) < SUM
+
+
+def link_jacobian(model, q, name):
+    """Twist of a link frame at its origin, in its own axes (6, n), by differences of its pose."""
+    rotation, _ = graphdyn.frame_placement(model, q, name)
+    columns = []
+    for e in np.eye(model.n_bodies):
+        linear = derivative(lambda h, e=e: graphdyn.frame_placement(model, q + h * e, name)[1])
+        turning = derivative(lambda h, e=e: graphdyn.frame_placement(model, q + h * e, name)[0])
+        omega = rotation.T @ turning
+        columns.append(np.concatenate([rotation.T @ linear, [omega[2, 1], omega[0, 2], omega[1, 0]]]))
+    return np.stack(columns, axis=-1)
+
+
+def test_external_wrenches_reach_the_joints_through_the_transposed_jacobian(robot):
+    q, v, a = random_state(robot, 53)
+    wrenches = random_wrenches(robot, 54)
+    free = graphdyn.inverse_dynamics(robot, q, v, a)
+    pushed = graphdyn.inverse_dynamics(robot, q, v, a, wrenches)
+    carried = sum(
+        link_jacobian(robot, q, name).T @ wrench for name, wrench in zip(robot.body_names, wrenches, strict=True)
+    )
+    assert relative_error(free.tau - pushed.tau, carried, free.joint_wrenches, pushed.joint_wrenches) < STATICS
+
+
+# Eq. (111) itself
+
+
+@given(robots(), SEEDS)
+def test_kkt_system_is_symmetric_of_full_rank_and_solves_the_forward_dynamics(model, seed):
+    q, v, tau = random_state(model, seed)
+    wrenches = random_wrenches(model, seed + 1)
+    k = graphdyn.kkt_system(model, q, v, tau, wrenches)
+    n = model.n_bodies
+    assert k.matrix.shape == (11 * n, 11 * n)
+    assert k.rhs.shape == (11 * n,)
+    assert np.array_equal(k.matrix, k.matrix.T)
+    assert np.all(k.matrix[6 * n :, 6 * n :] == 0)
+    assert k.rank() == 11 * n
+    assert k.constraint_rank() == 5 * n
+    solution = k.solve()
+    assert solution.dynamics_residual() <= RESIDUAL
+    assert solution.constraint_residual() <= RESIDUAL
+    f = graphdyn.forward_dynamics(model, q, v, tau, wrenches)
+    condition = np.linalg.cond(graphdyn.mass_matrix(model, q))
+    assert solution.multipliers.shape == f.multipliers.shape == (n, 5)
+    assert relative_error(solution.acceleration.reshape(n, 6), f.body_accelerations) < WRENCH * condition
+    assert relative_error(solution.multipliers, f.multipliers, f.joint_wrenches) < WRENCH * condition
+
+
+def test_solution_satisfies_the_equations_as_the_paper_writes_them(robot):
+    """A q̈ - B + φ_qᵀλ = 0 (Eq. 110), φ_q q̈ = ζ (Eq. 108), with residuals computed here."""
+    q, v, tau = random_state(robot, 55)
+    k = graphdyn.kkt_system(robot, q, v, tau)
+    s = k.solve()
+    pulled = k.constraint_jacobian.T @ s.multipliers.ravel()
+    assert relative_error(k.mass @ s.acceleration + pulled, k.force, pulled) < RESIDUAL
+    assert relative_error(k.constraint_jacobian @ s.acceleration, k.zeta, s.acceleration) < RESIDUAL
+    wrong = graphdyn.KKTSolution(k, s.acceleration + 1e-6, s.stacked_multipliers)
+    assert wrong.dynamics_residual() > 1e3 * s.dynamics_residual()
+
+
+def test_condition_number_is_the_ratio_of_the_extreme_singular_values(robot):
+    q, v, tau = random_state(robot, 56)
+    k = graphdyn.kkt_system(robot, q, v, tau)
+    sizes = np.abs(np.linalg.eigvalsh(k.matrix))  # symmetric: singular values are |eigenvalues|
+    assert k.condition_number() == pytest.approx(sizes.max() / sizes.min(), rel=EPS * k.condition_number() * 10)
+
+
+def test_kkt_system_carries_the_batch_dimensions_of_its_parts(robot):
+    """A is constant: one (6n, 6n) matrix serves a batch of Jacobians."""
+    states = [random_state(robot, seed) for seed in (57, 58)]
+    one_by_one = [graphdyn.kkt_system(robot, *state) for state in states]
+    batch = graphdyn.KKTSystem(
+        one_by_one[0].mass,
+        *(np.stack([getattr(k, x) for k in one_by_one]) for x in ("constraint_jacobian", "force", "zeta")),
+    )
+    n = robot.n_bodies
+    assert batch.matrix.shape == (2, 11 * n, 11 * n)
+    assert np.array_equal(batch.rank(), [11 * n, 11 * n])
+    solution = batch.solve()
+    for row, k in enumerate(one_by_one):
+        condition = np.linalg.cond(graphdyn.mass_matrix(robot, states[row][0]))
+        alone = k.solve()
+        assert relative_error(solution.multipliers[row], alone.multipliers) < WRENCH * condition
+        assert relative_error(solution.acceleration[row], alone.acceleration) < WRENCH * condition
+    assert solution.dynamics_residual().shape == (2,)
+
+
+# Round trips between joint space and maximal space
+
+
+@given(robots(), SEEDS)
+def test_joint_state_undoes_maximal_state(model, seed):
+    q, v, a = random_state(model, seed, size=(3,))
+    state = graphdyn.maximal_state(model, q, v, a)
+    q_back, v_back = graphdyn.joint_state(model, state)
+    assert relative_error(q_back, q) < SUM
+    assert relative_error(v_back, v, state.velocity) < SUM
+    assert relative_error(graphdyn.joint_acceleration(model, state), a, state.acceleration) < SUM
+
+
+def test_joint_angles_come_back_without_full_turns():
+    robot = NAMED["revolute_chain"]
+    q = np.array([np.pi + 0.5, -7.0, 3.0, 20.0])
+    back, _ = graphdyn.joint_state(robot, graphdyn.maximal_state(robot, q))
+    np.testing.assert_allclose(back, np.arctan2(np.sin(q), np.cos(q)), rtol=0, atol=SUM)
+
+
+@pytest.mark.parametrize("method", ["projected", "dense"])
+def test_accelerations_of_the_bodies_are_those_of_the_joints(robot, method):
+    q, v, tau = random_state(robot, 59)
+    f = graphdyn.forward_dynamics(robot, q, v, tau, method=method)
+    s = graphdyn.maximal_state(robot, q, v)
+    with_bodies = MaximalState(robot, s.position, s.rotation, s.velocity, f.body_accelerations)
+    condition = np.linalg.cond(graphdyn.mass_matrix(robot, q))
+    assert relative_error(graphdyn.joint_acceleration(robot, with_bodies), f.a, f.body_accelerations) < SUM * condition
+
+
+# Leading dimensions
+
+
+def verbs(model, q, v, x, wrenches):
+    """Every public verb on the same arguments, as arrays by name."""
+    results = {}
+    for method in ("projected", "dense"):
+        f = graphdyn.forward_dynamics(model, q, v, x, wrenches, method=method)
+        i = graphdyn.inverse_dynamics(model, q, v, x, wrenches, method=method)
+        for answer, label in ((f, "forward"), (i, "inverse")):
+            results |= {f"{label} {method} {name}": value for name, value in vars(answer).items()}
+    s = graphdyn.maximal_state(model, q, v, x)
+    results |= {name: getattr(s, name) for name in ("position", "rotation", "velocity", "acceleration", "cardano")}
+    results["residual"] = s.constraint_residual()
+    results["q"], results["v"] = graphdyn.joint_state(model, s)
+    results["a"] = graphdyn.joint_acceleration(model, s)
+    results["mass matrix"] = graphdyn.mass_matrix(model, q)
+    results["bias torque"] = graphdyn.bias_torque(model, q, v)
+    results["torque regressor"] = graphdyn.joint_torque_regressor(model, q, v, x)
+    results["body regressor"] = graphdyn.body_regressor(model, q, v, x)
+    results["frame rotation"], results["frame position"] = graphdyn.frame_placement(model, q, model.body_names[-1])
+    return results
+
+
+@pytest.mark.parametrize("size", [(3,), (2, 3), (1,)])
+def test_a_batch_is_its_rows_one_by_one(robot, size):
+    q, v, x = random_state(robot, 60, size)
+    wrenches = random_wrenches(robot, 61, size)
+    batch = verbs(robot, q, v, x, wrenches)
+    condition = np.linalg.cond(graphdyn.mass_matrix(robot, q)).max()
+    for row in np.ndindex(*size):
+        alone = verbs(robot, q[row], v[row], x[row], wrenches[row])
+        for name, value in alone.items():
+            assert batch[name].shape == (*size, *value.shape), name
+            tolerance = BATCH * (condition if "forward" in name else 1)
+            scale = 1.0 if name in ("residual", "cardano") else 0.0
+            assert relative_error(batch[name][row], value, scale) <= tolerance, name
+
+
+def test_an_empty_batch_gives_empty_answers(robot):
+    nothing = np.zeros((0, robot.n_bodies))
+    alone = verbs(robot, *(nothing[:0].sum(axis=0),) * 3, np.zeros((robot.n_bodies, 6)))
+    for name, value in verbs(robot, nothing, nothing, nothing, np.zeros((0, robot.n_bodies, 6))).items():
+        assert value.shape == (0, *alone[name].shape), name
+
+
+def test_leading_dimensions_broadcast(robot):
+    q, _, _ = random_state(robot, 62)
+    _, v, tau = random_state(robot, 63, size=(5,))
+    wrenches = random_wrenches(robot, 64, size=(2, 1))
+    f = graphdyn.forward_dynamics(robot, q, v, tau[0], wrenches)
+    assert f.a.shape == (2, 5, robot.n_bodies)
+    assert f.joint_wrenches.shape == (2, 5, robot.n_bodies, 6)
+    condition = np.linalg.cond(graphdyn.mass_matrix(robot, q))
+    for row in np.ndindex(2, 5):
+        alone = graphdyn.forward_dynamics(robot, q, v[row[1]], tau[0], wrenches[row[0], 0])
+        assert relative_error(f.a[row], alone.a) < BATCH * condition
+        assert relative_error(f.multipliers[row], alone.multipliers, alone.joint_wrenches) < BATCH * condition
+    assert graphdyn.mass_matrix(robot, q).shape == (robot.n_bodies, robot.n_bodies)
+    assert graphdyn.bias_torque(robot, q, v).shape == (5, robot.n_bodies)
+    assert graphdyn.body_regressor(robot, q, v, tau).shape == (5, robot.n_bodies, 6, 10)
+    assert graphdyn.joint_torque_regressor(robot, q, v, tau).shape == (5, robot.n_bodies, 10 * robot.n_bodies)
+
+
+def test_lists_and_integers_are_as_good_as_arrays():
+    robot = NAMED["one_revolute"]
+    one = graphdyn.forward_dynamics(robot, [1], [2], [3])
+    assert np.array_equal(one.a, graphdyn.forward_dynamics(robot, np.array([1.0]), [2.0], [3.0]).a)
+
+
+def test_arguments_are_not_changed(robot):
+    q, v, tau = random_state(robot, 65, size=(2,))
+    wrenches = random_wrenches(robot, 66, size=(2,))
+    before = [x.copy() for x in (q, v, tau, wrenches)]
+    verbs(robot, q, v, tau, wrenches)
+    for now, then in zip((q, v, tau, wrenches), before, strict=True):
+        assert np.array_equal(now, then)
