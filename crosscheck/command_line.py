@@ -53,7 +53,7 @@ def main() -> None:
     """Entry point: errors that are the user's to mend are one line and exit code 2."""
     try:
         app()
-    except GraphDynError as error:
+    except (GraphDynError, OSError) as error:
         _complain(str(error))
         sys.exit(BAD_INPUT)
 

@@ -18,6 +18,7 @@ from crosscheck.quantities import (
     Conditioning,
     Quantity,
     forward_errors,
+    frame_errors,
     passive_errors,
     rank_errors,
 )
@@ -149,6 +150,8 @@ def compare(
                 tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
                 reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
                 record.add(route, chunk, passive_errors(chunk, reference))
+                if route == "urdf" and model.frames:
+                    record.add(route, chunk, frame_errors(chunk, turned))
                 if reason is None:
                     record.add(route, chunk, forward_errors(chunk, tau, reference))
             errors, conditioning = rank_errors(chunk, tau, regular=reason is None)

@@ -6,7 +6,7 @@ RobotModel through its API (which checks our dynamics). Results come back in the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -117,13 +117,19 @@ class PinocchioModel:
                 native.frames[k].placement = _se3(base) * frame.placement
         return PinocchioModel(native, self._model.with_gravity(gravity))
 
-    def frame_placement(self, q: Array, name: str) -> tuple[Array, Array]:
-        """Rotation and position of a named link or fixed joint at one state. Raises PinocchioRefuses if unknown."""
-        if not self._native.existFrame(name):
-            raise PinocchioRefuses(f"Pinocchio has no frame '{name}'")
-        pin.framesForwardKinematics(self._native, self._data, self.configuration(q))
-        placement = self._data.oMf[self._native.getFrameId(name)]
-        return placement.rotation, placement.translation
+    def frame_placements(self, q: Array, names: Sequence[str]) -> tuple[Array, Array]:
+        """Rotations (N, m, 3, 3) and positions (N, m, 3) of links by name. Raises PinocchioRefuses if unknown."""
+        unknown = [name for name in names if not self._native.existFrame(name, pin.BODY)]
+        if unknown:
+            raise PinocchioRefuses(f"Pinocchio has no link '{unknown[0]}'")
+        ids = [self._native.getFrameId(name, pin.BODY) for name in names]
+        rotations, positions = [], []
+        for row in q:
+            pin.framesForwardKinematics(self._native, self._data, self.configuration(row))
+            # copied at once: these are views of data, which the next state overwrites
+            rotations.append(np.array([self._data.oMf[k].rotation for k in ids]))
+            positions.append(np.array([self._data.oMf[k].translation for k in ids]))
+        return np.array(rotations), np.array(positions)
 
     def configuration(self, q: Array) -> Array:
         """Pinocchio's q (nq,) of one state: continuous joints as (cos, sin), others as they are."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.pinocchio_model import RefereeValues
+from crosscheck.pinocchio_model import PinocchioModel, RefereeValues
 from crosscheck.states import Case
 from crosscheck.tolerances import (
     ACCELERATION,
@@ -26,6 +26,7 @@ from graphdyn import (
     bias_torque,
     body_regressor,
     forward_dynamics,
+    frame_placement,
     inverse_dynamics,
     joint_torque_regressor,
     mass_matrix,
@@ -53,6 +54,7 @@ class Quantity:
 
 QUANTITIES = (
     Quantity("link_placement", "forwardKinematics, oMi", AGREEMENT),
+    Quantity("frame_placement", "updateFramePlacements, oMf of fused links", AGREEMENT),
     Quantity("link_twist", "forwardKinematics, v", AGREEMENT),
     Quantity("body_acceleration", "forwardKinematics, a", AGREEMENT),
     Quantity("torque", "rnea", AGREEMENT),
@@ -123,6 +125,17 @@ def passive_errors(case: Case, ref: RefereeValues) -> dict[str, Array]:
         ),
         "body_regressor": _by_parameter_type(body_regressor(model, q, v, a), ref.body_regressor),
     }
+
+
+def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
+    """Placements of the links that the import fused, against Pinocchio's reading of the same file."""
+    names = [frame.name for frame in case.model.frames]
+    rotation, position = referee.frame_placements(case.q, names)
+    ours = [frame_placement(case.model, case.q, name) for name in names]
+    turned = _largest(np.stack([r for r, _ in ours], axis=1) - rotation)
+    links = link_origins(maximal_state(case.model, case.q))
+    shifted = _relative(np.stack([p for _, p in ours], axis=1), position, links)
+    return {"frame_placement": np.maximum(turned, shifted)}
 
 
 def forward_errors(case: Case, tau: Array, ref: RefereeValues) -> dict[str, Array]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import io
 import json
 import math
-import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.metadata import version
@@ -18,6 +16,7 @@ from rich.table import Table
 
 from crosscheck.compare import Comparison, QuantityResult
 from crosscheck.pinocchio_model import VERSION as PINOCCHIO_VERSION
+from urdf.files import write_whole
 
 JSON_FORMAT = "graphdyn crosscheck 1"
 
@@ -134,23 +133,8 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
 
 
 def write_json(path: Path, record: dict[str, Any]) -> None:
-    """Write a whole file or none: to a neighbour first, then renamed. Raises OSError."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(record, file, indent=2, ensure_ascii=False, allow_nan=False)
-            file.write("\n")
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    """Write the record as a whole file or not at all. Raises OSError."""
+    write_whole(path, (json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode())
 
 
 def _finite(value: Any) -> Any:

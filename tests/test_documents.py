@@ -1,0 +1,101 @@
+"""The documents say what the code does: code blocks run, the equation map is whole, tables hold the named bounds."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+from crosscheck.errata import ERRATA
+from crosscheck.quantities import BY_NAME
+from crosscheck.tolerances import EPS
+from graphdyn import __version__
+
+ROOT = Path(__file__).parents[1]
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+EQUATIONS = 118
+"""The paper numbers its equations from 1 to 118."""
+
+
+def table_rows(document, first_cell):
+    """Cells of the rows of a Markdown table whose first cell matches."""
+    lines = (ROOT / document).read_text(encoding="utf-8").splitlines()
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
+    return [row for row in rows if re.fullmatch(first_cell, row[0])]
+
+
+def equation_map():
+    rows = table_rows("docs/equations.md", r"\(.*")
+    entries = []
+    for cell, _, where in rows:
+        for part in cell.split(","):
+            first, *last = (int(number) for number in re.findall(r"\d+", part))
+            entries += [(number, where.strip("`")) for number in range(first, (last or [first])[0] + 1)]
+    return entries
+
+
+def test_the_map_lists_every_equation_once():
+    assert sorted(number for number, _ in equation_map()) == list(range(1, EQUATIONS + 1))
+
+
+@pytest.mark.parametrize("name", sorted({where for _, where in equation_map()}))
+def test_every_name_in_the_map_exists(name):
+    parts = name.split(".")
+    for split in range(len(parts) - 1, 0, -1):
+        try:
+            found = importlib.import_module(".".join(parts[:split]))
+        except ModuleNotFoundError:
+            continue
+        for attribute in parts[split:]:
+            found = getattr(found, attribute)
+        assert found.__doc__ or isinstance(found, property)
+        return
+    pytest.fail(f"{name} does not exist")
+
+
+def code_blocks():
+    return [
+        pytest.param(block, id=f"{document.name}-{k}")
+        for document in DOCUMENTS
+        for k, block in enumerate(re.findall(r"```python\n(.*?)```", document.read_text(encoding="utf-8"), re.DOTALL))
+    ]
+
+
+@pytest.mark.parametrize("block", code_blocks())
+def test_code_blocks_run(block, capsys):
+    exec(compile(block, "<document>", "exec"), {})
+    printed = capsys.readouterr().out.splitlines()
+    for promised in re.findall(r"print\(.*\) +# (\(.*\))", block):
+        assert promised in printed
+
+
+def test_the_readme_table_has_every_quantity_within_its_bound():
+    rows = table_rows("README.md", r"[a-z_]+")
+    rows = [row for row in rows if row[0] in BY_NAME]
+    assert [row[0] for row in rows] == list(BY_NAME)
+    for name, bound, *errors in rows:
+        assert bound == f"{BY_NAME[name].tolerance.bound:.1e}"
+        assert len(errors) == 6
+        assert all(error == "–" or float(error) <= BY_NAME[name].tolerance.bound for error in errors)
+
+
+def test_every_erratum_is_measured_and_explained():
+    rows = table_rows("docs/deviations.md", r"A\d")
+    assert {row[0] for row in rows} == set(ERRATA)
+    text = (ROOT / "docs/deviations.md").read_text(encoding="utf-8")
+    for name in ERRATA:
+        assert f"**{name}. " in text
+    assert text.count("*Instead:*") == len(ERRATA)
+    assert all(
+        float(row[-1]) < 1e6 * EPS for row in rows
+    )  # the corrected form: rounding, whatever the printed one does
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_somewhere(document):
+    for target in re.findall(r"\]\(([^)#]+)", document.read_text(encoding="utf-8")):
+        assert target.startswith("https://") or (document.parent / target).exists(), target
+
+
+def test_the_changelog_names_this_version():
+    assert f"## {__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")

@@ -1,0 +1,87 @@
+"""A small valid robot as text, to be changed in one place and written to a file."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ARM = """\
+<robot name="arm">
+  <link name="base"/>
+  <link name="upper">
+    <inertial>
+      <origin xyz="0.1 0.2 0.3" rpy="0 0 0"/>
+      <mass value="2.5"/>
+      <inertia ixx="0.11" ixy="0.01" ixz="0.02" iyy="0.13" iyz="0.03" izz="0.17"/>
+    </inertial>
+  </link>
+  <link name="fore">
+    <inertial>
+      <origin xyz="0 0 0.4" rpy="0.3 -0.2 0.7"/>
+      <mass value="1.5"/>
+      <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.02"/>
+    </inertial>
+  </link>
+  <link name="tool"/>
+  <joint name="shoulder" type="revolute">
+    <origin xyz="0 0 0.5" rpy="0 0 1.5708"/>
+    <parent link="base"/>
+    <child link="upper"/>
+    <axis xyz="0 0 1"/>
+    <limit lower="-1" upper="2" effort="30" velocity="3"/>
+    <dynamics damping="0.5" friction="0.25"/>
+  </joint>
+  <joint name="slide" type="prismatic">
+    <origin xyz="0.3 0 0"/>
+    <parent link="upper"/>
+    <child link="fore"/>
+    <axis xyz="0 1 0"/>
+  </joint>
+  <joint name="flange" type="fixed">
+    <origin xyz="0 0 0.2" rpy="0.1 0.2 0.3"/>
+    <parent link="fore"/>
+    <child link="tool"/>
+  </joint>
+</robot>
+"""
+
+Writer = Callable[..., Path]
+
+
+@pytest.fixture
+def arm(tmp_path: Path) -> Writer:
+    """arm(old, new, old, new, …): the file with these replacements, each old text once."""
+
+    def write(*changes: str) -> Path:
+        text = ARM
+        for old, new in zip(changes[::2], changes[1::2], strict=True):
+            assert old in text
+            text = text.replace(old, new, 1)
+        path = tmp_path / "arm.urdf"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> Writer:
+    """robot(*elements): the file with exactly these elements in <robot>."""
+
+    def write(*elements: str) -> Path:
+        path = tmp_path / "robot.urdf"
+        path.write_text('<robot name="robot">' + "\n".join(elements) + "</robot>", encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def vendor_arms() -> Path:
+    """The folder of vendor files; it is not part of this repository."""
+    data = os.environ.get("GRAPHDYN_TEST_DATA", str(Path(__file__).parents[3] / "shared"))
+    folder = Path(data) / "urdf" / "arms"
+    if not folder.is_dir():
+        pytest.skip(f"no vendor URDF files at {folder}; set GRAPHDYN_TEST_DATA")
+    return folder

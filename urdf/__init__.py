@@ -1,0 +1,49 @@
+"""URDF files and graphdyn: load, save, and a catalogue of robots.
+
+Strict where parsers guess: what would have to be filled in is refused with file, line, element and remedy.
+"""
+
+from urdf.catalogue import RobotEntry, robots
+from urdf.errors import (
+    AxisNotNormalizedWarning,
+    CannotSave,
+    DuplicateEntry,
+    GravityNotSavedWarning,
+    InvalidLock,
+    InvalidNumber,
+    InvalidRobot,
+    MalformedXML,
+    MimicJointWarning,
+    MissingEntry,
+    MissingInertialWarning,
+    NotATree,
+    RobotNotFound,
+    UnsupportedJoint,
+    URDFError,
+    URDFWarning,
+)
+from urdf.loading import load
+from urdf.saving import save
+
+__all__ = [
+    "AxisNotNormalizedWarning",
+    "CannotSave",
+    "DuplicateEntry",
+    "GravityNotSavedWarning",
+    "InvalidLock",
+    "InvalidNumber",
+    "InvalidRobot",
+    "MalformedXML",
+    "MimicJointWarning",
+    "MissingEntry",
+    "MissingInertialWarning",
+    "NotATree",
+    "RobotEntry",
+    "RobotNotFound",
+    "URDFError",
+    "URDFWarning",
+    "UnsupportedJoint",
+    "load",
+    "robots",
+    "save",
+]

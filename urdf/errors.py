@@ -1,0 +1,88 @@
+"""What the importer and the exporter refuse, and what they warn about."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from graphdyn.errors import GraphDynError
+
+
+class URDFError(GraphDynError, ValueError):
+    """Base of every refusal: where, what is wrong, and what to do about it.
+
+    path: the file, line: its line, element: the element there; None where the refusal has none
+    """
+
+    def __init__(
+        self,
+        problem: str,
+        remedy: str,
+        *,
+        path: Path | None = None,
+        line: int | None = None,
+        element: str | None = None,
+    ):
+        self.problem, self.remedy = problem, remedy
+        self.path, self.line, self.element = path, line, element
+        place = "" if path is None else str(path) if line is None else f"{path}:{line}"
+        super().__init__(": ".join(part for part in (place, element, f"{problem}; {remedy}") if part))
+
+
+class RobotNotFound(URDFError):
+    """Neither a file nor a name of the catalogue."""
+
+
+class MalformedXML(URDFError):
+    """Not a well-formed XML document, or not one whose root element is <robot>."""
+
+
+class MissingEntry(URDFError):
+    """An element or attribute without which a value would have to be guessed."""
+
+
+class DuplicateEntry(URDFError):
+    """A name, or an element of which there can be one, that occurs twice."""
+
+
+class InvalidNumber(URDFError):
+    """Text that is not the finite number, or the three finite numbers, that belong there."""
+
+
+class UnsupportedJoint(URDFError):
+    """A joint type other than revolute, continuous, prismatic and fixed."""
+
+
+class NotATree(URDFError):
+    """Links and joints that do not form one tree."""
+
+
+class InvalidLock(URDFError):
+    """A joint to be locked that is unknown or fixed, or a lock value that is not a finite number."""
+
+
+class InvalidRobot(URDFError):
+    """A file that reads well and describes a robot that graphdyn refuses."""
+
+
+class CannotSave(URDFError):
+    """A model that a URDF file cannot express."""
+
+
+class URDFWarning(UserWarning):
+    """Base of every warning of this package."""
+
+
+class MissingInertialWarning(URDFWarning):
+    """Moving bodies without any <inertial>: mass zero, forward dynamics not determined."""
+
+
+class AxisNotNormalizedWarning(URDFWarning):
+    """Joint axes that are not of unit length; they are normalised."""
+
+
+class MimicJointWarning(URDFWarning):
+    """Mimic joints, loaded as independent joints."""
+
+
+class GravityNotSavedWarning(URDFWarning):
+    """A URDF file has no place for gravity; this model's differs from the default that a reload assumes."""
