@@ -15,10 +15,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 import urdf
-from crosscheck.compare import Comparison, compare
+from crosscheck.compare import compare
 from crosscheck.errata import ERRATA, measure
 from crosscheck.report import JSON_FORMAT, as_json, detail, footnotes, heading, overview, versions, write_json
-from graphdyn import GraphDynError, __version__
+from crosscheck.result import Comparison
+from graphdyn import GraphDynError
 
 AGREED, DISAGREED, BAD_INPUT = 0, 1, 2
 
@@ -213,6 +214,3 @@ def _progress(robot: str) -> Iterator:
             bar.update(task, description=f"{case}: {sum(done)} states")
 
         yield advance
-
-
-__all__ = ["__version__", "app", "main"]

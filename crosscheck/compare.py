@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 import urdf
-from crosscheck.baseline import Identification, compare_identification
+from crosscheck.baseline import compare_identification
 from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.quantities import (
     BY_NAME,
     QUANTITIES,
     Conditioning,
-    Quantity,
     forward_errors,
     frame_errors,
     passive_errors,
     rank_errors,
 )
+from crosscheck.report import as_text
+from crosscheck.result import Comparison, QuantityResult, WorstState
 from crosscheck.states import Case, cases
 from graphdyn import InvalidInput, RobotModel, SingularMassMatrix, forward_dynamics
 from graphdyn.layout import Array
@@ -30,74 +31,14 @@ from urdf.catalogue import locate
 CHUNK = 250
 """States handled at once: keeps the dense 11n × 11n systems of a chunk within some tens of megabytes."""
 
-ROUTES = {"urdf": "Pinocchio builds the same file", "model": "Pinocchio is built from our model"}
-
 Progress = Callable[[str, int], None]
 """Called with the name of a case and the number of states just done."""
-
-
-@dataclass(frozen=True)
-class WorstState:
-    """Where an error is largest, with the numbers to reproduce it."""
-
-    route: str
-    case: str
-    q: tuple[float, ...]
-    v: tuple[float, ...]
-    a: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class QuantityResult:
-    """One quantity over all routes, cases and samples.
-
-    max_relative_error: largest error on the scale of crosscheck.quantities; NaN counts as infinite
-    by_case: largest error of each case; by_route: of each route
-    """
-
-    quantity: Quantity
-    max_relative_error: float
-    by_case: Mapping[str, float]
-    by_route: Mapping[str, float]
-    worst: WorstState | None
-
-    @property
-    def agrees(self) -> bool:
-        return self.max_relative_error <= self.quantity.tolerance.bound
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """The verdict on one robot.
-
-    quantities: by name, in the order of the table
-    not_compared: quantities left out, with the reason
-    routes: which of ROUTES were taken; notes: what the reader must know (a route Pinocchio refused, …)
-    """
-
-    robot: str
-    n_bodies: int
-    samples: int
-    seed: int
-    locked: Mapping[str, float]
-    routes: tuple[str, ...]
-    quantities: Mapping[str, QuantityResult]
-    not_compared: Mapping[str, str]
-    conditioning: Conditioning
-    identification: Identification | None
-    notes: tuple[str, ...]
-
-    @property
-    def agrees(self) -> bool:
-        return all(result.agrees for result in self.quantities.values())
 
 
 class Disagreement(AssertionError):
     """Raised by assert_agrees; prints the table. comparison: all numbers."""
 
     def __init__(self, comparison: Comparison):
-        from crosscheck.report import as_text  # the report knows comparisons, not the other way round
-
         self.comparison = comparison
         super().__init__(f"graphdyn and Pinocchio disagree on '{comparison.robot}'\n{as_text(comparison)}")
 

@@ -14,8 +14,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from crosscheck.compare import Comparison, QuantityResult
 from crosscheck.pinocchio_model import VERSION as PINOCCHIO_VERSION
+from crosscheck.result import Comparison, QuantityResult
 from urdf.files import write_whole
 
 JSON_FORMAT = "graphdyn crosscheck 1"
