@@ -45,7 +45,8 @@ class Comparison:
 
     quantities: by name, in the order of the table
     not_compared: quantities left out, with the reason
-    routes: "urdf" (Pinocchio builds the same file), "model" (Pinocchio is built from our model); notes: what the reader must know (a route Pinocchio refused, …)
+    routes: "urdf" (Pinocchio builds the same file), "model" (Pinocchio is built from our model)
+    notes: what the reader must know (a route that Pinocchio refused, …)
     """
 
     robot: str
