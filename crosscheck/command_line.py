@@ -42,9 +42,8 @@ app = typer.Typer(
     rich_markup_mode=None,
     help="Constrained dynamics of robot arms as one linear system, proved number by number against Pinocchio.",
 )
-out, err = Console(), Console(stderr=True)
-if not out.is_terminal:
-    out = Console(width=WIDTH)
+err = Console(stderr=True, markup=False, highlight=False)
+out = Console(markup=False, highlight=False, width=None if sys.stdout.isatty() else WIDTH)
 
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write all numbers to FILE.")]
 SeedOption = Annotated[int, typer.Option(help="Seed of the random states.")]
@@ -123,13 +122,14 @@ def robots_command(json_file: JsonOption = None) -> None:
 
     Example: graphdyn robots
     """
+    if json_file is not None:
+        _check_writable(json_file)
     table = Table("name", "origin", "licence")
     entries = urdf.robots()
     for entry in entries:
         table.add_row(entry.name, entry.origin, entry.licence)
     out.print(table)
     if json_file is not None:
-        _check_writable(json_file)
         rows = [{"name": e.name, "path": str(e.path), "origin": e.origin, "licence": e.licence} for e in entries]
         write_json(json_file, {"format": "graphdyn robots 1", "robots": rows})
 
@@ -161,14 +161,14 @@ def errata_command(
 
 def _print(comparisons: Sequence[Comparison]) -> None:
     if len(comparisons) == 1:
-        out.print(detail(comparisons[0]))
+        out.print(detail(comparisons[0], out.width))
         return
     for table in overview(comparisons, out.width):
         out.print(table)
     for comparison in comparisons:
-        out.print(heading(comparison), highlight=False)
+        out.print(heading(comparison))
         for line in footnotes(comparison):
-            out.print(f"  {line}", highlight=False)
+            out.print(f"  {line}")
 
 
 def _parse_lock(text: str) -> tuple[str, float]:
@@ -188,7 +188,7 @@ def _check_writable(path: Path) -> None:
 
 
 def _complain(message: str) -> None:
-    err.print(f"error: {message}", style="red", highlight=False, markup=False, soft_wrap=True)
+    err.print(f"error: {message}", style="red", soft_wrap=True)
 
 
 @contextmanager
@@ -198,13 +198,18 @@ def _warnings_shown() -> Iterator[None]:
         warnings.simplefilter("always")
         yield
     for warning in caught:
-        err.print(f"warning: {warning.message}", style="yellow", highlight=False, markup=False, soft_wrap=True)
+        err.print(f"warning: {warning.message}", style="yellow", soft_wrap=True)
 
 
 @contextmanager
 def _progress(robot: str) -> Iterator:
     """A bar on the terminal, silent elsewhere; yields the callback of compare."""
-    columns = (TextColumn("{task.fields[robot]}"), BarColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
+    columns = (
+        TextColumn("{task.fields[robot]}", markup=False),
+        BarColumn(),
+        TextColumn("{task.description}", markup=False),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=err, transient=True, disable=not err.is_terminal) as bar:
         task = bar.add_task("loading", total=None, robot=robot)
         done: list[int] = []

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
 
 import urdf
 from crosscheck.baseline import compare_identification
-from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses, RefereeValues
 from crosscheck.quantities import (
     BY_NAME,
     QUANTITIES,
@@ -24,7 +24,8 @@ from crosscheck.quantities import (
 from crosscheck.report import as_text
 from crosscheck.result import Comparison, QuantityResult, WorstState
 from crosscheck.states import Case, cases
-from graphdyn import InvalidInput, RobotModel, SingularMassMatrix, forward_dynamics
+from graphdyn import InvalidInput, RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
+from graphdyn.dynamics import singular
 from graphdyn.layout import Array
 from urdf.catalogue import locate
 
@@ -72,8 +73,9 @@ def compare(
         model, locked = robot, {}
         notes.append("route 'urdf' not taken: a RobotModel was given, not a file")
     else:
-        locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock or (), 0.0)
-        model = urdf.load(robot, lock=locked or None, gravity=gravity)
+        lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
+        model = urdf.load(robot, lock=lock, gravity=gravity)
+        locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
     referees = {"model": PinocchioModel.from_model(model)}
     if not isinstance(robot, RobotModel):
         try:
@@ -84,31 +86,41 @@ def compare(
     record = _Record()
     reason = _why_not_forward(model)
     skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
-    for case in cases(model, samples, seed):
-        for chunk in _chunks(case):
-            for route, referee in referees.items():
-                turned = referee.turned(chunk.turn, chunk.model.gravity)
-                tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
-                reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
-                record.add(route, chunk, passive_errors(chunk, reference))
-                if route == "urdf" and model.frames:
-                    record.add(route, chunk, frame_errors(chunk, turned))
-                if reason is None:
-                    record.add(route, chunk, forward_errors(chunk, tau, reference))
-            errors, conditioning = rank_errors(chunk, tau, regular=reason is None)
-            record.add("model", chunk, errors)
-            record.condition(conditioning)
-            if progress:
-                progress(case.name, len(chunk.q))
-    identification = None
-    if any(body.mass > 0 for body in model.bodies):
-        identification = compare_identification(model, referees["model"], seed)
-        missing = abs(identification.rank - identification.rank_there)
-        error = np.inf if missing else max(identification.difference, identification.error)
-        record.add_summary("model", "base_parameters", error)
-    else:
-        skipped["base_parameters"] = "no body has mass: kinematics only"
-        notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
+    singular_states: dict[str, int] = {}
+    with threadpool_limits(limits=1, user_api="blas"):  # threads only get in each other's way on matrices this small
+        for case in cases(model, samples, seed):
+            for chunk in _chunks(case):
+                regular = np.zeros(len(chunk.q), dtype=bool) if reason else ~singular(mass_matrix(model, chunk.q))
+                if not reason and not regular.all():
+                    singular_states[case.name] = singular_states.get(case.name, 0) + int((~regular).sum())
+                for route, referee in referees.items():
+                    turned = referee.turned(chunk.turn, chunk.model.gravity)
+                    tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
+                    reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
+                    record.add(route, chunk, passive_errors(chunk, reference))
+                    if route == "urdf" and model.frames:
+                        record.add(route, chunk, frame_errors(chunk, turned))
+                    if regular.any():
+                        at = chunk.rows(regular)
+                        record.add(route, at, _forward_errors(at, tau[regular], reference.rows(regular)))
+                errors, conditioning = rank_errors(chunk, tau, regular)
+                record.add("model", chunk, errors)
+                record.condition(conditioning)
+                if progress:
+                    progress(case.name, len(chunk.q))
+        notes += [
+            f"{count} of the states '{name}' have a singular mass matrix: forward quantities left out there"
+            for name, count in singular_states.items()
+        ]
+        identification = None
+        if any(body.mass > 0 for body in model.bodies):
+            identification = compare_identification(model, referees["model"], seed)
+            missing = abs(identification.rank - identification.rank_there)
+            error = np.inf if missing else max(identification.difference, identification.error)
+            record.add_summary("model", "base_parameters", error)
+        else:
+            skipped["base_parameters"] = "no body has mass: kinematics only"
+            notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
     assert record.conditioning is not None
     return Comparison(
         robot=model.name if isinstance(robot, RobotModel) else str(robot),
@@ -135,16 +147,16 @@ def assert_agrees(robot: str | Path | RobotModel, samples: int = 1000, seed: int
 
 def _chunks(case: Case) -> Iterable[Case]:
     for start in range(0, len(case.q), CHUNK):
-        part = slice(start, start + CHUNK)
-        tau = None if case.tau is None else case.tau[part]
-        yield replace(
-            case,
-            q=case.q[part],
-            v=case.v[part],
-            a=case.a[part],
-            tau=tau,
-            external_wrenches=case.external_wrenches[part],
-        )
+        yield case.rows(slice(start, start + CHUNK))
+
+
+def _forward_errors(case: Case, tau: Array, reference: RefereeValues) -> dict[str, Array]:
+    """forward_errors, infinite where a system is exactly singular: the rank quantities then say why."""
+    try:
+        return forward_errors(case, tau, reference)
+    except np.linalg.LinAlgError:
+        names = (quantity.name for quantity in QUANTITIES if quantity.forward and quantity.name != "kkt_rank")
+        return {name: np.full(len(case.q), np.inf) for name in names}
 
 
 def _why_not_forward(model: RobotModel) -> str | None:

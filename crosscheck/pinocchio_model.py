@@ -7,13 +7,14 @@ RobotModel through its API (which checks our dynamics). Results come back in the
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
-from graphdyn import GraphDynError, Placement, RobotModel
+from graphdyn import Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_columns
 
 VERSION: str = pin.__version__
@@ -35,6 +36,7 @@ class RefereeValues:
     torque_regressor, body_regressor: computeJointTorqueRegressor, jointBodyRegressor   (N, n, 10n), (N, n, 6, 10)
     tau_external, joint_wrenches_external, a_external: rnea, data.f and aba with the external wrenches
     a_wrenches, a_body_accelerations: data.f and body accelerations at a, the answer of the forward problem
+    a_wrenches_external: data.f at a_external with the external wrenches
     """
 
     rotation: Array
@@ -53,6 +55,11 @@ class RefereeValues:
     tau_external: Array
     joint_wrenches_external: Array
     a_external: Array
+    a_wrenches_external: Array
+
+    def rows(self, selected: NDArray[np.bool_]) -> RefereeValues:
+        """The values at some of the states."""
+        return RefereeValues(**{field.name: getattr(self, field.name)[selected] for field in fields(self)})
 
 
 class PinocchioModel:
@@ -99,8 +106,7 @@ class PinocchioModel:
                 # a continuous joint is a plain angle here: the (cos, sin) joint takes no axis in the Python bindings
                 kind = pin.JointModelPrismaticUnaligned if joint.is_prismatic else pin.JointModelRevoluteUnaligned
                 ids[j] = native.addJoint(ids[i], kind(np.array(joint.axis)), _se3(joint.placement), joint.name)
-                inertia = pin.Inertia(body.mass, np.array(body.center_of_mass), np.array(body.inertia))
-                native.appendBodyToJoint(ids[j], inertia, pin.SE3.Identity())
+                native.appendBodyToJoint(ids[j], _inertia(body), pin.SE3.Identity())
                 add_outside(j)
 
         add_outside(0)
@@ -149,9 +155,7 @@ class PinocchioModel:
     def torque_regressor(self, q: Array, v: Array, a: Array) -> Array:
         """computeJointTorqueRegressor at N states (N, n, 10n)."""
         rows = [
-            pin.computeJointTorqueRegressor(
-                self._native, self._data, self.configuration(q_k), self._there(v_k), self._there(a_k)
-            )[np.ix_(self._columns, self._parameter_columns())]
+            self._torque_regressor(self.configuration(q_k), self._there(v_k), self._there(a_k))
             for q_k, v_k, a_k in zip(q, v, a, strict=True)
         ]
         return np.array(rows).reshape(*q.shape, BODY_PARAMETERS * q.shape[-1])
@@ -179,18 +183,20 @@ class PinocchioModel:
         row["tau"] = pin.rnea(native, data, q, v, a)[columns]
         row["joint_wrenches"] = self._joint_wrenches()
         row["bias"] = pin.nonLinearEffects(native, data, q, v)[columns]
-        mass = np.triu(pin.crba(native, data, q))
+        mass = np.triu(np.reshape(pin.crba(native, data, q), (native.nv, native.nv)))
         mass = mass + np.triu(mass, 1).T
         row["mass_matrix"] = mass[np.ix_(columns, columns)]
-        regressor = pin.computeJointTorqueRegressor(native, data, q, v, a)
-        row["torque_regressor"] = regressor[np.ix_(columns, self._parameter_columns())]
+        row["torque_regressor"] = self._torque_regressor(q, v, a)
         pin.rnea(native, data, q, v, a)
         row["body_regressor"] = np.array([pin.jointBodyRegressor(native, data, k) for k in self._ids])
         pin.forwardKinematics(native, data, q, v, a)
         row["rotation"] = np.array([data.oMi[k].rotation for k in self._ids])
         row["position"] = np.array([data.oMi[k].translation for k in self._ids])
         row["velocity"], row["acceleration"] = self._spatial(data.v), self._spatial(data.a)
-        row["a_external"] = self._aba(q, v, tau, forces)[columns]
+        a = self._aba(q, v, tau, forces)
+        row["a_external"] = a[columns]
+        pin.rnea(native, data, q, v, a, forces)
+        row["a_wrenches_external"] = self._joint_wrenches()
         a = self._aba(q, v, tau)
         row["a"] = a[columns]
         pin.rnea(native, data, q, v, a)
@@ -198,6 +204,12 @@ class PinocchioModel:
         pin.forwardKinematics(native, data, q, v, a)
         row["a_body_accelerations"] = self._spatial(data.a)
         return row
+
+    def _torque_regressor(self, q: Array, v: Array, a: Array) -> Array:
+        """(n, 10n) of one state in Pinocchio's order and coordinates; the bindings flatten matrices of one row."""
+        regressor = pin.computeJointTorqueRegressor(self._native, self._data, q, v, a)
+        full = np.reshape(regressor, (self._native.nv, BODY_PARAMETERS * self._native.nv))
+        return full[np.ix_(self._columns, self._parameter_columns())]
 
     def _aba(self, q: Array, v: Array, tau: Array, forces: pin.StdVec_Force | None = None) -> Array:
         arguments = (self._native, self._data, q, v, tau)
@@ -213,7 +225,13 @@ class PinocchioModel:
 
     def _at_centers(self, rotation: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
         """ṙ and ω, r̈ and ω̇ (N, n, 6) from spatial velocities and accelerations at the link origins."""
-        center = np.array([self._native.inertias[k].lever for k in self._ids])
+        # Pinocchio forgets the center of a massless body; ours stands in, so that the same point is compared
+        center = np.array(
+            [
+                self._native.inertias[k].lever if self._native.inertias[k].mass > 0 else body.center_of_mass
+                for k, body in zip(self._ids, self._model.bodies, strict=True)
+            ]
+        )
         linear, omega = velocity[..., LINEAR], velocity[..., ANGULAR]
         alpha = acceleration[..., ANGULAR]
         at_center = linear + np.cross(omega, center)
@@ -242,6 +260,13 @@ class PinocchioModel:
 
 def _se3(placement: Placement) -> pin.SE3:
     return pin.SE3(np.array(placement.rotation), np.array(placement.translation))
+
+
+def _inertia(body: Body) -> pin.Inertia:
+    """As mass, center and tensor; from the ten parameters where the tensor is not positive, which that form refuses."""
+    if np.linalg.eigvalsh(body.inertia)[0] < 0:
+        return pin.Inertia.FromDynamicParameters(np.array(body.parameters))
+    return pin.Inertia(body.mass, np.array(body.center_of_mass), np.array(body.inertia))
 
 
 def _write(joint: pin.JointModel, full: Array, value: float) -> None:

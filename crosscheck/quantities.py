@@ -8,8 +8,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosscheck.pinocchio_model import PinocchioModel, RefereeValues
+from crosscheck.scales import acceleration_scale, by_parameter_type, by_part, largest, ratio, relative, term_sizes
 from crosscheck.states import Case
 from crosscheck.tolerances import (
     ACCELERATION,
@@ -71,6 +73,7 @@ QUANTITIES = (
     Quantity("acceleration_external", "aba with fext; dense system", ACCELERATION, forward=True),
     Quantity("forward_body_acceleration", "aba, then a; dense system", ACCELERATION, forward=True),
     Quantity("forward_joint_wrench", "aba, then rnea; dense system", FORWARD_WRENCH, forward=True),
+    Quantity("forward_joint_wrench_external", "aba, then rnea, with fext; dense system", FORWARD_WRENCH, forward=True),
     Quantity("forward_multipliers", "aba, then rnea; dense system", FORWARD_WRENCH, forward=True),
     Quantity("round_trip", "inverse(forward(τ)) = τ", ROUND_TRIP, forward=True),
     Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", RESIDUAL, forward=True),
@@ -99,31 +102,36 @@ class Conditioning:
 
 def passive_errors(case: Case, ref: RefereeValues) -> dict[str, Array]:
     """Errors of everything that does not need a regular mass matrix."""
-    model, q, v, a = case.model, case.q, case.v, case.a
+    model, q, v, a, external = case.model, case.q, case.v, case.a, case.external_wrenches
     state = maximal_state(model, q, v, a)
-    ours = inverse_dynamics(model, q, v, a)
-    loaded = inverse_dynamics(model, q, v, a, case.external_wrenches)
     assert state.acceleration is not None
-    multipliers = multipliers_of(model, ref.rotation, ref.joint_wrenches)
-    reach = _reach(model, ref)
+    ours = inverse_dynamics(model, q, v, a)
+    loaded = inverse_dynamics(model, q, v, a, external)
     at_rest = inverse_dynamics(model, q, v, np.zeros_like(a)).joint_wrenches
+    size = term_sizes(model, v, a, ref.position, ref.velocity, ref.acceleration)
+    with_load = size.loaded(external)
+    multipliers = multipliers_of(model, ref.rotation, ref.joint_wrenches)
     return {
         "link_placement": np.maximum(
-            _largest(state.rotation - ref.rotation), _relative(link_origins(state), ref.position)
+            largest(state.rotation - ref.rotation), relative(link_origins(state), ref.position)
         ),
-        "link_twist": _by_part(state.velocity, ref.velocity),
-        "body_acceleration": _by_part(state.acceleration, ref.acceleration),
-        "torque": _relative(ours.tau, ref.tau, ref.joint_wrenches),
-        "joint_wrench": _wrenches(ours.joint_wrenches, ref.joint_wrenches, reach),
-        "multipliers": _relative(ours.multipliers, multipliers, ref.joint_wrenches),
-        "torque_external": _relative(loaded.tau, ref.tau_external, ref.joint_wrenches_external),
-        "joint_wrench_external": _wrenches(loaded.joint_wrenches, ref.joint_wrenches_external, reach),
-        "mass_matrix": _relative(mass_matrix(model, q), ref.mass_matrix),
-        "bias_torque": _relative(bias_torque(model, q, v), ref.bias, at_rest),
-        "torque_regressor": _by_parameter_type(
-            joint_torque_regressor(model, q, v, a), ref.torque_regressor, _lever_terms(ref, reach)
+        "link_twist": by_part(state.velocity, ref.velocity, size.velocity, 0 * size.velocity),
+        "body_acceleration": by_part(state.acceleration, ref.acceleration, size.acceleration, size.turn),
+        "torque": relative(ours.tau, ref.tau, largest(ref.joint_wrenches)),
+        "joint_wrench": by_part(ours.joint_wrenches, ref.joint_wrenches, size.force, size.moment),
+        "multipliers": relative(ours.multipliers, multipliers, largest(ref.joint_wrenches)),
+        "torque_external": relative(loaded.tau, ref.tau_external, largest(ref.joint_wrenches_external)),
+        "joint_wrench_external": by_part(
+            loaded.joint_wrenches, ref.joint_wrenches_external, with_load.force, with_load.moment
         ),
-        "body_regressor": _by_parameter_type(body_regressor(model, q, v, a), ref.body_regressor),
+        "mass_matrix": relative(mass_matrix(model, q), ref.mass_matrix),
+        "bias_torque": relative(bias_torque(model, q, v), ref.bias, largest(at_rest)),
+        "torque_regressor": by_parameter_type(
+            joint_torque_regressor(model, q, v, a), ref.torque_regressor, size.felt * size.lever, size.felt, size.turn
+        ),
+        "body_regressor": by_parameter_type(
+            body_regressor(model, q, v, a), ref.body_regressor, size.felt, size.felt, size.turn
+        ),
     }
 
 
@@ -132,56 +140,58 @@ def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
     names = [frame.name for frame in case.model.frames]
     rotation, position = referee.frame_placements(case.q, names)
     ours = [frame_placement(case.model, case.q, name) for name in names]
-    turned = _largest(np.stack([r for r, _ in ours], axis=1) - rotation)
+    turned = largest(np.stack([r for r, _ in ours], axis=1) - rotation)
     links = link_origins(maximal_state(case.model, case.q))
-    shifted = _relative(np.stack([p for _, p in ours], axis=1), position, links)
+    shifted = relative(np.stack([p for _, p in ours], axis=1), position, largest(links))
     return {"frame_placement": np.maximum(turned, shifted)}
 
 
 def forward_errors(case: Case, tau: Array, ref: RefereeValues) -> dict[str, Array]:
     """Errors of everything that solves for accelerations."""
-    model, q, v = case.model, case.q, case.v
+    model, q, v, external = case.model, case.q, case.v, case.external_wrenches
     dense = forward_dynamics(model, q, v, tau, method="dense")
     projected = forward_dynamics(model, q, v, tau)
-    loaded = forward_dynamics(model, q, v, tau, case.external_wrenches, method="dense")
+    loaded = forward_dynamics(model, q, v, tau, external, method="dense")
     back = inverse_dynamics(model, q, v, projected.a)
-    system = kkt_batch(case, tau)
-    solution = system.solve_unchecked()
-
-    def scale(a: Array, wrenches: Array) -> Array:
-        return acceleration_scale(ref.mass_matrix, a, tau, wrenches)
-
-    bound = scale(ref.a, ref.a_wrenches)
-    bound_loaded = scale(ref.a_external, ref.joint_wrenches_external)
-    reach = _reach(model, ref)
-    inertial = np.abs(ref.mass_matrix).sum(axis=-1).max(axis=-1) * _largest(ref.a)
+    solution = kkt_batch(case, tau).solve_unchecked()
+    size = term_sizes(model, v, ref.a, ref.position, ref.velocity, ref.a_body_accelerations)
+    bound = acceleration_scale(ref.mass_matrix, ref.a, tau, ref.a_wrenches)
+    loads = np.maximum(largest(ref.a_wrenches_external), largest(external))
+    moved = term_sizes(model, v, ref.a_external, ref.position, ref.velocity, loaded.body_accelerations)
+    with_load = moved.loaded(external)
+    bound_loaded = acceleration_scale(ref.mass_matrix, ref.a_external, tau, loads)
+    body_bound = model.n_bodies * np.maximum(1.0, size.lever) * bound + largest(ref.a_body_accelerations)
+    inertial = np.abs(ref.mass_matrix).sum(axis=-1).max(axis=-1) * largest(ref.a)
     multipliers = multipliers_of(model, ref.rotation, ref.a_wrenches)
-    body_error = _largest(dense.body_accelerations - ref.a_body_accelerations)
     return {
-        "acceleration": _ratio(_largest(dense.a - ref.a), bound),
-        "acceleration_projected": _ratio(_largest(projected.a - ref.a), bound),
-        "acceleration_external": _ratio(_largest(loaded.a - ref.a_external), bound_loaded),
-        "forward_body_acceleration": _ratio(
-            body_error, model.n_bodies * np.maximum(1.0, reach) * bound + _largest(ref.a_body_accelerations)
+        "acceleration": ratio(largest(dense.a - ref.a), bound),
+        "acceleration_projected": ratio(largest(projected.a - ref.a), bound),
+        "acceleration_external": ratio(largest(loaded.a - ref.a_external), bound_loaded),
+        "forward_body_acceleration": ratio(largest(dense.body_accelerations - ref.a_body_accelerations), body_bound),
+        "forward_joint_wrench": by_part(dense.joint_wrenches, ref.a_wrenches, size.force, size.moment),
+        "forward_joint_wrench_external": by_part(
+            loaded.joint_wrenches, ref.a_wrenches_external, with_load.force, with_load.moment
         ),
-        "forward_joint_wrench": _wrenches(dense.joint_wrenches, ref.a_wrenches, reach),
-        "forward_multipliers": _relative(dense.multipliers, multipliers, ref.a_wrenches),
-        "round_trip": _ratio(
-            _largest(back.tau - tau), np.maximum.reduce([_largest(tau), _largest(back.joint_wrenches), inertial])
+        "forward_multipliers": relative(dense.multipliers, multipliers, size.force, size.moment),
+        "round_trip": ratio(
+            largest(back.tau - tau), np.maximum.reduce([largest(tau), largest(back.joint_wrenches), inertial])
         ),
         "dynamics_residual": solution.dynamics_residual(),
         "constraint_residual": solution.constraint_residual(),
     }
 
 
-def rank_errors(case: Case, tau: Array, regular: bool) -> tuple[dict[str, Array], Conditioning]:
-    """Missing ranks of φ_q and of the matrix of Eq. (111), as parts of the full rank, and the conditioning."""
+def rank_errors(case: Case, tau: Array, regular: NDArray[np.bool_]) -> tuple[dict[str, Array], Conditioning]:
+    """Missing ranks of φ_q and of the matrix of Eq. (111), as parts of the full rank, and the conditioning.
+
+    regular: at which states the mass matrix is regular (N,); only there the matrix must have full rank
+    """
     system = kkt_batch(case, tau)
     rank, kkt_rank = np.asarray(system.constraint_rank()), np.asarray(system.rank())
     n_rows, size = system.constraint_jacobian.shape[-2], system.matrix.shape[-1]
     errors = {"constraint_rank": 1.0 - rank / n_rows}
-    if regular:
-        errors["kkt_rank"] = 1.0 - kkt_rank / size
+    if regular.any():
+        errors["kkt_rank"] = np.where(regular, 1.0 - kkt_rank / size, 0.0)
     conditioning = Conditioning(
         _range(rank),
         _range(np.linalg.cond(system.constraint_jacobian)),
@@ -194,7 +204,7 @@ def rank_errors(case: Case, tau: Array, regular: bool) -> tuple[dict[str, Array]
 
 def kkt_batch(case: Case, tau: Array) -> KKTSystem:
     """Eq. (111) at all states of a case at once."""
-    state = maximal_state(case.model, case.q, case.v)
+    state = maximal_state(case.model.rooted, case.q, case.v)
     phi_q, zeta = constraints(state)
     applied = applied_terms(state, tau, np.zeros((case.model.n_bodies, 6)))
     return KKTSystem(
@@ -219,59 +229,6 @@ def multipliers_of(model: RobotModel, rotation: Array, wrenches: Array) -> Array
             rows = [f[..., 0], f[..., 1], f[..., 2], (m * t_1).sum(-1), (m * t_2).sum(-1)]
         result[..., k, :] = np.stack(rows, axis=-1)
     return result
-
-
-def acceleration_scale(mass: Array, a: Array, tau: Array, wrenches: Array) -> Array:
-    """cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench): what one relative rounding of the data does to a (N,)."""
-    inverse_norm = np.abs(np.linalg.inv(mass)).sum(axis=-1).max(axis=-1)
-    scale: Array = np.linalg.cond(mass) * _largest(a) + inverse_norm * (_largest(tau) + _largest(wrenches))
-    return scale
-
-
-def _largest(x: Array) -> Array:
-    return np.abs(x).reshape(len(x), -1).max(axis=-1)
-
-
-def _ratio(error: Array, scale: Array) -> Array:
-    """error / scale; an error without any scale counts as infinite, none as zero."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(error == 0, 0.0, error / scale)
-
-
-def _relative(x: Array, reference: Array, *terms: Array) -> Array:
-    return _ratio(_largest(x - reference), np.maximum.reduce([_largest(reference), *map(_largest, terms)]))
-
-
-def _by_part(x: Array, reference: Array) -> Array:
-    """Linear and angular parts (forces and moments) apart, each on its own scale; the larger error counts."""
-    return np.maximum(*(_relative(x[..., part], reference[..., part]) for part in (LINEAR, ANGULAR)))
-
-
-def _by_parameter_type(x: Array, reference: Array, *terms: Array) -> Array:
-    """Columns of m, of m c and of I apart, each on the scale of its type in the sample and in the summed terms."""
-    all_terms = [w.reshape(len(w), -1, 10) for w in (x, reference, *terms)]
-    types = (slice(0, 1), slice(1, 4), slice(4, 10))
-    return np.maximum.reduce([_relative(*(w[..., columns] for w in all_terms)) for columns in types])
-
-
-def _wrenches(x: Array, reference: Array, reach: Array) -> Array:
-    """Forces and moments apart; a moment sums forces times levers, which may cancel (an upright arm at rest)."""
-    levers = reference[..., LINEAR] * reach[:, None, None]
-    return np.maximum(
-        _relative(x[..., LINEAR], reference[..., LINEAR]),
-        _relative(x[..., ANGULAR], reference[..., ANGULAR], levers),
-    )
-
-
-def _reach(model: RobotModel, ref: RefereeValues) -> Array:
-    """Largest coordinate of a link origin from the base (N,) [m]."""
-    return _largest(ref.position - model.base.translation)
-
-
-def _lever_terms(ref: RefereeValues, reach: Array) -> Array:
-    """What a torque regressor sums: moments of the body regressors, and their forces times the arm's reach [m]."""
-    forces = ref.body_regressor[..., LINEAR, :] * reach[:, None, None, None]
-    return np.concatenate([forces, ref.body_regressor[..., ANGULAR, :]], axis=-2)
 
 
 def _range(x: Array) -> tuple:

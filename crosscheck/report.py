@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from crosscheck.pinocchio_model import VERSION as PINOCCHIO_VERSION
+from crosscheck.quantities import BY_NAME
 from crosscheck.result import Comparison, QuantityResult
 from urdf.files import write_whole
 
@@ -22,7 +23,14 @@ JSON_FORMAT = "graphdyn crosscheck 1"
 
 LIBRARIES = ("graphdyn", "numpy", "scipy", "yourdfpy", "example-robot-data")
 
-_NAME_WIDTH, _ROBOT_WIDTH = 36, 11
+TEXT_WIDTH = 140
+"""Characters of a line in the messages of assert_agrees."""
+
+ROOMY = 120
+"""Characters of a line from which the table of one robot has columns that explain."""
+
+_NAME_WIDTH = max(map(len, BY_NAME)) + len("│ ") + len(" │ 1.0e-13 │")
+_ROBOT_WIDTH = len(" DISAGREES │")
 
 
 def versions() -> dict[str, str]:
@@ -30,22 +38,27 @@ def versions() -> dict[str, str]:
     return {**{name: version(name) for name in LIBRARIES}, "pinocchio": PINOCCHIO_VERSION}
 
 
-def detail(comparison: Comparison) -> Table:
-    """One robot, one row per quantity."""
+def detail(comparison: Comparison, width: int) -> Table:
+    """One robot, one row per quantity; the explaining columns only where the width [characters] has room for them."""
     table = Table(title=heading(comparison), title_justify="left", caption_justify="left")
     table.caption = "\n".join(footnotes(comparison))
-    for column, justify in (("quantity", "left"), ("against", "left"), ("error", "right"), ("bound", "right")):
-        table.add_column(column, justify=justify)  # type: ignore[arg-type]
-    table.add_column("")
-    table.add_column("worst at", overflow="fold")
+    roomy = width >= ROOMY
+    for column, justify in (("quantity", "left"), ("error", "right"), ("bound", "right"), ("", "left")):
+        table.add_column(column, justify=justify, no_wrap=True)  # type: ignore[arg-type]
+    if roomy:
+        table.add_column("against", overflow="fold")
+        table.add_column("worst at", overflow="fold")
     for name, result in comparison.quantities.items():
+        explained = (
+            result.quantity.against,
+            f"{result.worst.case} ({result.worst.route})" if result.worst else "",
+        )
         table.add_row(
             name,
-            result.quantity.against,
             f"{result.max_relative_error:.1e}",
             f"{result.quantity.tolerance.bound:.1e}",
             _verdict(result.agrees),
-            f"{result.worst.case}, route {result.worst.route}" if result.worst else "",
+            *(explained if roomy else ()),
         )
     return table
 
@@ -63,18 +76,17 @@ def _overview(comparisons: Sequence[Comparison]) -> Table:
     table.add_column("bound", justify="right", no_wrap=True)
     for comparison in comparisons:
         table.add_column(Path(comparison.robot).name, justify="right", overflow="fold")
-    named: dict[str, QuantityResult] = {}
-    for comparison in comparisons:
-        named |= comparison.quantities
-    for name in named:
-        cells = []
-        for comparison in comparisons:
-            result = comparison.quantities.get(name)
-            cells.append("–" if result is None else f"{result.max_relative_error:.1e}{'' if result.agrees else ' ✗'}")
-        table.add_row(name, f"{named[name].quantity.tolerance.bound:.1e}", *cells)
+    for name, quantity in BY_NAME.items():
+        results = [comparison.quantities.get(name) for comparison in comparisons]
+        if any(results):
+            table.add_row(name, f"{quantity.tolerance.bound:.1e}", *map(_cell, results))
     table.add_section()
     table.add_row("verdict", "", *(_verdict(comparison.agrees) for comparison in comparisons))
     return table
+
+
+def _cell(result: QuantityResult | None) -> str:
+    return "–" if result is None else f"{result.max_relative_error:.1e}{'' if result.agrees else ' ✗'}"
 
 
 def heading(comparison: Comparison) -> str:
@@ -109,7 +121,7 @@ def footnotes(comparison: Comparison) -> list[str]:
 def as_text(comparison: Comparison) -> str:
     """The detail table as plain text, for error messages and logs."""
     buffer = io.StringIO()
-    Console(file=buffer, width=140).print(detail(comparison))
+    Console(file=buffer, width=TEXT_WIDTH, markup=False).print(detail(comparison, TEXT_WIDTH))
     return buffer.getvalue()
 
 

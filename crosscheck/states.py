@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn import Placement, RobotModel, inverse_dynamics, maximal_state
 from graphdyn.layout import Array
@@ -41,6 +42,11 @@ class Case:
     a: Array
     tau: Array | None
     external_wrenches: Array
+
+    def rows(self, selected: slice | NDArray[np.bool_]) -> Case:
+        """The same case with some of its states."""
+        arrays = {name: getattr(self, name) for name in ("q", "v", "a", "tau", "external_wrenches")}
+        return replace(self, **{name: array[selected] for name, array in arrays.items() if array is not None})
 
 
 def cases(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:

@@ -11,7 +11,7 @@ from graphdyn.model import RobotModel
 def joint_arrays(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, Array]:
     """The arguments as float arrays with one common leading shape.
 
-    Each must have shape (…, n); external_wrenches (…, n, 6). None stands for zeros.
+    Each must have shape (…, n); external_wrenches (…, n, 6), where None stands for zeros.
 
     Raises InvalidInput, naming the argument, its shape and the first offending row, where an argument is not numeric,
     has the wrong trailing shape, does not broadcast with the others, or contains NaN or infinity.
@@ -20,7 +20,8 @@ def joint_arrays(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, 
     arrays, leading = {}, {}
     for name, value in arguments.items():
         trailing = (n, BODY_FREEDOMS) if name == "external_wrenches" else (n,)
-        array = np.zeros(trailing) if value is None else _as_floats(name, value)
+        absent = name == "external_wrenches" and value is None
+        array = np.zeros(trailing) if absent else as_floats(name, value)
         if array.shape[-len(trailing) :] != trailing:
             expected = ", ".join(["…", *map(str, trailing)])
             raise InvalidInput(
@@ -47,14 +48,17 @@ def one_state(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, Arr
     return arrays
 
 
-def _as_floats(name: str, value: ArrayLike) -> Array:
+def as_floats(name: str, value: ArrayLike | None) -> Array:
+    """A float array of integers, booleans or reals. Raises InvalidInput, naming the argument, for anything else."""
     try:
         array = np.asarray(value)
-        if np.iscomplexobj(array):
-            raise TypeError("complex numbers")
-        return np.asarray(array, dtype=float)
-    except (TypeError, ValueError) as error:
+    except ValueError as error:
         raise InvalidInput(f"{name} is not an array of real numbers: {error}") from error
+    if array.dtype.kind not in "buif":
+        raise InvalidInput(f"{name} is not an array of real numbers but of {array.dtype}")
+    if np.ma.is_masked(value):
+        raise InvalidInput(f"{name} has masked entries; fill or drop them")
+    return np.asarray(array, dtype=float)
 
 
 def _refuse_non_finite(name: str, array: Array, n_trailing: int, model: RobotModel) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arrays import joint_arrays, one_state
 from graphdyn.cardano import cardano_system
@@ -83,8 +83,8 @@ def forward_dynamics(
     """
     _check_method(method)
     x = joint_arrays(model, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
-    state = maximal_state(model, x["q"], x["v"])
-    n, bias = null_space(state), bias_acceleration(model, x["q"], x["v"])
+    state = maximal_state(model.rooted, x["q"], x["v"])
+    n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"])
     mass = _projected_mass(state, n)
     _refuse_singular(model, mass)
     if method == "dense":
@@ -121,7 +121,7 @@ def inverse_dynamics(
     """
     _check_method(method)
     x = joint_arrays(model, q=q, v=v, a=a, external_wrenches=external_wrenches)
-    state = maximal_state(model, x["q"], x["v"], x["a"])
+    state = maximal_state(model.rooted, x["q"], x["v"], x["a"])
     assert state.acceleration is not None
     accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
     required = _inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
@@ -140,7 +140,7 @@ def inverse_dynamics(
 
 def mass_matrix(model: RobotModel, q: ArrayLike) -> Array:
     """M = NᵀAN (…, n, n) [kg m², kg m, kg]."""
-    state = maximal_state(model, q)
+    state = maximal_state(model.rooted, q)
     return _projected_mass(state, null_space(state))
 
 
@@ -168,7 +168,7 @@ def kkt_system(
     if coordinates not in ("twist", "cardano"):
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")
     x = one_state(model, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
-    state = maximal_state(model, x["q"], x["v"])
+    state = maximal_state(model.rooted, x["q"], x["v"])
     system = _kkt(state, x["tau"], x["external_wrenches"])
     return system if coordinates == "twist" else cardano_system(state, system)
 
@@ -194,20 +194,29 @@ def _check_method(method: str) -> None:
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(METHODS)}")
 
 
-def _refuse_singular(model: RobotModel, mass: Array) -> None:
-    """Singular: M scaled to unit diagonal has an eigenvalue at rounding level, or a zero on the diagonal."""
+def singular(mass: Array) -> NDArray[np.bool_]:
+    """Which mass matrices (…, n, n) are singular (…): scaled to unit diagonal, an eigenvalue at rounding level."""
+    values, _ = _scaled_eigensystem(mass)
+    sizes = np.abs(values)
+    no_inertia = (np.diagonal(mass, axis1=-2, axis2=-1) == 0).any(axis=-1)
+    limit = mass.shape[-1] * np.finfo(float).eps * sizes.max(axis=-1, initial=0.0)
+    return np.asarray(no_inertia | (sizes.min(axis=-1, initial=np.inf) <= limit))
+
+
+def _scaled_eigensystem(mass: Array) -> tuple[Array, Array]:
     diagonal = np.abs(np.diagonal(mass, axis1=-2, axis2=-1))
-    if mass.size == 0:
-        return
     scale = np.where(diagonal > 0, diagonal, 1.0) ** -0.5
     values, vectors = np.linalg.eigh(mass * scale[..., :, None] * scale[..., None, :])
-    singular = np.abs(values).min(axis=-1) <= model.n_bodies * np.finfo(float).eps * np.abs(values).max(axis=-1)
-    singular |= (diagonal == 0).any(axis=-1)
-    if not singular.any():
+    return values, vectors
+
+
+def _refuse_singular(model: RobotModel, mass: Array) -> None:
+    at_fault = singular(mass)
+    if not at_fault.any():
         return
-    row = tuple(int(k) for k in np.argwhere(singular)[0])
-    weakest = vectors[row][:, int(np.abs(values[row]).argmin())]
-    joint = int(np.abs(weakest).argmax())
+    row = tuple(int(k) for k in np.argwhere(at_fault)[0])
+    values, vectors = _scaled_eigensystem(mass[row])
+    joint = int(np.abs(vectors[:, np.abs(values).argmin()]).argmax())
     massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
     cause = f"bodies without mass or inertia: {', '.join(massless)}" if massless else "see physical_consistency()"
     raise SingularMassMatrix(

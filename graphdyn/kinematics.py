@@ -6,13 +6,13 @@ Maximal coordinates: per body the position r of the center of mass in world axes
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.arrays import joint_arrays
+from graphdyn.arrays import as_floats, joint_arrays
 from graphdyn.errors import InconsistentState, InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
 from graphdyn.linear import solve
@@ -47,9 +47,9 @@ class MaximalState:
         shapes = {"position": (n, 3), "rotation": (n, 3, 3), "velocity": (n, 6), "acceleration": (n, 6)}
         for name, trailing in shapes.items():
             value = getattr(self, name)
-            if value is None:
+            if value is None and name == "acceleration":
                 continue
-            array = np.asarray(value, dtype=float)
+            array = as_floats(name, value)
             if array.shape[-len(trailing) :] != trailing:
                 raise InvalidInput(f"{name} has shape {array.shape}, expected (…, {', '.join(map(str, trailing))})")
             if not np.all(np.isfinite(array)):
@@ -93,8 +93,9 @@ def maximal_state(
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
     """
-    arrays = joint_arrays(model, q=q, v=v, a=a)
-    return _forward(model, arrays["q"], arrays["v"], None if a is None else arrays["a"])
+    rest = np.zeros(model.n_bodies)
+    x = joint_arrays(model, q=q, v=rest if v is None else v, a=rest if a is None else a)
+    return _forward(model, x["q"], x["v"], None if a is None else x["a"])
 
 
 def _forward(model: RobotModel, q: Array, v: Array, a: Array | None) -> MaximalState:
@@ -202,8 +203,10 @@ def joint_axes(state: MaximalState) -> Array:
 def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
     """q, v (…, n) of a maximal state. Angles come back in (-π, π]: full turns leave no trace in R.
 
-    Raises InconsistentState, naming the joint, where the bodies are not where the joints hold them (CLOSURE).
+    Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
+    (CLOSURE); InvalidInput for a state of another number of bodies.
     """
+    state = replace(state, model=model)
     residual = np.abs(state.constraint_residual())
     if residual.size and residual.max() > CLOSURE:
         *row, worst, _ = (int(k) for k in np.unravel_index(int(residual.argmax()), residual.shape))
@@ -244,7 +247,7 @@ def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
     if state.acceleration is None:
         raise InvalidInput("the maximal state has no acceleration; call maximal_state with a, or set it")
     q, v = joint_state(model, state)
-    return project_accelerations(state, state.acceleration, bias_acceleration(model, q, v))
+    return project_accelerations(replace(state, model=model), state.acceleration, bias_acceleration(model, q, v))
 
 
 def project_accelerations(state: MaximalState, acceleration: Array, bias: Array) -> Array:

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Literal
 
 import numpy as np
@@ -33,6 +33,9 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 ANGLE_RANGE = np.pi
 SLIDE_RANGE = 0.5
 """Stand-ins of random_state for zero or missing limits: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
+
+ABSURD = 1e6
+"""A limit beyond this [rad, m, …/s] is a way of saying that there is none; random_state takes the stand-in."""
 
 SYMMETRY = 1e-9
 """Largest |J - Jᵀ| relative to the largest entry that counts as rounding (and is symmetrised)."""
@@ -91,6 +94,11 @@ class JointLimits:
     velocity: float | None = None
     effort: float | None = None
 
+    def __post_init__(self) -> None:
+        for name, value in dataclasses.asdict(self).items():
+            if value is not None and not isinstance(value, Real):
+                raise InvalidModel(f"{name} limit is {value!r}; give a number, or None where there is none")
+
 
 @dataclass(frozen=True, eq=False)
 class Joint:
@@ -118,11 +126,10 @@ class Joint:
         who = f"joint '{self.name}'"
         if self.kind not in JOINT_KINDS:
             raise InvalidModel(f"{who}: kind '{self.kind}' cannot be represented; use one of {', '.join(JOINT_KINDS)}")
-        if not isinstance(self.inside, Integral):
-            raise InvalidModel(
-                f"{who}: inside is {self.inside!r}; give the number of the inside body, 0 for the ground"
-            )
+        _check_type(who, "inside", self.inside, Integral)
         _freeze(self, who, axis=(3,), damping=(), friction=())
+        _check_type(who, "placement", self.placement, Placement)
+        _check_type(who, "limits", self.limits, JointLimits)
         for name, value in dataclasses.asdict(self.limits).items():
             if value is not None and not np.isfinite(value):
                 raise InvalidModel(f"{who}: {name} limit is {value}; leave it out (None) where there is none")
@@ -165,6 +172,10 @@ class Frame:
     placement: Placement
     aliases: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        _check_type(f"frame '{self.name}'", "body", self.body, Integral)
+        _check_type(f"frame '{self.name}'", "placement", self.placement, Placement)
+
 
 @dataclass(frozen=True, eq=False)
 class RobotModel:
@@ -192,6 +203,7 @@ class RobotModel:
         for name in ("bodies", "joints", "frames"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         _freeze(self, who, gravity=(3,))
+        _check_type(who, "base", self.base, Placement)
         if not self.bodies:
             raise InvalidModel(f"{who}: no moving body; the dynamics of a model without joints are empty")
         if len(self.bodies) != len(self.joints):
@@ -266,6 +278,25 @@ class RobotModel:
         """(10 n,): the parameters of all bodies (Body.parameters), body after body."""
         return _read_only(np.concatenate([body.parameters for body in self.bodies]))
 
+    @cached_property
+    def skeleton(self) -> RobotModel:
+        """The rooted robot with massless bodies whose centers of mass are their link origins.
+
+        Its maximal states are the motions of the link frames, free of any inertial parameter.
+        """
+        bodies = tuple(Body(body.name, 0.0, np.zeros(3), np.zeros((3, 3))) for body in self.bodies)
+        return dataclasses.replace(self.rooted, bodies=bodies)
+
+    @cached_property
+    def rooted(self) -> RobotModel:
+        """The same robot shifted so that joint 1 is at the world's origin.
+
+        The dynamics do not depend on where in the world it stands; their rounding errors would, through differences of
+        large positions.
+        """
+        shift = self.base.rotation @ self.joints[0].placement.translation
+        return dataclasses.replace(self, base=Placement(self.base.rotation, -shift))
+
     def with_inertial_parameters(self, parameters: ArrayLike) -> RobotModel:
         """The same robot with other inertial parameters (10 n,). Raises InvalidModel for a wrong length."""
         pi = _as_floats(f"robot '{self.name}'", "parameter vector", parameters, (BODY_PARAMETERS * self.n_bodies,))
@@ -283,9 +314,9 @@ class RobotModel:
         return dataclasses.replace(self, base=base)
 
     def random_state(self, rng: np.random.Generator, size: int | Sequence[int] = ()) -> tuple[Array, Array]:
-        """q, v (size, n), uniform within the limits; stand-ins where limits are zero or missing (see SLIDE_RANGE).
+        """q, v (size, n), uniform within the limits; stand-ins where limits are zero, missing or absurd.
 
-        Continuous joints are drawn from [-π, π] rad.
+        Continuous joints are drawn from [-π, π] rad. See SLIDE_RANGE and ABSURD for the stand-ins.
         """
         shape = (size,) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
         lower, upper, speed = (np.array(values) for values in zip(*map(_sampling_range, self.joints), strict=True))
@@ -308,13 +339,22 @@ class RobotModel:
 def _sampling_range(joint: Joint) -> tuple[float, float, float]:
     """lower, upper and speed of random_state."""
     reach = SLIDE_RANGE if joint.is_prismatic else ANGLE_RANGE
-    lower, upper, speed = joint.limits.lower, joint.limits.upper, abs(joint.limits.velocity or 0.0) or reach
+    lower, upper, speed = (
+        None if limit is None or abs(limit) > ABSURD else limit
+        for limit in (joint.limits.lower, joint.limits.upper, joint.limits.velocity)
+    )
+    speed = abs(speed or 0.0) or reach
     if joint.kind == "continuous" or not (lower or upper):  # both zero or missing
         return -reach, reach, speed
     if lower is None:
         assert upper is not None  # one of them is given
         return upper - 2 * reach, upper, speed
     return lower, lower + 2 * reach if upper is None else upper, speed
+
+
+def _check_type(who: str, name: str, value: object, kind: type) -> None:
+    if not isinstance(value, kind):
+        raise InvalidModel(f"{who}: {name} is of type {type(value).__name__}, not {kind.__name__}")
 
 
 def _freeze(owner: object, who: str, **shapes: tuple[int, ...]) -> None:

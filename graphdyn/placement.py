@@ -28,7 +28,10 @@ class Placement:
 
     def __post_init__(self) -> None:
         for name, shape in (("rotation", (3, 3)), ("translation", (3,))):
-            value = np.array(getattr(self, name), dtype=float)
+            try:
+                value = np.array(getattr(self, name), dtype=float)
+            except (TypeError, ValueError) as error:
+                raise InvalidModel(f"{name} is not numeric: {getattr(self, name)!r}") from error
             if value.shape != shape:
                 raise InvalidModel(f"{name} has shape {value.shape}, expected {shape}")
             if not np.all(np.isfinite(value)):

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arrays import joint_arrays
-from graphdyn.kinematics import MaximalState, link_origins, maximal_state, null_space
-from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array
+from graphdyn.kinematics import MaximalState, maximal_state, null_space
+from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR, Array
 from graphdyn.model import RobotModel
 from graphdyn.rotation import skew
 
@@ -18,7 +18,7 @@ def body_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) 
     q, v, a: (…, n). Raises InvalidInput.
     """
     x = joint_arrays(model, q=q, v=v, a=a)
-    return _body_regressor(maximal_state(model, x["q"], x["v"], x["a"]))
+    return _body_regressor(maximal_state(model.skeleton, x["q"], x["v"], x["a"]))
 
 
 def joint_torque_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
@@ -28,25 +28,19 @@ def joint_torque_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, a: Arr
     q, v, a: (…, n). Raises InvalidInput.
     """
     x = joint_arrays(model, q=q, v=v, a=a)
-    state = maximal_state(model, x["q"], x["v"], x["a"])
+    state = maximal_state(model.skeleton, x["q"], x["v"], x["a"])
     n = model.n_bodies
-    columns = null_space(state).reshape(*x["q"].shape[:-1], n, 6, n)
-    # velocity of the link origin instead of the center of mass, in link axes: ṙ_O = ṙ - ω × c
-    in_link = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
-    centers = np.stack([body.center_of_mass for body in model.bodies])
-    in_link = in_link + skew(centers) @ columns[..., ANGULAR, :]
-    at_origin = np.concatenate([in_link, columns[..., ANGULAR, :]], axis=-2)
-    blocks = np.einsum("...iak,...iap->...kip", at_origin, _body_regressor(state))
+    columns = null_space(state).reshape(*x["q"].shape[:-1], n, BODY_FREEDOMS, n)
+    columns[..., LINEAR, :] = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
+    blocks = np.einsum("...iak,...iap->...kip", columns, _body_regressor(state))
     return blocks.reshape(*x["q"].shape, BODY_PARAMETERS * n)
 
 
 def _body_regressor(state: MaximalState) -> Array:
+    """Y of the link frames whose motion the state is (RobotModel.skeleton)."""
     assert state.acceleration is not None
     omega, alpha = state.velocity[..., ANGULAR], state.acceleration[..., ANGULAR]
-    to_center = state.position - link_origins(state)
-    spin, turn = (np.einsum("...iab,...ib->...ia", state.rotation, w) for w in (omega, alpha))
-    at_origin = state.acceleration[..., LINEAR] - np.cross(turn, to_center) - np.cross(spin, np.cross(spin, to_center))
-    felt = np.einsum("...iba,...ib->...ia", state.rotation, at_origin - state.model.gravity)
+    felt = np.einsum("...iba,...ib->...ia", state.rotation, state.acceleration[..., LINEAR] - state.model.gravity)
     w, w_dot = skew(omega), skew(alpha)
     y = np.zeros((*felt.shape[:-1], 6, BODY_PARAMETERS))
     y[..., LINEAR, 0] = felt

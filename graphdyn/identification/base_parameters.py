@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from graphdyn.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
@@ -53,8 +54,8 @@ def base_parameters(regressor: ArrayLike) -> BaseParameters:
     """
     from scipy.linalg import qr, solve_triangular  # imported where first used: import graphdyn stays light
 
-    w = np.asarray(regressor, dtype=float)
-    if w.ndim != 2 or w.shape[0] < w.shape[1] or not np.all(np.isfinite(w)):
+    w = as_floats("regressor", regressor)
+    if w.ndim != 2 or w.size == 0 or w.shape[0] < w.shape[1] or not np.all(np.isfinite(w)):
         raise InvalidInput(
             f"regressor has shape {w.shape}; a finite matrix with at least as many rows as columns needed"
         )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
@@ -28,13 +29,17 @@ def ordinary_least_squares(regressor: ArrayLike, torque: ArrayLike) -> LeastSqua
     """x minimising ‖W x - τ‖ by singular values, columns scaled to unit length. W (rows, b), τ (rows,).
 
     Never the normal equations of Eq. (56), (64): they square the condition number.
-    Raises InvalidInput where the shapes do not fit or the columns are dependent (see base_parameters).
+    Raises InvalidInput where the shapes do not fit, a number is not finite, or the columns are dependent (see
+    base_parameters).
     """
     from scipy.linalg import lstsq  # imported where first used: import graphdyn stays light
 
-    w, t = np.asarray(regressor, dtype=float), np.asarray(torque, dtype=float)
+    w, t = as_floats("regressor", regressor), as_floats("torque", torque)
     if w.ndim != 2 or t.shape != w.shape[:1]:
         raise InvalidInput(f"regressor has shape {w.shape}, torque {t.shape}; expected (rows, b) and (rows,)")
+    for name, array in (("regressor", w), ("torque", t)):
+        if not np.all(np.isfinite(array)):
+            raise InvalidInput(f"{name} contains NaN or infinity in row {int(np.argwhere(~np.isfinite(array))[0][0])}")
     scale = np.linalg.norm(w, axis=0)
     if w.shape[1] and not np.all(scale > 0):
         raise InvalidInput(f"column {int(np.argmin(scale))} of the regressor is zero; keep independent columns only")

@@ -101,7 +101,9 @@ def test_body_parameters_are_refused():
     [
         ({"kind": "planar"}, r"joint 'hinge': kind 'planar' cannot be represented; use one of revolute, continuous, "),
         ({"axis": [0, 0, 0]}, r"joint 'hinge': axis is zero; give a direction"),
-        ({"inside": 0.0}, r"joint 'hinge': inside is 0\.0; give the number of the inside body, 0 for the ground"),
+        ({"placement": np.eye(4)}, r"joint 'hinge': placement is of type ndarray, not Placement"),
+        ({"limits": (-1, 1)}, r"joint 'hinge': limits is of type tuple, not JointLimits"),
+        ({"inside": 0.0}, r"joint 'hinge': inside is of type float, not Integral"),
         ({"axis": [0, 1]}, r"joint 'hinge': axis has shape \(2,\), expected \(3,\)"),
         ({"axis": [0, np.nan, 1]}, r"joint 'hinge': axis contains NaN or infinity: \[0\.0, nan, 1\.0\]"),
         ({"damping": np.inf}, r"joint 'hinge': damping contains NaN or infinity"),
@@ -119,6 +121,15 @@ def test_body_parameters_are_refused():
 def test_joint_is_refused(change, message):
     with pytest.raises(InvalidModel, match=message):
         hinge(**change)
+
+
+def test_limits_and_frames_of_the_wrong_type_are_refused():
+    with pytest.raises(InvalidModel, match=r"lower limit is 'a'; give a number, or None where there is none"):
+        JointLimits("a", 1.0)
+    with pytest.raises(InvalidModel, match=r"frame 'tool': body is of type float, not Integral"):
+        Frame("tool", 0.5, Placement())
+    with pytest.raises(InvalidModel, match=r"frame 'tool': placement is of type NoneType, not Placement"):
+        Frame("tool", 1, None)
 
 
 def test_a_tiny_axis_is_a_direction_like_any_other():
@@ -149,6 +160,7 @@ def test_a_tiny_axis_is_a_direction_like_any_other():
         ({"joints": (hinge(inside=-1),)}, r"joint 'hinge': inside body -1 does not come before body 1"),
         ({"frames": (Frame("solid", 0, Placement()),)}, r"robot 'r': frame name 'solid' is used more than once"),
         ({"frames": (Frame("tool", 2, Placement()),)}, r"frame 'tool': there is no body 2"),
+        ({"base": np.eye(4)}, r"robot 'r': base is of type ndarray, not Placement"),
         ({"gravity": [0, 0]}, r"robot 'r': gravity has shape \(2,\), expected \(3,\)"),
         ({"gravity": [0, 0, np.nan]}, r"robot 'r': gravity contains NaN or infinity: \[0\.0, 0\.0, nan\]"),
     ],
@@ -175,6 +187,7 @@ def test_graph_out_of_order_is_refused():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        ({"rotation": "upright"}, r"rotation is not numeric: 'upright'"),
         ({"rotation": np.eye(2)}, r"rotation has shape \(2, 2\), expected \(3, 3\)"),
         ({"translation": [1.0]}, r"translation has shape \(1,\), expected \(3,\)"),
         ({"translation": [1.0, np.nan, 0.0]}, r"translation contains NaN or infinity: \[1\.0, nan, 0\.0\]"),
@@ -247,8 +260,10 @@ def three_arguments(**changes):
         ({"tau": np.zeros((4, 6))}, r"leading dimensions do not broadcast: q \(5, 6\), v \(5, 6\), tau \(4, 6\)"),
         ({"external_wrenches": np.zeros((6, 3))}, r"external_wrenches has shape \(6, 3\), expected \(…, 6, 6\)"),
         ({"external_wrenches": np.zeros(6)}, r"external_wrenches has shape \(6,\), expected \(…, 6, 6\)"),
-        ({"q": ["a"] * 6}, r"q is not an array of real numbers: could not convert string to float"),
-        ({"q": np.zeros(6, dtype=complex)}, r"q is not an array of real numbers: complex numbers"),
+        ({"q": ["a"] * 6}, r"q is not an array of real numbers but of <U1"),
+        ({"q": None}, r"q is not an array of real numbers but of object"),
+        ({"q": np.ma.masked_equal(np.zeros(6), 0.0)}, r"q has masked entries; fill or drop them"),
+        ({"q": np.zeros(6, dtype=complex)}, r"q is not an array of real numbers but of complex128"),
         ({"tau": [[0.0] * 6, [0.0]]}, r"tau is not an array of real numbers: .*inhomogeneous"),
     ],
 )

@@ -14,6 +14,9 @@ EPS = np.finfo(float).eps
 ACCELERATION = 10 * EPS
 """Times acceleration_scale, what one eps of rounding in M, τ and the wrenches does: measured 1.8 over 300 trees."""
 
+BODY_ACCELERATION = 10 * ACCELERATION
+"""The same for bodies: joint accelerations times levers, of which a tree of eight sums some meters. Measured 6 eps."""
+
 WRENCH = 50 * EPS
 """Times cond(M), relative to the largest wrench, since wrenches carry the error of the accelerations: measured 4.9."""
 
@@ -35,8 +38,9 @@ def check_forward(model, q, v, tau, wrenches):
     dense = graphdyn.forward_dynamics(model, q, v, tau, wrenches, method="dense")
     m = graphdyn.mass_matrix(model, q)
     condition = np.linalg.cond(m)
-    assert np.abs(fast.a - dense.a).max() < ACCELERATION * acceleration_scale(m, dense.a, tau, dense.joint_wrenches)
-    assert relative_error(fast.body_accelerations, dense.body_accelerations) < WRENCH * condition
+    scale = acceleration_scale(m, dense.a, tau, dense.joint_wrenches)
+    assert np.abs(fast.a - dense.a).max() < ACCELERATION * scale
+    assert np.abs(fast.body_accelerations - dense.body_accelerations).max() < BODY_ACCELERATION * scale
     assert relative_error(fast.multipliers, dense.multipliers, dense.joint_wrenches) < WRENCH * condition
     assert relative_error(fast.joint_wrenches, dense.joint_wrenches) < WRENCH * condition
 
@@ -158,9 +162,13 @@ def test_kkt_system_is_symmetric_of_full_rank_and_solves_the_forward_dynamics(mo
     assert solution.dynamics_residual() <= RESIDUAL
     assert solution.constraint_residual() <= RESIDUAL
     f = graphdyn.forward_dynamics(model, q, v, tau, wrenches)
-    condition = np.linalg.cond(graphdyn.mass_matrix(model, q))
+    mass = graphdyn.mass_matrix(model, q)
+    condition = np.linalg.cond(mass)
     assert solution.multipliers.shape == f.multipliers.shape == (n, 5)
-    assert relative_error(solution.acceleration.reshape(n, 6), f.body_accelerations) < WRENCH * condition
+    pushed = (
+        np.linalg.norm(np.linalg.inv(mass), np.inf) * f.joint_wrenches
+    )  # large forces may leave little acceleration
+    assert relative_error(solution.acceleration.reshape(n, 6), f.body_accelerations, pushed) < WRENCH * condition
     assert relative_error(solution.multipliers, f.multipliers, f.joint_wrenches) < WRENCH * condition
 
 

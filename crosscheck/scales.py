@@ -1,0 +1,106 @@
+"""Relative errors on scales that cannot vanish: the sizes of the terms that are summed to get a value.
+
+Reference values may cancel to exactly zero, or to rounding: a moment of an upright arm at rest, the acceleration of a
+joint that does not move. Each function works per sample (N,).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from graphdyn import RobotModel
+from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array
+
+SHORTEST_LEVER = 1e-3
+"""Added to every lever [m], so that moments have a scale where all levers are zero. Far below any arm's."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """How large the summed terms are at N states (N,).
+
+    lever: from the base to a link origin, plus from there to a center of mass   [m]
+    velocity, acceleration: of a center of mass                                  [m/s, m/s²]
+    turn: ‖ω̇‖ + ‖ω‖², what angular accelerations sum                             [rad/s²]
+    felt: acceleration against gravity                                           [m/s²]
+    force, moment: of all bodies together                                        [N, N m]
+    """
+
+    lever: Array
+    velocity: Array
+    acceleration: Array
+    turn: Array
+    felt: Array
+    force: Array
+    moment: Array
+
+    def loaded(self, wrenches: Array) -> Sizes:
+        """The same with external wrenches (N, n, 6) among the terms."""
+        force = largest(wrenches[..., LINEAR])
+        moment = largest(wrenches[..., ANGULAR]) + force * self.lever
+        return replace(self, force=self.force + force, moment=self.moment + moment)
+
+
+def term_sizes(model: RobotModel, v: Array, a: Array, position: Array, velocity: Array, acceleration: Array) -> Sizes:
+    """Sizes at N states: v, a (N, n); position (N, n, 3) of the link origins; velocity, acceleration (N, n, 6)."""
+    omega, alpha = largest(velocity[..., ANGULAR]), largest(acceleration[..., ANGULAR])
+    slides = np.array([joint.is_prismatic for joint in model.joints])
+    slide_rate, slide_acceleration = largest(v * slides), largest(a * slides)
+    offset = max(float(np.abs(body.center_of_mass).max()) for body in model.bodies)
+    tensor = max(float(np.abs(body.inertia).max()) for body in model.bodies)
+    lever = largest(position - model.base.translation) + offset + SHORTEST_LEVER
+    turn = alpha + omega**2
+    swing = turn * lever + 2 * omega * slide_rate + slide_acceleration
+    felt = swing + float(np.linalg.norm(model.gravity))
+    force = felt * sum(body.mass for body in model.bodies)
+    return Sizes(
+        lever=lever,
+        velocity=omega * lever + slide_rate,
+        acceleration=swing,
+        turn=turn,
+        felt=felt,
+        force=force,
+        moment=force * lever + tensor * turn,
+    )
+
+
+def largest(x: Array) -> Array:
+    """Largest absolute entry of each sample. (N, …) → (N,)."""
+    return np.abs(x).reshape(len(x), -1).max(axis=-1)
+
+
+def ratio(error: Array, scale: Array) -> Array:
+    """error / scale; an error without any scale counts as infinite, none as zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(error == 0, 0.0, error / scale)
+
+
+def relative(x: Array, reference: Array, *sizes: Array) -> Array:
+    """‖x - reference‖∞ over the largest of ‖reference‖∞ and the given sizes (N,)."""
+    return ratio(largest(x - reference), np.maximum.reduce([largest(reference), *sizes]))
+
+
+def by_part(x: Array, reference: Array, linear: Array, angular: Array) -> Array:
+    """Linear and angular parts (forces and moments) apart, each on its own scale; the larger error counts."""
+    return np.maximum(
+        relative(x[..., LINEAR], reference[..., LINEAR], linear),
+        relative(x[..., ANGULAR], reference[..., ANGULAR], angular),
+    )
+
+
+def by_parameter_type(x: Array, reference: Array, mass: Array, first_moment: Array, tensor: Array) -> Array:
+    """Columns of m, of m c and of I apart, each on its own scale. (N, …, 10 k) → (N,)."""
+    x, reference = (w.reshape(len(w), -1, BODY_PARAMETERS) for w in (x, reference))
+    columns = ((slice(0, 1), mass), (slice(1, 4), first_moment), (slice(4, 10), tensor))
+    return np.maximum.reduce([relative(x[..., part], reference[..., part], size) for part, size in columns])
+
+
+def acceleration_scale(mass: Array, a: Array, tau: Array, wrenches: Array) -> Array:
+    """cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench): what one relative rounding of the data does to a (N,)."""
+    finite = np.isfinite(largest(mass))
+    mass = np.where(finite[:, None, None], mass, np.eye(mass.shape[-1]))
+    inverse_norm = np.abs(np.linalg.inv(mass)).sum(axis=-1).max(axis=-1)
+    scale = np.linalg.cond(mass) * largest(a) + inverse_norm * (largest(tau) + largest(wrenches))
+    return np.where(finite, scale, np.nan)

@@ -1,0 +1,133 @@
+"""Errors planted on purpose, on either side of the comparison, and what has to be noticed."""
+
+import dataclasses
+import sys
+from collections.abc import Callable
+
+import numpy as np
+from random_trees import random_tree
+
+import crosscheck
+from crosscheck.pinocchio_model import PinocchioModel
+from graphdyn import RobotModel
+from graphdyn.kkt import KKTSystem
+
+SEED = 3
+SAMPLES = 2
+"""Enough to tell one sample from another."""
+
+quantities = sys.modules["crosscheck.quantities"]
+
+
+def mixed_tree() -> RobotModel:
+    return random_tree(7, [0, 1, 1], ["revolute", "prismatic", "continuous"])
+
+
+def compared(robot) -> crosscheck.Comparison:
+    return crosscheck.compare(robot, SAMPLES, SEED)
+
+
+def flagged(comparison: crosscheck.Comparison) -> set[str]:
+    """Names of the quantities that disagree."""
+    return {name for name, result in comparison.quantities.items() if not result.agrees}
+
+
+class Plant:
+    """Puts one error into a function that the comparison calls, until the test ends."""
+
+    def __init__(self, monkeypatch):
+        self._patch = monkeypatch
+
+    def referee_value(self, field: str, change: Callable[[float], float]) -> dict:
+        """Change the largest entry of one field of RefereeValues, in the last state of the first call of evaluate.
+
+        Returns a dictionary that holds q of that state once the comparison has run.
+        """
+        original, planted = PinocchioModel.evaluate, {}
+
+        def evaluate(referee, q, v, a, tau, external_wrenches):
+            values = original(referee, q, v, a, tau, external_wrenches)
+            if planted:
+                return values
+            planted["q"] = tuple(q[-1].tolist())
+            return dataclasses.replace(values, **{field: _changed(getattr(values, field), change)})
+
+        self._patch.setattr(PinocchioModel, "evaluate", evaluate)
+        return planted
+
+    def referee_frames(self, which: int, change: Callable[[float], float]) -> None:
+        """Change the largest entry of the frames' rotations (0) or positions (1)."""
+        original = PinocchioModel.frame_placements
+
+        def frame_placements(referee, q, names):
+            placements = list(original(referee, q, names))
+            placements[which] = _changed(placements[which], change)
+            return tuple(placements)
+
+        self._patch.setattr(PinocchioModel, "frame_placements", frame_placements)
+
+    def referee_model(self, change: Callable[[RobotModel], RobotModel]) -> None:
+        """Pinocchio is built from a changed robot."""
+        original = PinocchioModel.from_model
+        self._patch.setattr(PinocchioModel, "from_model", staticmethod(lambda model: original(change(model))))
+
+    def referee_gravity(self, factor: float) -> None:
+        """Pinocchio computes under another gravity."""
+        original = PinocchioModel.turned
+        self._patch.setattr(
+            PinocchioModel, "turned", lambda self, base, gravity: original(self, base, factor * gravity)
+        )
+
+    def referee_regressor(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Pinocchio's regressor of the baseline identification; the one of evaluate stays."""
+        original = PinocchioModel.torque_regressor
+        self._patch.setattr(PinocchioModel, "torque_regressor", lambda *arguments: change(original(*arguments)))
+
+    def projected_accelerations(self, factor: float) -> None:
+        """Our forward dynamics in the null space are off; the dense ones are right."""
+        original = quantities.forward_dynamics
+
+        def forward_dynamics(*arguments, method="projected"):
+            answer = original(*arguments, method=method)
+            return dataclasses.replace(answer, a=answer.a * factor) if method == "projected" else answer
+
+        self._patch.setattr(quantities, "forward_dynamics", forward_dynamics)
+
+    def dense_solution(self, acceleration: float = 1.0, multipliers: float = 1.0) -> None:
+        """The solution of Eq. (111) is off by these factors."""
+        original = KKTSystem.solve_unchecked
+
+        def solve_unchecked(system):
+            answer = original(system)
+            return dataclasses.replace(
+                answer,
+                acceleration=answer.acceleration * acceleration,
+                stacked_multipliers=answer.stacked_multipliers * multipliers,
+            )
+
+        self._patch.setattr(KKTSystem, "solve_unchecked", solve_unchecked)
+
+    def in_quantities(self, name: str, replacement: Callable) -> None:
+        """Replace a function that crosscheck.quantities calls."""
+        self._patch.setattr(quantities, name, replacement)
+
+
+def _changed(values: np.ndarray, change: Callable[[float], float]) -> np.ndarray:
+    """The largest entry of the last sample changed."""
+    values = values.copy()
+    entry = np.unravel_index(np.abs(values[-1]).argmax(), values[-1].shape)
+    values[-1][entry] = change(values[-1][entry])
+    return values
+
+
+def with_body(model: RobotModel, number: int, **changes) -> RobotModel:
+    """The robot with body `number` (1 … n) changed."""
+    bodies = list(model.bodies)
+    bodies[number - 1] = dataclasses.replace(bodies[number - 1], **changes)
+    return dataclasses.replace(model, bodies=tuple(bodies))
+
+
+def with_joint(model: RobotModel, number: int, **changes) -> RobotModel:
+    joints = list(model.joints)
+    joints[number - 1] = dataclasses.replace(joints[number - 1], **changes)
+    return dataclasses.replace(model, joints=tuple(joints))

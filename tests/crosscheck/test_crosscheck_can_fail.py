@@ -1,0 +1,333 @@
+"""The comparison can fail: for every quantity an error is planted, and that quantity, no other, disagrees."""
+
+import dataclasses
+import math
+import sys
+
+import numpy as np
+import pytest
+from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
+
+import crosscheck
+from crosscheck import command_line
+from crosscheck.pinocchio_model import PinocchioModel, RefereeValues
+from crosscheck.printed_forms import world_axis_rows
+from crosscheck.quantities import BY_NAME, QUANTITIES
+from crosscheck.report import as_json
+from crosscheck.states import cases
+from graphdyn import Placement, inverse_dynamics, kr500
+from graphdyn.constraints import constraints
+from graphdyn.rotation import rotation_about
+from graphdyn.unconstrained import mass_terms
+
+PLANTED = 1e-11
+"""Relative error planted in one entry: ten times the widest bound without a condition number."""
+
+PLANTED_FORWARD = 1e-9
+"""The same where the bound grows with cond(M), below 10 here, or the scale with the terms that were summed."""
+
+PHYSICAL = 1e-9
+"""Relative change of a mass, a tensor, a lever, an axis, gravity; its effect is at least a thousandth of that."""
+
+MEASURED = 1e-3
+"""How well an error of 1e-9 is measured: rounding is 1e-15 to 1e-13 of the same scale."""
+
+VISIBLE_IN = {
+    "rotation": {"link_placement", "multipliers", "forward_multipliers"},
+    "position": {"link_placement"},
+    "velocity": {"link_twist"},
+    "acceleration": {"body_acceleration"},
+    "tau": {"torque"},
+    "joint_wrenches": {"joint_wrench", "multipliers"},
+    "a": {"acceleration", "acceleration_projected"},
+    "a_wrenches": {"forward_joint_wrench", "forward_multipliers"},
+    "a_body_accelerations": {"forward_body_acceleration"},
+    "mass_matrix": {"mass_matrix"},
+    "bias": {"bias_torque"},
+    "torque_regressor": {"torque_regressor"},
+    "body_regressor": {"body_regressor"},
+    "tau_external": {"torque_external"},
+    "joint_wrenches_external": {"joint_wrench_external"},
+    "a_external": {"acceleration_external"},
+    "a_wrenches_external": {"forward_joint_wrench_external"},
+}
+"""Which quantities a wrong number of Pinocchio's shows in."""
+
+OURS_ALONE = {"round_trip", "dynamics_residual", "constraint_residual", "constraint_rank", "kkt_rank"}
+"""Judged without the referee."""
+
+OWN_TEST = {"frame_placement", "base_parameters"}
+"""Judged by other functions of the referee than evaluate."""
+
+FORWARD_FIELDS = {"a", "a_external", "a_body_accelerations", "a_wrenches", "a_wrenches_external", "rotation"}
+KINEMATIC = {"link_placement", "link_twist", "body_acceleration"}
+
+fields = pytest.mark.parametrize("field", VISIBLE_IN)
+numbered = pytest.mark.parametrize("number", [1, 2, 3])
+
+
+def test_every_number_of_the_referee_is_planted():
+    assert set(VISIBLE_IN) == {field.name for field in dataclasses.fields(RefereeValues)}
+
+
+def test_every_quantity_is_planted():
+    assert set().union(*VISIBLE_IN.values()) | OURS_ALONE | OWN_TEST == set(BY_NAME)
+
+
+def test_without_a_plant_it_agrees(tree):
+    comparison = crosscheck.assert_agrees(tree, SAMPLES, SEED)
+    assert flagged(comparison) == set()
+    assert set(comparison.quantities) == set(BY_NAME) - {"frame_placement"}  # no file, no frames
+
+
+@fields
+def test_one_wrong_entry_of_the_referee(tree, plant, monkeypatch, field):
+    """Flagged in its quantities only and in its case only; named by every channel that reports it."""
+    size = PLANTED_FORWARD if field in FORWARD_FIELDS else PLANTED
+    planted = plant.referee_value(field, lambda x: x * (1 + size))
+    with pytest.raises(crosscheck.Disagreement) as caught:
+        crosscheck.assert_agrees(tree, SAMPLES, SEED)
+    comparison = caught.value.comparison
+    assert not comparison.agrees
+    assert flagged(comparison) == VISIBLE_IN[field]
+    for name in VISIBLE_IN[field]:
+        result = comparison.quantities[name]
+        wrong = {case for case, error in result.by_case.items() if error > result.quantity.tolerance.bound}
+        assert wrong == {"random"}
+        assert result.worst.case == "random"
+        assert result.worst.q == planted["q"]
+    assert isinstance(caught.value, AssertionError)
+    assert f"'{tree.name}'" in str(caught.value).splitlines()[0]
+    assert rows_that_disagree(str(caught.value)) == VISIBLE_IN[field]
+    assert exit_code(monkeypatch, comparison) == command_line.DISAGREED
+
+
+def rows_that_disagree(text):
+    """First cells of the rows of the table with the verdict DISAGREES."""
+    return {row.split("│")[1].strip() for row in text.splitlines() if row.startswith("│") and "DISAGREES" in row}
+
+
+def exit_code(monkeypatch, comparison):
+    """Of the program when its comparison comes out like this one."""
+    monkeypatch.setattr(command_line, "compare", lambda *arguments, **options: comparison)
+    monkeypatch.setattr(sys, "argv", ["graphdyn", "crosscheck", "kr500"])
+    with pytest.raises(SystemExit) as caught:
+        command_line.main()
+    return caught.value.code
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [*((field, math.nan) for field in VISIBLE_IN), ("position", math.inf), ("mass_matrix", math.inf), ("a", math.inf)],
+)
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # arithmetic with infinities
+def test_nan_and_infinity_of_the_referee_disagree(tree, plant, field, value):
+    plant.referee_value(field, lambda _: value)
+    comparison = compared(tree)
+    assert not comparison.agrees
+    assert flagged(comparison) >= VISIBLE_IN[field]
+    for name in VISIBLE_IN[field]:
+        assert comparison.quantities[name].max_relative_error == math.inf
+        assert as_json(comparison)["quantities"][name]["max_relative_error"] is None
+
+
+@pytest.mark.parametrize("which", [0, 1], ids=["rotation", "position"])
+def test_wrong_frame(small_arm, plant, which):
+    plant.referee_frames(which, lambda x: x * (1 + PLANTED))
+    comparison = compared(small_arm)
+    assert flagged(comparison) == {"frame_placement"}
+    assert set(comparison.quantities["frame_placement"].by_route) == {"urdf"}
+
+
+class TestOursAlone:
+    """Quantities that no referee can be wrong about."""
+
+    def test_projected_accelerations(self, tree, plant):
+        plant.projected_accelerations(1 + PLANTED_FORWARD)
+        assert flagged(compared(tree)) == {"acceleration_projected", "round_trip"}
+
+    def test_dense_accelerations(self, tree, plant):
+        plant.dense_solution(acceleration=1 + PLANTED_FORWARD)
+        assert flagged(compared(tree)) == {
+            "acceleration",
+            "acceleration_external",
+            "forward_body_acceleration",
+            "dynamics_residual",
+            "constraint_residual",
+        }
+
+    def test_dense_multipliers(self, tree, plant):
+        plant.dense_solution(multipliers=1 + PLANTED_FORWARD)
+        assert flagged(compared(tree)) == {
+            "forward_joint_wrench",
+            "forward_joint_wrench_external",
+            "forward_multipliers",
+            "dynamics_residual",
+        }
+
+    def test_system_without_inertia(self, tree, plant):
+        """A body without inertia in Eq. (111): the constraints keep their rank, the system does not."""
+
+        def massless(state):
+            mass = mass_terms(state).copy()
+            mass[..., -6:, :] = mass[..., :, -6:] = 0
+            return mass
+
+        plant.in_quantities("mass_terms", massless)
+        comparison = compared(tree)
+        assert not comparison.quantities["kkt_rank"].agrees
+        assert comparison.quantities["constraint_rank"].agrees
+        assert comparison.conditioning.kkt_rank[0] < 11 * tree.n_bodies
+
+    def test_printed_constraint_rows(self, plant):
+        """World x and y rows of Eq. (71), (72) lose rank where an axis is horizontal (docs/deviations.md, A2)."""
+        plant.in_quantities("constraints", lambda state: (world_axis_rows(state), constraints(state)[1]))
+        robot = kr500()
+        comparison = compared(robot)
+        assert flagged(comparison) >= {"constraint_rank", "kkt_rank"}
+        assert comparison.conditioning.constraint_rank[0] < 5 * robot.n_bodies
+        assert comparison.conditioning.kkt_rank[0] < 11 * robot.n_bodies
+        # nothing else is computed from these rows
+        passive = {quantity.name for quantity in QUANTITIES if not quantity.forward} & set(comparison.quantities)
+        assert all(comparison.quantities[name].agrees for name in passive - {"constraint_rank"})
+
+
+class TestBaseParameters:
+    """The baseline identification notices a regressor that differs."""
+
+    def test_every_entry_slightly(self, tree, plant):
+        plant.referee_regressor(lambda w: w * (1 + PLANTED_FORWARD))
+        comparison = compared(tree)
+        assert flagged(comparison) == {"base_parameters"}
+        assert comparison.identification.difference > BY_NAME["base_parameters"].tolerance.bound
+        assert comparison.identification.rank == comparison.identification.rank_there
+
+    def test_rank(self, tree, plant):
+        """A body without columns: fewer parameters there than here, whatever the estimates."""
+        rank = compared(tree).identification.rank
+        plant.referee_regressor(lambda w: np.where(np.arange(w.shape[-1]) // 10 == 1, 0.0, w))
+        short = compared(tree)
+        assert short.identification.rank == rank > short.identification.rank_there
+        assert flagged(short) == {"base_parameters"}
+        assert short.quantities["base_parameters"].max_relative_error == math.inf
+
+    def test_against_the_model(self, tree, plant):
+        """The estimates are judged against the model itself too: both cannot be wrong together."""
+        plant.referee_model(lambda model: heavier(model, 2))
+        identification = compared(tree).identification
+        bound = BY_NAME["base_parameters"].tolerance.bound
+        assert identification.difference <= bound < identification.error
+
+
+def heavier(model, body):
+    return with_body(model, body, mass=model.bodies[body - 1].mass * (1 + PHYSICAL))
+
+
+def skewed(model, body):
+    """One off-diagonal entry, and its mirror image, larger by a part of the largest entry."""
+    tensor = model.bodies[body - 1].inertia.copy()
+    tensor[0, 1] += PHYSICAL * tensor.max()
+    tensor[1, 0] = tensor[0, 1]
+    return with_body(model, body, inertia=tensor)
+
+
+def longer(model, joint):
+    placement = model.joints[joint - 1].placement
+    moved = placement.translation + PHYSICAL * np.array([0.6, -0.5, 0.7])
+    return with_joint(model, joint, placement=Placement(placement.rotation, moved))
+
+
+def twisted(model, joint):
+    placement = model.joints[joint - 1].placement
+    turn = rotation_about(np.array([0.0, 0.6, 0.8]), PHYSICAL)
+    return with_joint(model, joint, placement=Placement(turn @ placement.rotation, placement.translation))
+
+
+def tilted(model, joint):
+    axis, normals = model.joints[joint - 1].axis, model.joints[joint - 1].axis_normals
+    return with_joint(model, joint, axis=axis + PHYSICAL * normals.sum(axis=0))
+
+
+class TestAnotherRobot:
+    """Pinocchio computes a robot that differs in one number by a part in a thousand million."""
+
+    @numbered
+    def test_mass(self, tree, plant, number):
+        """Visible in every force, in no motion, and not in W of τ = W π."""
+        plant.referee_model(lambda model: heavier(model, number))
+        found = flagged(compared(tree))
+        assert found >= {"torque", "joint_wrench", "multipliers", "joint_wrench_external", "bias_torque"}
+        assert not found & (KINEMATIC | {"torque_regressor", "body_regressor", "constraint_rank", "round_trip"})
+
+    @numbered
+    def test_inertia(self, tree, plant, number):
+        """Visible as a reaction even where no torque feels it."""
+        plant.referee_model(lambda model: skewed(model, number))
+        found = flagged(compared(tree))
+        assert found >= {"joint_wrench", "multipliers", "joint_wrench_external"}
+        assert not found & (KINEMATIC | {"torque_regressor", "body_regressor", "constraint_rank", "round_trip"})
+
+    @numbered
+    def test_placement(self, tree, plant, number):
+        """Moving the first joint moves the whole robot: it is elsewhere, and not another robot."""
+        plant.referee_model(lambda model: longer(model, number))
+        found = flagged(compared(tree))
+        everywhere = {"link_twist", "body_acceleration", "torque", "mass_matrix", "torque_regressor"}
+        assert "link_placement" in found
+        assert (found >= everywhere) if number > 1 else not (found & everywhere)
+
+    @pytest.mark.parametrize("change", [twisted, tilted])
+    @numbered
+    def test_direction_of_an_axis(self, tree, plant, change, number):
+        plant.referee_model(lambda model: change(model, number))
+        assert flagged(compared(tree)) >= KINEMATIC | {"torque", "joint_wrench", "torque_regressor", "body_regressor"}
+
+    def test_gravity(self, tree, plant):
+        """Only what is weighed: inertia and kinematics do not know gravity, and without gravity all agree."""
+        plant.referee_gravity(1 + PHYSICAL)
+        comparison = compared(tree)
+        found = flagged(comparison)
+        assert found >= {"torque", "joint_wrench", "multipliers", "bias_torque", "torque_regressor", "body_regressor"}
+        assert not found & (KINEMATIC | {"mass_matrix", "constraint_rank", "kkt_rank", "round_trip"})
+        for name in found - {"base_parameters"}:
+            result = comparison.quantities[name]
+            assert result.by_case["zero gravity"] <= result.quantity.tolerance.bound
+
+    def test_damping_and_friction_are_no_rigid_dynamics(self, tree, plant):
+        plant.referee_model(lambda model: with_joint(model, 2, damping=7.0, friction=3.0))
+        assert compared(tree).agrees
+
+    def test_the_error_is_measured(self, tree, plant):
+        """All bodies heavier by a part x: every wrench and the mass matrix are off by x, no torque by more."""
+        plant.referee_model(lambda model: model.with_inertial_parameters((1 + PHYSICAL) * model.inertial_parameters))
+        quantities = compared(tree).quantities
+        assert quantities["mass_matrix"].max_relative_error == pytest.approx(PHYSICAL, rel=MEASURED)
+        # the scale of a wrench is that of the terms that are summed, a little above the largest wrench
+        assert PHYSICAL / 2 < quantities["joint_wrench"].max_relative_error <= PHYSICAL * (1 + MEASURED)
+        assert quantities["torque"].max_relative_error <= PHYSICAL * (1 + MEASURED)
+
+    def test_the_file_differs_from_the_model(self, small_arm, monkeypatch):
+        """The two routes are two witnesses: a wrong import shows on one of them only."""
+        original = PinocchioModel.from_urdf
+
+        def another_file(path, model, lock):
+            path.write_text(path.read_text().replace('mass value="1.5"', f'mass value="{1.5 * (1 + PHYSICAL)!r}"'))
+            return original(path, model, lock)
+
+        monkeypatch.setattr(PinocchioModel, "from_urdf", staticmethod(another_file))
+        torque = compared(small_arm).quantities["torque"]
+        assert torque.worst.route == "urdf"
+        assert torque.by_route["urdf"] > torque.quantity.tolerance.bound > torque.by_route["model"]
+
+
+def test_worst_state_reproduces_the_error(tree, plant):
+    """The state in the record, fed back, gives the recorded error."""
+    plant.referee_model(lambda model: heavier(model, 1))
+    result = compared(tree).quantities["torque"]
+    case = next(case for case in cases(tree, SAMPLES, SEED) if case.name == result.worst.case)
+    q, v, a = (np.array([x]) for x in (result.worst.q, result.worst.v, result.worst.a))
+    referee = PinocchioModel.from_model(case.model)  # the heavier one
+    values = referee.evaluate(q, v, a, np.zeros_like(q), np.zeros((*q.shape, 6)))
+    error = np.abs(inverse_dynamics(case.model, q, v, a).tau - values.tau).max()
+    scale = max(np.abs(values.tau).max(), np.abs(values.joint_wrenches).max())
+    assert error / scale == pytest.approx(result.max_relative_error, rel=MEASURED)

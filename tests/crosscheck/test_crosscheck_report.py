@@ -1,0 +1,164 @@
+"""Comparisons as text and as data."""
+
+import dataclasses
+import io
+import json
+import math
+import os
+import stat
+from pathlib import Path
+
+import pytest
+from planting import SAMPLES, SEED, compared
+from rich.console import Console
+
+import crosscheck
+from crosscheck import report
+from crosscheck.quantities import BY_NAME
+from graphdyn import Body
+
+
+@pytest.fixture(scope="module")
+def comparison(tree):
+    return compared(tree)
+
+
+@pytest.fixture(scope="module")
+def massless(tree):
+    """The same robot without any inertia: kinematics only."""
+    bodies = tuple(Body(body.name, 0.0, 0 * body.center_of_mass, 0 * body.inertia) for body in tree.bodies)
+    return compared(dataclasses.replace(tree, bodies=bodies))
+
+
+def printed(renderable, width):
+    console = Console(file=io.StringIO(), width=width)
+    console.print(renderable)
+    return console.file.getvalue()
+
+
+class TestText:
+    def test_every_quantity_with_its_bound(self, comparison):
+        rows = {line.split("│")[1].strip(): line for line in report.as_text(comparison).splitlines() if "│" in line}
+        for name, result in comparison.quantities.items():
+            assert f"{result.quantity.tolerance.bound:.1e}" in rows[name]
+            assert f"{result.max_relative_error:.1e}" in rows[name]
+            assert "agrees" in rows[name]
+
+    @pytest.mark.parametrize("width", [72, 100, 120, 160])
+    def test_the_table_of_one_robot_is_whole_at_every_width(self, comparison, width):
+        text = printed(report.detail(comparison, width), width)
+        assert max(map(len, text.splitlines())) <= width
+        assert "…" not in "".join(line for line in text.splitlines() if line.startswith("│"))
+        for name in comparison.quantities:
+            assert f"│ {name} " in text
+        assert ("│ against " in text.replace("┃", "│")) == (width >= report.ROOMY)
+
+    def test_heading(self, comparison, tree):
+        heading = report.heading(comparison)
+        assert heading.startswith(f"{tree.name}: agrees (3 joints; {SAMPLES} random states")
+        assert f"seed {SEED}" in heading
+        assert "routes: model" in heading
+
+    def test_heading_names_locked_joints(self, small_arm):
+        assert ", locked: a_slide;" in report.heading(crosscheck.compare(small_arm, 1, lock=["a_slide"]))
+
+    def test_what_is_left_out_is_said_once(self, massless):
+        lines = report.footnotes(massless)
+        forward = [name for name, quantity in BY_NAME.items() if quantity.forward]
+        (line,) = [line for line in lines if line.startswith(f"not compared: {', '.join(forward)}: ")]
+        assert "singular" in line
+        assert "not compared: base_parameters: no body has mass: kinematics only" in lines
+
+    def test_massless_robot_agrees_in_what_it_has(self, massless):
+        """Torques vanish on both sides: zero differs from zero by zero, not by 0/0."""
+        assert massless.agrees
+        assert massless.quantities["torque"].max_relative_error == 0
+        assert massless.identification is None
+        assert set(massless.quantities) | set(massless.not_compared) == set(BY_NAME) - {"frame_placement"}
+
+
+class TestOverview:
+    @pytest.mark.parametrize("width", [60, 80, 120, 200])
+    def test_groups_fit_the_width(self, comparison, width):
+        several = [dataclasses.replace(comparison, robot=f"robot{k}") for k in range(6)]
+        tables = report.overview(several, width)
+        texts = [printed(table, width) for table in tables]
+        assert max(len(line) for text in texts for line in text.splitlines()) <= width
+        for k in range(6):  # each robot in one table, its name not cut
+            assert sum(f"robot{k}" in text for text in texts) == 1
+        for text in texts:
+            assert "…" not in text
+            for name in comparison.quantities:
+                assert f"│ {name} " in text
+
+    def test_narrow_means_more_tables(self, comparison):
+        several = [comparison] * 6
+        assert len(report.overview(several, 60)) > len(report.overview(several, 120)) >= 1
+
+    def test_missing_quantity_is_a_dash(self, comparison, massless):
+        (table,) = report.overview([comparison, massless], 120)
+        (row,) = [line for line in printed(table, 120).splitlines() if line.startswith("│ round_trip ")]
+        assert row.rstrip("│ ").endswith("–")
+
+
+class TestData:
+    def test_finite_and_complete(self, comparison):
+        record = report.as_json(comparison)
+        text = json.dumps(record, allow_nan=False)  # refuses NaN and infinity
+        assert json.loads(text) == json.loads(json.dumps(record))
+        assert record["agrees"] is True
+        assert set(record["quantities"]) == set(comparison.quantities)
+        assert {field.name for field in dataclasses.fields(crosscheck.Comparison)} < set(record)
+
+    def test_infinities_become_null(self, comparison):
+        """The condition number of a singular matrix; an error that could not be measured."""
+        torque = dataclasses.replace(comparison.quantities["torque"], max_relative_error=math.inf)
+        broken = dataclasses.replace(
+            comparison,
+            conditioning=dataclasses.replace(comparison.conditioning, kkt_condition=(1.0, math.inf)),
+            quantities={**comparison.quantities, "torque": torque},
+        )
+        record = report.as_json(broken)
+        assert record["conditioning"]["kkt_condition"] == [1.0, None]
+        assert record["quantities"]["torque"]["max_relative_error"] is None
+        assert record["agrees"] is record["quantities"]["torque"]["agrees"] is False
+        json.dumps(record, allow_nan=False)
+
+    def test_documented(self, comparison):
+        """docs/json.md names every field of a robot's record and of a quantity."""
+        text = (Path(__file__).parents[2] / "docs" / "json.md").read_text(encoding="utf-8")
+        record = report.as_json(comparison)
+        for field in [*record, *record["quantities"]["torque"]]:
+            assert f"`{field}" in text
+
+
+class TestWriting:
+    def test_whole_file(self, tmp_path):
+        path = tmp_path / "x.json"
+        report.write_json(path, {"q̈": [1.5, None]})
+        assert json.loads(path.read_text(encoding="utf-8")) == {"q̈": [1.5, None]}
+        assert list(tmp_path.iterdir()) == [path]
+
+    @pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX files")
+    def test_usual_permissions(self, tmp_path):
+        """Not those of a temporary file, which only its owner may read."""
+        report.write_json(tmp_path / "x.json", {})
+        (tmp_path / "y.json").write_text("{}")
+        modes = {stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("x.json", "y.json")}
+        assert len(modes) == 1
+
+    def test_failure_leaves_the_old_file_and_nothing_else(self, tmp_path):
+        path = tmp_path / "x.json"
+        report.write_json(path, {"old": 1})
+        with pytest.raises(ValueError, match="JSON compliant"):
+            report.write_json(path, {"new": math.nan})
+        with pytest.raises(TypeError):
+            report.write_json(path, {"new": object()})
+        assert json.loads(path.read_text(encoding="utf-8")) == {"old": 1}
+        assert list(tmp_path.iterdir()) == [path]
+
+
+def test_versions_name_every_library():
+    numbers = report.versions()
+    assert {"graphdyn", "pinocchio", "numpy"} < set(numbers)
+    assert all(number and number[0].isdigit() for number in numbers.values())

@@ -1,0 +1,171 @@
+"""Base parameters: which combinations of inertial parameters the torques depend on."""
+
+import functools
+
+import numpy as np
+import pytest
+
+import urdf
+from graphdyn import InvalidInput, joint_torque_regressor, kr500
+from graphdyn.identification import base_parameters
+from graphdyn.identification.base_parameters import DROPPED_COLUMN, RANK
+
+STATES = 40
+
+CLEAR = 1e-4
+"""The weakest parameter of an arm under random motion; rounding is eleven orders below."""
+
+NOISE = 1e-12
+"""Rounding of a rank-revealing factorisation of some hundred rows."""
+
+SAME = 1e-12
+"""W π and W_b π_b: two sums of up to sixty terms, relative to the largest term."""
+
+ROBOTS = {"kr500": kr500, "ur10": lambda: urdf.load("ur10")}
+"""Both have 36: six hinges, the first one along gravity, joints 2 and 3 (and 4 of the UR10) parallel."""
+
+
+@functools.cache
+def regressor_of(name, seed=0):
+    model, rng = ROBOTS[name](), np.random.default_rng(seed)
+    q, v = model.random_state(rng, STATES)
+    a = rng.uniform(-10, 10, q.shape)
+    return joint_torque_regressor(model, q, v, a).reshape(-1, 60)
+
+
+@pytest.fixture(params=ROBOTS)
+def robot(request):
+    return request.param
+
+
+@pytest.fixture
+def w(robot):
+    return regressor_of(robot)
+
+
+def random_parameters(seed=1):
+    return np.random.default_rng(seed).normal(size=60)
+
+
+def assert_regroups(w, base, pi):
+    """W π = W_b π_b."""
+    assert np.abs(w @ pi - w[:, base.independent] @ base.values(pi)).max() <= SAME * np.abs(w * pi).max() * w.shape[1]
+
+
+class TestArms:
+    def test_rank_and_gap(self, robot, w):
+        base = base_parameters(w)
+        assert base.rank == 36
+        accepted, rejected = base.gap
+        assert accepted > CLEAR
+        assert rejected < NOISE
+
+    def test_singular_values_say_the_same(self, w):
+        """Another witness of the rank: no pivoting, columns at unit length, null columns left out."""
+        length = np.linalg.norm(w, axis=0)
+        columns = w[:, length > DROPPED_COLUMN * length.max()] / length[length > DROPPED_COLUMN * length.max()]
+        values = np.linalg.svd(columns, compute_uv=False)
+        assert np.count_nonzero(values > RANK * values[0]) == base_parameters(w).rank
+
+    def test_every_column_is_accounted_for_once(self, w):
+        base = base_parameters(w)
+        assert sorted([*base.independent, *base.dependent]) == list(range(60))
+        assert list(base.independent) == sorted(base.independent)
+        assert base.regrouping.shape == (len(base.independent), len(base.dependent))
+
+    @pytest.mark.parametrize("seed", range(5))
+    def test_regrouping(self, w, seed):
+        assert_regroups(w, base_parameters(w), random_parameters(seed))
+
+    def test_regrouping_holds_at_other_states(self, robot, w):
+        """It belongs to the robot, not to the samples."""
+        assert_regroups(regressor_of(robot, seed=7), base_parameters(w), random_parameters())
+
+    def test_order_of_the_rows_does_not_matter(self, w):
+        """Which column represents a combination may change with rounding; what is represented may not."""
+        shuffled = w[np.random.default_rng(3).permutation(len(w))]
+        base, other = base_parameters(w), base_parameters(shuffled)
+        assert other.rank == base.rank
+        assert_regroups(w, other, random_parameters())
+
+    def test_a_change_that_no_torque_feels(self, w):
+        """Moving along a null vector of W changes the standard parameters and not the base parameters."""
+        base = base_parameters(w)
+        d = base.dependent[0]
+        direction = np.zeros(60)
+        direction[d] = 1.0
+        direction[base.independent] = -base.regrouping[:, 0]
+        pi = random_parameters()
+        assert np.abs(base.values(pi + direction) - base.values(pi)).max() <= SAME * np.abs(base.regrouping).max()
+
+
+class TestConstructed:
+    @pytest.fixture
+    def independent(self):
+        return np.random.default_rng(0).normal(size=(20, 4))
+
+    def test_full_rank(self, independent):
+        base = base_parameters(independent)
+        assert list(base.independent) == [0, 1, 2, 3]
+        assert base.dependent.size == 0
+        pi = np.arange(1.0, 5.0)
+        assert np.array_equal(base.values(pi), pi)
+        assert base.gap[1] == 0
+
+    def test_known_combination(self, independent):
+        """Column 4 = 2 × column 0 - 3 × column 1: one of the three folds into the other two, exactly so."""
+        w = np.column_stack([independent, independent[:, 0] * 2 - independent[:, 1] * 3])
+        base = base_parameters(w)
+        assert base.rank == 4
+        assert {2, 3} < set(base.independent)
+        pi = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+        estimate = w[:, base.independent] @ base.values(pi)
+        assert np.abs(estimate - w @ pi).max() <= SAME * np.abs(w * pi).sum(axis=1).max()
+
+    @pytest.mark.parametrize("size", [0.0, 1e-11])
+    def test_null_columns_are_dropped(self, independent, size):
+        """Noise of 1e-11 (π/2 rounded in a file) is no parameter, although its direction is independent."""
+        noise = np.random.default_rng(1).normal(size=(20, 1))
+        w = np.hstack([independent[:, :2], size * noise, independent[:, 2:]])
+        base = base_parameters(w)
+        assert list(base.independent) == [0, 1, 3, 4]
+        assert list(base.dependent) == [2]
+        assert not base.regrouping.any()
+
+    def test_small_columns_are_kept(self, independent):
+        """Units may differ by much: a column of 1e-6 is a parameter."""
+        base = base_parameters(independent * np.array([1.0, 1e-6, 1.0, 1.0]))
+        assert base.rank == 4
+
+    def test_weak_combination_is_a_parameter(self, independent):
+        """Columns that differ by 1e-6 of their length are two parameters; by 1e-12, one. The gap tells."""
+        for difference, rank in ((1e-6, 5), (1e-12, 4)):
+            last = independent[:, 0] + difference * np.random.default_rng(2).normal(size=20)
+            base = base_parameters(np.column_stack([independent, last]))
+            assert base.rank == rank
+            assert base.gap[1] < RANK < base.gap[0]
+
+    def test_zero(self):
+        base = base_parameters(np.zeros((5, 3)))
+        assert base.rank == 0
+        assert list(base.dependent) == [0, 1, 2]
+        assert base.values([1.0, 2.0, 3.0]).shape == (0,)
+        assert base.gap == (0.0, 0.0)
+
+    def test_one_column(self):
+        base = base_parameters([[2.0], [1.0]])
+        assert base.rank == 1
+        assert list(base.values([7.0])) == [7.0]
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(
+        "regressor",
+        [np.ones(5), np.ones((2, 3)), np.ones((2, 4, 3)), [[1.0], [np.nan]], [[1.0], [np.inf]]],
+        ids=["vector", "wide", "stack", "nan", "inf"],
+    )
+    def test_bad_regressor(self, regressor):
+        with pytest.raises(InvalidInput) as caught:
+            base_parameters(regressor)
+        assert f"regressor has shape {np.shape(regressor)}" in str(caught.value)
+        assert "finite matrix with at least as many rows as columns" in str(caught.value)
