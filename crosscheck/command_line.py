@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -17,7 +19,7 @@ from rich.table import Table
 import urdf
 from crosscheck.compare import compare
 from crosscheck.errata import ERRATA, measure
-from crosscheck.report import JSON_FORMAT, as_json, detail, footnotes, heading, overview, versions, write_json
+from crosscheck.report import JSON_FORMAT, as_json, detail, finite, footnotes, heading, overview, versions, write_json
 from crosscheck.result import Comparison
 from graphdyn import GraphDynError
 
@@ -46,7 +48,7 @@ err = Console(stderr=True, markup=False, highlight=False)
 out = Console(markup=False, highlight=False, width=None if sys.stdout.isatty() else WIDTH)
 
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write all numbers to FILE.")]
-SeedOption = Annotated[int, typer.Option(help="Seed of the random states.")]
+SeedOption = Annotated[int, typer.Option(min=0, help="Seed of the random states.")]
 
 
 def main() -> None:
@@ -97,7 +99,7 @@ def crosscheck_command(
         try:
             with _progress(robot) as progress, _warnings_shown():
                 comparisons.append(compare(robot, samples, seed, lock=frozen or None, progress=progress))
-        except GraphDynError as error:
+        except (GraphDynError, OSError) as error:
             _complain(str(error))
             failures.append({"robot": robot, "message": str(error)})
     _print(comparisons)
@@ -155,7 +157,7 @@ def errata_command(
     for name, sentence in ERRATA.items():
         out.print(f"{name}: {sentence}", soft_wrap=True)
     if json_file is not None:
-        rows = [effect.__dict__ for effect in effects]
+        rows = [finite(asdict(effect)) for effect in effects]
         write_json(json_file, {"format": "graphdyn errata 1", "versions": versions(), "effects": rows})
 
 
@@ -185,6 +187,8 @@ def _check_writable(path: Path) -> None:
         raise typer.BadParameter(f"--json {path}: is a folder")
     if not path.resolve().parent.is_dir():
         raise typer.BadParameter(f"--json {path}: folder {path.resolve().parent} does not exist")
+    if not os.access(path if path.exists() else path.resolve().parent, os.W_OK):
+        raise typer.BadParameter(f"--json {path}: no permission to write there")
 
 
 def _complain(message: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from numbers import Integral
 from pathlib import Path
 
 import numpy as np
@@ -59,11 +60,13 @@ def compare(
     samples: random states; the awkward ones come on top
     lock, gravity: as in urdf.load, for names and paths only
 
-    Raises InvalidInput for samples < 1, or lock or gravity given with a RobotModel; urdf's errors for a file that
-    cannot be loaded.
+    Raises InvalidInput for samples or a seed that are no such numbers, or lock or gravity given with a RobotModel;
+    urdf's errors for a file that cannot be loaded.
     """
-    if samples < 1:
-        raise InvalidInput(f"samples is {samples}; at least one random state is needed")
+    if not isinstance(samples, Integral) or samples < 1:
+        raise InvalidInput(f"samples is {samples!r}; a whole number of random states, at least one, is needed")
+    if not isinstance(seed, Integral) or seed < 0:
+        raise InvalidInput(f"seed is {seed!r}; a whole number from 0 on is needed")
     notes: list[str] = []
     if isinstance(robot, RobotModel):
         if lock is not None or gravity is not None:

@@ -140,8 +140,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
             "by_route": dict(result.by_route),
             "worst": asdict(result.worst) if result.worst else None,
         }
-    finite: dict[str, Any] = _finite(record)
-    return finite
+    return finite(record)
 
 
 def write_json(path: Path, record: dict[str, Any]) -> None:
@@ -149,11 +148,12 @@ def write_json(path: Path, record: dict[str, Any]) -> None:
     write_whole(path, (json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode())
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """The same data with null for numbers that are not finite: JSON has no others."""
     if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
+        return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

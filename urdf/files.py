@@ -1,15 +1,29 @@
 """Files appear complete or not at all."""
 
 import os
+import shutil
 import uuid
 from pathlib import Path
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write next to the target, then rename: no reader ever sees half a file. Raises OSError."""
-    part = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    """Write next to the target, then rename: no reader ever sees half a file.
+
+    A link is followed, an existing file keeps its permissions, and what is no regular file (a pipe, /dev/stdout) is
+    written to directly. Raises OSError, naming the path that was asked for.
+    """
+    target = path.resolve()
+    part = target.with_name(f".{target.name}.{uuid.uuid4().hex}")
     try:
-        part.write_bytes(content)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+        if target.exists() and not target.is_file():
+            target.write_bytes(content)
+            return
+        try:
+            part.write_bytes(content)
+            if target.exists():
+                shutil.copymode(target, part)
+            os.replace(part, target)
+        finally:
+            part.unlink(missing_ok=True)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or "cannot be written", str(path)) from error

@@ -11,12 +11,15 @@ if TYPE_CHECKING:
     import yourdfpy
 
 NO_LIMIT = sys.float_info.max
-"""Effort or velocity limit that means "none".
+"""Effort or velocity limit that save writes for "none".
 
 The URDF schema demands both attributes wherever <limit> is, and <limit> for revolute and prismatic joints; urdfdom
 (and so Pinocchio) refuses files without them. The largest double is a finite number that every reader accepts; zero
 would say that the joint cannot move.
 """
+
+ENDLESS = 1.79769e308
+"""From here on a limit says "none": SDFormat and others print the largest double with six digits."""
 
 
 def from_urdf(joint: yourdfpy.urdf.Joint) -> JointLimits:
@@ -25,21 +28,30 @@ def from_urdf(joint: yourdfpy.urdf.Joint) -> JointLimits:
         return JointLimits()
     bounded = joint.type != "continuous"
     return JointLimits(
-        lower=joint.limit.lower if bounded else None,
-        upper=joint.limit.upper if bounded else None,
-        velocity=None if joint.limit.velocity == NO_LIMIT else joint.limit.velocity,
-        effort=None if joint.limit.effort == NO_LIMIT else joint.limit.effort,
+        lower=_stated(joint.limit.lower) if bounded else None,
+        upper=_stated(joint.limit.upper) if bounded else None,
+        velocity=_stated(joint.limit.velocity),
+        effort=_stated(joint.limit.effort),
     )
+
+
+def _stated(limit: float | None) -> float | None:
+    return None if limit is None or abs(limit) >= ENDLESS else limit
 
 
 def to_attributes(joint: Joint) -> dict[str, float]:
     """The attributes of <limit>; empty where the joint needs none."""
     limits = joint.limits
-    bounds = {"lower": limits.lower, "upper": limits.upper} if joint.kind != "continuous" else {}
-    given = {name: value for name, value in bounds.items() if value is not None}
     if joint.kind == "continuous" and limits.velocity is None and limits.effort is None:
         return {}
-    return given | {
+    bounds: dict[str, float] = {}
+    if joint.kind != "continuous" and not (limits.lower is None and limits.upper is None):
+        # readers take a single missing bound as zero
+        bounds = {
+            "lower": -NO_LIMIT if limits.lower is None else limits.lower,
+            "upper": NO_LIMIT if limits.upper is None else limits.upper,
+        }
+    return bounds | {
         "effort": NO_LIMIT if limits.effort is None else limits.effort,
         "velocity": NO_LIMIT if limits.velocity is None else limits.velocity,
     }

@@ -127,6 +127,20 @@ class TestExitCodes:
         assert "Traceback" not in done.err + done.out
         assert f"{small_arm}: agrees" in done.out.replace("\n", "")
 
+    def test_one_unreadable_robot_leaves_the_others_their_result(self, program, small_arm, monkeypatch):
+        original = command_line.compare
+
+        def compare(robot, *arguments, **options):
+            if robot == "gone.urdf":
+                raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), robot)
+            return original(robot, *arguments, **options)
+
+        monkeypatch.setattr(command_line, "compare", compare)
+        done = program("crosscheck", "gone.urdf", small_arm, "--samples", 1)
+        assert done.code == BAD_INPUT
+        assert re.fullmatch(r"error: .*Permission denied.*gone\.urdf.*\n", done.err)
+        assert f"{small_arm}: agrees" in done.out.replace("\n", "")
+
     def test_bad_file_outweighs_disagreement(self, program, small_arm, wrong_torque):
         assert program("crosscheck", small_arm, "no_such_robot", "--samples", 2).code == BAD_INPUT
 
@@ -249,6 +263,9 @@ class TestJson:
         assert "neither a file nor a robot" in failure["message"]
         assert [robot["robot"] for robot in record["robots"]] == [str(small_arm)]
 
+    def test_device_as_file(self, program, small_arm):
+        assert program("crosscheck", small_arm, "--samples", 1, "--json", os.devnull).code == AGREED
+
     def test_infinite_error_is_null(self, program, small_arm, plant, tmp_path):
         plant.referee_value("bias", lambda _: np.nan)
         path = tmp_path / "result.json"
@@ -274,6 +291,12 @@ class TestJson:
         finally:
             tmp_path.chmod(0o700)
         assert done.code == BAD_INPUT
+
+    def test_a_file_that_may_not_be_written_is_refused_before_the_work(self, program, no_work, tmp_path, monkeypatch):
+        monkeypatch.setattr(command_line.os, "access", lambda *_: False)
+        done = program("crosscheck", "--json", tmp_path / "result.json")
+        assert done.code == BAD_INPUT
+        assert "no permission to write there" in done.err
 
     def test_a_full_disk_leaves_nothing_and_is_no_disagreement(self, program, small_arm, tmp_path, full_disk):
         folder = tmp_path / "results"

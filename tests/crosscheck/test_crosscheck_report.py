@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from planting import SAMPLES, SEED, compared
+from rich.cells import cell_len
 from rich.console import Console
 
 import crosscheck
@@ -47,7 +48,7 @@ class TestText:
     @pytest.mark.parametrize("width", [72, 100, 120, 160])
     def test_the_table_of_one_robot_is_whole_at_every_width(self, comparison, width):
         text = printed(report.detail(comparison, width), width)
-        assert max(map(len, text.splitlines())) <= width
+        assert max(map(cell_len, text.splitlines())) <= width
         assert "…" not in "".join(line for line in text.splitlines() if line.startswith("│"))
         for name in comparison.quantities:
             assert f"│ {name} " in text

@@ -174,6 +174,14 @@ def test_absent_limits_are_none(arm):
     assert shoulder.limits == graphdyn.JointLimits(velocity=3, effort=30)
 
 
+@pytest.mark.parametrize("endless", ["1.79769e+308", "1.7976931348623157e308"])
+def test_the_largest_double_says_no_limit(arm, endless):
+    """As SDFormat and others print it, with six digits, and in full."""
+    stated = f'lower="-{endless}" upper="{endless}" effort="{endless}" velocity="{endless}"'
+    shoulder = urdf.load(arm('lower="-1" upper="2" effort="30" velocity="3"', stated)).joints[0]
+    assert shoulder.limits == graphdyn.JointLimits()
+
+
 def test_a_continuous_joint_has_no_position_limits(arm):
     shoulder = urdf.load(arm('"shoulder" type="revolute"', '"shoulder" type="continuous"')).joints[0]
     assert shoulder.kind == "continuous"

@@ -1,5 +1,8 @@
 """urdf.save: what is written, and that urdf.load gives the model back."""
 
+import os
+import stat
+import threading
 import warnings
 from pathlib import Path
 
@@ -60,6 +63,17 @@ def test_missing_limits_are_written_as_the_largest_double(tmp_path):
     assert urdf.load(path).joints[0].limits == JointLimits()
 
 
+@pytest.mark.parametrize("given", [{"lower": -1.0}, {"upper": 2.0}])
+def test_a_single_bound_is_not_taken_as_zero_on_the_other_side(tmp_path, given):
+    """Readers of URDF take a missing lower or upper as zero."""
+    limits = JointLimits(**given)
+    model = one_joint(Joint("joint", "revolute", 0, Placement(), E3, limits))
+    assert reload(model, tmp_path).joints[0].limits == limits
+    text = (tmp_path / "saved.urdf").read_text()
+    assert 'lower="' in text
+    assert 'upper="' in text
+
+
 def test_position_limits_of_a_continuous_joint_are_not_written(tmp_path):
     limits = JointLimits(lower=-1, upper=1)
     model = one_joint(Joint("joint", "continuous", 0, Placement(), E3, limits))
@@ -116,6 +130,39 @@ def test_an_existing_file_is_replaced(tmp_path):
     urdf.save(one_joint(), str(path))
     assert urdf.load(path).name == "one"
     assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links and permissions of POSIX files")
+def test_a_link_is_followed_and_permissions_stay(tmp_path):
+    target, link = tmp_path / "target.urdf", tmp_path / "link.urdf"
+    target.write_text("before")
+    target.chmod(0o640)
+    link.symlink_to(target)
+    urdf.save(one_joint(), link)
+    assert link.is_symlink()
+    assert urdf.load(target).name == "one"
+    assert stat.S_IMODE(target.stat().st_mode) == 0o640
+    assert sorted(tmp_path.iterdir()) == [link, target]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+def test_what_is_no_regular_file_is_written_to(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    received = []
+    reader = threading.Thread(target=lambda: received.append(pipe.read_bytes()))
+    reader.start()
+    urdf.save(one_joint(), pipe)
+    reader.join()
+    assert received[0].startswith(b"<?xml")
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+
+
+def test_the_message_names_the_path_that_was_asked_for(tmp_path):
+    path = tmp_path / "no" / "such" / "saved.urdf"
+    with pytest.raises(FileNotFoundError) as caught:
+        urdf.save(one_joint(), path)
+    assert caught.value.filename == str(path)
 
 
 def test_the_packaged_kr500_is_what_save_writes(tmp_path):

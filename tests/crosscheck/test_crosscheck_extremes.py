@@ -1,0 +1,123 @@
+"""Robots at the edge of arithmetic and of sense: the verdict stays "agrees", or says what it left out."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from planting import flagged, with_body, with_joint
+
+import crosscheck
+from crosscheck.quantities import BY_NAME
+from graphdyn import Body, InvalidInput, Joint, JointLimits, Placement, RobotModel, kr500
+
+SAMPLES = 5
+
+FORWARD = {name for name, quantity in BY_NAME.items() if quantity.forward}
+TENSOR = np.diag([1.0, 2.0, 2.5])
+AXES = np.eye(3)[[2, 1, 1, 0, 1, 0]]
+
+
+def chain(masses, kinds="rrrrrr", limits=JointLimits()):  # noqa: B008 (frozen)
+    """A serial arm of bodies of one shape, lever arms around 0.3 m. kinds: r and p, one letter per joint."""
+    names = {"r": "revolute", "p": "prismatic"}
+    placement = Placement(translation=[0.3, 0.0, 0.1])
+    return RobotModel(
+        "chain",
+        tuple(Body(f"b{k}", mass, [0.1, 0.02, 0.2], TENSOR * mass / 100) for k, mass in enumerate(masses, start=1)),
+        tuple(
+            Joint(f"j{k}", names[kind], k - 1, placement, AXES[(k - 1) % 6], limits)
+            for k, kind in enumerate(kinds, start=1)
+        ),
+    )
+
+
+def weightless_wrist(*axes):
+    """Three revolute joints through one point; only the last body has inertia."""
+    arm = chain([1.0, 1.0, 1.0], "rrr")
+    for k, axis in enumerate(axes, start=1):
+        arm = with_joint(arm, k, axis=np.eye(3)[axis], placement=Placement())
+    for k in (1, 2):
+        arm = with_body(arm, k, mass=0.0, center_of_mass=np.zeros(3), inertia=np.zeros((3, 3)))
+    return arm
+
+
+@pytest.mark.parametrize("metres", [30, 1e4])
+def test_far_from_the_origin(metres):
+    """A robot on a map: its dynamics do not depend on where it stands."""
+    far = kr500().with_base(Placement(translation=[metres, metres, metres]))
+    assert flagged(crosscheck.compare(far, SAMPLES)) == set()
+
+
+def test_first_joint_far_from_the_base():
+    first = kr500().joints[0]
+    far = with_joint(kr500(), 1, placement=Placement(first.placement.rotation, [300.0, 0.0, 0.0]))
+    assert flagged(crosscheck.compare(far, SAMPLES)) == set()
+
+
+@pytest.mark.parametrize(
+    "masses",
+    [[1e-6] * 6, [1e5] * 6, 10.0 ** np.linspace(-6, 5, 6), 10.0 ** np.linspace(5, -6, 6)],
+    ids=["micrograms", "hundred tons", "growing", "shrinking"],
+)
+def test_masses_of_all_sizes(masses):
+    assert flagged(crosscheck.compare(chain(masses), SAMPLES)) == set()
+
+
+@pytest.mark.parametrize("rate", [1e3, 9e5])
+def test_absurd_velocities(rate):
+    assert flagged(crosscheck.compare(chain([1.0] * 6, limits=JointLimits(velocity=rate)), SAMPLES)) == set()
+
+
+@pytest.mark.parametrize("kinds", ["ppprrr", "pppppp", "r" * 12])
+def test_other_machines(kinds):
+    assert flagged(crosscheck.compare(chain([1.0] * len(kinds), kinds), SAMPLES)) == set()
+
+
+def test_negative_principal_moment():
+    """Least squares produce such bodies; Pinocchio takes them as parameters only."""
+    arm = with_body(chain([1.0] * 3, "rrr"), 3, inertia=np.diag([-0.1, 0.2, 0.3]))
+    assert flagged(crosscheck.compare(arm, SAMPLES)) == set()
+
+
+def test_massless_body_with_a_center():
+    """The centre of nothing may be anywhere: it enters no equation."""
+    arm = with_body(chain([1.0] * 3, "rrr"), 2, mass=0.0, center_of_mass=[0.5, -0.2, 0.1])
+    assert flagged(crosscheck.compare(arm, SAMPLES)) == set()
+
+
+def test_singular_at_some_states():
+    """Axes z, y, z without inertia but at the end: at q_2 = 0 joints 1 and 3 turn about one line."""
+    comparison = crosscheck.compare(weightless_wrist(2, 1, 2), SAMPLES)
+    assert flagged(comparison) == set()
+    assert comparison.not_compared == {}
+    assert set(comparison.quantities) >= FORWARD
+    notes = [note for note in comparison.notes if "singular mass matrix" in note]
+    assert [note.split("'")[1] for note in notes] == ["zero pose at rest", "zero pose"]
+    assert notes[1].startswith(f"{SAMPLES} of the states")
+    assert all(note.endswith("forward quantities left out there") for note in notes)
+    assert "zero pose" not in comparison.quantities["acceleration"].by_case
+    assert "zero pose" in comparison.quantities["torque"].by_case
+    assert comparison.conditioning.kkt_rank[0] < comparison.conditioning.kkt_rank[1] == 33
+
+
+def test_singular_at_no_state_of_other_axes():
+    """Axes y, z, x are independent at q_2 = 0."""
+    comparison = crosscheck.compare(weightless_wrist(1, 2, 0), SAMPLES)
+    assert flagged(comparison) == set()
+    assert comparison.notes == ("route 'urdf' not taken: a RobotModel was given, not a file",)
+
+
+@pytest.mark.parametrize("samples", [2.5, "3"])
+def test_samples_are_a_whole_number(samples):
+    with pytest.raises(InvalidInput, match=f"samples is {samples!r}; a whole number"):
+        crosscheck.compare(kr500(), samples)
+
+
+@pytest.mark.parametrize("seed", [-1, 0.5, None])
+def test_seed_is_a_whole_number(seed):
+    with pytest.raises(InvalidInput, match=f"seed is {seed!r}; a whole number"):
+        crosscheck.compare(kr500(), 1, seed)
+
+
+def test_numbers_of_numpy_are_numbers():
+    assert dataclasses.asdict(crosscheck.compare(chain([1.0], "r"), np.int64(1), np.uint8(2)))["samples"] == 1

@@ -1,0 +1,118 @@
+"""The scales of relative errors: what they are, and that none of them vanishes or forgives."""
+
+import numpy as np
+import pytest
+from planting import mixed_tree
+
+from crosscheck.scales import (
+    SHORTEST_LEVER,
+    acceleration_scale,
+    by_parameter_type,
+    by_part,
+    ratio,
+    relative,
+    term_sizes,
+)
+from graphdyn import Body, Joint, Placement, RobotModel, inverse_dynamics, maximal_state
+from graphdyn.kinematics import link_origins
+
+ERROR = 1e-9
+
+
+def sizes_of(model, q, v, a):
+    q, v, a = (np.atleast_2d(x) for x in (q, v, a))
+    state = maximal_state(model, q, v, a)
+    return term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
+
+
+def test_relative_is_per_sample():
+    x, reference = np.array([[1.0, -3.6], [0.1, 0.5]]), np.array([[1.0, -4.0], [0.0, 0.5]])
+    assert relative(x, reference) == pytest.approx([0.1, 0.2])
+
+
+def test_relative_takes_the_largest_scale():
+    reference = np.array([[1.0], [1.0]])
+    assert relative(reference + 1, reference, np.array([4.0, 0.5])) == pytest.approx([0.25, 1.0])
+
+
+def test_an_error_without_scale_is_infinite_and_none_is_zero():
+    assert ratio(np.array([0.0, 1.0]), np.zeros(2)).tolist() == [0.0, np.inf]
+    assert relative(np.zeros((1, 2)), np.zeros((1, 2))).tolist() == [0.0]
+
+
+def test_nan_stays_nan():
+    assert np.isnan(relative(np.array([[np.nan]]), np.array([[1.0]]))).all()
+
+
+def test_a_small_moment_is_not_hidden_by_a_large_force():
+    reference = np.array([[[1e6, 0, 0, 1.0, 0, 0]]])
+    wrong = reference.copy()
+    wrong[0, 0, 3] += ERROR
+    none = np.zeros(1)
+    assert by_part(wrong, reference, none, none) == pytest.approx([ERROR])
+    assert by_part(wrong, reference, none, np.array([10.0])) == pytest.approx([ERROR / 10])
+
+
+def test_parameter_types_are_apart():
+    """Columns m, m c, I of two bodies; an error in a column of I is judged by I, whatever the others are."""
+    reference = np.tile(np.concatenate([[1e6], [1e3] * 3, [1.0] * 6]), 2)[None, None]
+    for column, size in ((10, 1e6), (12, 1e3), (19, 1.0)):
+        wrong = reference.copy()
+        wrong[..., column] += ERROR
+        assert by_parameter_type(wrong, reference, *np.zeros((3, 1))) == pytest.approx([ERROR / size], rel=1e-6)
+
+
+def test_a_hanging_arm_at_rest_has_a_scale():
+    """Upright, its moments are rounding; the scale is weight times lever."""
+    body = Body("rod", 3.0, [0.0, 0.0, 0.5], np.diag([0.1, 0.1, 0.01]))
+    arm = RobotModel("rod", (body,), (Joint("hinge", "revolute", 0, Placement(), [0, 1.0, 0]),))
+    size = sizes_of(arm, [0.0], [0.0], [0.0])
+    assert inverse_dynamics(arm, [0.0], [0.0], [0.0]).tau == pytest.approx(0, abs=1e-14)
+    assert size.force == pytest.approx([3.0 * 9.81])
+    assert size.moment == pytest.approx([3.0 * 9.81 * (0.5 + SHORTEST_LEVER)])
+
+
+def test_the_lever_starts_at_the_base():
+    body = Body("rod", 3.0, np.zeros(3), np.eye(3))
+    arm = RobotModel("rod", (body,), (Joint("hinge", "revolute", 0, Placement(translation=[2.0, 0, 0]), [0, 0, 1.0]),))
+    for base in (Placement(), Placement(translation=[100.0, 0, 0])):
+        assert sizes_of(arm.with_base(base), [0.3], [0.0], [0.0]).lever == pytest.approx([2.0 + SHORTEST_LEVER])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_wrench_is_larger_than_its_scale_by_far(seed):
+    """The scales are sums of terms: they bound what the terms give, up to the number of entries and bodies."""
+    model = mixed_tree()
+    rng = np.random.default_rng(seed)
+    q, v = model.random_state(rng, 1)
+    a = rng.normal(size=q.shape)
+    wrenches = inverse_dynamics(model, q, v, a).joint_wrenches
+    size = sizes_of(model, q, v, a)
+    assert np.abs(wrenches[..., :3]).max() <= 3 * model.n_bodies * size.force
+    assert np.abs(wrenches[..., 3:]).max() <= 9 * model.n_bodies * size.moment
+
+
+def test_external_wrenches_add_their_moment_about_every_joint():
+    model = mixed_tree()
+    q, v = model.random_state(np.random.default_rng(0), 1)
+    size = sizes_of(model, q, v, 0 * v)
+    wrench = np.zeros((1, 3, 6))
+    wrench[0, 2] = [0, 50.0, 0, 0, 0, -7.0]
+    loaded = size.loaded(wrench)
+    assert loaded.force == pytest.approx(size.force + 50)
+    assert loaded.moment == pytest.approx(size.moment + 7 + 50 * size.lever)
+
+
+def test_acceleration_scale_is_that_of_the_design():
+    mass, a, tau, wrenches = (
+        np.diag([4.0, 0.5])[None],
+        np.array([[3.0, -2.0]]),
+        np.array([[1.0, 5.0]]),
+        np.ones((1, 2, 6)),
+    )
+    assert acceleration_scale(mass, a, tau, 11 * wrenches) == pytest.approx([8 * 3 + 2 * (5 + 11)])
+
+
+def test_acceleration_scale_of_a_broken_mass_matrix_is_nan():
+    mass = np.array([[[np.inf]]])
+    assert np.isnan(acceleration_scale(mass, *np.ones((2, 1, 1)), np.ones((1, 1, 6)))).all()
