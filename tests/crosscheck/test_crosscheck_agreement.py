@@ -1,10 +1,8 @@
 """graphdyn and Pinocchio agree: on the robots of the command line, on random trees, on the makers' files."""
 
 import functools
-import os
 import re
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from planting import flagged
 from random_trees import SEEDS, random_rotation, random_tree, topologies
+from shared_data import ARMS
 
 import crosscheck
 import urdf
@@ -29,8 +28,6 @@ MAX_BODIES = 6
 EXAMPLES = settings(max_examples=10, deadline=None, derandomize=True)
 """Few: each example is compared at six kinds of states and two for every body."""
 
-REPOSITORY = Path(__file__).parents[2]
-ARMS = (REPOSITORY / os.environ.get("GRAPHDYN_TEST_DATA", "../shared") / "urdf" / "arms").resolve()
 MANIFEST = ARMS.parent / "manifest.tsv"
 
 ROUTES = {"urdf", "model"}
@@ -172,7 +169,7 @@ def vendor_files():
     """One parameter per file; a single skipped one where the files are not there."""
     if files := sorted(ARMS.glob("*.urdf")):
         return [pytest.param(path, id=path.stem) for path in files]
-    reason = f"no vendor URDF files at {ARMS}; set GRAPHDYN_TEST_DATA"
+    reason = f"not found: {ARMS}; set GRAPHDYN_TEST_DATA to the folder that holds the shared data"
     return [pytest.param(None, marks=pytest.mark.skip(reason=reason), id="none")]
 
 

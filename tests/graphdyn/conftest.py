@@ -1,19 +1,15 @@
 """Fixtures of the graphdyn tests."""
 
 import json
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import settings
 from random_trees import NAMED
+from shared_data import DATA, existing
 
 settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("graphdyn")
-
-REPOSITORY = Path(__file__).parents[2]
-DATA = (REPOSITORY / os.environ.get("GRAPHDYN_TEST_DATA", "../shared")).resolve()
 
 
 @pytest.fixture(params=NAMED)
@@ -31,9 +27,6 @@ def reference():
     """Reader of the reference files: reference("puma560_full_precision.json")."""
 
     def read(name):
-        path = DATA / "reference" / name
-        if not path.is_file():
-            pytest.skip(f"reference numbers not found: {path}; set GRAPHDYN_TEST_DATA to the folder that holds them")
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(existing(DATA / "reference" / name).read_text(encoding="utf-8"))
 
     return read

@@ -1,10 +1,11 @@
 """A small valid robot as text, to be changed in one place and written to a file."""
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from shared_data import ARMS, existing
+from urdf_text import robot_text
 
 ARM = """\
 <robot name="arm">
@@ -71,7 +72,7 @@ def robot(tmp_path: Path) -> Writer:
 
     def write(*elements: str) -> Path:
         path = tmp_path / "robot.urdf"
-        path.write_text('<robot name="robot">' + "\n".join(elements) + "</robot>", encoding="utf-8")
+        path.write_text(robot_text("robot", *elements), encoding="utf-8")
         return path
 
     return write
@@ -79,9 +80,4 @@ def robot(tmp_path: Path) -> Writer:
 
 @pytest.fixture(scope="session")
 def vendor_arms() -> Path:
-    """The folder of vendor files; it is not part of this repository."""
-    data = os.environ.get("GRAPHDYN_TEST_DATA", str(Path(__file__).parents[3] / "shared"))
-    folder = Path(data) / "urdf" / "arms"
-    if not folder.is_dir():
-        pytest.skip(f"no vendor URDF files at {folder}; set GRAPHDYN_TEST_DATA")
-    return folder
+    return existing(ARMS)

@@ -1,8 +1,11 @@
 """What urdf.load makes of a file: numbers bit by bit, fusing, frames, order, warnings."""
 
+import warnings
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from urdf_text import joint, link
 
 import graphdyn
 import urdf
@@ -10,19 +13,6 @@ from graphdyn.inertia import parallel_axis
 from graphdyn.rotation import rotation_about
 
 E1, E2, E3 = np.eye(3)
-INERTIAL = (
-    '<inertial><origin xyz="{xyz}"/><mass value="{mass}"/>'
-    '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
-)
-
-
-def link(name: str, mass: float | None = 1.0, xyz: str = "0 0 0") -> str:
-    inside = "" if mass is None else INERTIAL.format(mass=mass, xyz=xyz)
-    return f'<link name="{name}">{inside}</link>'
-
-
-def joint(name: str, parent: str, child: str, kind: str = "revolute", more: str = "") -> str:
-    return f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>{more}</joint>'
 
 
 def rpy(roll: float, pitch: float, yaw: float) -> np.ndarray:
@@ -206,7 +196,12 @@ def test_axis_is_normalised_with_a_warning(arm, axis, length):
 
 
 def test_an_axis_of_nearly_unit_length_is_silent(arm):
-    urdf.load(arm('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1.0000000009"/>'))
+    path = arm('<axis xyz="0 0 1"/>', '<axis xyz="0 0 1.0000000009"/>')
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        model = urdf.load(path)
+    assert caught == []
+    assert_array_equal(model.joints[0].axis, E3)
 
 
 def test_mimic_joint_is_independent_with_a_warning(arm):
