@@ -1,0 +1,100 @@
+"""The answer of crosscheck.judge: plain data that judges itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True)
+class WorstCall:
+    """The state at which a foreign function is farthest from graphdyn, with both answers, to be reproduced.
+
+    arguments: what the function was called with, by name, in its own joint order
+    expected, answer: flattened values of graphdyn and of the foreign function
+    """
+
+    arguments: Mapping[str, tuple[float, ...]]
+    expected: tuple[float, ...]
+    answer: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedFunction:
+    """One foreign function against every referee.
+
+    name: inverse_dynamics, forward_dynamics, mass_matrix or regressor
+    errors: relative error per state (N,) against each referee: "graphdyn", "pinocchio", "mujoco"
+    referees_differ: relative error per state (N,) of each other referee against graphdyn
+    bound: of these errors; scale: what they are relative to, in words
+    """
+
+    name: str
+    errors: Mapping[str, Array]
+    referees_differ: Mapping[str, Array]
+    bound: float
+    scale: str
+    worst: WorstCall
+
+    @property
+    def agrees(self) -> bool:
+        """With every referee; NaN is no agreement."""
+        return all(bool((error <= self.bound).all()) for error in self.errors.values())
+
+    @property
+    def referees_agree(self) -> bool:
+        """Two against one only counts if the two agree."""
+        return all(bool((error <= self.bound).all()) for error in self.referees_differ.values())
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is wrong with a foreign function, and the experiment that shows it.
+
+    kind: gravity, coriolis, sign, joint_order, frame, inertia_point, unit, continuous_joint, fixed_link, friction,
+        inertial_parameters, or unknown
+    message: one sentence that names the joint, the body, the term
+    evidence: the experiment and its numbers
+    remedy: what to do about it
+    explains: relative error that is left after putting this fault into graphdyn (rounding: it is the whole fault)
+    also: other faults that give the same numbers at all states tried
+    """
+
+    function: str
+    kind: str
+    message: str
+    evidence: str
+    remedy: str
+    explains: float
+    also: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """The verdict on foreign functions for one robot.
+
+    joint_names: the order in which the functions take and give joint quantities
+    referees: "graphdyn", "pinocchio", and "mujoco" where it is installed and takes the robot
+    notes: what the reader must know (a referee that could not take part, …)
+    """
+
+    robot: str
+    joint_names: tuple[str, ...]
+    samples: int
+    seed: int
+    locked: Mapping[str, float]
+    referees: tuple[str, ...]
+    functions: Mapping[str, JudgedFunction]
+    diagnoses: tuple[Diagnosis, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def agrees(self) -> bool:
+        return all(function.agrees for function in self.functions.values())
+
+    @property
+    def decided(self) -> bool:
+        """Whether the referees agree among themselves wherever they were asked."""
+        return all(function.referees_agree for function in self.functions.values())
