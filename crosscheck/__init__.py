@@ -1,6 +1,47 @@
-"""graphdyn against Pinocchio, number by number. Needs `pin`; the only package that does."""
+"""graphdyn against Pinocchio, number by number. Needs `pin`; the only package that does.
 
-from crosscheck.compare import Disagreement, assert_agrees, compare
-from crosscheck.result import Comparison, QuantityResult
+The names below are imported when they are first used: the command line and the pytest fixture start without Pinocchio.
+"""
 
-__all__ = ["Comparison", "Disagreement", "QuantityResult", "assert_agrees", "compare"]
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from crosscheck.comparing import Disagreement, assert_agrees, compare
+    from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement
+    from crosscheck.judging.judge import WrongDynamics, assert_correct, judge
+    from crosscheck.result import Comparison, QuantityResult
+
+_HOMES = {
+    "crosscheck.comparing": ("Disagreement", "assert_agrees", "compare"),
+    "crosscheck.judgement": ("Diagnosis", "JudgedFunction", "Judgement"),
+    "crosscheck.judging.judge": ("WrongDynamics", "assert_correct", "judge"),
+    "crosscheck.result": ("Comparison", "QuantityResult"),
+}
+
+__all__ = [
+    "Comparison",
+    "Diagnosis",
+    "Disagreement",
+    "JudgedFunction",
+    "Judgement",
+    "QuantityResult",
+    "WrongDynamics",
+    "assert_agrees",
+    "assert_correct",
+    "compare",
+    "judge",
+]
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _HOMES.items():
+        if name in names:
+            return getattr(import_module(module), name)
+    raise AttributeError(f"module 'crosscheck' has no attribute '{name}'")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

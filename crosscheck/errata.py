@@ -5,7 +5,7 @@ The judge is Pinocchio: aba for accelerations, rnea for joint forces.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +38,9 @@ CLEAR_OF_LOCK = 0.05
 COSINES = (1e-2, 1e-3, 1e-4, 1e-6)
 """|cos β| at which A3 is measured."""
 
+EFFECTS = 2 * (len(ERRATA) - 1 + len(COSINES))
+"""How many effects `measure` returns: one per arm and erratum, A3 at every |cos β|."""
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -52,9 +55,18 @@ class Effect:
     corrected: float
 
 
-def measure(samples: int, seed: int = 0) -> list[Effect]:
-    """Effects of all errata on KR500 and UR5, at random states: upper is the 90 % quantile."""
-    return [effect for model in (kr500(), urdf.load("ur5")) for effect in _measure(model, samples, seed)]
+def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] | None = None) -> list[Effect]:
+    """Effects of all errata on KR500 and UR5, at random states: upper is the 90 % quantile.
+
+    progress: called with each effect as soon as it is measured
+    """
+    effects = []
+    for model in (kr500(), urdf.load("ur5")):
+        for effect in _measure(model, samples, seed):
+            effects.append(effect)
+            if progress:
+                progress(effect)
+    return effects
 
 
 def _measure(model: RobotModel, samples: int, seed: int) -> Iterator[Effect]:

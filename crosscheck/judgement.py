@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from graphdyn import RobotModel
 from graphdyn.layout import Array
 
 
@@ -13,7 +14,7 @@ class WorstCall:
     """The state at which a foreign function is farthest from graphdyn, with both answers, to be reproduced.
 
     arguments: what the function was called with, by name, in its own joint order
-    expected, answer: flattened values of graphdyn and of the foreign function
+    expected, answer: flattened values of graphdyn and of the foreign function, both in the model's joint order
     """
 
     arguments: Mapping[str, tuple[float, ...]]
@@ -75,12 +76,15 @@ class Diagnosis:
 class Judgement:
     """The verdict on foreign functions for one robot.
 
+    robot: as it was given; file: whole path of its URDF, None where a RobotModel was given; model: what was judged
     joint_names: the order in which the functions take and give joint quantities
     referees: "graphdyn", "pinocchio", and "mujoco" where it is installed and takes the robot
     notes: what the reader must know (a referee that could not take part, …)
     """
 
     robot: str
+    file: str | None
+    model: RobotModel
     joint_names: tuple[str, ...]
     samples: int
     seed: int

@@ -45,42 +45,58 @@ from graphdyn.unconstrained import applied_terms, mass_terms
 class Quantity:
     """One row of the table: what, against which function of Pinocchio, judged how.
 
+    scale: what the error is relative to beside the largest reference value, in the words of docs/notation.md
     forward: needs a regular mass matrix
     """
 
     name: str
     against: str
+    scale: str
     tolerance: Tolerance
     forward: bool = False
 
 
+_PLACED = "rotations: 1; positions: largest position of a link"
+_BY_TYPE = "columns of m: felt × lever; of m c: felt; of I: turn"
+_BY_PART = "forces: force; moments: moment"
+_WRENCH = "largest joint wrench"
+_SOLVED = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
+_SOLVED_BODIES = "that of acceleration × n × max(1, lever)"
+_BASE = "only cond(W) ‖x‖, columns of W at unit length"
+
 QUANTITIES = (
-    Quantity("link_placement", "forwardKinematics, oMi", AGREEMENT),
-    Quantity("frame_placement", "updateFramePlacements, oMf of fused links", AGREEMENT),
-    Quantity("link_twist", "forwardKinematics, v", AGREEMENT),
-    Quantity("body_acceleration", "forwardKinematics, a", AGREEMENT),
-    Quantity("torque", "rnea", AGREEMENT),
-    Quantity("joint_wrench", "rnea, data.f", AGREEMENT),
-    Quantity("multipliers", "rnea, data.f", AGREEMENT),
-    Quantity("torque_external", "rnea with fext", AGREEMENT),
-    Quantity("joint_wrench_external", "rnea with fext, data.f", AGREEMENT),
-    Quantity("mass_matrix", "crba", AGREEMENT),
-    Quantity("bias_torque", "nonLinearEffects", AGREEMENT),
-    Quantity("torque_regressor", "computeJointTorqueRegressor", AGREEMENT),
-    Quantity("body_regressor", "jointBodyRegressor", AGREEMENT),
-    Quantity("acceleration", "aba; ours from the dense system", ACCELERATION, forward=True),
-    Quantity("acceleration_projected", "aba; ours from the null space", ACCELERATION, forward=True),
-    Quantity("acceleration_external", "aba with fext; dense system", ACCELERATION, forward=True),
-    Quantity("forward_body_acceleration", "aba, then a; dense system", ACCELERATION, forward=True),
-    Quantity("forward_joint_wrench", "aba, then rnea; dense system", FORWARD_WRENCH, forward=True),
-    Quantity("forward_joint_wrench_external", "aba, then rnea, with fext; dense system", FORWARD_WRENCH, forward=True),
-    Quantity("forward_multipliers", "aba, then rnea; dense system", FORWARD_WRENCH, forward=True),
-    Quantity("round_trip", "inverse(forward(τ)) = τ", ROUND_TRIP, forward=True),
-    Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", RESIDUAL, forward=True),
-    Quantity("constraint_residual", "φ_q q̈ = ζ", RESIDUAL, forward=True),
-    Quantity("constraint_rank", "φ_q has rank 5n", RANK),
-    Quantity("kkt_rank", "Eq. (111) has rank 11n", RANK, forward=True),
-    Quantity("base_parameters", "same least squares with Pinocchio's regressor", IDENTIFICATION),
+    Quantity("link_placement", "forwardKinematics, oMi", _PLACED, AGREEMENT),
+    Quantity("frame_placement", "updateFramePlacements, oMf of fused links", _PLACED, AGREEMENT),
+    Quantity("link_twist", "forwardKinematics, v", "linear: ‖ω‖ × lever + slide rate", AGREEMENT),
+    Quantity("body_acceleration", "forwardKinematics, a", "linear: swing; angular: turn", AGREEMENT),
+    Quantity("torque", "rnea", _WRENCH, AGREEMENT),
+    Quantity("joint_wrench", "rnea, data.f", _BY_PART, AGREEMENT),
+    Quantity("multipliers", "rnea, data.f", _WRENCH, AGREEMENT),
+    Quantity("torque_external", "rnea with fext", _WRENCH, AGREEMENT),
+    Quantity("joint_wrench_external", "rnea with fext, data.f", _BY_PART, AGREEMENT),
+    Quantity("mass_matrix", "crba", "nothing more", AGREEMENT),
+    Quantity("bias_torque", "nonLinearEffects", _WRENCH, AGREEMENT),
+    Quantity("torque_regressor", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
+    Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: felt; of I: turn", AGREEMENT),
+    Quantity("acceleration", "aba; ours from the dense system", _SOLVED, ACCELERATION, forward=True),
+    Quantity("acceleration_projected", "aba; ours from the null space", _SOLVED, ACCELERATION, forward=True),
+    Quantity("acceleration_external", "aba with fext; dense system", _SOLVED, ACCELERATION, forward=True),
+    Quantity("forward_body_acceleration", "aba, then a; dense system", _SOLVED_BODIES, ACCELERATION, forward=True),
+    Quantity("forward_joint_wrench", "aba, then rnea; dense system", _BY_PART, FORWARD_WRENCH, forward=True),
+    Quantity(
+        "forward_joint_wrench_external",
+        "aba, then rnea, with fext; dense system",
+        _BY_PART,
+        FORWARD_WRENCH,
+        forward=True,
+    ),
+    Quantity("forward_multipliers", "aba, then rnea; dense system", "force and moment", FORWARD_WRENCH, forward=True),
+    Quantity("round_trip", "inverse(forward(τ)) = τ", "τ, joint wrenches, ‖M‖ ‖a‖", ROUND_TRIP, forward=True),
+    Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", "only the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
+    Quantity("constraint_residual", "φ_q q̈ = ζ", "only q̈ and the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
+    Quantity("constraint_rank", "φ_q has rank 5n", "full rank", RANK),
+    Quantity("kkt_rank", "Eq. (111) has rank 11n", "full rank", RANK, forward=True),
+    Quantity("base_parameters", "same least squares with Pinocchio's regressor", _BASE, IDENTIFICATION),
 )
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 

@@ -127,20 +127,31 @@ def as_text(comparison: Comparison) -> str:
 
 def as_json(comparison: Comparison) -> dict[str, Any]:
     """Everything as plain data; numbers that are not finite become null. The format is described in docs/json.md."""
-    record = asdict(comparison)
-    record["agrees"] = comparison.agrees
-    for name, result in comparison.quantities.items():
-        record["quantities"][name] = {
-            "agrees": result.agrees,
-            "max_relative_error": result.max_relative_error,
-            "bound": result.quantity.tolerance.bound,
-            "bound_reason": result.quantity.tolerance.why,
-            "against": result.quantity.against,
-            "by_case": dict(result.by_case),
-            "by_route": dict(result.by_route),
-            "worst": asdict(result.worst) if result.worst else None,
-        }
+    as_they_are = ("robot", "file", "n_bodies", "samples", "seed", "locked", "routes", "not_compared", "notes")
+    identification = comparison.identification
+    record = {
+        **{name: getattr(comparison, name) for name in as_they_are},
+        "agrees": comparison.agrees,
+        "quantities": {name: _quantity_record(result) for name, result in comparison.quantities.items()},
+        "conditioning": asdict(comparison.conditioning),
+        "identification": asdict(identification) if identification else None,
+    }
     return finite(record)
+
+
+def _quantity_record(result: QuantityResult) -> dict[str, Any]:
+    return {
+        "agrees": result.agrees,
+        "max_relative_error": result.max_relative_error,
+        "quantiles": result.quantiles,
+        "bound": result.quantity.tolerance.bound,
+        "bound_reason": result.quantity.tolerance.why,
+        "scale": result.quantity.scale,
+        "against": result.quantity.against,
+        "by_case": dict(result.by_case),
+        "by_route": dict(result.by_route),
+        "worst": asdict(result.worst) if result.worst else None,
+    }
 
 
 def write_json(path: Path, record: dict[str, Any]) -> None:

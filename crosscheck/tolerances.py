@@ -41,3 +41,8 @@ IDENTIFICATION = Tolerance(
     "two least-squares solutions differ by eps cond(W) ‖x‖ (columns of unit length); factor 10 for the size; "
     "measured below 1e-15",
 )
+FOREIGN = Tolerance(
+    1e-9,
+    "foreign codes sum in other orders and invert matrices; a hundredth of single precision, a million times double; "
+    "the faults looked for change results by 1e-6 and more",
+)

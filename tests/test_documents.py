@@ -65,7 +65,7 @@ def code_blocks():
 def test_code_blocks_run(block, capsys):
     exec(compile(block, "<document>", "exec"), {})
     printed = capsys.readouterr().out.splitlines()
-    for promised in re.findall(r"print\(.*\) +# (\(.*\))", block):
+    for promised in re.findall(r"print\(.*\) +# → (.*)", block):
         assert promised in printed
 
 

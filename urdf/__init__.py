@@ -22,7 +22,7 @@ from urdf.errors import (
     URDFError,
     URDFWarning,
 )
-from urdf.loading import load
+from urdf.loading import fused_links, load
 from urdf.saving import save
 
 __all__ = [
@@ -43,6 +43,7 @@ __all__ = [
     "URDFError",
     "URDFWarning",
     "UnsupportedJoint",
+    "fused_links",
     "load",
     "robots",
     "save",

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from graphdyn import Body, Frame, Joint, Placement
+from graphdyn.inertia import parameters_from_inertia
+from graphdyn.layout import Array
 from graphdyn.rotation import rotation_about
 from urdf import limits
 from urdf.fusing import Inertial, fuse
@@ -21,12 +23,18 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class Assembly:
-    """What the model is made of. massless: per body without any <inertial>, the names of its links."""
+    """What the model is made of.
+
+    massless: per body without any <inertial>, the names of its links
+    fused: per fixed link with an <inertial>: number of the body that carries it, and what it adds to that body's
+        inertial parameters (10,)
+    """
 
     bodies: list[Body] = field(default_factory=list)
     joints: list[Joint] = field(default_factory=list)
     frames: list[Frame] = field(default_factory=list)
     massless: list[list[str]] = field(default_factory=list)
+    fused: dict[str, tuple[int, Array]] = field(default_factory=dict)
 
 
 def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked: Mapping[str, float]) -> Assembly:
@@ -50,12 +58,19 @@ def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked
             location[joint.child] = len(members), Placement()
             members.append([joint.child])
             assembly.joints.append(_joint(joint, inside, placement))
-    for names in members[1:]:
-        parts = [
-            inertial.seen_from(location[name][1]) for name in names if (inertial := _inertial(links[name])) is not None
-        ]
-        fused = fuse(parts)
-        assembly.bodies.append(Body(names[0], fused.mass, fused.center, fused.tensor))
+    for number, names in enumerate(members[1:], start=1):
+        parts = {
+            name: inertial.seen_from(location[name][1])
+            for name in names
+            if (inertial := _inertial(links[name])) is not None
+        }
+        whole = fuse(list(parts.values()))
+        assembly.bodies.append(Body(names[0], whole.mass, whole.center, whole.tensor))
+        assembly.fused |= {
+            name: (number, parameters_from_inertia(part.mass, part.center, part.tensor))
+            for name, part in parts.items()
+            if name != names[0]
+        }
         if not parts:
             assembly.massless.append(names)
     moving = {joint.name for joint in assembly.joints}

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Collection
+from collections.abc import Mapping
+from dataclasses import dataclass
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
@@ -14,6 +15,7 @@ from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import InvalidModel, RobotModel
+from graphdyn.layout import Array
 from urdf.assembly import Assembly, assemble
 from urdf.catalogue import locate
 from urdf.checks import check
@@ -46,6 +48,42 @@ def load(path_or_name: str | PathLike[str], *, lock: Lock = None, gravity: Array
     Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning.
     """
     path, default_gravity = locate(path_or_name)
+    parsed = _read(path, lock)
+    try:
+        model = RobotModel(
+            parsed.robot.name,
+            tuple(parsed.assembly.bodies),
+            tuple(parsed.assembly.joints),
+            gravity=np.array(default_gravity),
+            base_name=parsed.root,
+            frames=tuple(parsed.assembly.frames),
+        )
+    except InvalidModel as error:
+        raise InvalidRobot(str(error), "correct the file", path=path) from error
+    _warn(path, parsed)
+    return model if gravity is None else model.with_gravity(gravity)
+
+
+def fused_links(path_or_name: str | PathLike[str], *, lock: Lock = None) -> dict[str, tuple[int, Array]]:
+    """What fixed links add to the bodies that carry them: by link name, number of the body and its share (10,).
+
+    The share is in inertial parameters about the body's link origin, in its link axes: without the link, the body's
+    parameters are `model.bodies[number - 1].parameters - share`. Links without <inertial> and links fixed to the
+    ground are left out. lock and errors as in load; no warnings.
+    """
+    return _read(locate(path_or_name)[0], lock).assembly.fused
+
+
+@dataclass(frozen=True, eq=False)
+class _Parsed:
+    robot: yourdfpy.urdf.Robot
+    root: str
+    locked: Mapping[str, float]
+    assembly: Assembly
+
+
+def _read(path: Path, lock: Lock) -> _Parsed:
+    """The stages before the model."""
     source = read(path)
     check(source)
     root, order = joints_in_order(source)
@@ -55,19 +93,9 @@ def load(path_or_name: str | PathLike[str], *, lock: Lock = None, gravity: Array
     if not set(movable) - set(locked):
         raise InvalidRobot("no moving body: every joint is fixed or locked", "leave a joint free", path=path)
     try:
-        assembly = assemble(robot, root, order, locked)
-        model = RobotModel(
-            robot.name,
-            tuple(assembly.bodies),
-            tuple(assembly.joints),
-            gravity=np.array(default_gravity),
-            base_name=root,
-            frames=tuple(assembly.frames),
-        )
+        return _Parsed(robot, root, locked, assemble(robot, root, order, locked))
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=path) from error
-    _warn(path, robot, locked, assembly)
-    return model if gravity is None else model.with_gravity(gravity)
 
 
 def _parse(source: Source) -> yourdfpy.urdf.Robot:
@@ -78,8 +106,9 @@ def _parse(source: Source) -> yourdfpy.urdf.Robot:
     return yourdfpy.URDF.load(document, build_scene_graph=False, load_meshes=False).robot
 
 
-def _warn(path: Path, robot: yourdfpy.urdf.Robot, locked: Collection[str], assembly: Assembly) -> None:
+def _warn(path: Path, parsed: _Parsed) -> None:
     """The three warnings, each once per file with all names, at the line that called load."""
+    robot, locked, assembly = parsed.robot, parsed.locked, parsed.assembly
     lengths = {joint.name: float(np.linalg.norm(joint.axis)) for joint in robot.joints if joint.type != "fixed"}
     odd = [f"joint '{name}' ({length:.9g})" for name, length in lengths.items() if abs(length - 1) > UNIT_LENGTH]
     if odd:

@@ -14,7 +14,7 @@ from shared_data import ARMS
 
 import crosscheck
 import urdf
-from crosscheck.command_line import DEFAULT_ROBOTS
+from crosscheck.program.crosscheck import DEFAULT_ROBOTS
 from crosscheck.quantities import BY_NAME
 from crosscheck.states import cases
 from graphdyn import Body, Joint, Placement, RobotModel, kr500

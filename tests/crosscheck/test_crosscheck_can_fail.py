@@ -9,9 +9,11 @@ import pytest
 from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
 
 import crosscheck
-from crosscheck import command_line
+from crosscheck import comparing
 from crosscheck.pinocchio_model import PinocchioModel, RefereeValues
 from crosscheck.printed_forms import world_axis_rows
+from crosscheck.program import main
+from crosscheck.program.exits import DISAGREED
 from crosscheck.quantities import BY_NAME, QUANTITIES
 from crosscheck.report import as_json
 from crosscheck.states import cases
@@ -99,7 +101,7 @@ def test_one_wrong_entry_of_the_referee(tree, plant, monkeypatch, field):
     assert isinstance(caught.value, AssertionError)
     assert f"'{tree.name}'" in str(caught.value).splitlines()[0]
     assert rows_that_disagree(str(caught.value)) == VISIBLE_IN[field]
-    assert exit_code(monkeypatch, comparison) == command_line.DISAGREED
+    assert exit_code(monkeypatch, comparison) == DISAGREED
 
 
 def rows_that_disagree(text):
@@ -109,10 +111,10 @@ def rows_that_disagree(text):
 
 def exit_code(monkeypatch, comparison):
     """Of the program when its comparison comes out like this one."""
-    monkeypatch.setattr(command_line, "compare", lambda *arguments, **options: comparison)
+    monkeypatch.setattr(comparing, "compare", lambda *arguments, **options: comparison)
     monkeypatch.setattr(sys, "argv", ["graphdyn", "crosscheck", "kr500"])
     with pytest.raises(SystemExit) as caught:
-        command_line.main()
+        main()
     return caught.value.code
 
 

@@ -11,14 +11,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from planting import Plant, mixed_tree
 
 import crosscheck
 import urdf
-from crosscheck import command_line
-from crosscheck.command_line import AGREED, BAD_INPUT, DEFAULT_ROBOTS, DISAGREED
-from crosscheck.errata import ERRATA
+from crosscheck import comparing, errata
+from crosscheck.errata import EFFECTS, ERRATA, measure
 from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.program import app, console, main, options
+from crosscheck.program.crosscheck import DEFAULT_ROBOTS
+from crosscheck.program.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
 from crosscheck.quantities import BY_NAME
 from crosscheck.report import JSON_FORMAT, versions
 from crosscheck.states import cases
@@ -28,7 +31,24 @@ REPRODUCED = 1e-3
 """An error of 1e-9, computed a second time from the recorded state: rounding is 1e-15 of the same scale."""
 
 PLANTED = 1e-9
-COMMANDS = ("crosscheck", "robots", "errata")
+COMMANDS = ("crosscheck", "judge", "show", "robots", "errata")
+
+
+MY_CODE = """
+import graphdyn, urdf
+
+ur5 = urdf.load("ur5")
+number = 3
+
+def rnea(q, v, a):
+    return graphdyn.inverse_dynamics(ur5, q, v, a).tau
+
+def upside_down(q, v, a):
+    return graphdyn.inverse_dynamics(ur5.with_gravity(-ur5.gravity), q, v, a).tau
+
+def broken(q, v, a):
+    raise RuntimeError("out of ideas")
+"""
 
 
 class Outcome:
@@ -43,7 +63,7 @@ def program(monkeypatch, capsys):
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["graphdyn", *map(str, arguments)])
         with pytest.raises(SystemExit) as caught:
-            command_line.main()
+            main()
         captured = capsys.readouterr()
         return Outcome(caught.value.code or 0, captured.out, captured.err)
 
@@ -57,13 +77,28 @@ def script(tmp_path):
     if path is None:
         pytest.skip("the program graphdyn is not installed; pip install -e .")
 
-    def run(*arguments):
+    def run(*arguments, stdout=subprocess.PIPE, env=None):
         finished = subprocess.run(
-            [path, *map(str, arguments)], cwd=tmp_path, capture_output=True, text=True, check=False, encoding="utf-8"
+            [path, *map(str, arguments)],
+            cwd=tmp_path,
+            stdout=stdout,
+            stderr=subprocess.PIPE,
+            env={**os.environ, **(env or {})},
+            check=False,
+            encoding="utf-8",
         )
         return Outcome(finished.returncode, finished.stdout, finished.stderr)
 
     return run
+
+
+@pytest.fixture
+def my_code(tmp_path, monkeypatch):
+    """A folder with foreign code, which is the working folder."""
+    (tmp_path / "my_code.py").write_text(MY_CODE, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "my_code", raising=False)
 
 
 @pytest.fixture
@@ -78,8 +113,9 @@ def no_work(monkeypatch):
     def compare(*_arguments, **_options):
         raise AssertionError("the work began")
 
-    monkeypatch.setattr(command_line, "compare", compare)
-    monkeypatch.setattr(command_line, "measure", compare)
+    monkeypatch.setattr(comparing, "compare", compare)
+    monkeypatch.setattr(errata, "measure", compare)
+    monkeypatch.setattr(urdf, "load", compare)
 
 
 @pytest.fixture
@@ -128,14 +164,14 @@ class TestExitCodes:
         assert f"{small_arm}: agrees" in done.out.replace("\n", "")
 
     def test_one_unreadable_robot_leaves_the_others_their_result(self, program, small_arm, monkeypatch):
-        original = command_line.compare
+        original = comparing.compare
 
         def compare(robot, *arguments, **options):
             if robot == "gone.urdf":
                 raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), robot)
             return original(robot, *arguments, **options)
 
-        monkeypatch.setattr(command_line, "compare", compare)
+        monkeypatch.setattr(comparing, "compare", compare)
         done = program("crosscheck", "gone.urdf", small_arm, "--samples", 1)
         assert done.code == BAD_INPUT
         assert re.fullmatch(r"error: .*Permission denied.*gone\.urdf.*\n", done.err)
@@ -175,6 +211,214 @@ class TestExitCodes:
         assert re.fullmatch(r"warning: .*axis not of unit length.*'y_elbow' \(2\)\n", done.err)
 
 
+class TestDebug:
+    """Errors are one line; --debug adds the traceback and changes nothing else."""
+
+    @pytest.mark.parametrize("command", [("crosscheck", "ur55"), ("show", "ur55")], ids=" ".join)
+    def test_errors_of_the_user(self, program, command):
+        plain, traced = program(*command), program("--debug", *command)
+        assert plain.code == traced.code == BAD_INPUT
+        assert re.fullmatch(r"error: 'ur55' is neither .*\n", plain.err)
+        assert traced.err.startswith("Traceback (most recent call last)")
+        assert traced.err.endswith(plain.err)
+        assert "RobotNotFound" in traced.err
+
+    @pytest.mark.parametrize("command", [("crosscheck", "kr500"), ("errata",)], ids=" ".join)
+    def test_errors_of_the_program(self, program, monkeypatch, command):
+        def broken(*_arguments, **_options):
+            raise ZeroDivisionError("two\nlines")
+
+        monkeypatch.setattr(comparing, "compare", broken)
+        monkeypatch.setattr(errata, "measure", broken)
+        plain, traced = program(*command), program("--debug", *command)
+        assert plain.code == traced.code == INTERNAL_ERROR == 3
+        assert plain.err == "internal error: ZeroDivisionError: two lines; run with --debug and report it\n"
+        assert plain.out == ""
+        assert traced.err.startswith("Traceback (most recent call last)")
+        assert traced.err.endswith(plain.err)
+
+    def test_usage_errors_have_no_traceback(self, program):
+        done = program("--debug", "crosscheck", "kr500", "--samples", "0")
+        assert done.code == BAD_INPUT
+        assert "Traceback" not in done.err
+
+    def test_interrupted(self, program, monkeypatch):
+        def interrupted(*_arguments, **_options):
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(comparing, "compare", interrupted)
+        done = program("crosscheck", "kr500")
+        assert (done.code, done.out, done.err) == (130, "", "")
+
+    def test_a_reader_who_left(self, script):
+        """As in `graphdyn robots | head -1`, if head is quick: no traceback, and not the code of a disagreement."""
+        reader, writer = os.pipe()
+        os.close(reader)
+        try:
+            done = script("robots", stdout=writer)
+        finally:
+            os.close(writer)
+        assert (done.code, done.err) == (BROKEN_PIPE, "")
+
+
+class TestCompletion:
+    @pytest.fixture
+    def complete(self, script):
+        """Candidates that bash is offered for the last word of a line."""
+
+        def run(line):
+            words = {"COMP_WORDS": line, "COMP_CWORD": str(len(line.split(" ")) - 1)}
+            return script(env={"_GRAPHDYN_COMPLETE": "complete_bash", **words}).out.splitlines()
+
+        return run
+
+    @pytest.mark.parametrize("command", ["crosscheck", "crosscheck kr500", "show"])
+    def test_robot_names(self, complete, command):
+        assert {"ur3", "ur5", "ur10"} <= set(complete(f"graphdyn {command} ur"))
+        assert complete(f"graphdyn {command} kr5") == ["kr500"]
+
+    def test_commands(self, complete):
+        assert complete("graphdyn sh") == ["show"]
+
+    def test_names_need_no_pinocchio(self):
+        """Nor do --help and the pytest fixture."""
+        code = """
+import sys
+import crosscheck.pytest_plugin
+from crosscheck.program import app
+from crosscheck.program.options import robot_names
+assert "ur5" in robot_names("ur")
+print(*{"pinocchio", "yourdfpy", "scipy", "matplotlib"} & set(sys.modules))
+"""
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert done.stdout == "\n"
+
+    @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+    def test_every_shell_gets_its_script(self, script, shell):
+        done = script(env={"_GRAPHDYN_COMPLETE": f"source_{shell}"})
+        assert "_GRAPHDYN_COMPLETE=complete_" in done.out
+
+
+class TestExamples:
+    """What the help shows can be typed."""
+
+    EXAMPLES = tuple(
+        (info.name, line.split()[2:]) for info in app.registered_commands for line in info.epilog.splitlines()[2:]
+    )
+
+    @pytest.mark.parametrize(("command", "arguments"), EXAMPLES, ids=lambda value: str(value))
+    def test_parsed(self, command, arguments):
+        context = typer.main.get_command(app).commands[command].make_context(command, list(arguments))
+        assert not context.args
+
+    @pytest.mark.parametrize("command", COMMANDS)
+    def test_the_first_one_runs(self, program, command, my_code):
+        first = next(arguments for name, arguments in self.EXAMPLES if name == command)
+        assert program(command, *first).code == AGREED
+
+
+class TestJudge:
+    """One robot, functions from elsewhere."""
+
+    def test_right(self, program, my_code):
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
+        assert done.code == AGREED
+        assert done.out.startswith(
+            "ur5: agrees (6 joints; 2 random states and special ones, seed 0; referees: graphdyn, "
+        )
+
+    def test_wrong(self, program, my_code, tmp_path):
+        done = program(
+            "judge", "ur5", "--inverse-dynamics", "my_code:upside_down", "--samples", 2, "--json", tmp_path / "x.json"
+        )
+        assert done.code == DISAGREED
+        assert "inverse_dynamics: gravity has the opposite sign [gravity]" in done.out
+        record = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+        assert record["format"] == "graphdyn judge 1"
+        assert record["diagnoses"][0]["kind"] == "gravity"
+        assert record["command"][:3] == ["graphdyn", "judge", "ur5"]
+
+    def test_undecided(self, program, my_code, plant):
+        plant.referee_value("tau", lambda x: 1.01 * x)
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
+        assert done.code == DISAGREED
+        assert "UNDECIDED" in done.out
+        assert "the referees disagree among themselves" in done.out
+
+    def test_all_options(self, program, my_code):
+        names = ",".join(urdf.load("ur5").joint_names)
+        options = ("--joint-names", names, "--seed", 3, "--tolerance", "1e-12", "--samples", 1)
+        assert program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", *options).code == AGREED
+
+    def test_lock(self, program, my_code):
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--lock", "wrist_3_joint")
+        assert done.code == BAD_INPUT  # the foreign code does not know of the lock
+        assert "inverse_dynamics raised" in done.err
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("rnea", "--inverse-dynamics rnea: give FILE.py:FUNCTION or MODULE:FUNCTION"),
+            ("no.py:rnea", "there is no file no.py"),
+            ("my_code.py:number", "number is no function in my_code.py"),
+            ("my_code.py:aba", "aba does not exist in my_code.py"),
+            ("no_such_module:f", "importing no_such_module raised ModuleNotFoundError"),
+        ],
+    )
+    def test_names_that_lead_nowhere(self, program, my_code, text, message):
+        done = program("judge", "ur5", "--inverse-dynamics", text)
+        assert done.code == BAD_INPUT
+        assert message in " ".join(re.sub("[│╭╰─╮╯]", " ", done.err).split())
+
+    def test_no_function(self, program):
+        done = program("judge", "ur5")
+        assert done.code == BAD_INPUT
+        assert "no function to judge; give at least one of" in " ".join(re.sub("[│╭╰─╮╯]", " ", done.err).split())
+
+    def test_foreign_exception(self, program, my_code):
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:broken")
+        assert done.code == BAD_INPUT
+        assert done.err.startswith("error: inverse_dynamics raised RuntimeError: out of ideas; at q = [")
+
+
+class TestProgress:
+    """On a terminal, with the total; rich takes standard error for one where FORCE_COLOR is set."""
+
+    @pytest.fixture(autouse=True)
+    def terminal(self, monkeypatch):
+        for name, value in {"FORCE_COLOR": "1", "TERM": "xterm", "COLUMNS": "140"}.items():
+            monkeypatch.setenv(name, value)
+        monkeypatch.setattr(console.err, "is_interactive", True)
+        assert console.err.is_terminal
+
+    def test_one_robot(self, program):
+        done = program("crosscheck", "kr500", "--samples", 2)
+        states = 2 + 1 + 4 * 2 + 6 + 6  # random, at rest, four awkward kinds, gimbal locks, horizontal axes
+        assert re.search(rf"kr500.* {states}/{states} ", done.err)
+        assert "(1 of" not in done.err
+
+    def test_several(self, program, small_arm):
+        done = program("crosscheck", "kr500", small_arm, "ur55", "--samples", 1)
+        assert done.code == BAD_INPUT
+        assert "kr500 (1 of 3)" in done.err
+        assert "(2 of 3)" in done.err
+        assert "'ur55' is neither" in done.err
+
+    def test_warnings_once(self, program, small_arm):
+        small_arm.write_text(small_arm.read_text().replace('xyz="0 1 0"', 'xyz="0 2 0"'))
+        done = program("crosscheck", small_arm, "--samples", 1)
+        assert done.err.count("warning: ") == 1
+
+    def test_errata(self, program):
+        done = program("errata", "--samples", 10)
+        assert re.search(rf"errata.* {EFFECTS}/{EFFECTS} .*A6 on ur5", done.err)
+
+    def test_the_callback_of_measure(self):
+        seen = []
+        assert measure(10, progress=seen.append) == seen
+        assert len(seen) == EFFECTS
+
+
 class TestLockOption:
     def test_value(self, program, small_arm, tmp_path):
         record = tmp_path / "r.json"
@@ -200,7 +444,7 @@ class TestDefaults:
             seen.append((robot, lock))
             return comparison
 
-        monkeypatch.setattr(command_line, "compare", compare)
+        monkeypatch.setattr(comparing, "compare", compare)
         assert program("crosscheck").code == AGREED
         assert seen == [(name, dict(lock) or None) for name, lock in DEFAULT_ROBOTS]
 
@@ -274,10 +518,21 @@ class TestJson:
         assert result["max_relative_error"] is None
         assert result["agrees"] is False
 
-    @pytest.mark.parametrize("command", ["crosscheck", "errata", "robots"])
+    @pytest.mark.parametrize(
+        "command",
+        [
+            ("crosscheck", "--json"),
+            ("crosscheck", "--html"),
+            ("show", "kr500", "--json"),
+            ("show", "kr500", "--html"),
+            ("errata", "--json"),
+            ("robots", "--json"),
+        ],
+        ids=" ".join,
+    )
     @pytest.mark.parametrize(("name", "reason"), [("no/such/folder.json", "does not exist"), (".", "is a folder")])
     def test_unwritable_is_refused_before_the_work(self, program, no_work, tmp_path, command, name, reason):
-        done = program(command, "--json", tmp_path / name)
+        done = program(*command, tmp_path / name)
         assert done.code == BAD_INPUT
         assert reason in done.err
         assert done.out == ""
@@ -293,7 +548,7 @@ class TestJson:
         assert done.code == BAD_INPUT
 
     def test_a_file_that_may_not_be_written_is_refused_before_the_work(self, program, no_work, tmp_path, monkeypatch):
-        monkeypatch.setattr(command_line.os, "access", lambda *_: False)
+        monkeypatch.setattr(options.os, "access", lambda *_: False)
         done = program("crosscheck", "--json", tmp_path / "result.json")
         assert done.code == BAD_INPUT
         assert "no permission to write there" in done.err
@@ -311,6 +566,27 @@ class TestJson:
         path.write_text("precious", encoding="utf-8")
         assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == BAD_INPUT
         assert path.read_text(encoding="utf-8") == "precious"
+
+
+class TestHtml:
+    def test_beside_json(self, program, small_arm, tmp_path, wrong_torque):
+        page, record = tmp_path / "r.html", tmp_path / "r.json"
+        done = program("crosscheck", small_arm, "ur55", "--samples", 1, "--html", page, "--json", record)
+        assert done.code == BAD_INPUT
+        html = page.read_text(encoding="utf-8")
+        assert "small.urdf" in html
+        assert "DISAGREES" in html
+        assert "is neither a file nor a robot" in html
+        assert json.loads(record.read_text(encoding="utf-8"))["agrees"] is False
+
+    @pytest.mark.parametrize("command", [("crosscheck", "--samples", 1), ("show",)], ids=lambda command: command[0])
+    def test_a_full_disk_leaves_nothing(self, program, small_arm, tmp_path, full_disk, command):
+        folder = tmp_path / "results"
+        folder.mkdir()
+        done = program(*command, small_arm, "--html", folder / "r.html")
+        assert done.code == BAD_INPUT
+        assert re.fullmatch(r"error: .*No space left on device.*r\.html.*\n", done.err)
+        assert list(folder.iterdir()) == []
 
 
 class TestOtherCommands:
@@ -346,13 +622,17 @@ class TestOtherCommands:
         assert done.code == AGREED
         assert re.search(r"Usage: .*graphdyn", done.out)
         if command:
-            assert f"Example: graphdyn {command[0]}" in done.out
             assert "--json" in done.out
+            examples = done.out.partition("Examples:\n")[2].splitlines()
+            assert examples
+            assert all(line.startswith(f"    graphdyn {command[0]}") for line in examples)
         else:
-            assert all(name in done.out for name in COMMANDS)
+            summaries = re.findall(r"^  (\w+)  +(.*)$", done.out.partition("Commands:\n")[2], re.MULTILINE)
+            assert [name for name, _ in summaries] == list(COMMANDS)
+            assert all(summary.endswith(".") and not summary.endswith("...") for _, summary in summaries)
 
     def test_every_command_is_tested(self):
-        assert {info.name for info in command_line.app.registered_commands} == set(COMMANDS)
+        assert tuple(info.name for info in app.registered_commands) == COMMANDS
 
     def test_nothing_asked_is_help_and_nothing_done(self, program):
         done = program()

@@ -1,7 +1,6 @@
 """PinocchioModel: the referee speaks graphdyn's order, angles and axes, and says why it refuses."""
 
 import math
-import sys
 
 import numpy as np
 import pytest
@@ -9,6 +8,7 @@ from planting import SAMPLES, compared, mixed_tree
 
 import crosscheck
 import urdf
+from crosscheck import comparing
 from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
 from graphdyn import InvalidInput, Placement, RobotModel, frame_placement, inverse_dynamics, kr500
 from graphdyn.layout import BODY_PARAMETERS
@@ -225,7 +225,7 @@ class TestInput:
 
     def test_chunks_leave_nothing_out(self, monkeypatch, tree):
         """Many states are handled in portions; the last one counts as well."""
-        monkeypatch.setattr(sys.modules["crosscheck.compare"], "CHUNK", 2)
+        monkeypatch.setattr(comparing, "CHUNK", 2)
         done = []
         comparison = crosscheck.compare(tree, 5, progress=lambda case, states: done.append((case, states)))
         assert comparison.agrees

@@ -1,13 +1,13 @@
 """Errors planted on purpose, on either side of the comparison, and what has to be noticed."""
 
 import dataclasses
-import sys
 from collections.abc import Callable
 
 import numpy as np
 from random_trees import random_tree
 
 import crosscheck
+from crosscheck import quantities
 from crosscheck.pinocchio_model import PinocchioModel
 from graphdyn import RobotModel
 from graphdyn.kkt import KKTSystem
@@ -15,8 +15,6 @@ from graphdyn.kkt import KKTSystem
 SEED = 3
 SAMPLES = 2
 """Enough to tell one sample from another."""
-
-quantities = sys.modules["crosscheck.quantities"]
 
 
 def mixed_tree() -> RobotModel:

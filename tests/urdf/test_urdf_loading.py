@@ -231,3 +231,28 @@ def test_a_long_chain(robot):
     names = [f"l{k}" for k in range(300)]
     joints = [joint(f"j{k}", names[k - 1], names[k], "fixed" if k % 30 else "revolute") for k in range(1, 300)]
     assert urdf.load(robot(*map(link, names), *joints)).n_bodies == 9
+
+
+def test_fused_links_tell_their_share(robot):
+    path = robot(
+        link("base"), link("arm", xyz="0.1 0 0"), link("tool", mass=2.0, xyz="0 0.2 0"), link("tip", mass=None),
+        joint("turn", "base", "arm"), joint("screws", "arm", "tool", "fixed", '<origin xyz="0.5 0 0" rpy="0 0 0.3"/>'),
+        joint("end", "tool", "tip", "fixed"),
+    )  # fmt: skip
+    shares = urdf.fused_links(path)
+    assert list(shares) == ["tool"]
+    number, share = shares["tool"]
+    assert number == 1
+    assert share[0] == 2.0
+    with_tool = urdf.load(path).bodies[0].parameters
+    bare = robot(
+        link("base"), link("arm", xyz="0.1 0 0"), link("tool", mass=None),
+        joint("turn", "base", "arm"), joint("screws", "arm", "tool", "fixed", '<origin xyz="0.5 0 0" rpy="0 0 0.3"/>'),
+    )  # fmt: skip
+    assert_allclose(with_tool - share, urdf.load(bare).bodies[0].parameters, rtol=0, atol=1e-15)
+
+
+def test_locked_links_are_fused_links_too(arm):
+    path = arm()
+    assert urdf.fused_links(path) == {}
+    assert set(urdf.fused_links(path, lock=["slide"])) == {"fore"}

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from numbers import Integral
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-import urdf
+from crosscheck.arguments import Lock, Robot, check_counts, subject
 from crosscheck.baseline import compare_identification
 from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses, RefereeValues
 from crosscheck.quantities import (
@@ -25,10 +24,9 @@ from crosscheck.quantities import (
 from crosscheck.report import as_text
 from crosscheck.result import Comparison, QuantityResult, WorstState
 from crosscheck.states import Case, cases
-from graphdyn import InvalidInput, RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
+from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn.dynamics import singular
 from graphdyn.layout import Array
-from urdf.catalogue import locate
 
 CHUNK = 250
 """States handled at once: keeps the dense 11n × 11n systems of a chunk within some tens of megabytes."""
@@ -46,11 +44,11 @@ class Disagreement(AssertionError):
 
 
 def compare(
-    robot: str | Path | RobotModel,
+    robot: Robot,
     samples: int = 1000,
     seed: int = 0,
     *,
-    lock: Mapping[str, float] | Iterable[str] | None = None,
+    lock: Lock = None,
     gravity: ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
@@ -63,26 +61,15 @@ def compare(
     Raises InvalidInput for samples or a seed that are no such numbers, or lock or gravity given with a RobotModel;
     urdf's errors for a file that cannot be loaded.
     """
-    if not isinstance(samples, Integral) or samples < 1:
-        raise InvalidInput(f"samples is {samples!r}; a whole number of random states, at least one, is needed")
-    if not isinstance(seed, Integral) or seed < 0:
-        raise InvalidInput(f"seed is {seed!r}; a whole number from 0 on is needed")
-    notes: list[str] = []
-    if isinstance(robot, RobotModel):
-        if lock is not None or gravity is not None:
-            raise InvalidInput(
-                "lock and gravity apply to names and files; a RobotModel already has its joints and gravity"
-            )
-        model, locked = robot, {}
-        notes.append("route 'urdf' not taken: a RobotModel was given, not a file")
-    else:
-        lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
-        model = urdf.load(robot, lock=lock, gravity=gravity)
-        locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
+    check_counts(samples, seed)
+    compared = subject(robot, lock, gravity)
+    model = compared.model
+    notes = [] if compared.file else ["route 'urdf' not taken: a RobotModel was given, not a file"]
     referees = {"model": PinocchioModel.from_model(model)}
-    if not isinstance(robot, RobotModel):
+    if compared.file:
         try:
-            referees = {"urdf": PinocchioModel.from_urdf(locate(robot)[0], model, locked), **referees}
+            native = PinocchioModel.from_urdf(Path(compared.file), model, compared.locked)
+            referees = {"urdf": native, **referees}
         except PinocchioRefuses as refusal:
             notes.append(f"route 'urdf' not taken: {refusal}")
 
@@ -126,11 +113,13 @@ def compare(
             notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
     assert record.conditioning is not None
     return Comparison(
-        robot=model.name if isinstance(robot, RobotModel) else str(robot),
+        robot=compared.name,
+        file=compared.file,
+        model=model,
         n_bodies=model.n_bodies,
         samples=samples,
         seed=seed,
-        locked=locked,
+        locked=compared.locked,
         routes=tuple(referees),
         quantities=record.results(),
         not_compared=skipped,
@@ -140,7 +129,7 @@ def compare(
     )
 
 
-def assert_agrees(robot: str | Path | RobotModel, samples: int = 1000, seed: int = 0, **options: object) -> Comparison:
+def assert_agrees(robot: Robot, samples: int = 1000, seed: int = 0, **options: object) -> Comparison:
     """compare, for test suites: returns the Comparison, or raises Disagreement (an AssertionError) with the table."""
     comparison = compare(robot, samples, seed, **options)  # type: ignore[arg-type]
     if not comparison.agrees:
@@ -173,9 +162,10 @@ def _why_not_forward(model: RobotModel) -> str | None:
 
 
 class _Record:
-    """Largest errors so far."""
+    """All errors so far, and where the largest are."""
 
     def __init__(self) -> None:
+        self._errors: dict[str, list[Array]] = {}
         self._by_case: dict[str, dict[str, float]] = {}
         self._by_route: dict[str, dict[str, float]] = {}
         self._worst: dict[str, tuple[float, WorstState | None]] = {}
@@ -185,14 +175,13 @@ class _Record:
         for name, values in errors.items():
             values = np.where(np.isnan(values), np.inf, values)
             k = int(values.argmax())
-            self._note(name, route, case.name, float(values[k]))
+            self._note(name, route, case.name, values)
             if name not in self._worst or values[k] > self._worst[name][0]:
-                state = (tuple(x[k].tolist()) for x in (case.q, case.v, case.a))
-                self._worst[name] = float(values[k]), WorstState(route, case.name, *state)
+                self._worst[name] = float(values[k]), _worst_state(route, case, k)
 
     def add_summary(self, route: str, name: str, error: float) -> None:
         """An error that belongs to all samples together."""
-        self._note(name, route, "all states", error)
+        self._note(name, route, "all states", np.array([error]))
         self._worst[name] = error, None
 
     def condition(self, conditioning: Conditioning) -> None:
@@ -201,13 +190,34 @@ class _Record:
     def results(self) -> dict[str, QuantityResult]:
         return {
             name: QuantityResult(
-                quantity, self._worst[name][0], self._by_case[name], self._by_route[name], self._worst[name][1]
+                quantity,
+                np.concatenate(self._errors[name]),
+                self._worst[name][0],
+                self._by_case[name],
+                self._by_route[name],
+                self._worst[name][1],
             )
             for name, quantity in BY_NAME.items()
             if name in self._worst
         }
 
-    def _note(self, name: str, route: str, case: str, error: float) -> None:
+    def _note(self, name: str, route: str, case: str, values: Array) -> None:
+        self._errors.setdefault(name, []).append(values)
         for table, key in ((self._by_case, case), (self._by_route, route)):
             row = table.setdefault(name, {})
-            row[key] = max(row.get(key, 0.0), error)
+            row[key] = max(row.get(key, 0.0), float(values.max()))
+
+
+def _worst_state(route: str, case: Case, k: int) -> WorstState:
+    """State k of a case as plain numbers."""
+    return WorstState(
+        route,
+        case.name,
+        q=tuple(case.q[k].tolist()),
+        v=tuple(case.v[k].tolist()),
+        a=tuple(case.a[k].tolist()),
+        tau=None if case.tau is None else tuple(case.tau[k].tolist()),
+        external_wrenches=tuple(map(tuple, case.external_wrenches[k].tolist())),
+        turn=tuple(map(tuple, case.turn.rotation.tolist())),
+        gravity=tuple(case.model.gravity.tolist()),
+    )

@@ -1,0 +1,54 @@
+"""What compare and judge take alike: a robot in one of three forms, and counts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from numbers import Integral
+from os import PathLike
+
+from numpy.typing import ArrayLike
+
+import urdf
+from graphdyn import InvalidInput, RobotModel
+from urdf.catalogue import locate
+
+Robot = str | PathLike[str] | RobotModel
+Lock = Mapping[str, float] | Iterable[str] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The robot to be compared.
+
+    name: as it was given
+    file: whole path of its URDF, None where a RobotModel was given
+    locked: value per joint that is held still [rad or m]
+    """
+
+    name: str
+    model: RobotModel
+    file: str | None
+    locked: Mapping[str, float]
+
+
+def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None) -> Subject:
+    """Load a name or path; take a RobotModel as it is. Raises InvalidInput for lock or gravity with a RobotModel."""
+    if isinstance(robot, RobotModel):
+        if lock is not None or gravity is not None:
+            raise InvalidInput(
+                "lock and gravity apply to names and files; a RobotModel already has its joints and gravity"
+            )
+        return Subject(robot.name, robot, None, {})
+    lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
+    model = urdf.load(robot, lock=lock, gravity=gravity)
+    locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
+    return Subject(str(robot), model, str(locate(robot)[0].resolve()), locked)
+
+
+def check_counts(samples: int, seed: int) -> None:
+    """Raises InvalidInput."""
+    if not isinstance(samples, Integral) or samples < 1:
+        raise InvalidInput(f"samples is {samples!r}; a whole number of random states, at least one, is needed")
+    if not isinstance(seed, Integral) or seed < 0:
+        raise InvalidInput(f"seed is {seed!r}; a whole number from 0 on is needed")

@@ -1,0 +1,49 @@
+"""Columns of a foreign regressor: their order among the ten parameters, and factors on them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.judging.fits import ROUND, Finding
+from graphdyn.inertia import PARAMETER_NAMES
+from graphdyn.layout import BODY_PARAMETERS, Array
+
+ALIKE = 1e-6
+"""A column is another one, times a factor, if less than this part of it is left."""
+
+
+def column_fault(answer: Array, ours: Array) -> Finding | None:
+    """Columns that are ours in another order or scale; None where they are not. answer, ours: (N, n, 10n)."""
+    there, here = (_by_parameter(regressor) for regressor in (answer, ours))
+    places, factors, left = [], [], 0.0
+    for column in there:
+        sizes = (here**2).sum(axis=1)
+        factor = np.divide(here @ column, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+        rest = np.abs(column - factor[:, None] * here).max(axis=1) / (np.abs(column).max() or 1.0)
+        best = int(rest.argmin())
+        if rest[best] > ALIKE:
+            return None
+        places.append(best)
+        factors.append(float(factor[best]))
+        left = max(left, float(rest[best]))
+    if sorted(places) != list(range(BODY_PARAMETERS)):
+        return None
+    wrong = [
+        f"{PARAMETER_NAMES[place]} × {factor:.4g}"
+        for place, factor in zip(places, factors, strict=True)
+        if abs(factor - 1) > ROUND
+    ]
+    remedy = f"use {', '.join(PARAMETER_NAMES)} about the link origin"
+    if places != list(range(BODY_PARAMETERS)):
+        named = ", ".join(PARAMETER_NAMES[place] for place in places)
+        scaled = f", scaled: {', '.join(wrong)}" if wrong else ""
+        message = f"the ten columns of each body are in the order {named}{scaled}"
+        return Finding("parameter_order", message, remedy, left)
+    if wrong:
+        return Finding("parameter_order", f"columns are scaled: {', '.join(wrong)}", remedy, left)
+    return None
+
+
+def _by_parameter(regressor: Array) -> Array:
+    """All entries that belong to each of the ten parameters: (N, n, 10n) → (10, N n n)."""
+    return np.moveaxis(regressor.reshape(*regressor.shape[:2], -1, BODY_PARAMETERS), -1, 0).reshape(BODY_PARAMETERS, -1)

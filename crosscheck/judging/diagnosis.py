@@ -1,0 +1,151 @@
+"""From experiments to sentences: which fault, put into graphdyn, gives the numbers of a foreign function."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import chain
+
+import numpy as np
+
+from crosscheck.judgement import Diagnosis
+from crosscheck.judging.experiments import PARTS, Parts, Trial, deviations, scales, split, torques
+from crosscheck.judging.faults import faults
+from crosscheck.judging.fits import (
+    Finding,
+    ParameterFits,
+    friction,
+    gravity_vector,
+    rotor_inertia,
+    velocity_factors,
+)
+from crosscheck.judging.orders import order_faults
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+NOISE = 1e-9
+"""A part that deviates by less agrees: experiments are differences of torques, some digits are lost."""
+
+EXPLAINED = 1e-5
+"""A fault explains a deviation if less than this part of it is left: foreign codes round their constants."""
+
+AS_GOOD = 30.0
+"""Explanations that leave up to this many times the least rest are as good as the best."""
+
+SMALL = 1e-4
+"""A deviation below this without an explanation is a matter of digits."""
+
+MOST_ALTERNATIVES = 4
+
+
+def diagnose(
+    function: str, observed: Parts, model: RobotModel, trial: Trial, links: Mapping[str, tuple[int, Array]]
+) -> list[Diagnosis]:
+    """What is wrong, from the experiments on one function; empty if all of them agree."""
+    own = split(torques(model), trial)
+    scale = scales(model, trial, own, observed)
+    before = deviations(observed, own, scale)
+    wrong = [part for part, error in before.items() if error > NOISE]
+    if not wrong:
+        return []
+    evidence = _evidence(before, observed, own)
+    if not np.isfinite(list(before.values())).all():
+        return [_unknown(function, "the answers are not finite", evidence)]
+
+    def explained(findings: Iterator[Finding], size: float) -> list[Finding]:
+        good = [found for found in findings if found.left <= max(NOISE, EXPLAINED * size)]
+        least = min((found.left for found in good), default=0.0)
+        return [found for found in good if found.left <= max(NOISE, AS_GOOD * least)]
+
+    by_part = {part: explained(_of_part(part, model, trial, observed, own, scale), before[part]) for part in wrong}
+    if len(wrong) == 1 and by_part[wrong[0]]:
+        return [_diagnosis(function, by_part[wrong[0]], evidence)]
+    fits, size = ParameterFits(model, trial, _difference(observed, own), scale), max(before.values())
+    if together := explained(chain(_of_all(model, trial, observed, scale, links), fits.named()), size):
+        return [_diagnosis(function, together, evidence)]
+    if all(by_part.values()):
+        return [_diagnosis(function, found, evidence) for found in by_part.values()]
+    if other := explained(fits.unnamed(), size):
+        return [_diagnosis(function, other[:1], evidence)]
+    found = [_diagnosis(function, findings, evidence) for findings in by_part.values() if findings]
+    rest = [part for part in wrong if not by_part[part]]
+    if max(before[part] for part in rest) < SMALL:
+        message = (
+            f"the answers agree to {-np.log10(max(before.values())):.0f} digits: single precision, or rounded constants"
+        )
+    else:
+        message = f"no single fault explains the deviation {' and '.join(PARTS[part] for part in rest)}"
+    return [*found, _unknown(function, message, evidence)]
+
+
+def _of_part(
+    part: str, model: RobotModel, trial: Trial, observed: Parts, own: Parts, scale: dict[str, float]
+) -> Iterator[Finding]:
+    """Faults with a free number that touch one part alone."""
+    if part == "gravity":
+        yield gravity_vector(model, trial, observed, scale)
+    elif part == "velocity":
+        yield velocity_factors(model, trial, observed, scale)
+        assert observed.velocity is not None
+        assert own.velocity is not None
+        yield friction(trial, observed.velocity - own.velocity, scale[part])
+    else:
+        assert observed.inertia is not None
+        assert own.inertia is not None
+        yield rotor_inertia(observed.inertia - own.inertia, scale[part])
+
+
+def _of_all(
+    model: RobotModel, trial: Trial, observed: Parts, scale: dict[str, float], links: Mapping[str, tuple[int, Array]]
+) -> Iterator[Finding]:
+    """Faults that touch several parts at once, the likelier first."""
+    answer = None
+    if observed.gravity is not None and observed.velocity is not None:
+        answer = observed.gravity[0] + observed.velocity[0]
+    columns = None if observed.inertia is None else np.swapaxes(observed.inertia[0], -1, -2)
+    for fault in (*faults(model, links), *order_faults(model, trial.q[0], trial.v[0], answer, columns)):
+        left = max(deviations(observed, split(fault.torque, trial), scale).values())
+        yield Finding(fault.kind, fault.message, fault.remedy, left)
+
+
+def _difference(x: Parts, y: Parts) -> Parts:
+    return Parts(*(getattr(x, part) - getattr(y, part) if part in x.known() else None for part in PARTS))
+
+
+def _diagnosis(function: str, findings: list[Finding], evidence: str) -> Diagnosis:
+    first, *others = findings
+    also = tuple(dict.fromkeys(other.message for other in others if other.message != first.message))
+    return Diagnosis(function, first.kind, first.message, evidence, first.remedy, first.left, also[:MOST_ALTERNATIVES])
+
+
+def _unknown(function: str, message: str, evidence: str) -> Diagnosis:
+    remedy = "look at the worst state, and at the parts that are right: the fault is in what they do not use"
+    return Diagnosis(function, "unknown", message, evidence, remedy, np.inf)
+
+
+def _evidence(before: Mapping[str, float], observed: Parts, own: Parts) -> str:
+    said = [
+        f"{PARTS[part]}: {'agrees' if error <= NOISE else f'relative error {error:.1e}'}"
+        for part, error in before.items()
+    ]
+    if "velocity" in before and before["velocity"] > NOISE:
+        assert observed.doubled is not None
+        assert own.doubled is not None
+        assert observed.velocity is not None
+        assert own.velocity is not None
+        once = np.abs(observed.velocity - own.velocity).max()
+        twice = np.abs(observed.doubled - own.doubled).max()
+        said.append(f"at twice the velocity the error is {twice / once:.3g} times as large")
+    return "; ".join(said)
+
+
+def merged(diagnoses: list[Diagnosis]) -> tuple[Diagnosis, ...]:
+    """Each different sentence once, with the functions that show it."""
+    by_message: dict[tuple[str, str], Diagnosis] = {}
+    for diagnosis in diagnoses:
+        key = diagnosis.kind, diagnosis.message
+        known = by_message.get(key)
+        by_message[key] = (
+            diagnosis if known is None else replace(known, function=f"{known.function}, {diagnosis.function}")
+        )
+    return tuple(by_message.values())

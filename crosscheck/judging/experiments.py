@@ -1,0 +1,130 @@
+"""Experiments that take a dynamics function apart: rest, acceleration from rest, velocity at no acceleration.
+
+τ(q, v, a) = g(q) + M(q) a + c(q, v). Whatever a function computes, these differences show which term is wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.judging.foreign import ForeignFunction
+from graphdyn import RobotModel, inverse_dynamics
+from graphdyn.layout import Array
+
+Function = Callable[[Array, Array, Array], Array]
+"""q, v, a (N, n) → torques (N, n), or regressors (N, n, p)."""
+
+PARTS = {
+    "gravity": "at rest (v = 0, a = 0)",
+    "inertia": "accelerated from rest, one joint at a time, gravity subtracted",
+    "velocity": "moving at a = 0, gravity subtracted",
+}
+"""The experiments, in words."""
+
+WEAK_VELOCITY = 1e-3
+"""Velocity torques are judged on no smaller scale than this part of the joint wrenches: they come as a difference."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """The states of the experiments: q, v (N, n)."""
+
+    q: Array
+    v: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """A function taken apart; None where it cannot be asked. The trailing dimensions are those of the function.
+
+    gravity: g                                              (N, n, …)
+    inertia: one column of M per joint                      (N, n, n, …): state, accelerated joint, torque
+    velocity, doubled: c at v and at 2 v                    (N, n, …)
+    """
+
+    gravity: Array | None = None
+    inertia: Array | None = None
+    velocity: Array | None = None
+    doubled: Array | None = None
+
+    def known(self) -> tuple[str, ...]:
+        return tuple(part for part in PARTS if getattr(self, part) is not None)
+
+
+def torques(model: RobotModel) -> Function:
+    return lambda q, v, a: inverse_dynamics(model, q, v, a).tau
+
+
+def split(function: Function, trial: Trial) -> Parts:
+    """All experiments with one call of the function."""
+    size, n = trial.q.shape
+    zero, unit = np.zeros_like(trial.q), np.eye(n)
+    q = np.concatenate([trial.q, np.repeat(trial.q, n, axis=0), trial.q, trial.q])
+    v = np.concatenate([zero, np.zeros((size * n, n)), trial.v, 2 * trial.v])
+    a = np.concatenate([zero, np.tile(unit, (size, 1)), zero, zero])
+    rest, accelerated, moving, fast = np.split(function(q, v, a), [size, size + size * n, 2 * size + size * n])
+    columns = accelerated.reshape(size, n, *accelerated.shape[1:])
+    return Parts(rest, columns - rest[:, None], moving - rest, fast - rest)
+
+
+def observe(foreign: ForeignFunction, model: RobotModel, trial: Trial, torque: Array) -> Parts:
+    """The experiments with a foreign function.
+
+    torque: usual size per joint (n,), for forward dynamics, which is asked for M⁻¹ and turned into the same terms
+    Raises numpy.linalg.LinAlgError where forward dynamics give a singular M⁻¹.
+    """
+    if foreign.name == "mass_matrix":
+        return Parts(inertia=np.swapaxes(foreign(trial.q), -1, -2))
+    if foreign.name == "regressor":
+        parameters = model.inertial_parameters
+        return split(lambda q, v, a: foreign(q, v, a) @ parameters, trial)
+    if foreign.name == "inverse_dynamics":
+        return split(foreign, trial)
+    response = split(lambda q, v, a: foreign(q, v, a * torque), trial)  # a (q, v, τ), one torque at a time
+    assert response.gravity is not None
+    assert response.inertia is not None
+    assert response.velocity is not None
+    assert response.doubled is not None
+    mass = np.linalg.inv(np.swapaxes(response.inertia, -1, -2) / torque)
+
+    def required(acceleration: Array) -> Array:
+        needed: Array = -np.einsum("kij,kj->ki", mass, acceleration)
+        return needed
+
+    return Parts(
+        required(response.gravity),
+        np.swapaxes(mass, -1, -2),
+        required(response.velocity),
+        required(response.doubled),
+    )
+
+
+def scales(model: RobotModel, trial: Trial, *all_parts: Parts) -> dict[str, float]:
+    """What each part is judged on: its largest entry, and for differences of torques the joint wrenches."""
+    wrench = float(np.abs(inverse_dynamics(model, trial.q, trial.v, 0 * trial.v).joint_wrenches).max())
+    floor = {"gravity": wrench, "inertia": 0.0, "velocity": WEAK_VELOCITY * wrench}
+    largest = {
+        part: max([floor[part], *(_size(getattr(parts, part)) for parts in all_parts if part in parts.known())])
+        for part in PARTS
+    }
+    return {part: size or 1.0 for part, size in largest.items()}
+
+
+def deviations(x: Parts, y: Parts, scale: dict[str, float]) -> dict[str, float]:
+    """Largest relative difference of each part that both know; NaN counts as infinite."""
+    known = [part for part in x.known() if part in y.known()]
+    found = {part: _size(getattr(x, part) - getattr(y, part)) / scale[part] for part in known}
+    return {part: value if np.isfinite(value) else np.inf for part, value in found.items()}
+
+
+def stacked(parts: Parts, known: tuple[str, ...], scale: dict[str, float]) -> Array:
+    """All entries of some parts in one dimension, each on its scale; a regressor's last dimension stays."""
+    trailing = () if parts.gravity is None or parts.gravity.ndim == 2 else parts.gravity.shape[2:]
+    return np.concatenate([(getattr(parts, part) / scale[part]).reshape(-1, *trailing) for part in known])
+
+
+def _size(x: Array) -> float:
+    return float(np.abs(x).max())

@@ -1,0 +1,303 @@
+"""The referee for other people's code: foreign functions against graphdyn, Pinocchio and, where installed, MuJoCo."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from numbers import Real
+
+import numpy as np
+from numpy.typing import ArrayLike
+from threadpoolctl import threadpool_limits
+
+import graphdyn
+import urdf
+from crosscheck.arguments import Lock, Robot, check_counts, subject
+from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
+from crosscheck.judging.columns import column_fault
+from crosscheck.judging.diagnosis import diagnose, merged
+from crosscheck.judging.experiments import Trial, observe
+from crosscheck.judging.foreign import ForeignFunction, joint_order
+from crosscheck.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.scales import acceleration_scale, by_parameter_type, largest, ratio, relative, term_sizes
+from crosscheck.states import ACCELERATION_RANGE
+from crosscheck.tolerances import FOREIGN
+from crosscheck.verdict import judgement_text
+from graphdyn import InvalidInput, RobotModel
+from graphdyn.kinematics import link_origins
+from graphdyn.layout import Array
+
+Foreign = Callable[..., ArrayLike]
+"""One state in, one answer out: arrays of shape (n,) in the order of joint_names."""
+
+Progress = Callable[[str], None]
+"""Called with what is done next."""
+
+EXPERIMENTS = 6
+"""States at which experiments are made; half of them with whole turns added where joints turn without end."""
+
+TURNED = 10
+"""Judged states with whole turns added, on top of the random ones."""
+
+TURNS = 2
+"""Whole turns either way."""
+
+SCALES = {
+    "inverse_dynamics": "largest entry of the joint wrenches",
+    "forward_dynamics": "cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench)",
+    "mass_matrix": "largest entry of M",
+    "regressor": "largest entry and term of the parameter type (m, m c, I)",
+}
+
+
+class WrongDynamics(AssertionError):
+    """Raised by assert_correct; prints verdict and diagnoses. judgement: all numbers."""
+
+    def __init__(self, judgement: Judgement):
+        self.judgement = judgement
+        super().__init__(judgement_text(judgement))
+
+
+def judge(
+    robot: Robot,
+    *,
+    inverse_dynamics: Foreign | None = None,
+    forward_dynamics: Foreign | None = None,
+    mass_matrix: Foreign | None = None,
+    regressor: Foreign | None = None,
+    joint_names: Sequence[str] | None = None,
+    samples: int = 100,
+    seed: int = 0,
+    tolerance: float = FOREIGN.bound,
+    lock: Lock = None,
+    gravity: ArrayLike | None = None,
+    progress: Progress | None = None,
+) -> Judgement:
+    """Hold foreign functions against graphdyn and Pinocchio at once, and say what is wrong with them.
+
+    robot: name (urdf.robots), path of a URDF, or RobotModel
+    inverse_dynamics: (q, v, a) → τ (n,); forward_dynamics: (q, v, τ) → a (n,); mass_matrix: q → M (n, n);
+        regressor: (q, v, a) → W (n, 10n) with the parameters of docs/notation.md. All arguments (n,), one state per
+        call; [rad or m, …/s, …/s², N m or N]. No external forces, no friction.
+    joint_names: the order of the foreign arrays; default: that of urdf.load
+    samples: random states within the limits; a few with whole turns added come on top
+    tolerance: largest relative error that counts as agreement, on the scale of each function
+    lock, gravity: as in urdf.load, for names and paths only
+
+    Raises InvalidInput for arguments that make no sense, ForeignFailure where a foreign function raises or returns
+    the wrong shape, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics of a
+    robot that has none.
+    """
+    given = {
+        "inverse_dynamics": inverse_dynamics,
+        "forward_dynamics": forward_dynamics,
+        "mass_matrix": mass_matrix,
+        "regressor": regressor,
+    }
+    _check(given, tolerance)
+    check_counts(samples, seed)
+    judged_robot = subject(robot, lock, gravity)
+    model = judged_robot.model
+    links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file else {}
+    order = joint_order(model, joint_names)
+    functions = [ForeignFunction(name, f, order) for name, f in given.items() if f is not None]
+    say = progress or (lambda _: None)
+    judged, diagnoses, notes = {}, [], []
+    with threadpool_limits(limits=1, user_api="blas"):
+        states = _States.draw(model, samples, seed, needs_tau=forward_dynamics is not None)
+        say("asking the referees")
+        references = {"graphdyn": _ours(states, given), "pinocchio": _pinocchio(states)}
+        try:
+            references["mujoco"] = MujocoModel(model).evaluate(states.q, states.v, states.a, states.tau)
+        except MujocoRefuses as refusal:
+            notes.append(f"referee 'mujoco' took no part: {refusal}")
+        trial = _trial(states)
+        for function in functions:
+            say(f"judging {function.name}")
+            answer = function(*states.arguments(function.name))
+            judged[function.name] = verdict = _verdict(function, answer, references, states, tolerance)
+            if not verdict.agrees:
+                say(f"looking for the fault of {function.name}")
+                diagnoses += _diagnoses(function, answer, verdict, references["graphdyn"], states, trial, links)
+    judgement = Judgement(
+        robot=judged_robot.name,
+        file=judged_robot.file,
+        model=model,
+        joint_names=tuple(model.joint_names[k] for k in order),
+        samples=samples,
+        seed=seed,
+        locked=judged_robot.locked,
+        referees=tuple(references),
+        functions=judged,
+        diagnoses=merged(diagnoses),
+        notes=tuple(notes),
+    )
+    if not judgement.decided:
+        notes.append("the referees disagree among themselves: no verdict on the foreign code; please report this robot")
+    return replace(judgement, notes=tuple(notes))
+
+
+def assert_correct(robot: Robot, **options: object) -> Judgement:
+    """judge, for test suites: returns the Judgement, or raises WrongDynamics (an AssertionError) with the diagnoses."""
+    judgement = judge(robot, **options)  # type: ignore[arg-type]
+    if not (judgement.agrees and judgement.decided):
+        raise WrongDynamics(judgement)
+    return judgement
+
+
+class _States:
+    """The judged states: q, v, a, tau (N, n)."""
+
+    def __init__(self, model: RobotModel, q: Array, v: Array, a: Array, tau: Array, turn: Array):
+        self.model, self.q, self.v, self.a, self.tau, self.turn = model, q, v, a, tau, turn
+
+    @classmethod
+    def draw(cls, model: RobotModel, samples: int, seed: int, *, needs_tau: bool) -> _States:
+        rng = np.random.default_rng(seed)
+        q, v = model.random_state(rng, samples + TURNED + 1)
+        endless = np.array([_turns_without_end(joint) for joint in model.joints])
+        turn = 2 * np.pi * endless * rng.integers(-TURNS, TURNS + 1, q.shape)
+        turn[:samples] = 0
+        q = q + turn
+        q[-1] = 0  # the zero pose
+        a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
+        tau = graphdyn.inverse_dynamics(model, q, v, a).tau * rng.uniform(0.5, 1.5, q.shape) if needs_tau else 0 * a
+        return cls(model, q, v, a, tau, turn)
+
+    def arguments(self, name: str) -> tuple[Array, ...]:
+        return {
+            "inverse_dynamics": (self.q, self.v, self.a),
+            "forward_dynamics": (self.q, self.v, self.tau),
+            "mass_matrix": (self.q,),
+            "regressor": (self.q, self.v, self.a),
+        }[name]
+
+
+def _turns_without_end(joint: graphdyn.Joint) -> bool:
+    limits = joint.limits
+    return joint.kind == "continuous" or (joint.kind == "revolute" and limits.lower is None and limits.upper is None)
+
+
+def _trial(states: _States) -> Trial:
+    """Generic states for the experiments: random ones, then turned ones."""
+    rows = [*range(EXPERIMENTS // 2), *range(-TURNED, -TURNED + EXPERIMENTS // 2)]
+    rows = [row if row < 0 else row % len(states.q) for row in rows]
+    return Trial(states.q[rows], states.v[rows])
+
+
+def _ours(states: _States, given: Mapping[str, object]) -> dict[str, Array]:
+    model, q, v, a = states.model, states.q, states.v, states.a
+    answers = {
+        "inverse_dynamics": graphdyn.inverse_dynamics(model, q, v, a).tau,
+        "mass_matrix": graphdyn.mass_matrix(model, q),
+    }
+    if given["forward_dynamics"] is not None:
+        answers["forward_dynamics"] = graphdyn.forward_dynamics(model, q, v, states.tau).a
+    if given["regressor"] is not None:
+        answers["regressor"] = graphdyn.joint_torque_regressor(model, q, v, a)
+    return answers
+
+
+def _pinocchio(states: _States) -> dict[str, Array]:
+    no_load = np.zeros((*states.q.shape, 6))
+    values = PinocchioModel.from_model(states.model).evaluate(states.q, states.v, states.a, states.tau, no_load)
+    return {
+        "inverse_dynamics": values.tau,
+        "forward_dynamics": values.a,
+        "mass_matrix": values.mass_matrix,
+        "regressor": values.torque_regressor,
+    }
+
+
+def _verdict(
+    function: ForeignFunction,
+    answer: Array,
+    references: Mapping[str, Mapping[str, Array]],
+    states: _States,
+    tolerance: float,
+) -> JudgedFunction:
+    known = {referee: answers[function.name] for referee, answers in references.items() if function.name in answers}
+    ours = known["graphdyn"]
+    errors = {referee: _errors(function.name, answer, reference, states) for referee, reference in known.items()}
+    worst = int(errors["graphdyn"].argmax())
+    row = [x[worst] for x in states.arguments(function.name)]
+    return JudgedFunction(
+        name=function.name,
+        errors=errors,
+        referees_differ={
+            referee: _errors(function.name, reference, ours, states)
+            for referee, reference in known.items()
+            if referee != "graphdyn"
+        },
+        bound=tolerance,
+        scale=SCALES[function.name],
+        worst=WorstCall(
+            {name: tuple(x.tolist()) for name, x in function.foreign_arguments(row).items()},
+            tuple(ours[worst].ravel().tolist()),
+            tuple(answer[worst].ravel().tolist()),
+        ),
+    )
+
+
+def _errors(name: str, answer: Array, reference: Array, states: _States) -> Array:
+    """Relative errors (N,) on the scale of the function; what is not finite counts as infinite."""
+    model, q, v, a = states.model, states.q, states.v, states.a
+    dynamics = graphdyn.inverse_dynamics(model, q, v, a)
+    if name == "inverse_dynamics":
+        errors = relative(answer, reference, largest(dynamics.joint_wrenches))
+    elif name == "mass_matrix":
+        errors = relative(answer, reference)
+    elif name == "forward_dynamics":
+        mass = graphdyn.mass_matrix(model, q)
+        wrenches = graphdyn.inverse_dynamics(model, q, v, reference).joint_wrenches
+        errors = ratio(largest(answer - reference), acceleration_scale(mass, reference, states.tau, wrenches))
+    else:
+        state = graphdyn.maximal_state(model, q, v, a)
+        assert state.acceleration is not None
+        size = term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
+        errors = by_parameter_type(answer, reference, size.felt * size.lever, size.felt, size.turn)
+    return np.where(np.isfinite(errors), errors, np.inf)
+
+
+def _diagnoses(
+    function: ForeignFunction,
+    answer: Array,
+    verdict: JudgedFunction,
+    ours: Mapping[str, Array],
+    states: _States,
+    trial: Trial,
+    links: Mapping[str, tuple[int, Array]],
+) -> list[Diagnosis]:
+    name, model = function.name, states.model
+    wrong = verdict.errors["graphdyn"] > verdict.bound
+    count = f"{int(wrong.sum())} of {len(wrong)} states deviate"
+    if name == "regressor" and (fault := column_fault(answer, ours["regressor"])):
+        return [
+            Diagnosis(
+                name, fault.kind, fault.message, f"columns compared one by one; {count}", fault.remedy, fault.left
+            )
+        ]
+    torque = np.maximum(np.sqrt(np.mean(ours["inverse_dynamics"] ** 2, axis=0)), np.finfo(float).tiny)
+    try:
+        observed = observe(function, model, trial, torque)
+    except np.linalg.LinAlgError:
+        message = "the accelerations do not determine a mass matrix: M⁻¹ from unit torques is singular"
+        return [Diagnosis(name, "unknown", message, count, "ask it for accelerations at unit torques", np.inf)]
+    found = diagnose(name, observed, model, trial, links)
+    if found:
+        return [replace(diagnosis, evidence=f"{diagnosis.evidence}; {count}") for diagnosis in found]
+    message = (
+        "gravity, mass matrix and velocity terms are right by themselves; only certain states or their sum deviate"
+    )
+    return [Diagnosis(name, "unknown", message, count, "look at the worst state", np.inf)]
+
+
+def _check(given: Mapping[str, Foreign | None], tolerance: float) -> None:
+    if all(function is None for function in given.values()):
+        raise InvalidInput(f"no function to judge; give at least one of {', '.join(given)}")
+    for name, function in given.items():
+        if function is not None and not callable(function):
+            raise InvalidInput(f"{name} is of type {type(function).__name__}; give a function")
+    if not isinstance(tolerance, Real) or not 0 < tolerance < 1:
+        raise InvalidInput(f"tolerance is {tolerance!r}; a relative error between 0 and 1 is needed")

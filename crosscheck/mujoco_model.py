@@ -1,0 +1,100 @@
+"""The RobotModel in MuJoCo, a second referee: the only file that imports mujoco, and only when it is asked.
+
+Constraints, contacts, limits, damping and armature are off: rigid-body dynamics alone.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from graphdyn import Body, GraphDynError, RobotModel
+from graphdyn.layout import Array
+
+
+class MujocoRefuses(GraphDynError):
+    """MuJoCo is not installed, or cannot represent the robot."""
+
+
+class MujocoModel:
+    """One robot in MuJoCo, driven with graphdyn's joint order."""
+
+    def __init__(self, model: RobotModel):
+        """Raises MujocoRefuses without the library, and for bodies without mass or with tensors no real body has."""
+        try:
+            import mujoco
+        except ImportError:
+            raise MujocoRefuses("the package mujoco is not installed: pip install 'graphdyn[mujoco]'") from None
+        self._mujoco = mujoco
+        try:
+            self._native = _spec(mujoco, model).compile()
+        except ValueError as error:
+            raise MujocoRefuses(f"MuJoCo cannot represent robot '{model.name}': {str(error).strip()}") from error
+        self._data = mujoco.MjData(self._native)
+        joints = [self._native.joint(_joint_name(k)) for k in range(model.n_bodies)]
+        self._columns = np.array([joint.dofadr[0] for joint in joints])
+
+    def evaluate(self, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
+        """τ of (q, v, a), a of (q, v, τ), and M at N states: q, v, a, tau (N, n)."""
+        rows = [self._one(*state) for state in zip(q, v, a, tau, strict=True)]
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+    def _one(self, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
+        mujoco, native, data, columns = self._mujoco, self._native, self._data, self._columns
+        data.qpos[columns], data.qvel[columns], data.qacc[columns] = (
+            q,
+            v,
+            a,
+        )  # one position per freedom: hinge and slide
+        mujoco.mj_inverse(native, data)
+        required = data.qfrc_inverse[columns].copy()
+        data.qfrc_applied[columns] = tau
+        mujoco.mj_forward(native, data)
+        mass = np.zeros((native.nv, native.nv))
+        mujoco.mj_fullM(native, data, mass)
+        return {
+            "inverse_dynamics": required,
+            "forward_dynamics": data.qacc[columns].copy(),
+            "mass_matrix": mass[np.ix_(columns, columns)],
+        }
+
+
+def _spec(mujoco: Any, model: RobotModel) -> Any:
+    """MuJoCo's description of the robot. Names are numbers, since MuJoCo's may hold no '/'."""
+    spec = mujoco.MjSpec()
+    spec.option.gravity = np.array(model.gravity)
+    spec.option.disableflags = (
+        mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    )
+    spec.compiler.degree = False
+    bodies = [spec.worldbody]
+    for k, (body, joint) in enumerate(zip(model.bodies, model.joints, strict=True)):
+        placement = model.base @ joint.placement if joint.inside == 0 else joint.placement
+        native = bodies[joint.inside].add_body(
+            name=f"body_{k}", pos=placement.translation, quat=_quaternion(mujoco, placement.rotation)
+        )
+        _set_inertial(mujoco, native, body)
+        kind = mujoco.mjtJoint.mjJNT_SLIDE if joint.is_prismatic else mujoco.mjtJoint.mjJNT_HINGE
+        native.add_joint(name=_joint_name(k), type=kind, axis=np.array(joint.axis))
+        bodies.append(native)
+    return spec
+
+
+def _set_inertial(mujoco: Any, native: Any, body: Body) -> None:
+    """Mass, centre and tensor, in principal axes: MuJoCo holds no other."""
+    moments, axes = np.linalg.eigh(body.inertia)
+    axes = axes * np.sign(np.linalg.det(axes))
+    native.explicitinertial = True
+    native.mass, native.ipos, native.inertia = body.mass, np.array(body.center_of_mass), moments
+    native.iquat = _quaternion(mujoco, axes)
+
+
+def _quaternion(mujoco: Any, rotation: Array) -> Array:
+    quaternion = np.empty(4)
+    mujoco.mju_mat2Quat(quaternion, rotation.ravel())
+    return quaternion
+
+
+def _joint_name(k: int) -> str:
+    return f"joint_{k}"

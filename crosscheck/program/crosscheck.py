@@ -1,0 +1,120 @@
+"""`graphdyn crosscheck`: the comparison with Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import typer
+
+from crosscheck.program.console import complain, err, out, progress, warnings_shown
+from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.program.options import (
+    EXAMPLES,
+    HtmlOption,
+    JsonOption,
+    LockOption,
+    RobotsArgument,
+    SamplesOption,
+    SeedOption,
+    check_writable,
+    command_line,
+    locked_joints,
+)
+from graphdyn import GraphDynError
+
+if TYPE_CHECKING:
+    from crosscheck.result import Comparison
+
+DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
+    ("kr500", {}),
+    ("ur3", {}),
+    ("ur5", {}),
+    ("ur10", {}),
+    ("kinova", {}),
+    ("z1", {"jointGripper": 0.0}),
+)
+"""What `graphdyn crosscheck` runs without arguments: six-joint arms, grippers locked."""
+
+EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
+  graphdyn crosscheck z1 --lock jointGripper=0 --json result.json
+  graphdyn crosscheck kr500 my_arm.urdf --html result.html
+"""
+
+
+def run(
+    context: typer.Context,
+    robots: RobotsArgument = None,
+    samples: SamplesOption = 1000,
+    seed: SeedOption = 0,
+    lock: LockOption = None,
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+) -> None:
+    """Compare graphdyn with Pinocchio on robots of your choice.
+
+    Every quantity is compared at random and at awkward states: placements, torques, wrenches, multipliers,
+    accelerations, regressors, identified parameters. Without a robot, six arms are compared.
+    """
+    locked = locked_joints(lock)
+    if locked and len(robots or ()) != 1:
+        raise typer.BadParameter("--lock needs exactly one robot, whose joints it names")
+    jobs = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
+    check_writable(json=json_file, html=html_file)
+    from crosscheck.comparing import compare
+    from crosscheck.report import JSON_FORMAT, as_json, versions, write_json
+
+    comparisons, failures = [], []
+    for number, (robot, frozen) in enumerate(jobs, start=1):
+        title = robot if len(jobs) == 1 else f"{robot} ({number} of {len(jobs)})"
+        try:
+            total = _states(robot, samples, seed, frozen) if err.is_terminal else None
+            with progress(title, total) as advance, warnings_shown():
+                comparisons.append(compare(robot, samples, seed, lock=frozen or None, progress=advance))
+        except (GraphDynError, OSError) as error:
+            complain(error, context)
+            failures.append({"robot": robot, "message": str(error)})
+    _print(comparisons)
+    if html_file is not None:
+        from crosscheck.page import comparison_page, write_page
+
+        write_page(html_file, comparison_page(comparisons, command_line(), failures))
+    if json_file is not None:
+        record = {
+            "format": JSON_FORMAT,
+            "versions": versions(),
+            "command": command_line(),
+            "agrees": all(comparison.agrees for comparison in comparisons) and not failures,
+            "robots": [as_json(comparison) for comparison in comparisons],
+            "failures": failures,
+        }
+        write_json(json_file, record)
+    if failures:
+        raise typer.Exit(BAD_INPUT)
+    raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
+
+
+def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float]) -> int:
+    """How many states will be compared: drawing them costs a hundredth of comparing them."""
+    import warnings
+
+    import urdf
+    from crosscheck.states import cases
+
+    with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
+        model = urdf.load(robot, lock=locked or None)
+    return sum(len(case.q) for case in cases(model, samples, seed))
+
+
+def _print(comparisons: Sequence[Comparison]) -> None:
+    from crosscheck.report import detail, footnotes, heading, overview
+
+    if len(comparisons) == 1:
+        out.print(detail(comparisons[0], out.width))
+        return
+    for table in overview(comparisons, out.width):
+        out.print(table)
+    for comparison in comparisons:
+        out.print(heading(comparison))
+        for line in footnotes(comparison):
+            out.print(f"  {line}")

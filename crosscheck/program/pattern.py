@@ -1,0 +1,97 @@
+"""The pattern of the matrix of Eq. (111), drawn with half-block or Braille characters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
+
+Pattern = NDArray[np.bool_]
+
+_LABEL = "joint 99 "
+_BRAILLE_BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
+"""Bit of the dot in each row and column of a Braille character."""
+
+
+@dataclass(frozen=True)
+class Raster:
+    """How many entries one character holds, as rows and columns, and how it is drawn."""
+
+    rows: int
+    columns: int
+
+    def lines(self, pattern: Pattern) -> list[str]:
+        """The pattern as lines of text, filled up with empty rows and columns to whole characters."""
+        height, width = pattern.shape
+        filled = np.pad(pattern, ((0, -height % self.rows), (0, -width % self.columns)))
+        cells = filled.reshape(len(filled) // self.rows, self.rows, -1, self.columns).swapaxes(1, 2)
+        return ["".join(self._character(cell) for cell in row) for row in cells]
+
+    def _character(self, cell: Pattern) -> str:
+        if self == HALF_BLOCKS:
+            return " ▄▀█"[2 * cell[0, 0] + cell[1, 0]]
+        dots = sum(int(bit) for bit in _BRAILLE_BITS[cell])
+        return chr(0x2800 + dots)
+
+
+HALF_BLOCKS = Raster(2, 1)
+BRAILLE = Raster(4, 2)
+
+
+def picture(pattern: Pattern, n: int, width: int) -> list[str]:
+    """[A φ_qᵀ; φ_q 0] of n bodies (11n, 11n) as lines of at most `width` characters; empty where it cannot fit.
+
+    Bodies are numbered along the upper and left edge of A, joints along those of φ_qᵀ and φ_q.
+    """
+    for raster in (HALF_BLOCKS, BRAILLE):
+        lines = _framed(pattern, n, raster)
+        if len(lines[0]) <= width:
+            return lines
+    return []
+
+
+def _framed(pattern: Pattern, n: int, raster: Raster) -> list[str]:
+    split = BODY_FREEDOMS * n
+    parts = slice(0, split), slice(split, None)
+    (a, phi_t), (phi, zero) = ([raster.lines(pattern[rows, columns]) for columns in parts] for rows in parts)
+    margin = " " * len(_LABEL)
+    bodies = _labels("body", n, BODY_FREEDOMS, raster, len(a))
+    joints = _labels("joint", n, JOINT_CONSTRAINTS, raster, len(phi))
+    numbers = (
+        _numbers(n, BODY_FREEDOMS, raster, len(a[0])),
+        _numbers(n, JOINT_CONSTRAINTS, raster, len(phi_t[0])),
+    )
+    left, right = ("─" * len(block[0]) for block in (a, phi_t))
+    return [
+        f"{margin} {' '.join(numbers)} ",
+        f"{margin}┌{left}┬{right}┐",
+        *_rows(bodies, a, phi_t),
+        f"{margin}├{left}┼{right}┤",
+        *_rows(joints, phi, zero),
+        f"{margin}└{left}┴{right}┘",
+    ]
+
+
+def _rows(labels: Sequence[str], left: Sequence[str], right: Sequence[str]) -> list[str]:
+    return [f"{label}│{one}│{two}│" for label, one, two in zip(labels, left, right, strict=True)]
+
+
+def _labels(what: str, n: int, size: int, raster: Raster, height: int) -> list[str]:
+    """A label at the line that holds the first row of each body or joint."""
+    labels = [" " * len(_LABEL)] * height
+    for k in range(n):
+        labels[size * k // raster.rows] = f"{what} {k + 1}".ljust(len(_LABEL))
+    return labels
+
+
+def _numbers(n: int, size: int, raster: Raster, width: int) -> str:
+    """The number of each body or joint above its first column."""
+    line = [" "] * width
+    for k in range(n):
+        for place, digit in enumerate(str(k + 1)):
+            line[size * k // raster.columns + place] = digit
+    return "".join(line)

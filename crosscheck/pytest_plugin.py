@@ -1,0 +1,23 @@
+"""For foreign test suites: the fixture `judge_dynamics`, at hand wherever graphdyn is installed.
+
+def test_dynamics(judge_dynamics):
+    judge_dynamics("arm.urdf", inverse_dynamics=my_rnea)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from crosscheck.judgement import Judgement
+
+
+@pytest.fixture(scope="session")
+def judge_dynamics() -> Callable[..., Judgement]:
+    """crosscheck.assert_correct: fails with a table and the diagnoses where a function is wrong."""
+    from crosscheck.judging.judge import assert_correct  # Pinocchio takes half a second, and not every suite needs it
+
+    return assert_correct

@@ -1,0 +1,233 @@
+"""Errors of every kind, planted in a textbook recursion: found, and named rightly."""
+
+import numpy as np
+import pytest
+from foreign_faults import FIRST, PLANTS
+from textbook import TextbookArm
+from urdf_text import inertial
+
+import urdf
+from crosscheck.judging.judge import judge
+from graphdyn import joint_torque_regressor
+
+SAMPLES = 10
+TEN_KINDS = (*(kind for kind in FIRST if kind not in ("rotor_inertia", "inertial_parameters")), "fixed_link")
+"""The kinds that are counted; the other two are tested below like all variants."""
+
+VARIED = "kinova"
+"""Placements and tensors of no symmetry: nearly every variant makes a difference there."""
+
+INERT = {"rotations transposed", "rotation of joint 2 transposed"}
+"""Half turns: what would be planted is no fault of this robot."""
+
+MODELS = {name: urdf.load(name) for name in ("kr500", "ur5", VARIED)}
+
+TOOL = (
+    f'<link name="gripper">{inertial(4.0, "0.05 0.02 0.1", tensor="0.02 0.001 0 0.03 0 0.01")}</link>'
+    '<joint name="screws" type="fixed"><origin xyz="0 0.01 0.05" rpy="0.2 0 0.4"/>'
+    '<parent link="{last}"/><child link="gripper"/></joint></robot>'
+)
+
+
+def kinds(judgement):
+    return {diagnosis.kind for diagnosis in judgement.diagnoses}
+
+
+def with_tool(name, folder):
+    """The catalogue's file with a gripper screwed to the last link, and the arm without it."""
+    entry = next(entry for entry in urdf.robots() if entry.name == name)
+    path = folder / f"{name}.urdf"
+    text = entry.path.read_text(encoding="utf-8").replace("</robot>", TOOL.format(last=MODELS[name].body_names[-1]))
+    path.write_text(text, encoding="utf-8")
+    gravity = MODELS[name].gravity
+    return path, gravity, TextbookArm.of(urdf.load(name, gravity=gravity))
+
+
+def planted(name, kind, folder):
+    if kind == "fixed_link":
+        path, gravity, arm = with_tool(name, folder)
+        return judge(path, inverse_dynamics=arm.inverse_dynamics, samples=SAMPLES, gravity=gravity)
+    model = MODELS[name]
+    faulty = PLANTS[kind][FIRST[kind]](TextbookArm.of(model), model)
+    return judge(name, inverse_dynamics=faulty, samples=SAMPLES)
+
+
+@pytest.mark.parametrize("name", ["kr500", "ur5"])
+def test_ten_kinds_are_found_and_named(name, tmp_path):
+    judgements = {kind: planted(name, kind, tmp_path) for kind in TEN_KINDS}
+    assert len(judgements) == 10
+    found = {kind for kind, judgement in judgements.items() if not judgement.agrees and judgement.decided}
+    named = {kind for kind, judgement in judgements.items() if kinds(judgement) == {kind}}
+    print(f"{name}: {len(found)} of 10 detected, {len(named)} named rightly")
+    assert found == named == set(TEN_KINDS)
+
+
+@pytest.mark.parametrize(("kind", "variant"), [(kind, variant) for kind in PLANTS for variant in PLANTS[kind]])
+def test_variants(kind, variant):
+    model = MODELS[VARIED]
+    faulty = PLANTS[kind][variant](TextbookArm.of(model), model)
+    judgement = judge(VARIED, inverse_dynamics=faulty, samples=SAMPLES)
+    assert judgement.agrees == (variant in INERT)
+    assert kinds(judgement) == (set() if variant in INERT else {kind})
+    for diagnosis in judgement.diagnoses:
+        assert diagnosis.explains <= 1e-9
+        assert diagnosis.message
+        assert diagnosis.remedy
+        assert "of 21 states deviate" in diagnosis.evidence
+
+
+SENTENCES = {
+    ("gravity", "reversed"): "gravity has the opposite sign",
+    ("gravity", "left out"): "gravity is left out",
+    ("gravity", "9.7"): "gravity is 9.7 m/s², not 9.81 m/s²",
+    ("gravity", "along y"): "gravity acts along (0, -9.81, 0), not (0, 0, -9.81) m/s², or the base is turned",
+    ("coriolis", "none at all"): "all velocity terms are left out",
+    ("coriolis", "doubled"): "all velocity terms are multiplied by 2",
+    ("coriolis", "wrong sign of ω × q̇ p"): "the terms ω × q̇ p in the angular accelerations have the opposite sign",
+    ("sign", "axis of joint 3"): "the axis of joint 'elbow_joint' points the other way",
+    ("sign", "torque of joint 2"): "the torque of joint 'shoulder_lift_joint' has the opposite sign",
+    ("unit", "degrees"): "joint positions, velocities and accelerations are taken as degrees",
+    ("unit", "torques in kN m"): "all inertial parameters of every body, or all torques, multiplied by 1e-3",
+    ("unit", "tensors in kg mm²"): "the tensor of every body multiplied by 1e6",
+    ("unit", "translations in mm"): "the joint placements are in millimetres, the rest in metres",
+    ("frame", "rotations transposed"): "the rotation of every joint is transposed",
+    ("inertia_point", "of body 3 alone"): (
+        "the tensor of body 'forearm_link' is about the link origin and used as if about the centre of mass"
+    ),
+    ("continuous_joint", "sine and cosine exchanged at joint 4"): (
+        "the angle of joint 'wrist_1_joint' is the other angle of (cos, sin), π/2 - q"
+    ),
+    ("friction", "both"): (
+        "viscous friction (3, 3, 3, 3, 3, 3) N m s/rad or N s/m and dry friction (2, 2, 2, 2, 2, 2) N m or N "
+        "per joint is included"
+    ),
+    ("rotor_inertia", "drives"): "a constant diagonal (1, 2, 3, 4, 5, 6) is added to the mass matrix",
+    ("inertial_parameters", "bodies 2 and 3 exchanged"): (
+        "the inertial parameters of bodies 'upper_arm_link' and 'forearm_link' are exchanged"
+    ),
+}
+
+
+@pytest.mark.parametrize(("kind", "variant"), SENTENCES)
+def test_sentences(kind, variant):
+    model = MODELS["ur5"]
+    faulty = PLANTS[kind][variant](TextbookArm.of(model), model)
+    (diagnosis,) = judge("ur5", inverse_dynamics=faulty, samples=1).diagnoses
+    assert diagnosis.message == SENTENCES[kind, variant]
+
+
+def test_a_dropped_link_has_its_name(tmp_path):
+    (diagnosis,) = planted("ur5", "fixed_link", tmp_path).diagnoses
+    assert diagnosis.message == "the mass of fixed link 'gripper' is left out"
+    assert "'wrist_3_link'" in diagnosis.remedy
+
+
+def test_growth_with_the_velocity_is_evidence():
+    arm = TextbookArm.of(MODELS["ur5"])
+    (coriolis,) = judge("ur5", inverse_dynamics=arm.but(cross=-1.0).inverse_dynamics, samples=1).diagnoses
+    assert "at rest (v = 0, a = 0): agrees" in coriolis.evidence
+    assert "at twice the velocity the error is 4 times as large" in coriolis.evidence
+    (viscous,) = judge("ur5", inverse_dynamics=PLANTS["friction"]["viscous"](arm, None), samples=1).diagnoses
+    assert "at twice the velocity the error is 2 times as large" in viscous.evidence
+
+
+def test_two_faults_in_different_terms_are_two_diagnoses():
+    arm = TextbookArm.of(MODELS["ur5"]).but(gyroscopic=0.0)
+    judgement = judge("ur5", inverse_dynamics=arm.but(gravity=-arm.gravity).inverse_dynamics, samples=1)
+    assert [diagnosis.message for diagnosis in judgement.diagnoses] == [
+        "gravity has the opposite sign",
+        "the gyroscopic moments ω × I ω are left out",
+    ]
+
+
+def test_unnamed_parameters_still_have_their_body():
+    arm = TextbookArm.of(MODELS["ur5"])
+    arm.masses[2] *= 1.31
+    arm.centers[2] += [0.01, 0.05, -0.02]
+    (diagnosis,) = judge("ur5", inverse_dynamics=arm.inverse_dynamics, samples=1).diagnoses
+    assert diagnosis.kind == "inertial_parameters"
+    assert "'forearm_link'" in diagnosis.message
+
+
+def test_what_has_no_name_is_located():
+    arm = TextbookArm.of(MODELS["ur5"])
+    (diagnosis,) = judge(
+        "ur5", inverse_dynamics=lambda q, v, a: arm.inverse_dynamics(q, v, a) + np.sin(3 * q), samples=1
+    ).diagnoses
+    assert diagnosis.kind == "unknown"
+    assert diagnosis.message == "no single fault explains the deviation at rest (v = 0, a = 0)"
+    assert "accelerated from rest, one joint at a time, gravity subtracted: agrees" in diagnosis.evidence
+
+
+def test_single_precision_is_recognised():
+    arm = TextbookArm.of(MODELS["ur5"])
+    judgement = judge(
+        "ur5", inverse_dynamics=lambda q, v, a: arm.inverse_dynamics(q, v, a).astype(np.float32), samples=5
+    )
+    assert not judgement.agrees
+    assert "digits: single precision, or rounded constants" in judgement.diagnoses[0].message
+
+
+def test_a_fault_that_shows_only_where_terms_meet():
+    arm = TextbookArm.of(MODELS["ur5"])
+    judgement = judge(
+        "ur5", inverse_dynamics=lambda q, v, a: arm.inverse_dynamics(q, v, a) + v * a * (np.abs(v) > 0), samples=5
+    )
+    (diagnosis,) = judgement.diagnoses
+    assert diagnosis.message == (
+        "gravity, mass matrix and velocity terms are right by themselves; only certain states or their sum deviate"
+    )
+
+
+@pytest.mark.parametrize("kind", ["gravity", "coriolis", "sign", "joint_order", "frame", "inertia_point", "unit"])
+def test_forward_dynamics_are_taken_apart_too(kind):
+    """Dynamics solved with the faulty recursion have its fault."""
+    model = MODELS["ur5"]
+    faulty = PLANTS[kind][FIRST[kind]](TextbookArm.of(model), model)
+
+    def forward_dynamics(q, v, tau):
+        zero = np.zeros_like(q)
+        mass = np.stack([faulty(q, zero, e) - faulty(q, zero, zero) for e in np.eye(6)], axis=-1)
+        return np.linalg.solve(mass, tau - faulty(q, v, zero))
+
+    assert kinds(judge("ur5", forward_dynamics=forward_dynamics, samples=SAMPLES)) == {kind}
+
+
+@pytest.mark.parametrize("kind", ["joint_order", "frame", "inertia_point", "continuous_joint", "rotor_inertia"])
+def test_mass_matrices_are_diagnosed_too(kind):
+    model = MODELS["ur5"]
+    faulty = PLANTS[kind][FIRST[kind]](TextbookArm.of(model), model)
+
+    def mass_matrix(q):
+        zero = np.zeros_like(q)
+        return np.stack([faulty(q, zero, e) - faulty(q, zero, zero) for e in np.eye(6)], axis=-1)
+
+    assert kinds(judge("ur5", mass_matrix=mass_matrix, samples=SAMPLES)) == {kind}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda w: w.reshape(6, 6, 10)[:, :, [0, 1, 2, 3, 4, 5, 7, 6, 8, 9]],
+            "the ten columns of each body are in the order m, mc_x, mc_y, mc_z, I_xx, I_xy, I_xz, I_yy, I_yz, I_zz",
+        ),
+        (
+            lambda w: w.reshape(6, 6, 10) * [1, 1, 1, 1, 1, 2, 1, 2, 2, 1],
+            "columns are scaled: I_xy × 2, I_xz × 2, I_yz × 2",
+        ),
+    ],
+)  # fmt: skip
+def test_columns_of_a_regressor(change, message):
+    model = MODELS["ur5"]
+    judgement = judge(
+        "ur5", regressor=lambda q, v, a: change(joint_torque_regressor(model, q, v, a)).reshape(6, 60), samples=3
+    )
+    (diagnosis,) = judgement.diagnoses
+    assert (diagnosis.kind, diagnosis.message) == ("parameter_order", message)
+
+
+def test_a_regressor_under_the_wrong_gravity():
+    model = MODELS["ur5"].with_gravity(-MODELS["ur5"].gravity)
+    judgement = judge("ur5", regressor=lambda *state: joint_torque_regressor(model, *state), samples=3)
+    assert kinds(judgement) == {"gravity"}

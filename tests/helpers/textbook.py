@@ -1,0 +1,95 @@
+"""A textbook recursion, written for these tests alone, with places where things go wrong.
+
+Luh, Walker and Paul, "On-line computational scheme for mechanical manipulators", 1980, in link axes; sliding joints
+as in Siciliano et al., "Robotics: Modelling, Planning and Control", 2009, section 7.5.
+"""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+
+@dataclass(frozen=True, eq=False)
+class TextbookArm:
+    """Plain arrays per joint and body, in the order of the joints. Factors other than 1 are faults.
+
+    cross: on ω × q̇ p; centripetal: on ω × (ω × r); gyroscopic: on ω × I ω; slide: on 2 ω × ṡ
+    """
+
+    inside: tuple[int, ...]
+    prismatic: tuple[bool, ...]
+    rotations: np.ndarray
+    translations: np.ndarray
+    axes: np.ndarray
+    masses: np.ndarray
+    centers: np.ndarray
+    tensors: np.ndarray
+    gravity: np.ndarray
+    cross: float = 1.0
+    centripetal: float = 1.0
+    gyroscopic: float = 1.0
+    slide: float = 1.0
+
+    @classmethod
+    def of(cls, model):
+        """The same robot as a RobotModel on an unturned base."""
+        bodies, joints = model.bodies, model.joints
+        return cls(
+            tuple(joint.inside for joint in joints),
+            tuple(joint.kind == "prismatic" for joint in joints),
+            np.array([joint.placement.rotation for joint in joints]),
+            np.array([joint.placement.translation for joint in joints]),
+            np.array([joint.axis for joint in joints]),
+            np.array([body.mass for body in bodies]),
+            np.array([body.center_of_mass for body in bodies]),
+            np.array([body.inertia for body in bodies]),
+            model.base.rotation.T @ model.gravity,
+        )
+
+    def but(self, **changes):
+        return dataclasses.replace(self, **changes)
+
+    def inverse_dynamics(self, q, v, a):
+        n, zero = len(q), np.zeros(3)
+        omega, alpha, acceleration = [zero], [zero], [-np.asarray(self.gravity)]
+        turn, arm, force, moment = [], [], [], []
+        for j in range(n):
+            i, p = self.inside[j], self.axes[j]
+            sliding = self.prismatic[j]
+            turn.append(
+                self.rotations[j] if sliding else self.rotations[j] @ Rotation.from_rotvec(q[j] * p).as_matrix()
+            )
+            arm.append(self.translations[j] + (self.rotations[j] @ p * q[j] if sliding else 0))
+            back = turn[j].T
+            carried = back @ omega[i]
+            spin, push = (0.0, v[j]) if sliding else (v[j], 0.0)
+            omega.append(carried + spin * p)
+            alpha.append(back @ alpha[i] + (0 if sliding else a[j] * p) + self.cross * np.cross(carried, spin * p))
+            r_dd = acceleration[i] + np.cross(alpha[i], arm[j])
+            r_dd = r_dd + self.centripetal * np.cross(omega[i], np.cross(omega[i], arm[j]))
+            acceleration.append(
+                back @ r_dd + (a[j] * p if sliding else 0) + 2 * self.slide * np.cross(carried, push * p)
+            )
+            w, c, tensor = omega[-1], self.centers[j], self.tensors[j]
+            at_center = acceleration[-1] + np.cross(alpha[-1], c) + self.centripetal * np.cross(w, np.cross(w, c))
+            force.append(self.masses[j] * at_center)
+            spin_moment = tensor @ alpha[-1] + self.gyroscopic * np.cross(w, tensor @ w)
+            moment.append(spin_moment + np.cross(c, force[j]))
+        tau = np.empty(n)
+        for j in reversed(range(n)):
+            tau[j] = self.axes[j] @ (force[j] if self.prismatic[j] else moment[j])
+            if (i := self.inside[j]) > 0:
+                push = turn[j] @ force[j]
+                force[i - 1] = force[i - 1] + push
+                moment[i - 1] = moment[i - 1] + turn[j] @ moment[j] + np.cross(arm[j], push)
+        return tau
+
+    def mass_matrix(self, q):
+        still = self.but(gravity=np.zeros(3))
+        zero = np.zeros_like(q)
+        return np.stack([still.inverse_dynamics(q, zero, e) for e in np.eye(len(q))], axis=-1)
+
+    def forward_dynamics(self, q, v, tau):
+        return np.linalg.solve(self.mass_matrix(q), tau - self.inverse_dynamics(q, v, np.zeros_like(q)))
