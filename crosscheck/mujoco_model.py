@@ -30,7 +30,7 @@ class MujocoModel:
         try:
             self._native = _spec(mujoco, model).compile()
         except ValueError as error:
-            raise MujocoRefuses(f"MuJoCo cannot represent robot '{model.name}': {str(error).strip()}") from error
+            raise MujocoRefuses(f"MuJoCo cannot represent robot '{model.name}': {' '.join(str(error).split())}") from error
         self._data = mujoco.MjData(self._native)
         joints = [self._native.joint(_joint_name(k)) for k in range(model.n_bodies)]
         self._columns = np.array([joint.dofadr[0] for joint in joints])
@@ -51,8 +51,9 @@ class MujocoModel:
         required = data.qfrc_inverse[columns].copy()
         data.qfrc_applied[columns] = tau
         mujoco.mj_forward(native, data)
-        mass = np.zeros((native.nv, native.nv))
-        mujoco.mj_fullM(native, data, mass)
+        mass = np.empty((native.nv, native.nv))
+        for column, unit in zip(mass, np.eye(native.nv), strict=True):  # symmetric: rows are columns
+            mujoco.mj_mulM(native, data, column, unit)
         return {
             "inverse_dynamics": required,
             "forward_dynamics": data.qacc[columns].copy(),

@@ -104,6 +104,8 @@ def judge(
     functions = [ForeignFunction(name, f, order) for name, f in given.items() if f is not None]
     say = progress or (lambda _: None)
     judged, diagnoses, notes = {}, [], []
+    if not any(body.mass > 0 for body in model.bodies):
+        notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):
         states = _States.draw(model, samples, seed, needs_tau=forward_dynamics is not None)
         say("asking the referees")

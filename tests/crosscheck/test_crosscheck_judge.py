@@ -286,6 +286,12 @@ class TestInput:
         with pytest.raises(SingularMassMatrix, match="singular"):
             crosscheck.judge(massless, forward_dynamics=lambda q, v, tau: tau)
 
+    def test_a_robot_without_mass(self):
+        massless = kr500().with_inertial_parameters(np.zeros(60))
+        judgement = crosscheck.judge(massless, inverse_dynamics=lambda q, v, a: 0 * q, samples=1)
+        assert judgement.agrees
+        assert "no body has mass: all torques vanish, and little can be judged" in judgement.notes
+
     def test_foreign_code_cannot_change_our_states(self, arm):
         def destructive(q, v, a):
             tau = arm.inverse_dynamics(q, v, a)
