@@ -30,7 +30,8 @@ class MujocoModel:
         try:
             self._native = _spec(mujoco, model).compile()
         except ValueError as error:
-            raise MujocoRefuses(f"MuJoCo cannot represent robot '{model.name}': {' '.join(str(error).split())}") from error
+            reason = " ".join(str(error).split())
+            raise MujocoRefuses(f"MuJoCo cannot represent robot '{model.name}': {reason}") from error
         self._data = mujoco.MjData(self._native)
         joints = [self._native.joint(_joint_name(k)) for k in range(model.n_bodies)]
         self._columns = np.array([joint.dofadr[0] for joint in joints])
