@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from graphdyn import Body, GraphDynError, Placement, RobotModel
+from graphdyn import BaseMotion, Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_columns
 
 VERSION: str = pin.__version__
@@ -60,6 +60,15 @@ class RefereeValues:
     def rows(self, selected: NDArray[np.bool_]) -> RefereeValues:
         """The values at some of the states."""
         return RefereeValues(**{field.name: getattr(self, field.name)[selected] for field in fields(self)})
+
+
+@dataclass(frozen=True, eq=False)
+class CarriedValues:
+    """Pinocchio's answers for a robot on a carriage: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
+
+    tau: Array
+    joint_wrenches: Array
+    a: Array
 
 
 class PinocchioModel:
@@ -122,6 +131,40 @@ class PinocchioModel:
             if frame.parentJoint == 0:
                 native.frames[k].placement = _se3(base) * frame.placement
         return PinocchioModel(native, self._model.with_gravity(gravity))
+
+    def carried(self, q: Array, v: Array, a: Array, tau: Array, motion: BaseMotion) -> CarriedValues:
+        """The robot on a carriage: a free joint in front whose position, velocity and acceleration are imposed.
+
+        q, v, a, tau (N, n); motion with N rows, or one for all
+        """
+        native, carriage = self._on_carriage()
+        data, rows = native.createData(), []
+        columns = self._columns + carriage.nv
+        ids = [native.getJointId(name) for name in self._model.joint_names]
+        for k in range(len(q)):
+            placement, velocity, acceleration = _imposed(motion, k)
+            full_q = np.concatenate([pin.SE3ToXYZQUAT(placement), self.configuration(q[k])])
+            full_v, full_a = (
+                np.concatenate([at_base, self._there(x[k])]) for at_base, x in ((velocity, v), (acceleration, a))
+            )
+            required = pin.rnea(native, data, full_q, full_v, full_a)[columns]
+            wrenches = np.array([data.f[j].vector for j in ids])
+            mass = pin.crba(native, data, full_q)
+            mass = np.triu(mass) + np.triu(mass, 1).T
+            bias = pin.nonLinearEffects(native, data, full_q, full_v)
+            pushed = bias[columns] + mass[np.ix_(columns, np.arange(carriage.nv))] @ acceleration
+            rows.append((required, wrenches, np.linalg.solve(mass[np.ix_(columns, columns)], tau[k] - pushed)))
+        return CarriedValues(*(np.array(column) for column in zip(*rows, strict=True)))
+
+    def _on_carriage(self) -> tuple[pin.Model, pin.JointModelFreeFlyer]:
+        carriage = pin.JointModelFreeFlyer()
+        front = pin.Model()
+        front.gravity = self._native.gravity
+        front.addJoint(0, carriage, pin.SE3.Identity(), "carriage")
+        front.addFrame(pin.Frame("carriage", 1, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+        whole = pin.appendModel(front, self._native, front.getFrameId("carriage"), pin.SE3.Identity())
+        whole.gravity = self._native.gravity
+        return whole, carriage
 
     def frame_placements(self, q: Array, names: Sequence[str]) -> tuple[Array, Array]:
         """Rotations (N, m, 3, 3) and positions (N, m, 3) of links by name. Raises PinocchioRefuses if unknown."""
@@ -272,3 +315,24 @@ def _inertia(body: Body) -> pin.Inertia:
 def _write(joint: pin.JointModel, full: Array, value: float) -> None:
     """Write one joint position into Pinocchio's q; a continuous joint takes two entries, (cos, sin)."""
     full[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))
+
+
+def _imposed(motion: BaseMotion, k: int) -> tuple[pin.SE3, Array, Array]:
+    """Placement, spatial velocity and spatial acceleration of the carriage in its own axes (6,), of row k."""
+    rotation, translation, velocity, acceleration = (
+        (x if x.ndim == trailing else x[k])
+        for x, trailing in (
+            (motion.rotation, 2),
+            (motion.translation, 1),
+            (motion.velocity, 1),
+            (motion.acceleration, 1),
+        )
+    )
+    linear, angular = velocity[:3], velocity[3:]
+    at_point = acceleration[:3] - np.cross(angular, linear)  # spatial: without the term ω × ṗ of a moving point
+    turn = rotation.T
+    return (
+        pin.SE3(rotation, translation),
+        np.concatenate([turn @ linear, turn @ angular]),
+        np.concatenate([turn @ at_point, turn @ acceleration[3:]]),
+    )

@@ -3,6 +3,7 @@
 The names below are the public interface; docs/notation.md relates them to the paper.
 """
 
+from graphdyn.base_motion import BaseMotion
 from graphdyn.dynamics import (
     ForwardDynamics,
     InverseDynamics,
@@ -34,6 +35,7 @@ from graphdyn.regressors import body_regressor, joint_torque_regressor
 __version__ = "0.1.0"
 
 __all__ = [
+    "BaseMotion",
     "Body",
     "Consistency",
     "ForwardDynamics",

@@ -1,5 +1,7 @@
 """The door for array arguments: convert once, broadcast, refuse the rest by name, shape and row."""
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -8,10 +10,17 @@ from graphdyn.layout import BODY_FREEDOMS, Array
 from graphdyn.model import RobotModel
 
 
-def joint_arrays(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, Array]:
+class Batched(Protocol):
+    """Something else with leading dimensions (BaseMotion)."""
+
+    @property
+    def batch(self) -> tuple[int, ...]: ...
+
+
+def joint_arrays(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:
     """The arguments as float arrays with one common leading shape.
 
-    Each must have shape (…, n); external_wrenches (…, n, 6), where None stands for zeros.
+    Each must have shape (…, n); external_wrenches (…, n, 6), where None stands for zeros. A base motion broadcasts too.
 
     Raises InvalidInput, naming the argument, its shape and the first offending row, where an argument is not numeric,
     has the wrong trailing shape, does not broadcast with the others, or contains NaN or infinity.
@@ -31,16 +40,17 @@ def joint_arrays(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, 
         arrays[name] = array
         leading[name] = array.shape[: array.ndim - len(trailing)]
     try:
-        common = np.broadcast_shapes(*leading.values())
+        common = np.broadcast_shapes(*leading.values(), *([] if base is None else [base.batch]))
     except ValueError as error:
         shapes = ", ".join(f"{name} {arrays[name].shape}" for name in arrays)
+        shapes += "" if base is None else f", base {(*base.batch, '…')}"
         raise InvalidInput(f"leading dimensions do not broadcast: {shapes}") from error
     return {name: np.broadcast_to(array, common + array.shape[len(leading[name]) :]) for name, array in arrays.items()}
 
 
-def one_state(model: RobotModel, **arguments: ArrayLike | None) -> dict[str, Array]:
+def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:
     """As joint_arrays, for verbs that take ONE state. Raises InvalidInput where there are leading dimensions."""
-    arrays = joint_arrays(model, **arguments)
+    arrays = joint_arrays(model, base, **arguments)
     batch = next(iter(arrays.values())).shape[:-1]
     if batch:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())

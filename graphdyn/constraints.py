@@ -5,6 +5,7 @@ The Jacobian is taken with respect to the twist (ṙ, ω), regular in every pose
 
 import numpy as np
 
+from graphdyn.base_motion import Ground
 from graphdyn.kinematics import MaximalState
 from graphdyn.layout import ANGULAR, JOINT_CONSTRAINTS, LINEAR, Array, body_rows, joint_rows
 from graphdyn.vertices import JointVectors, Vertices, joint_vectors
@@ -30,6 +31,7 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
         # d(u·gap)/dt = u·(ṙ_i + ω_i × c_ij - ṙ_j - ω_j × c_jj) + (ω_i × u)·gap
         for body, sign, turn_of_held in ((i, 1.0, np.cross(arm_i - gap, held)), (j, -1.0, np.cross(arm_j, held))):
             if body == 0:
+                zeta[..., joint_rows(j)] -= _prescribed(held, turn_of_held, normal, state.ground)
                 continue
             block = np.zeros((*batch, JOINT_CONSTRAINTS, 6))
             k = held.shape[-2]
@@ -39,10 +41,17 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
             block[..., k:, ANGULAR] = sign * (normal @ to_body)
             phi_q[..., joint_rows(j), body_rows(body)] = block
 
-        zeta[..., joint_rows(j)] = -np.concatenate(
+        zeta[..., joint_rows(j)] -= np.concatenate(
             [_gap_curvature(vectors, vertices, i, j), _angle_curvature(vectors, omega_i, omega_j)], axis=-1
         )
     return phi_q, zeta
+
+
+def _prescribed(held: Array, turn_of_held: Array, normal: Array, ground: Ground | None) -> Array:
+    """The part of φ̈ that the prescribed acceleration of the ground gives (…, 5): ∂²φ/∂t² on the right of Eq. (108)."""
+    assert ground is not None
+    linear, angular = ground.acceleration[..., LINEAR, None], ground.acceleration[..., ANGULAR, None]
+    return np.concatenate([held @ linear + turn_of_held @ angular, normal @ angular], axis=-2)[..., 0]
 
 
 def _gap_curvature(vectors: JointVectors, vertices: Vertices, i: int, j: int) -> Array:

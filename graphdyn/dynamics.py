@@ -12,15 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arrays import joint_arrays, one_state
+from graphdyn.base_motion import BaseMotion, rooted_ground
 from graphdyn.cardano import cardano_system
 from graphdyn.constraints import constraints
 from graphdyn.errors import InvalidInput, SingularMassMatrix
 from graphdyn.kinematics import (
     MaximalState,
     bias_acceleration,
-    maximal_state,
     null_space,
     project_accelerations,
+    state_on,
 )
 from graphdyn.kkt import Coordinates, KKTSystem
 from graphdyn.layout import BODY_FREEDOMS, Array, per_body, per_joint, stacked
@@ -70,21 +71,23 @@ def forward_dynamics(
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
     *,
+    base: BaseMotion | None = None,
     method: Method = "projected",
 ) -> ForwardDynamics:
     """All accelerations and all constraint forces, given the actuator torques.
 
     q, v, tau: joint state and actuator torques             (…, n)     [rad or m, …/s, N m or N]
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+    base: prescribed motion of the base
     method: "dense" solves the 11n equations of Eq. (111) as they stand; "projected" eliminates the multipliers with
         the null space of φ_q (NᵀAN a = …) and reads them off the path matrix: same answer, faster
 
     Raises SingularMassMatrix where the torques do not determine the accelerations (massless bodies).
     """
     _check_method(method)
-    x = joint_arrays(model, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
-    state = maximal_state(model.rooted, x["q"], x["v"])
-    n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"])
+    x = joint_arrays(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
+    state = _state(model, base, x["q"], x["v"])
+    n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     mass = _projected_mass(state, n)
     _refuse_singular(model, mass)
     if method == "dense":
@@ -110,18 +113,20 @@ def inverse_dynamics(
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
     *,
+    base: BaseMotion | None = None,
     method: Method = "projected",
 ) -> InverseDynamics:
     """Actuator torques and all constraint forces, given the joint accelerations.
 
     q, v, a: joint state and accelerations                  (…, n)     [rad or m, …/s, …/s²]
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+    base: prescribed motion of the base
     method: "dense" solves E τ - φ_qᵀλ = A q̈ - B for the 6n unknowns (τ, λ); "projected" sums the wrenches outside
         each joint with the path matrix: same answer, faster
     """
     _check_method(method)
-    x = joint_arrays(model, q=q, v=v, a=a, external_wrenches=external_wrenches)
-    state = maximal_state(model.rooted, x["q"], x["v"], x["a"])
+    x = joint_arrays(model, base, q=q, v=v, a=a, external_wrenches=external_wrenches)
+    state = _state(model, base, x["q"], x["v"], x["a"])
     assert state.acceleration is not None
     accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
     required = _inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
@@ -138,15 +143,16 @@ def inverse_dynamics(
     return InverseDynamics(tau, accelerations, multipliers, in_link_axes(state, wrenches))
 
 
-def mass_matrix(model: RobotModel, q: ArrayLike) -> Array:
-    """M = NᵀAN (…, n, n) [kg m², kg m, kg]."""
-    state = maximal_state(model.rooted, q)
+def mass_matrix(model: RobotModel, q: ArrayLike, *, base: BaseMotion | None = None) -> Array:
+    """M = NᵀAN (…, n, n) [kg m², kg m, kg]. The motion of a base does not change it; all verbs take the keyword."""
+    x = joint_arrays(model, base, q=q)
+    state = _state(model, base, x["q"], np.zeros_like(x["q"]))
     return _projected_mass(state, null_space(state))
 
 
-def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike) -> Array:
-    """h (…, n): Coriolis, centrifugal and gravity torque, τ = M a + h without external wrenches [N m or N]."""
-    return inverse_dynamics(model, q, v, np.zeros(model.n_bodies)).tau
+def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike, *, base: BaseMotion | None = None) -> Array:
+    """h (…, n): τ = M a + h without external wrenches: velocity, gravity and base motion [N m or N]."""
+    return inverse_dynamics(model, q, v, np.zeros(model.n_bodies), base=base).tau
 
 
 def kkt_system(
@@ -156,21 +162,27 @@ def kkt_system(
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
     *,
+    base: BaseMotion | None = None,
     coordinates: Coordinates = "twist",
 ) -> KKTSystem:
     """Eq. (111) at ONE state: matrix (11n, 11n), right side, rank, condition number, solution, residuals.
 
-    q, v, tau: (n,); external_wrenches: (n, 6)
+    q, v, tau: (n,); external_wrenches: (n, 6); base: prescribed motion of the base at that state
     coordinates: "twist" (r̈, ω̇), regular in every pose; "cardano" (r̈, θ̈) as the paper writes it, rows times Dᵀ
 
     Raises InvalidInput for more than one state; GimbalLock for Cardano coordinates at |cos β| below 1e-4.
     """
     if coordinates not in ("twist", "cardano"):
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")
-    x = one_state(model, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
-    state = maximal_state(model.rooted, x["q"], x["v"])
+    x = one_state(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
+    state = _state(model, base, x["q"], x["v"])
     system = _kkt(state, x["tau"], x["external_wrenches"])
     return system if coordinates == "twist" else cardano_system(state, system)
+
+
+def _state(model: RobotModel, base: BaseMotion | None, q: Array, v: Array, a: Array | None = None) -> MaximalState:
+    """The maximal state, shifted so that joint 1 is at the world's origin (RobotModel.rooted)."""
+    return state_on(rooted_ground(model, base, q.shape[:-1]), model.rooted, q, v, a)
 
 
 def _kkt(state: MaximalState, tau: Array, external_wrenches: Array) -> KKTSystem:

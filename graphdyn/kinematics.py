@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arrays import as_floats, joint_arrays
+from graphdyn.base_motion import BaseMotion, Ground, ground
 from graphdyn.errors import InconsistentState, InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
 from graphdyn.linear import solve
@@ -34,6 +35,7 @@ class MaximalState:
     rotation: R, body axes to world axes                    (…, n, 3, 3)
     velocity: ṙ in world axes, ω in body axes               (…, n, 6)     [m/s, rad/s]
     acceleration: r̈ in world axes, ω̇ in body axes; or None  (…, n, 6)     [m/s², rad/s²]
+    ground: where the ground frame is and how it moves; at rest at `model.base` if left out
     """
 
     model: RobotModel
@@ -41,6 +43,7 @@ class MaximalState:
     rotation: Array
     velocity: Array
     acceleration: Array | None = None
+    ground: Ground | None = None
 
     def __post_init__(self) -> None:
         n = self.model.n_bodies
@@ -62,6 +65,8 @@ class MaximalState:
         }
         if len(set(batches.values())) > 1:
             raise InvalidInput(f"leading dimensions of the maximal state differ: {batches}")
+        if self.ground is None:
+            object.__setattr__(self, "ground", ground(self.model, None, batches["position"]))
 
     @property
     def cardano(self) -> Array:
@@ -80,31 +85,44 @@ class MaximalState:
 
     @cached_property
     def vertices(self) -> Vertices:
-        return Vertices(self.model, self.position, self.rotation, self.velocity)
+        assert self.ground is not None
+        return Vertices(self.model, self.position, self.rotation, self.velocity, self.ground)
 
 
 def maximal_state(
-    model: RobotModel, q: ArrayLike, v: ArrayLike | None = None, a: ArrayLike | None = None
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike | None = None,
+    a: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
 ) -> MaximalState:
     """Positions, orientations and twists of all bodies, and with a their accelerations.
 
     q, v, a: joint positions, velocities, accelerations     (…, n)  [rad or m, …/s, …/s²]
     A missing v stands for zero; without a the state has no acceleration.
+    base: prescribed motion of the base; its leading dimensions broadcast with those of q, v, a
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
     """
     rest = np.zeros(model.n_bodies)
-    x = joint_arrays(model, q=q, v=rest if v is None else v, a=rest if a is None else a)
-    return _forward(model, x["q"], x["v"], None if a is None else x["a"])
+    x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
+    return state_on(ground(model, base, x["q"].shape[:-1]), model, x["q"], x["v"], None if a is None else x["a"])
 
 
-def _forward(model: RobotModel, q: Array, v: Array, a: Array | None) -> MaximalState:
+def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array | None) -> MaximalState:
+    """maximal_state on a ground that is where it is: q, v, a and the ground's arrays have the same leading shape."""
     batch, n = q.shape[:-1], model.n_bodies
     rotation = np.empty((*batch, n + 1, 3, 3))
-    # of the link origins, world axes; row 0 is the ground, at rest
+    # of the link origins, world axes; row 0 is the ground
     origin, linear, angular = (np.zeros((*batch, n + 1, 3)) for _ in range(3))
     linear_acc, angular_acc = (np.zeros((*batch, n + 1, 3)) for _ in range(2))
-    rotation[..., 0, :, :], origin[..., 0, :] = model.base.rotation, model.base.translation
+    rotation[..., 0, :, :], origin[..., 0, :] = vertex_0.rotation, vertex_0.position
+    linear[..., 0, :], angular[..., 0, :] = vertex_0.velocity[..., LINEAR], vertex_0.velocity[..., ANGULAR]
+    linear_acc[..., 0, :], angular_acc[..., 0, :] = (
+        vertex_0.acceleration[..., LINEAR],
+        vertex_0.acceleration[..., ANGULAR],
+    )
     for j, joint in enumerate(model.joints, start=1):
         i, k = joint.inside, j - 1
         in_world = rotation[..., i, :, :] @ joint.placement.rotation
@@ -145,12 +163,13 @@ def _forward(model: RobotModel, q: Array, v: Array, a: Array | None) -> MaximalS
     if a is not None:
         at_center = linear_acc[..., 1:, :] + np.cross(angular_acc, arms) + np.cross(angular, np.cross(angular, arms))
         acceleration = twist(at_center, angular_acc)
-    return MaximalState(model, origin + arms, rotation, velocity, acceleration)
+    return MaximalState(model, origin + arms, rotation, velocity, acceleration, vertex_0)
 
 
-def bias_acceleration(model: RobotModel, q: Array, v: Array) -> Array:
-    """Ṅ v (…, n, 6): the body accelerations at v when all joint accelerations are zero."""
-    acceleration = _forward(model, q, v, np.zeros_like(q)).acceleration
+def bias_acceleration(model: RobotModel, q: Array, v: Array, on: Ground | None = None) -> Array:
+    """Ṅ v (…, n, 6): the body accelerations at v when all joint accelerations are zero; on a ground that may move."""
+    vertex_0 = ground(model, None, q.shape[:-1]) if on is None else on
+    acceleration = state_on(vertex_0, model, q, v, np.zeros_like(q)).acceleration
     assert acceleration is not None
     return acceleration
 
@@ -161,13 +180,15 @@ def link_origins(state: MaximalState) -> Array:
     return state.position - np.einsum("...iab,ib->...ia", state.rotation, vertices.center[1:])
 
 
-def frame_placement(model: RobotModel, q: ArrayLike, name: str) -> tuple[Array, Array]:
+def frame_placement(
+    model: RobotModel, q: ArrayLike, name: str, *, base: BaseMotion | None = None
+) -> tuple[Array, Array]:
     """Rotation (…, 3, 3) and position (…, 3) [m] in the world of a named frame (see RobotModel.frame).
 
     Raises UnknownFrame for an unknown name, InvalidInput for wrong shapes, NaN or infinity.
     """
     frame = model.frame(name)
-    state = maximal_state(model, q)
+    state = maximal_state(model, q, base=base)
     vertices = state.vertices
     rotation = vertices.rotation[..., frame.body, :, :]
     position = vertices.position[..., frame.body, :] + vertices.arm(frame.body, frame.placement.translation)
@@ -203,6 +224,7 @@ def joint_axes(state: MaximalState) -> Array:
 def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
     """q, v (…, n) of a maximal state. Angles come back in (-π, π]: full turns leave no trace in R.
 
+    The motion of the base is that of the state.
     Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
     (CLOSURE); InvalidInput for a state of another number of bodies.
     """
@@ -247,7 +269,8 @@ def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
     if state.acceleration is None:
         raise InvalidInput("the maximal state has no acceleration; call maximal_state with a, or set it")
     q, v = joint_state(model, state)
-    return project_accelerations(replace(state, model=model), state.acceleration, bias_acceleration(model, q, v))
+    bias = bias_acceleration(model, q, v, state.ground)
+    return project_accelerations(replace(state, model=model), state.acceleration, bias)
 
 
 def project_accelerations(state: MaximalState, acceleration: Array, bias: Array) -> Array:

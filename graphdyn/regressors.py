@@ -4,36 +4,46 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arrays import joint_arrays
-from graphdyn.kinematics import MaximalState, maximal_state, null_space
+from graphdyn.base_motion import BaseMotion, rooted_ground
+from graphdyn.kinematics import MaximalState, null_space, state_on
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR, Array
 from graphdyn.model import RobotModel
 from graphdyn.rotation import skew
 
 
-def body_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+def body_regressor(
+    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, base: BaseMotion | None = None
+) -> Array:
     """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
 
     The Newton-Euler equations (22), (23) moved from the center of mass to the link origin, where they are linear
     in m, m c and I. The identification matrix of Eq. (49) is its counterpart with known centers of mass.
-    q, v, a: (…, n). Raises InvalidInput.
+    q, v, a: (…, n); base: prescribed motion of the base. Raises InvalidInput.
     """
-    x = joint_arrays(model, q=q, v=v, a=a)
-    return _body_regressor(maximal_state(model.skeleton, x["q"], x["v"], x["a"]))
+    x = joint_arrays(model, base, q=q, v=v, a=a)
+    return _body_regressor(_skeleton_state(model, base, x))
 
 
-def joint_torque_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+def joint_torque_regressor(
+    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, base: BaseMotion | None = None
+) -> Array:
     """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
 
     The body regressors projected onto the joints, as the null space projects the body wrenches.
-    q, v, a: (…, n). Raises InvalidInput.
+    q, v, a: (…, n); base: prescribed motion of the base. Raises InvalidInput.
     """
-    x = joint_arrays(model, q=q, v=v, a=a)
-    state = maximal_state(model.skeleton, x["q"], x["v"], x["a"])
+    x = joint_arrays(model, base, q=q, v=v, a=a)
+    state = _skeleton_state(model, base, x)
     n = model.n_bodies
     columns = null_space(state).reshape(*x["q"].shape[:-1], n, BODY_FREEDOMS, n)
     columns[..., LINEAR, :] = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
     blocks = np.einsum("...iak,...iap->...kip", columns, _body_regressor(state))
     return blocks.reshape(*x["q"].shape, BODY_PARAMETERS * n)
+
+
+def _skeleton_state(model: RobotModel, base: BaseMotion | None, x: dict[str, Array]) -> MaximalState:
+    """The motion of the link frames."""
+    return state_on(rooted_ground(model, base, x["q"].shape[:-1]), model.skeleton, x["q"], x["v"], x["a"])
 
 
 def _body_regressor(state: MaximalState) -> Array:

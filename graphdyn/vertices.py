@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.base_motion import Ground
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model import RobotModel
 
@@ -20,17 +21,20 @@ class Vertices:
     center (n+1, 3): centers of mass in link axes, zero for the ground.
     """
 
-    def __init__(self, model: RobotModel, position: Array, rotation: Array, velocity: Array):
+    def __init__(self, model: RobotModel, position: Array, rotation: Array, velocity: Array, ground: Ground):
         batch = position.shape[:-2]
 
-        def grounded(ground: Array, bodies: Array) -> Array:
-            return np.concatenate([np.broadcast_to(ground, (*batch, 1, *ground.shape)), bodies], axis=len(batch))
+        def grounded(at_ground: Array, bodies: Array) -> Array:
+            trailing = bodies.ndim - len(batch) - 1
+            first = np.expand_dims(at_ground, -trailing - 1)
+            first = np.broadcast_to(first, (*batch, 1, *bodies.shape[-trailing:]))
+            return np.concatenate([first, bodies], axis=len(batch))
 
         omega = np.einsum("...ab,...b->...a", rotation, velocity[..., ANGULAR])
-        self.position = grounded(model.base.translation, position)
-        self.rotation = grounded(model.base.rotation, rotation)
-        self.velocity = grounded(np.zeros(3), velocity[..., LINEAR])
-        self.angular_velocity = grounded(np.zeros(3), omega)
+        self.position = grounded(ground.position, position)
+        self.rotation = grounded(ground.rotation, rotation)
+        self.velocity = grounded(ground.velocity[..., LINEAR], velocity[..., LINEAR])
+        self.angular_velocity = grounded(ground.velocity[..., ANGULAR], omega)
         self.center = np.stack([np.zeros(3), *(body.center_of_mass for body in model.bodies)])
 
     def arm(self, i: int, point: Array) -> Array:
