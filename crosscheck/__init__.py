@@ -12,12 +12,14 @@ if TYPE_CHECKING:
     from crosscheck.comparing import Disagreement, assert_agrees, compare
     from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement
     from crosscheck.judging.judge import WrongDynamics, assert_correct, judge
+    from crosscheck.records import load_recording, save_recording
     from crosscheck.result import Comparison, QuantityResult
 
 _HOMES = {
     "crosscheck.comparing": ("Disagreement", "assert_agrees", "compare"),
     "crosscheck.judgement": ("Diagnosis", "JudgedFunction", "Judgement"),
     "crosscheck.judging.judge": ("WrongDynamics", "assert_correct", "judge"),
+    "crosscheck.records": ("load_recording", "save_recording"),
     "crosscheck.result": ("Comparison", "QuantityResult"),
 }
 
@@ -33,6 +35,8 @@ __all__ = [
     "assert_correct",
     "compare",
     "judge",
+    "load_recording",
+    "save_recording",
 ]
 
 

@@ -23,13 +23,15 @@ from graphdyn.errors import (
     SingularMassMatrix,
     UnknownFrame,
 )
+from graphdyn.experiment import record
 from graphdyn.graph import Graph
 from graphdyn.inertia import Consistency
 from graphdyn.kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
 from graphdyn.kkt import KKTSolution, KKTSystem
-from graphdyn.kr500 import kr500
+from graphdyn.kr500 import kr500, kr500_experiment
 from graphdyn.model import Body, Frame, Joint, JointLimits, RobotModel
 from graphdyn.placement import Placement
+from graphdyn.recording import Recording
 from graphdyn.regressors import body_regressor, joint_torque_regressor
 
 __version__ = "0.1.0"
@@ -54,6 +56,7 @@ __all__ = [
     "MaximalState",
     "Placement",
     "RankDeficientConstraints",
+    "Recording",
     "RobotModel",
     "SingularMassMatrix",
     "UnknownFrame",
@@ -67,6 +70,8 @@ __all__ = [
     "joint_torque_regressor",
     "kkt_system",
     "kr500",
+    "kr500_experiment",
     "mass_matrix",
     "maximal_state",
+    "record",
 ]

@@ -36,7 +36,8 @@ def record(
 
     times: increasing                                       (N,)  [s]
     joints: law per joint name, joints without one are locked at 0; or one law per joint, in the order of the model
-    base: motion of the carriage that carries the ground frame: any rails, whose displacements add, and at most one turntable
+    base: motion of the carriage that carries the ground frame: rails, whose displacements add, and at most one
+        turntable
 
     Raises InvalidInput for unknown joints, laws that answer anything but three finite arrays (N,), wrong times.
     """
@@ -77,7 +78,9 @@ def _laws(model: RobotModel, joints: Mapping[str, MotionLaw] | Sequence[MotionLa
     known = f"joints of robot '{model.name}': {', '.join(model.joint_names)}"
     if not isinstance(joints, Mapping):
         if len(joints) != model.n_bodies:
-            raise InvalidInput(f"{len(joints)} motion laws for {model.n_bodies} joints; give one each, or name them ({known})")
+            raise InvalidInput(
+                f"{len(joints)} motion laws for {model.n_bodies} joints; give one each, or name them ({known})"
+            )
         return dict(zip(model.joint_names, joints, strict=True))
     unknown = [name for name in joints if name not in model.joint_names]
     if unknown:
@@ -87,7 +90,9 @@ def _laws(model: RobotModel, joints: Mapping[str, MotionLaw] | Sequence[MotionLa
 
 def _course(who: str, law: MotionLaw, times: Array) -> Course:
     if not callable(law):
-        raise InvalidInput(f"{who}: {law!r} is no motion law; take one of graphdyn.motion_laws, such as Locked(position)")
+        raise InvalidInput(
+            f"{who}: {law!r} is no motion law; take one of graphdyn.motion_laws, such as Locked(position)"
+        )
     course = tuple(as_floats(f"{who}: the law's answer", part) for part in law(times))
     if [part.shape for part in course] != [times.shape] * 3 or not all(np.all(np.isfinite(part)) for part in course):
         raise InvalidInput(

@@ -9,7 +9,7 @@ Every law refuses, with InvalidInput, data that are not finite real numbers.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -78,7 +78,7 @@ class Polynomial:
     def __call__(self, times: Array, /) -> Course:
         c = np.array(self.coefficients)
         position, velocity, acceleration = (
-            polynomial.polyval(times, polynomial.polyder(c, order)) for order in range(3)
+            np.asarray(polynomial.polyval(times, polynomial.polyder(c, order)), dtype=float) for order in range(3)
         )
         return position, velocity, acceleration
 
@@ -106,7 +106,7 @@ class FourierSeries:
             raise InvalidInput(f"FourierSeries: frequency is {self.frequency} Hz; give one above zero")
         if len(self.a) != len(self.b):
             raise InvalidInput(
-                f"FourierSeries: a has {len(self.a)} harmonics and b {len(self.b)}; give as many of each, zeros included"
+                f"FourierSeries: a has {len(self.a)} harmonics and b {len(self.b)}; give as many, zeros included"
             )
 
     def __call__(self, times: Array, /) -> Course:
@@ -125,8 +125,8 @@ class Table:
     times: increasing, at least six                         (K,)  [s]
     positions:                                              (K,)  [rad or m]
 
-    The spline is scipy.interpolate.make_interp_spline of degree 5 with not-a-knot ends; velocity and acceleration are its
-    exact derivatives. A call raises InvalidInput for times outside the table: nothing is extrapolated.
+    The spline is scipy.interpolate.make_interp_spline of degree 5 with not-a-knot ends; velocity and acceleration are
+    its exact derivatives. A call raises InvalidInput for times outside the table: nothing is extrapolated.
     """
 
     times: Array
@@ -170,7 +170,7 @@ class Rail:
     """The carriage slides along a fixed direction, in world axes; the law is in m. direction (3,), normalised here."""
 
     direction: Sequence[float]
-    law: MotionLaw = field(default_factory=Locked)
+    law: MotionLaw
 
     def __post_init__(self) -> None:
         _convert_direction(self, "direction")
@@ -183,7 +183,7 @@ class Turntable:
     """
 
     axis: Sequence[float]
-    law: MotionLaw = field(default_factory=Locked)
+    law: MotionLaw
 
     def __post_init__(self) -> None:
         _convert_direction(self, "axis")
@@ -194,7 +194,7 @@ def _convert_direction(owner: object, name: str) -> None:
     vector = np.array(getattr(owner, name))
     if not vector.any():
         raise InvalidInput(f"{type(owner).__name__}: {name} is zero; give a direction in world axes")
-    vector /= np.abs(vector).max()
+    vector = np.ldexp(vector, -np.frexp(np.abs(vector).max())[1])  # exact; keeps tiny squares from underflowing
     object.__setattr__(owner, name, tuple((vector / np.linalg.norm(vector)).tolist()))
 
 

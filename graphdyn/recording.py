@@ -9,10 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Context, Decimal
-from typing import Literal
+from numbers import Integral
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arrays import as_floats
 from graphdyn.errors import InvalidInput
@@ -119,11 +120,11 @@ class Recording:
     def rounded(self, digits: int = 7, convention: Convention = "half even") -> Recording:
         """All channels to so many significant digits, as a program prints them (ADAMS: 7); the times stay.
 
-        "half even" rounds the exact decimal expansion of a double, as C's %e does. "truncated" cuts the shortest decimal
-        that stands for it, so that 0.3 stays 0.3.
+        "half even" rounds the exact decimal expansion of a double, as C's %e does. "truncated" cuts the shortest
+        decimal that stands for it, so that 0.3 stays 0.3.
         """
-        if digits < 1:
-            raise InvalidInput(f"digits is {digits!r}; a printed number has at least one")
+        if not isinstance(digits, Integral) or digits < 1:
+            raise InvalidInput(f"digits is {digits!r}; a whole number from 1 on is needed")
         if convention not in ("half even", "truncated"):
             raise InvalidInput(f"convention is '{convention}'; use 'half even' or 'truncated'")
         truncated = convention == "truncated"
@@ -131,9 +132,11 @@ class Recording:
 
         def printed(array: Array) -> Array:
             decimals = (Decimal(repr(x) if truncated else x) for x in array.ravel().tolist())
-            return np.array([float(context.plus(x)) if x else float(x) for x in decimals]).reshape(array.shape)
+            numbers = [float(context.plus(x) if x else x) for x in decimals]  # plus would drop the sign of -0
+            return np.array(numbers).reshape(array.shape)
 
-        return replace(self, **{name: printed(getattr(self, name)) for name in CHANNELS})
+        changed: dict[str, Any] = {name: printed(getattr(self, name)) for name in CHANNELS}
+        return replace(self, **changed)
 
     def noisy(
         self,
@@ -157,7 +160,7 @@ class Recording:
         if unknown:
             raise InvalidInput(f"there is no channel '{unknown[0]}'; known: {', '.join(CHANNELS)}")
         rng = np.random.default_rng(rng)
-        changed = {}
+        changed: dict[str, Any] = {}
         for name in CHANNELS if absolute is None else absolute:
             exact = getattr(self, name)
             if absolute is None:
@@ -178,14 +181,14 @@ class Recording:
     def at(self, times: ArrayLike) -> Recording:
         """The rows of these times (K,) [s]. Raises InvalidInput for a time that was not recorded."""
         times = np.atleast_1d(as_floats("times", times))
-        right = np.clip(np.searchsorted(self.time, times), 1, max(len(self.time) - 1, 1)) if len(self.time) > 1 else 0
-        left = np.maximum(np.asarray(right) - 1, 0)
+        right = np.minimum(np.searchsorted(self.time, times), len(self.time) - 1)
+        left = np.maximum(right - 1, 0)
         rows = np.where(np.abs(self.time[left] - times) <= np.abs(self.time[right] - times), left, right)
         apart = ~(np.abs(self.time[rows] - times) <= SAME_TIME * np.abs(self.time).max())
         if apart.any():
             raise InvalidInput(
                 f"time {times[apart][0]:g} s was not recorded (nearest: {self.time[rows[apart][0]]:g} s, "
-                f"{len(self.time)} times from {self.time[0]:g} to {self.time[-1]:g} s); interpolate the motion, not the rows"
+                f"{len(self.time)} times from {self.time[0]:g} to {self.time[-1]:g} s); take these"
             )
         return self._rows(rows)
 
@@ -194,7 +197,7 @@ class Recording:
         if (every is None) == (rate is None):
             raise InvalidInput("give every (a number of rows) or rate [Hz], exactly one")
         if every is not None:
-            if every < 1:
+            if not isinstance(every, Integral) or every < 1:
                 raise InvalidInput(f"every is {every!r}; a whole number from 1 on is needed")
             return self._rows(np.arange(0, len(self.time), every))
         assert rate is not None
@@ -203,5 +206,5 @@ class Recording:
         duration = self.time[-1] - self.time[0]
         return self.at(self.time[0] + np.arange(int(duration * rate * (1 + SAME_TIME)) + 1) / rate)
 
-    def _rows(self, rows: Array) -> Recording:
+    def _rows(self, rows: NDArray[np.intp]) -> Recording:
         return replace(self, **{name: getattr(self, name)[rows] for name in ("time", *CHANNELS)})

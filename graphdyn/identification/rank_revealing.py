@@ -18,9 +18,15 @@ from graphdyn.layout import Array
 EPS = float(np.finfo(float).eps)
 """Precision of data that were never rounded."""
 
-MARGIN = 100.0
-"""A singular value must exceed the precision of the data by this factor. Angles, products of angular velocities and sums
-of a few rows multiply the rounding of a number by less than ten; another ten are kept as a distance."""
+MARGIN = 10.0
+"""A singular value must exceed the precision of the data by this factor. Columns of K that are nothing but rounding or
+noise reach 0.2 to 2 times the precision, measured on the scale that their kind of column can reach."""
+
+LARGEST_STRAY = 1e-2
+"""A parameter whose axis lies in the null space by more than this is not determined by itself, whatever the data."""
+
+NO_ROW_LEFT = 0.5
+"""Equations of a group beyond those that its parameters use up; below one half its noise cannot be estimated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +35,7 @@ class ParameterEstimate:
 
     names: of the parameters                                (p,)
     values: x, NaN where the data do not determine the parameter by itself            (p,)
-    standard_deviations: of the values; NaN also where no equation is left over       (p,)
+    standard_deviations: of the values; NaN also where a group of rows leaves none over      (p,)
     rank, tolerance: singular values above the tolerance count
     singular_values: of K with scaled columns               (p,)
     condition_number: largest over smallest singular value that counts; 1 at rank 0
@@ -93,7 +99,7 @@ def rank_revealing_least_squares(
     matrix: K (rows, p); right: l (rows,)
     column_scale: what the columns are divided by; the size that columns of their kind can reach   (p,)
     groups: number of the group of each row; rows of a group have the same noise                    (rows,)
-    precision: relative rounding of the data
+    precision: relative rounding or noise of the data
 
     A parameter is determined by itself where the null space of K has no component along it. The noise of a group is
     taken from its residual, divided by the equations that the parameters leave over.
@@ -101,7 +107,7 @@ def rank_revealing_least_squares(
     from scipy.linalg import qr, solve  # imported where first used: import graphdyn stays light
 
     tolerance = rank_tolerance(precision)
-    stray = np.sqrt(tolerance)  # null vectors of rounding have components of tolerance / σ_r, real ones of order 1
+    stray = min(np.sqrt(tolerance), LARGEST_STRAY)  # rounding turns null vectors by tolerance / σ_r at most
     q, triangle = np.linalg.qr(matrix / column_scale)
     u, sigma, v_t = np.linalg.svd(triangle)
     sigma = np.append(sigma, np.zeros(len(names) - len(sigma)))
@@ -114,14 +120,16 @@ def rank_revealing_least_squares(
     residual = matrix @ (smallest / column_scale) - right
     covariance = _covariance(inverse, u, residual, groups)
 
+    determined = np.linalg.norm(null, axis=1) <= stray
     dependent = qr(null.T, mode="r", pivoting=True)[1][: len(names) - rank]
     independent = np.setdiff1d(np.arange(len(names)), dependent)
     combinations = np.zeros((rank, len(names)))
     combinations[np.arange(rank), independent] = 1.0
     folded = -solve(null[dependent].T, null[independent].T).T if dependent.size else np.zeros((rank, 0))
-    combinations[:, dependent] = np.where(np.abs(folded) > stray, folded, 0.0)
+    real = (np.abs(folded) > tolerance) & ~determined[independent, None]
+    combinations[:, dependent] = np.where(real, folded, 0.0)
+    combination_variances = np.einsum("cp,pk,ck->c", combinations, covariance, combinations)
 
-    determined = np.linalg.norm(null, axis=1) <= stray
     return ParameterEstimate(
         names=names,
         values=np.where(determined, smallest / column_scale, np.nan),
@@ -132,24 +140,24 @@ def rank_revealing_least_squares(
         condition_number=float(sigma[0] / sigma[rank - 1]) if rank else 1.0,
         combinations=combinations * column_scale / column_scale[independent, None],
         combination_values=combinations @ smallest / column_scale[independent],
-        combination_standard_deviations=np.sqrt(
-            np.einsum("cp,pk,ck->c", combinations, covariance, combinations)
-        ) / column_scale[independent],
+        combination_standard_deviations=np.sqrt(np.maximum(combination_variances, 0.0)) / column_scale[independent],
         null_space=null / column_scale[:, None],
         residual=residual,
     )
 
 
 def _covariance(inverse: Array, u: Array, residual: Array, groups: NDArray[np.int64]) -> Array:
-    """Of the scaled x (p, p): Σ over the groups of σ² P Pᵀ, P the columns of the pseudo-inverse; NaN without spare rows."""
+    """Of the scaled x (p, p): Σ over the groups of σ² P Pᵀ, P the group's columns of the pseudo-inverse."""
     covariance = np.zeros((len(inverse), len(inverse)))
     for group in np.unique(groups):
         rows = groups == group
         spare = np.count_nonzero(rows) - np.sum(u[rows] ** 2)
         part = inverse @ u[rows].T
-        if spare < 0.5:  # whole numbers where the groups do not share parameters
-            ...
-        covariance += np.sum(residual[rows] ** 2) / spare * part @ part.T
+        if spare > NO_ROW_LEFT:
+            covariance += np.sum(residual[rows] ** 2) / spare * (part @ part.T)
+        else:  # its noise is unknown, and so is the variance of all that it bears on
+            reached = np.linalg.norm(part, axis=1) > RANK * np.linalg.norm(part)
+            covariance[reached] = covariance[:, reached] = np.nan
     return covariance
 
 

@@ -1,0 +1,22 @@
+"""Motions and joint wrenches as sensors would record them, from graphdyn's inverse dynamics."""
+
+import numpy as np
+
+from graphdyn.experiment import record
+from graphdyn.recording import Recording
+
+PAPER_TIMES = (0.3, 0.6, 0.9, 1.2, 1.5)
+"""The five samples of section 3.1 [s]."""
+
+
+def recorded(model, q, v, a) -> Recording:
+    """Exact data of any states (N, n): they need not follow each other."""
+    laws = [lambda times, k=k: (q[:, k], v[:, k], a[:, k]) for k in range(model.n_bodies)]
+    return record(model, np.arange(float(len(q))), laws)
+
+
+def random_recording(model, seed, size):
+    """States within the limits of the robot, accelerations up to 10."""
+    rng = np.random.default_rng(seed)
+    q, v = model.random_state(rng, size)
+    return recorded(model, q, v, rng.uniform(-10, 10, q.shape))
