@@ -7,6 +7,7 @@ from urdf.catalogue import RobotEntry, robots
 from urdf.errors import (
     AxisNotNormalizedWarning,
     CannotSave,
+    CannotUpdate,
     DuplicateEntry,
     GravityNotSavedWarning,
     InvalidLock,
@@ -24,10 +25,12 @@ from urdf.errors import (
 )
 from urdf.loading import fused_links, load
 from urdf.saving import save
+from urdf.updating import Update, update
 
 __all__ = [
     "AxisNotNormalizedWarning",
     "CannotSave",
+    "CannotUpdate",
     "DuplicateEntry",
     "GravityNotSavedWarning",
     "InvalidLock",
@@ -43,8 +46,10 @@ __all__ = [
     "URDFError",
     "URDFWarning",
     "UnsupportedJoint",
+    "Update",
     "fused_links",
     "load",
     "robots",
     "save",
+    "update",
 ]

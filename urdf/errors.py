@@ -68,6 +68,10 @@ class CannotSave(URDFError):
     """A model that a URDF file cannot express."""
 
 
+class CannotUpdate(URDFError):
+    """Inertial parameters that cannot be written into a file."""
+
+
 class URDFWarning(UserWarning):
     """Base of every warning of this package."""
 

@@ -40,7 +40,9 @@ def robot_element(model: RobotModel) -> etree._Element:
         etree.SubElement(robot, "link", name=root)
     etree.SubElement(robot, "link", name=model.base_name)
     for body in model.bodies:
-        _add_inertial(etree.SubElement(robot, "link", name=body.name), body)
+        link = etree.SubElement(robot, "link", name=body.name)
+        if body.mass != 0 or body.inertia.any():  # without either it comes back with the warning that it deserves
+            link.append(inertial_element(body))
     for frame in frames:
         etree.SubElement(robot, "link", name=frame.name)
 
@@ -112,17 +114,16 @@ def _add_motion(element: etree._Element, joint: Joint) -> None:
         _add_numbers(element, "dynamics", {"damping": joint.damping, "friction": joint.friction})
 
 
-def _add_inertial(link: etree._Element, body: Body) -> None:
-    """None for a body without mass and tensor: it comes back with the warning that it deserves."""
-    if body.mass == 0 and not body.inertia.any():
-        return
-    inertial = etree.SubElement(link, "inertial")
+def inertial_element(body: Body) -> etree._Element:
+    """<inertial> of a body, in link axes."""
+    inertial = etree.Element("inertial")
     _add_origin(inertial, body.center_of_mass, np.zeros(3))
     _add_numbers(inertial, "mass", {"value": body.mass})
     entries = {
         f"i{'xyz'[row]}{'xyz'[column]}": body.inertia[row, column] for row in range(3) for column in range(row, 3)
     }
     _add_numbers(inertial, "inertia", entries)
+    return inertial
 
 
 def _add_origin(element: etree._Element, xyz: Array, rpy: Array) -> None:

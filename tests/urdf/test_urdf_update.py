@@ -1,0 +1,197 @@
+"""urdf.update: new inertial parameters into a file, and nothing else."""
+
+import re
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from shared_data import ARMS
+from urdf_text import joint, link
+
+import graphdyn
+import urdf
+
+PARITY = 1e-10
+"""‖W π - τ(reloaded)‖ relative to the largest torque: rounding of sums and of the parallel-axis terms."""
+
+EXACT = 1e-13
+"""Parameters that were written and read again: the tensor moves to the centre of mass and back."""
+
+
+def real_parameters(rng, n):
+    """Of bodies that exist: a sum of point masses each."""
+    rows = []
+    for _ in range(n):
+        points, weights = rng.normal(size=(8, 3)) * 0.1 + rng.normal(size=3) * 0.2, rng.uniform(0.1, 1, 8)
+        center = weights @ points / weights.sum()
+        tensor = sum(
+            w * ((p - center) @ (p - center) * np.eye(3) - np.outer(p - center, p - center))
+            for w, p in zip(weights, points, strict=True)
+        )
+        rows.append(graphdyn.Body("x", weights.sum(), center, tensor).parameters)
+    return np.array(rows)
+
+
+def without_inertials(data):
+    return re.sub(rb"\s*<inertial>.*?</inertial>", b"", data, flags=re.DOTALL)
+
+
+def check_reload(path, parameters, **options):
+    model = urdf.load(path, **options)
+    assert_allclose(
+        model.inertial_parameters.reshape(-1, 10), parameters, rtol=0, atol=EXACT * np.abs(parameters).max()
+    )
+    q, v = model.random_state(np.random.default_rng(1), 10)
+    a = np.ones_like(q)
+    expected = graphdyn.joint_torque_regressor(model, q, v, a) @ np.ravel(parameters)
+    assert np.abs(graphdyn.inverse_dynamics(model, q, v, a).tau - expected).max() <= PARITY * np.abs(expected).max()
+
+
+def test_only_the_inertials_change(arm, tmp_path):
+    path, out = arm(), tmp_path / "out.urdf"
+    parameters = real_parameters(np.random.default_rng(0), 2)
+    done = urdf.update(path, out, parameters)
+    assert done == urdf.Update(out, ("upper", "fore"), (), ())
+    check_reload(out, parameters)
+    assert without_inertials(out.read_bytes()) == without_inertials(path.read_bytes())
+
+
+def test_what_is_right_already_is_not_touched(arm, tmp_path):
+    path, out = arm(), tmp_path / "out.urdf"
+    model = urdf.load(path)
+    done = urdf.update(path, out, model.inertial_parameters)
+    assert (done.changed, done.kept) == ((), ("upper", "fore"))
+    assert out.read_bytes() == path.read_bytes()
+    parameters = np.array(model.inertial_parameters).reshape(2, 10)
+    parameters[1] = real_parameters(np.random.default_rng(0), 1)
+    done = urdf.update(path, out, parameters.ravel())
+    assert (done.changed, done.kept) == (("fore",), ("upper",))
+    assert out.read_bytes().partition(b'<link name="fore">')[0] == path.read_bytes().partition(b'<link name="fore">')[0]
+
+
+ODD = """<?xml version="1.0" encoding="UTF-8"?>\r
+<!-- <inertial>not this</inertial> é -->\r
+<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">\r
+\t<link name="base"/><link name='a' note="a > b"><visual><geometry><box size="1 1 1"/></geometry></visual></link>\r
+\t<link name="b"/>\r
+\t<link name="c">\r
+\t\t<inertial> <mass value="1"/> <origin xyz="0 0 1" rpy="1 2 3"/>\r
+<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial   >\r
+\t</link>\r
+{joints}</robot>\r
+<!-- after -->\r
+"""
+
+
+def test_odd_files_keep_their_oddities(tmp_path):
+    """Comments, CRLF, tabs, text like an element, links without <inertial>, closed tags, a byte-order mark."""
+    joints = "\r\n".join(joint(f"j{child}", parent, child) for parent, child in (("base", "a"), "ab", "bc"))
+    path, out = tmp_path / "odd.urdf", tmp_path / "out.urdf"
+    path.write_bytes(b"\xef\xbb\xbf" + ODD.format(joints=joints).encode())
+    parameters = real_parameters(np.random.default_rng(0), 3)
+    with pytest.warns(urdf.MissingInertialWarning):
+        urdf.update(path, out, parameters)
+    check_reload(out, parameters)
+    before, after = path.read_bytes(), out.read_bytes()
+    assert b"\n" not in after.replace(b"\r\n", b"")
+    for kept in (
+        b"\xef\xbb\xbf<?xml",
+        b"<!-- <inertial>not this</inertial> \xc3\xa9 -->",
+        b'note="a > b"',
+        b"<!-- after -->",
+    ):
+        assert kept in after
+    assert after.count(b"<inertial>") == 4
+    assert re.sub(rb"\s*<inertial>\s.*?</inertial\s*>", b"", after, flags=re.DOTALL).replace(
+        b'<link name="b">\r\n\t</link>', b'<link name="b"/>'
+    ) == re.sub(rb"\s*<inertial> .*?</inertial\s*>", b"", before, flags=re.DOTALL)
+
+
+def test_fixed_links_keep_their_share(robot, tmp_path):
+    path = robot(
+        link("base"), link("arm", xyz="0.1 0 0"), link("tool", mass=0.5, xyz="0 0.2 0", tensor="0.01 0 0 0.01 0 0.01"),
+        joint("turn", "base", "arm"), joint("screws", "arm", "tool", "fixed", '<origin xyz="0.5 0 0" rpy="0 0 0.3"/>'),
+    )  # fmt: skip
+    out = tmp_path / "out.urdf"
+    parameters = 1.5 * urdf.load(path).inertial_parameters
+    done = urdf.update(path, out, parameters)
+    assert done.notes == ("link 'arm' gets 1.75 kg: its fixed links 'tool' (0.5 kg) keep their own <inertial>",)
+    check_reload(out, parameters.reshape(1, 10))
+    with pytest.raises(urdf.CannotUpdate, match="its fixed links weigh as much or more by themselves"):
+        urdf.update(path, out, 0.1 * parameters)
+
+
+def test_locked_joints_as_when_identified(arm, tmp_path):
+    path, out = arm(), tmp_path / "out.urdf"
+    lock = {"slide": 0.2}
+    parameters = 1.1 * urdf.load(path, lock=lock).inertial_parameters
+    done = urdf.update(path, out, parameters, lock=lock)
+    assert "'fore' (1.5 kg)" in done.notes[0]
+    check_reload(out, parameters.reshape(1, 10), lock=lock)
+
+
+def test_in_place_and_from_the_catalogue(arm, tmp_path):
+    path = arm()
+    parameters = real_parameters(np.random.default_rng(0), 2)
+    urdf.update(path, path, parameters)
+    check_reload(path, parameters)
+    out = tmp_path / "ur5.urdf"
+    parameters = real_parameters(np.random.default_rng(0), 6)
+    urdf.update("ur5", out, parameters)
+    check_reload(out, parameters)
+
+
+class TestRefusals:
+    def refused(self, arm, tmp_path, parameters, message, **options):
+        out = tmp_path / "out.urdf"
+        with pytest.raises(urdf.CannotUpdate, match=message):
+            urdf.update(arm(), out, parameters, **options)
+        assert not out.exists()
+
+    def test_shape(self, arm, tmp_path):
+        self.refused(
+            arm, tmp_path, np.zeros(10), r"arm.urdf: the parameters have shape \(10,\), expected \(2, 10\) or \(20,\)"
+        )
+
+    def test_no_numbers(self, arm, tmp_path):
+        self.refused(arm, tmp_path, ["a"] * 20, "the parameters are no numbers")
+
+    def test_not_finite(self, arm, tmp_path):
+        parameters = real_parameters(np.random.default_rng(0), 2)
+        parameters[1, 4] = np.nan
+        self.refused(
+            arm, tmp_path, parameters, "the parameters of body 2 contain NaN or infinity; parameters that the data"
+        )
+
+    def test_negative_mass(self, arm, tmp_path):
+        self.refused(arm, tmp_path, -np.ones((2, 10)), "mass -1.0 kg is negative; give a mass of at least 0")
+
+    def test_inconsistent(self, arm, tmp_path):
+        parameters = real_parameters(np.random.default_rng(0), 2)
+        parameters[0, 4:] *= -1
+        message = "link 'upper': no real body has these parameters: .*inconsistent=True"
+        self.refused(arm, tmp_path, parameters, message)
+        out = tmp_path / "out.urdf"
+        urdf.update(arm(), out, parameters, inconsistent=True)
+        check_reload(out, parameters)
+
+    def test_utf_16(self, arm, tmp_path):
+        path = arm()
+        path.write_text(path.read_text(), encoding="utf-16")
+        with pytest.raises(urdf.CannotUpdate, match="the file is in UTF-16; save it as UTF-8 first"):
+            urdf.update(path, tmp_path / "out.urdf", np.zeros(20))
+
+
+@pytest.mark.skipif(
+    not ARMS.is_dir(), reason=f"not found: {ARMS}; set GRAPHDYN_TEST_DATA to the folder with shared data"
+)
+@pytest.mark.filterwarnings("ignore::urdf.URDFWarning")
+@pytest.mark.parametrize("path", sorted(ARMS.glob("*.urdf")), ids=lambda path: path.stem)
+def test_vendor_files(path, tmp_path):
+    """Every body twice as heavy; the rest of the file byte by byte."""
+    out = tmp_path / "out.urdf"
+    parameters = 2 * urdf.load(path).inertial_parameters.reshape(-1, 10)
+    done = urdf.update(path, out, parameters, inconsistent=True)
+    check_reload(out, parameters) if parameters.any() else None
+    if not done.changed:
+        assert out.read_bytes() == path.read_bytes()
