@@ -62,7 +62,8 @@ def code_blocks():
 
 
 @pytest.mark.parametrize("block", code_blocks())
-def test_code_blocks_run(block, capsys):
+def test_code_blocks_run(block, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     exec(compile(block, "<document>", "exec"), {})
     printed = capsys.readouterr().out.splitlines()
     for promised in re.findall(r"print\(.*\) +# → (.*)", block):
