@@ -42,21 +42,48 @@ EFFECTS = 2 * (len(ERRATA) - 1 + len(COSINES))
 """How many effects `measure` returns: one per arm and erratum, A3 at every |cos β|."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Effect:
-    """One erratum on one robot: distribution of the measured error, and the largest one of the corrected form."""
+    """One erratum on one robot: the measured errors, and those of the corrected form.
+
+    errors, corrected_errors: relative, or missing rows of A2; one per state, or per mass of A6   (N,)
+    cosine: |cos β| at which A3 was measured
+    """
 
     erratum: str
     robot: str
     measure: str
-    median: float
-    upper: float
-    largest: float
-    corrected: float
+    errors: Array
+    corrected_errors: Array
+    cosine: float | None = None
+
+    @property
+    def median(self) -> float:
+        return float(np.quantile(self.errors, 0.5))
+
+    @property
+    def upper(self) -> float:
+        """90 % quantile."""
+        return float(np.quantile(self.errors, 0.9))
+
+    @property
+    def largest(self) -> float:
+        return float(self.errors.max())
+
+    @property
+    def corrected(self) -> float:
+        """Largest error of the corrected form."""
+        return float(self.corrected_errors.max())
+
+    @property
+    def record(self) -> dict[str, float | str]:
+        """As in docs/schemas/errata-1.schema.json."""
+        names = ("erratum", "robot", "measure", "median", "upper", "largest", "corrected")
+        return {name: getattr(self, name) for name in names}
 
 
 def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] | None = None) -> list[Effect]:
-    """Effects of all errata on KR500 and UR5, at random states: upper is the 90 % quantile.
+    """Effects of all errata on KR500 and UR5, at random states.
 
     progress: called with each effect as soon as it is measured
     """
@@ -72,9 +99,8 @@ def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] | No
 def _measure(model: RobotModel, samples: int, seed: int) -> Iterator[Effect]:
     rng = np.random.default_rng(seed)
 
-    def effect(erratum: str, what: str, printed: Array, corrected: Array) -> Effect:
-        median, upper, largest = (float(np.quantile(printed, level)) for level in (0.5, 0.9, 1.0))
-        return Effect(erratum, model.name, what, median, upper, largest, float(np.max(corrected)))
+    def effect(erratum: str, what: str, printed: Array, corrected: Array, cosine: float | None = None) -> Effect:
+        return Effect(erratum, model.name, what, printed, corrected, cosine)
 
     states = _Sample(_draw(model, rng, samples))
     right = states.error_of(states.twist)
@@ -88,6 +114,7 @@ def _measure(model: RobotModel, samples: int, seed: int) -> Iterator[Effect]:
             f"error of a at |cos β| = {cosine:g}",
             np.concatenate(printed),
             np.concatenate([one.error_of(one.twist) for one in near]),
+            cosine,
         )
     yield effect("A4", "error of a", states.error_of(with_unit_d33(states.state, states.twist)), right)
     yield effect("A5", "error of r̈ from joint forces", *_force_sign(states))

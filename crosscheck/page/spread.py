@@ -20,6 +20,8 @@ SMALLEST = 1e-22
 
 BINS_PER_DECADE = 4
 MOST_TICKS = 9
+CLOSE = 0.3
+"""A tick nearer to that of zero than this part of the step is left out."""
 
 HEIGHT = 0.78
 """Of the fullest bin, in rows; no occupied bin is lower than VISIBLE."""
@@ -73,6 +75,11 @@ def spread(key: str, rows: Sequence[Row]) -> Markup:
     return picture(key, label, (WIDTH, ROW * len(rows) + AXIS), lambda axes: _draw(axes, rows))
 
 
+def superscript(decade: int) -> str:
+    """-3 → 10⁻³."""
+    return "10" + str(decade).translate(_SUPERSCRIPT)
+
+
 def _draw(axes: Axes, rows: Sequence[Row]) -> None:
     scale = _scale(rows)
     height = ROW * len(rows) + AXIS
@@ -82,9 +89,8 @@ def _draw(axes: Axes, rows: Sequence[Row]) -> None:
     axes.set_facecolor("none")
     axes.spines[:].set_visible(False)
     step = -(-(scale.high - scale.low) // MOST_TICKS)
-    decades = list(range(scale.high, scale.low - 1, -step))
-    labels = ["10" + str(decade).translate(_SUPERSCRIPT) for decade in decades]
-    axes.set_xticks([scale.zero, *decades], ["0", *labels], fontsize=9, color=INK)
+    decades = [k for k in range(scale.high, scale.low - 1, -step) if k - scale.zero > CLOSE * step]
+    axes.set_xticks([scale.zero, *decades], ["0", *map(superscript, decades)], fontsize=9, color=INK)
     if any(_largest(row.errors) == np.inf for row in rows):
         axes.text(scale.infinity, len(rows) + 0.25, "∞", ha="center", va="top", fontsize=10, color=INK)
     axes.set_xlabel("relative error", fontsize=9, color=INK)

@@ -1,0 +1,1 @@
+"""The paper beside the corrected model: its tables, its multipliers, its errata."""

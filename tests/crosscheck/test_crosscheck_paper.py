@@ -1,0 +1,447 @@
+"""`graphdyn paper`: every reproduced number of the paper, and the terminal, the file and the page that show them."""
+
+import dataclasses
+import json
+import math
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from lxml import etree
+from typer.testing import CliRunner
+
+from crosscheck.errata import ERRATA
+from crosscheck.page import write_page
+from crosscheck.page.paper import paper_page
+from crosscheck.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
+from crosscheck.paper.identification import SEEDS
+from crosscheck.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
+from crosscheck.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4, Printed
+from crosscheck.paper.record import PAPER_FORMAT, as_json
+from crosscheck.paper.reproduction import PARTS, reproduce
+from crosscheck.paper.texts import error_text, printed_text, value_text
+from crosscheck.program import app, console
+from crosscheck.program.paper_text import text
+from crosscheck.report import finite, versions
+from graphdyn import kr500
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = json.loads((ROOT / "docs/schemas/paper-1.schema.json").read_text(encoding="utf-8"))
+COMMAND = ["graphdyn", "paper", "--html", "page.html"]
+
+SAMPLES = 20
+NARROW = 80
+LARGEST = 1_000_000
+"""Bytes of the page."""
+
+LARGEST_PRINTED_ERROR = 0.0424
+"""Of Table 4 [kg m²]."""
+
+QUOTIENT = 1e-6
+"""Of two numbers of seven digits, relative."""
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return reproduce(SAMPLES)
+
+
+@pytest.fixture(scope="module")
+def page(found):
+    return paper_page(found, COMMAND)
+
+
+def paper(*arguments):
+    return CliRunner().invoke(app, ["paper", "--samples", "10", *map(str, arguments)])
+
+
+def shown(found, monkeypatch, width=console.WIDTH):
+    """What the terminal shows at this width."""
+    monkeypatch.setattr(console.out, "width", width)
+    with console.out.capture() as captured:
+        for part in text(found):
+            console.out.print(part)
+    return captured.get()
+
+
+def rows(html, caption):
+    """Cells of the table with this caption, row by row."""
+    root = etree.fromstring(html.encode(), etree.HTMLParser(encoding="utf-8"))
+    (table,) = [t for t in root.iter("table") if caption in "".join(t.find("caption").itertext())]
+    return [[" ".join("".join(cell.itertext()).split()) for cell in row] for row in table.find("tbody")]
+
+
+class TestTable2:
+    @pytest.mark.parametrize("name", TABLE_2.rows)
+    def test_every_printed_digit(self, found, name):
+        row = list(TABLE_2.rows).index(name)
+        assert found.geometry.texts[row] == tuple(number.text for number in TABLE_2.rows[name])
+
+    def test_a_wrong_digit_is_counted(self, found):
+        wrong = found.geometry.ours.copy()
+        wrong[2, 3] += 1e-4
+        assert found.geometry.differing == 0
+        assert dataclasses.replace(found.geometry, ours=wrong).differing == 1
+
+    def test_length_of_a_row(self):
+        for table in (TABLE_2, TABLE_3, TABLE_4, MULTIPLIERS):
+            assert {len(row) for row in table.rows.values()} == {6}
+
+
+class TestIdentification:
+    @pytest.mark.parametrize("way", ["exact", "together"])
+    def test_exact_data(self, found, way):
+        trial = getattr(found.identification, way)
+        determined = np.isfinite(trial.values)
+        error = np.abs(trial.errors / found.identification.true)[determined].max()
+        assert error <= EXACT
+        assert trial.undetermined == ("B1 m(e_2)", "B1 J_22", "B1 J_33")
+        assert trial.rank == determined.sum() == 33
+
+    def test_seven_digits(self, found):
+        """Every trial, not the luckiest, is better than the paper in the largest error and in the rms."""
+        identification = found.identification
+        assert len(identification.rounded) == 2 + len(SEEDS)
+        assert identification.printed_largest == LARGEST_PRINTED_ERROR
+        assert identification.printed_rms == pytest.approx(0.009424, abs=1e-6)
+        for trial in identification.rounded:
+            assert 1e-3 < trial.largest(identification.compared) <= LARGEST_PRINTED_ERROR
+            assert trial.rms(identification.compared) < identification.printed_rms
+            assert trial.undetermined == identification.exact.undetermined
+
+    def test_standard_deviations_tell_the_error(self, found):
+        """Of the rounded data: no determined parameter is off by more than seven of them."""
+        trial = found.identification.rounded[0]
+        known = np.isfinite(trial.values)
+        assert np.abs(trial.errors / trial.standard_deviations)[known].max() < 7
+
+    def test_compared_entries(self, found):
+        compared = found.identification.compared
+        assert compared.sum() == 33
+        assert [PARAMETERS[row] for row, body in np.argwhere(~compared) if body == 0] == ["m(e_2)", "J_22", "J_33"]
+
+    def test_table_4_is_table_3_minus_table_2_but_for_the_misprint(self, found):
+        assert found.identification.contradictions == ((5, 3),)
+        misprint = TABLE_3.rows["J_33"][3]
+        assert (misprint.text, misprint.reading, misprint.erratum) == ("5.4619", "5.6419", "B5")
+        assert misprint.value - TABLE_2.values[5, 3] == pytest.approx(TABLE_4.values[5, 3], abs=1e-6)
+
+    def test_undetermined_moments_of_body_1_are_the_cylinder_formula(self, found):
+        assert f"{found.identification.implied:.4f}" == TABLE_3.rows["J_22"][0].text == TABLE_3.rows["J_33"][0].text
+
+
+class TestAsPrinted:
+    def test_rank(self, found):
+        assert (found.printed.rank, found.printed.n_rows) == (27, 30)
+        assert found.over_time.ranks == {0.0: 25, 0.02: 27, 1.5: 27, 2.0: 27}
+
+    @pytest.mark.parametrize(
+        ("name", "digits"),
+        [("λ_63", 6), ("λ_64", 7), ("λ_65", 6), ("λ_53", 7), ("λ_43", 7), ("λ_44", 6), ("λ_45", 6), ("λ_33", 7),
+         ("λ_23", 7), ("λ_13", 7)],
+    )  # fmt: skip
+    def test_reproduced(self, found, name, digits):
+        number = next(number for number in found.numbers if number.name == name)
+        assert number.kind == "reproduced"
+        assert number.digits == digits >= DIGITS
+        assert number.ours == pytest.approx(number.printed.value, rel=1e-6)
+
+    def test_the_others_are_marked(self, found):
+        by_kind = {}
+        for number in found.numbers:
+            by_kind.setdefault(number.kind, []).append(number.name)
+        assert by_kind["free"] == ["λ_54", "λ_55", "λ_34", "λ_35", "λ_24", "λ_25"]
+        assert by_kind["unexplained"] == ["λ_14", "λ_15"]
+        assert len(by_kind["rounding"]) == 12
+        assert len(by_kind["reproduced"]) == 10
+        for number in found.numbers:
+            assert math.isnan(number.ours) == (number.kind == "free")
+            assert (number.digits > 0) == (number.kind == "reproduced")
+
+    def test_misprints(self):
+        assert MULTIPLIERS.rows["λ_j3"][2].value == -2.393758e4
+        assert MULTIPLIERS.rows["λ_j2"][3].text == "30.072190e-4"
+
+    @pytest.mark.parametrize("joint", [2, 3, 5])
+    def test_ratio_of_the_null_vector(self, found, joint):
+        tangent = math.tan(math.radians(33.75))
+        assert found.printed.ratios[joint] == pytest.approx(tangent, rel=1e-12)
+        assert printed_ratios()[joint] == pytest.approx(tangent, rel=QUOTIENT)
+
+    @pytest.mark.parametrize(
+        ("printed", "ours", "digits"),
+        [(1.234567, 1.234567, 7), (1.234567, 1.2345674, 7), (1.234567, 1.234568, 6), (-6489.101, -6489.101844, 6),
+         (2.0, 3.0, 0), (2.0, -2.0, 0), (1e11, math.nan, 0), (math.nan, 1.0, 0), (0.0, 0.0, 0)],
+    )  # fmt: skip
+    def test_agreeing_digits(self, printed, ours, digits):
+        assert agreeing_digits(printed, ours) == digits
+
+
+class TestCorrected:
+    def test_against_rnea(self, found):
+        corrected = found.corrected
+        assert corrected.multipliers.shape == corrected.rnea.shape == (6, 5)
+        assert corrected.difference <= REFEREE
+        assert np.abs(corrected.multipliers - corrected.rnea).max() <= REFEREE * np.abs(corrected.rnea).max()
+
+    def test_forces_of_section_3(self, found):
+        forces = found.corrected.forces
+        np.testing.assert_allclose(forces[0], [24853.753, -7277.143, 110108.771], rtol=0, atol=1e-3)
+        np.testing.assert_allclose(forces[5], [854.467, -2008.935, 5947.395], rtol=0, atol=1e-3)
+
+    def test_over_the_whole_motion(self, found):
+        motion = found.over_time
+        assert motion.difference <= REFEREE
+        assert motion.multipliers.shape == (101, 6, 5)
+        row = int(np.argmin(np.abs(motion.recording.time - 1.5)))
+        np.testing.assert_allclose(motion.multipliers[row], found.corrected.multipliers, rtol=1e-9)
+        total = sum(body.mass for body in kr500().bodies)
+        assert motion.multipliers[0, 0, 0] == pytest.approx(
+            motion.recording.acceleration[0, :, 0] @ [body.mass for body in kr500().bodies]
+        )
+        assert motion.multipliers[0, 0, 2] > 9 * total
+
+
+class TestChecks:
+    def test_all_hold(self, found):
+        assert found.agrees
+        assert all(check.why for check in found.checks)
+
+    def test_errata(self, found):
+        """What the corrected forms must keep is in the checks; that the printed ones miss it is shown."""
+        assert {effect.erratum for effect in found.effects} == set(ERRATA)
+        for effect in found.effects:
+            assert len(effect.errors) == len(effect.corrected_errors)
+            if effect.erratum not in ("A2", "A3"):
+                assert effect.median > 1e9 * CORRECTED
+            if effect.erratum == "A2":
+                assert effect.median == {"kr500": 2, "ur5": 3}[effect.robot]
+
+    @pytest.mark.parametrize(
+        ("part", "field", "value", "where"),
+        [
+            ("corrected", "difference", 1e-9, "section 3.2"),
+            ("corrected", "difference", math.nan, "section 3.2"),
+            ("motion", "difference", 1e-9, "section 3"),
+            ("motion", "ranks", {0.0: 25, 1.5: 28}, "Eq. (111)"),
+            ("printed", "ratios", {2: 0.66818, 3: 0.6681786, 5: 0.6681786}, "Eq. (114), (116), (117)"),
+            ("printed", "ratios", {2: 0.6681786, 3: 0.6681786}, "Eq. (114), (116), (117)"),
+        ],
+    )
+    def test_each_can_fail(self, found, part, field, value, where):
+        parts = {"printed": found.printed, "corrected": found.corrected, "motion": found.over_time}
+        parts[part] = dataclasses.replace(parts[part], **{field: value})
+        failing = checks(found.geometry, found.identification, numbers=found.numbers, effects=found.effects, **parts)
+        assert [check.where for check in failing if not check.agrees] == [where]
+
+    def test_a_parameter_that_is_lost_fails(self, found):
+        """Of every trial: what is not determined has no error that could be too large."""
+        values = found.identification.exact.values.copy()
+        values[0, 1] = math.nan
+        exact = dataclasses.replace(found.identification.exact, values=values)
+        fewer = dataclasses.replace(found.identification, exact=exact)
+        parts = (found.geometry, fewer, found.printed, found.numbers, found.corrected, found.over_time, found.effects)
+        failing = [check for check in checks(*parts) if not check.agrees]
+        assert [check.what for check in failing] == ["parameters that the data determine and the paper prints"]
+
+    def test_a_lost_digit_fails(self, found):
+        numbers = [dataclasses.replace(found.numbers[2], digits=5), *found.numbers[:2], *found.numbers[3:]]
+        parts = (found.geometry, found.identification, found.printed, numbers, found.corrected)
+        failing = [check for check in checks(*parts, found.over_time, found.effects) if not check.agrees]
+        assert [check.what for check in failing] == ["as printed: fewest agreeing significant digits of these"]
+
+    def test_bounds_of_both_kinds(self):
+        assert Check("", "", 1.0, 1.0, "").agrees
+        assert Check("", "", 1.0, 1.0, "", at_least=True).agrees
+        assert not Check("", "", math.nan, 1.0, "").agrees
+        assert not Check("", "", 0.0, 1.0, "", at_least=True).agrees
+
+
+class TestText:
+    def test_order_of_the_paper(self, found, monkeypatch):
+        said = shown(found, monkeypatch)
+        titles = ["Table 2", "The experiment of section 3.1", "Table 3", "Table 4", "Section 3.2 as printed",
+                  "Section 3.2 corrected", "The printed errors", "What holds"]  # fmt: skip
+        places = [said.index(f"\n{title}") for title in titles]
+        assert places == sorted(places)
+
+    def test_contents(self, found, monkeypatch):
+        said = shown(found, monkeypatch)
+        assert "5.4619 B5" in said
+        assert re.search(r"λ_33 +2\.393758e4 +-2\.393758e\+04 +7 +minus not printed \(B6\)", said)
+        assert re.search(r"λ_24 +-1\.233380e11 +– +not determined \(A2\)", said)
+        assert re.search(r"λ_14 .*not reproduced", said)
+        assert re.search(r"λ_61 +1\.356146e-4 +0 +zero; printed: rounding", said)
+        assert re.search(r"J_22 +printed +982\.8120", said)
+        assert "every reproduced number is within its bound" in said
+        for sentence in found.corrected.reading:
+            assert sentence[:60] in said
+
+    def test_tables_of_the_paper_fit_into_80_characters(self, found, monkeypatch):
+        before = shown(found, monkeypatch, NARROW).partition("The printed errors")[0]
+        assert max(map(len, before.splitlines())) <= NARROW
+        assert "…" not in before.replace("1 … 6", "")
+
+    def test_failure_is_said(self, found, monkeypatch):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
+        said = shown(broken, monkeypatch)
+        assert "DOES NOT HOLD" in said
+        assert "NOT every number is within its bound" in said
+
+    def test_numbers(self):
+        assert value_text(-0.00001) == "0.0000"
+        assert value_text(math.nan) == error_text(math.nan) == printed_text(Printed(None)) == "–"
+        assert (error_text(0.0), error_text(-3.4e-13)) == ("0", "-3e-13")
+
+
+class TestCommand:
+    def test_everything(self, tmp_path):
+        file, page = tmp_path / "r.json", tmp_path / "r.html"
+        done = paper("--json", file, "--html", page)
+        assert done.exit_code == 0
+        assert done.stderr == ""
+        assert "Table 3" in done.stdout
+        record = json.loads(file.read_text(encoding="utf-8"))
+        Draft202012Validator(SCHEMA).validate(record)
+        assert record["format"] == PAPER_FORMAT
+        assert record["errata"]["samples"] == 10
+        assert "<h1>The paper beside the corrected model</h1>" in page.read_text(encoding="utf-8")
+
+    def test_failure_is_exit_code_1(self, found, monkeypatch):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
+        monkeypatch.setattr("crosscheck.paper.reproduction.reproduce", lambda *_: broken)
+        assert paper().exit_code == 1
+
+    def test_bad_input(self, tmp_path):
+        done = paper("--html", tmp_path)
+        assert done.exit_code == 2
+        assert "is a folder" in done.stderr
+        assert CliRunner().invoke(app, ["paper", "--samples", "9"]).exit_code == 2
+
+    def test_progress(self):
+        """Each part once, in order."""
+        said = []
+        reproduce(10, progress=said.append)
+        assert tuple(said[: len(PARTS)]) == PARTS
+        assert said[len(PARTS)] == "A1 on kr500"
+
+
+class TestRecord:
+    def test_follows_the_schema(self, found):
+        record = finite(as_json(found))
+        whole = {"format": PAPER_FORMAT, "versions": versions(), "command": COMMAND, **record}
+        Draft202012Validator(SCHEMA).validate(json.loads(json.dumps(whole, allow_nan=False)))
+
+    def test_a_number_that_is_none(self, found):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
+        record = finite(as_json(broken))
+        assert (record["agrees"], record["checks"][0]["measured"]) == (False, None)
+
+    def test_undetermined_and_misprinted(self, found):
+        record = finite(as_json(found))
+        assert [row[0] for row in record["identification"]["trials"][0]["values"].values()].count(None) == 3
+        assert record["identification"]["table_3"]["J_33"][3] == {
+            "printed": "5.4619",
+            "reading": "5.6419",
+            "erratum": "B5",
+        }
+        assert record["identification"]["table_3"]["m(e_2)"][0]["printed"] is None
+
+
+class TestPage:
+    def test_tables(self, found, page):
+        table_2 = rows(page, "from 7801 kg/m³")
+        assert table_2[4] == ["m [kg]", "printed", *(number.text for number in TABLE_2.rows["m [kg]"])]
+        assert table_2[5] == ["graphdyn", *found.geometry.texts[2]]
+        table_3 = rows(page, "Table 3 [kg")
+        assert len(table_3) == 18
+        assert table_3[15][:3] == ["J_33", "printed", "982.8120"]
+        assert table_3[15][5] == "5.4619 5.6419 (B5)"
+        assert table_3[16][:2] == ["exact data", "–"]
+        assert len(rows(page, "Table 4 [kg")) == 18
+        assert len(rows(page, "Over the 33 entries")) == 3 + len(found.identification.rounded)
+
+    def test_section_3_2(self, found, page):
+        printed = {row[0]: row[1:] for row in rows(page, "Eq. (113)-(118)")}
+        assert list(printed) == [number.name for number in found.numbers]
+        assert printed["λ_33"][:3] == ["2.393758e4 -2.393758e4 (B6)", "-2.393758e+04", "7"]
+        assert printed["λ_24"][1] == "–"
+        corrected = rows(page, "All thirty multipliers")
+        assert len(corrected) == 12
+        assert corrected[0][2:] == corrected[1][1:]
+        assert [row[0] for row in rows(page, "tan 33.75°")] == ["2", "3", "5"]
+
+    def test_checks_and_errata(self, found, page):
+        assert [row[4] for row in rows(page, "Each number with its bound")] == ["✓ agrees"] * len(found.checks)
+        assert len(rows(page, "Quantiles")) == len(found.effects)
+
+    def test_failure(self, found):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
+        html = paper_page(broken, COMMAND)
+        assert "✗ DISAGREES" in html
+        assert "Not every number is" in html
+        assert rows(html, "Each number with its bound")[0][2] == "nan"
+
+    def test_pictures(self, page):
+        labels = re.findall(r'<svg[^>]*aria-label="([^"]*)"', page)
+        starts = ["Figure 2", "Figure 11", "Figure 10", "Absolute errors", *(f"Joint {j}" for j in range(1, 7)),
+                  "Distribution", "A3", "A2"]  # fmt: skip
+        assert [label.startswith(start) for label, start in zip(labels, starts, strict=True)] == [True] * len(starts)
+        assert "joint 1 at 33.75°, joint 2 at -33.75°, carriage at 2.25 m" in labels[1]
+        for joint in range(1, 7):
+            for number in range(1, 6):
+                assert f">λ_{joint}{number}</text>" in page
+
+    def test_well_formed(self, page):
+        known = {"ERR_HTML_UNKNOWN_TAG", "HTML_UNKNOWN_TAG"}  # libxml2 knows no <svg>, <main>, <figure>
+        parser = etree.HTMLParser()
+        etree.fromstring(page.encode(), parser)
+        assert [e.message for e in parser.error_log if e.type_name not in known] == []
+        ids = re.findall(r'\bid="([^"]+)"', page)
+        assert len(set(ids)) == len(ids)
+        assert set(re.findall(r'href="#([^"]+)"', page) + re.findall(r"url\(#([^)]+)\)", page)) <= set(ids)
+
+    def test_needs_nothing_else(self, page):
+        assert set(re.findall(r"""https?://[^"'\s<)]*""", page)) == {"http://www.w3.org/2000/svg"}
+        root = etree.fromstring(page.encode(), etree.HTMLParser())
+        assert not root.xpath("//link | //img | //iframe | //script[@src]")
+        assert len(page.encode()) < LARGEST
+
+    def test_semantics(self, page):
+        root = etree.fromstring(page.encode(), etree.HTMLParser())
+        assert len(root.xpath("//h1")) == 1
+        assert all(table.find("caption") is not None for table in root.iter("table"))
+        assert all(cell.get("scope") in ("row", "col", "rowgroup") for cell in root.iter("th"))
+
+    def test_same_arguments_same_page(self, found, page):
+        assert paper_page(found, COMMAND) == page
+
+    @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
+    def test_never_wider_than_its_window(self, tmp_path, page):
+        write_page(tmp_path / "page.html", page)
+        frames = "".join(
+            f'<iframe src="page.html" style="border:0;width:{width}px;height:800px"></iframe>' for width in (1280, 400)
+        )
+        probe = (
+            f"<!DOCTYPE html><html><body>{frames}<script>onload = () => document.body.dataset.measured = "
+            '[...document.querySelectorAll("iframe")].map(frame => frame.contentDocument.documentElement.scrollWidth'
+            ' + "/" + frame.contentWindow.innerWidth).join(" ");</script></body></html>'
+        )
+        (tmp_path / "probe.html").write_text(probe, encoding="utf-8")
+        options = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
+                   "--disable-component-update", "--disable-sync", "--disable-quic", "--allow-file-access-from-files",
+                   f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=5000", "--dump-dom"]  # fmt: skip
+        dumped = subprocess.run(
+            [CHROMIUM, *options, (tmp_path / "probe.html").as_uri()],
+            capture_output=True, text=True, timeout=60, check=True, encoding="utf-8",
+        ).stdout  # fmt: skip
+        (measured,) = re.findall(r'data-measured="([^"]*)"', dumped)
+        widths = [tuple(map(int, pair.split("/"))) for pair in measured.split()]
+        assert [window for _, window in widths] == [1280, 400]
+        assert all(content <= window for content, window in widths), widths
