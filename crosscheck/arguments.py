@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Integral
@@ -22,13 +23,14 @@ class Subject:
     """The robot to be compared.
 
     name: as it was given
-    file: whole path of its URDF, None where a RobotModel was given
+    file: whole path of its URDF, None where a RobotModel was given; file_sha256: of its content, likewise
     locked: value per joint that is held still [rad or m]
     """
 
     name: str
     model: RobotModel
     file: str | None
+    file_sha256: str | None
     locked: Mapping[str, float]
 
 
@@ -39,11 +41,16 @@ def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None) -> Subject:
             raise InvalidInput(
                 "lock and gravity apply to names and files; a RobotModel already has its joints and gravity"
             )
-        return Subject(robot.name, robot, None, {})
+        return Subject(robot.name, robot, None, None, {})
     lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
     model = urdf.load(robot, lock=lock, gravity=gravity)
     locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
-    return Subject(str(robot), model, str(locate(robot)[0].resolve()), locked)
+    return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked)
+
+
+def content_sha256(robot: str | PathLike[str]) -> str:
+    """Of the file of a name or path. Raises RobotNotFound, OSError."""
+    return hashlib.sha256(locate(robot)[0].read_bytes()).hexdigest()
 
 
 def check_counts(samples: int, seed: int) -> None:

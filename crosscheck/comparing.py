@@ -115,6 +115,7 @@ def compare(
     return Comparison(
         robot=compared.name,
         file=compared.file,
+        file_sha256=compared.file_sha256,
         model=model,
         n_bodies=model.n_bodies,
         samples=samples,

@@ -127,7 +127,9 @@ def as_text(comparison: Comparison) -> str:
 
 def as_json(comparison: Comparison) -> dict[str, Any]:
     """Everything as plain data; numbers that are not finite become null. The format is described in docs/json.md."""
-    as_they_are = ("robot", "file", "n_bodies", "samples", "seed", "locked", "routes", "not_compared", "notes")
+    as_they_are = (
+        "robot", "file", "file_sha256", "n_bodies", "samples", "seed", "locked", "routes", "not_compared", "notes",
+    )  # fmt: skip
     identification = comparison.identification
     record = {
         **{name: getattr(comparison, name) for name in as_they_are},

@@ -68,7 +68,7 @@ class QuantityResult:
 class Comparison:
     """The verdict on one robot.
 
-    robot: as given; file: where its URDF is, None where a RobotModel was given
+    robot: as given; file: where its URDF is, None where a RobotModel was given; file_sha256: of its content, likewise
     model: the robot that was compared
     quantities: by name, in the order of the table
     not_compared: quantities left out, with the reason
@@ -78,6 +78,7 @@ class Comparison:
 
     robot: str
     file: str | None
+    file_sha256: str | None
     model: RobotModel
     n_bodies: int
     samples: int

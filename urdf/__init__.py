@@ -1,4 +1,4 @@
-"""URDF files and graphdyn: load, save, and a catalogue of robots.
+"""URDF files and graphdyn: load, inspect, save, and a catalogue of robots.
 
 Strict where parsers guess: what would have to be filled in is refused with file, line, element and remedy.
 """
@@ -19,10 +19,12 @@ from urdf.errors import (
     MissingInertialWarning,
     NotATree,
     RobotNotFound,
+    TooLarge,
     UnsupportedJoint,
     URDFError,
     URDFWarning,
 )
+from urdf.inspection import Finding, Report, inspect
 from urdf.loading import fused_links, load
 from urdf.saving import save
 from urdf.updating import Update, update
@@ -32,6 +34,7 @@ __all__ = [
     "CannotSave",
     "CannotUpdate",
     "DuplicateEntry",
+    "Finding",
     "GravityNotSavedWarning",
     "InvalidLock",
     "InvalidNumber",
@@ -41,13 +44,16 @@ __all__ = [
     "MissingEntry",
     "MissingInertialWarning",
     "NotATree",
+    "Report",
     "RobotEntry",
     "RobotNotFound",
+    "TooLarge",
     "URDFError",
     "URDFWarning",
     "UnsupportedJoint",
     "Update",
     "fused_links",
+    "inspect",
     "load",
     "robots",
     "save",

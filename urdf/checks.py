@@ -6,18 +6,17 @@ line numbers. Everything it would guess is refused here.
 
 from __future__ import annotations
 
-import math
-import re
+from collections import Counter
+from collections.abc import Iterator
 
 from lxml import etree
 
-from urdf.errors import DuplicateEntry, InvalidNumber, MissingEntry, UnsupportedJoint
+from urdf.errors import DuplicateEntry, InvalidNumber, MissingEntry, UnsupportedJoint, URDFError
+from urdf.numerals import BadNumber, numbers
 from urdf.source import Source, line_of, name_of
+from urdf.wording import shortened
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
-
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
-_UNEXPANDED = re.compile(r"\$[{(]")
 
 _REQUIRED_CHILDREN = {"inertial": ("mass", "inertia"), "joint": ("parent", "child")}
 _REQUIRED_ATTRIBUTES = {
@@ -41,99 +40,96 @@ _NUMBERS = {
 
 def check(source: Source) -> None:
     """Raise MissingEntry, DuplicateEntry, InvalidNumber or UnsupportedJoint for the first fault in the file."""
-    _check_name(source, source.robot)
+    for fault in faults(source):
+        raise fault
+
+
+def faults(source: Source) -> Iterator[URDFError]:
+    """Every fault of the file, in the order of the rules."""
+    yield from _name_faults(source, source.robot)
     if not source.links:
-        raise source.error(
-            MissingEntry, source.robot, "there is no <link>", "expand the file with xacro if it is a xacro file"
+        yield source.error(
+            MissingEntry,
+            "no-links",
+            source.robot,
+            "there is no <link>",
+            "expand the file with xacro if it is a xacro file",
         )
     for elements in (source.links, source.joints):
-        _check_unique_names(source, elements)
+        yield from _repeated_names(source, elements)
     for link in source.links:
-        _check_parts(source, link)
+        yield from _part_faults(source, link)
     for joint in source.joints:
-        _check_type(source, joint)
-        _check_parts(source, joint)
+        yield from _type_faults(source, joint)
+        yield from _part_faults(source, joint)
 
 
-def _check_name(source: Source, element: etree._Element) -> None:
+def _name_faults(source: Source, element: etree._Element) -> Iterator[URDFError]:
     if not name_of(element):
-        raise source.error(MissingEntry, element, "attribute 'name' is missing or empty", "give it a name")
+        yield source.error(
+            MissingEntry, "missing-name", element, "attribute 'name' is missing or empty", "give it a name"
+        )
 
 
-def _check_unique_names(source: Source, elements: list[etree._Element]) -> None:
+def _repeated_names(source: Source, elements: list[etree._Element]) -> Iterator[URDFError]:
     lines: dict[str, int | None] = {}
     for element in elements:
-        _check_name(source, element)
+        yield from _name_faults(source, element)
         name = name_of(element)
-        if name in lines:
-            raise source.error(
-                DuplicateEntry, element, f"the name is used already in line {lines[name]}", "rename one of the two"
-            )
-        lines[name] = line_of(element)
+        if name and name in lines:
+            problem = f"the name is used already in line {lines[name]}"
+            yield source.error(DuplicateEntry, "duplicate-name", element, problem, "rename one of the two")
+        lines.setdefault(name, line_of(element))
 
 
-def _check_type(source: Source, joint: etree._Element) -> None:
+def _type_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:
     kind = joint.get("type")
     if kind is None:
-        raise source.error(MissingEntry, joint, "attribute 'type' is missing", f"use one of {', '.join(JOINT_TYPES)}")
-    if kind not in JOINT_TYPES:
-        raise source.error(
+        yield source.error(
+            MissingEntry, "missing-type", joint, "attribute 'type' is missing", f"use one of {', '.join(JOINT_TYPES)}"
+        )
+    elif kind not in JOINT_TYPES:
+        yield source.error(
             UnsupportedJoint,
+            "unsupported-joint",
             joint,
-            f"type '{kind}' is not supported",
+            f"type '{shortened(kind)}' is not supported",
             f"use one of {', '.join(JOINT_TYPES)}, or replace it by several of them",
         )
 
 
-def _check_parts(source: Source, element: etree._Element) -> None:
+def _part_faults(source: Source, element: etree._Element) -> Iterator[URDFError]:
     """Everything below a link or a joint: presence, uniqueness, numbers."""
-    tags = [child.tag for child in element]
+    tags = Counter(child.tag for child in element)
     for tag in _REQUIRED_CHILDREN.get(element.tag, ()):
         if tag not in tags:
-            raise source.error(MissingEntry, element, f"<{tag}> is missing", "write it; nothing is assumed for it")
-    for child in element:
-        if tags.count(child.tag) > 1:
-            raise source.error(
-                DuplicateEntry, element, f"{tags.count(child.tag)} elements <{child.tag}>", "keep the one that is meant"
+            yield source.error(
+                MissingEntry, f"missing-{tag}", element, f"<{tag}> is missing", "write it; nothing is assumed for it"
             )
-        _check_attributes(source, child)
-        _check_parts(source, child)
+    for child in element:
+        number = tags.pop(child.tag, 1)  # so that each is told once
+        if number > 1:
+            problem = f"{number} elements <{child.tag}>"
+            yield source.error(DuplicateEntry, "duplicate-element", element, problem, "keep the one that is meant")
+        yield from _attribute_faults(source, child)
+        yield from _part_faults(source, child)
 
 
-def _check_attributes(source: Source, element: etree._Element) -> None:
+def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFError]:
     for name in _REQUIRED_ATTRIBUTES.get(element.tag, ()):
         if element.get(name) is None:
-            raise source.error(
-                MissingEntry, element, f"attribute '{name}' is missing", "write it; nothing is assumed for it"
-            )
+            problem = f"attribute '{name}' is missing"
+            remedy = "write it; nothing is assumed for it"
+            yield source.error(MissingEntry, f"missing-{element.tag}", element, problem, remedy)
     for name, count in _NUMBERS.get(element.tag, {}).items():
-        values = _numbers(source, element, name, count)
-        if element.tag == "mass" and values[0] < 0:
-            raise source.error(InvalidNumber, element, f"mass {values[0]} kg is negative", "give a mass of at least 0")
-        if element.tag == "axis" and not any(values):
-            raise source.error(InvalidNumber, element, "the axis is zero", "give a direction")
-
-
-def _numbers(source: Source, element: etree._Element, attribute: str, count: int) -> list[float]:
-    """The finite numbers of an attribute, [0] * count where it is absent."""
-    text = element.get(attribute)
-    if text is None:
-        return [0.0] * count
-    said = f'{attribute}="{text}"'
-    if _UNEXPANDED.search(text):
-        raise source.error(InvalidNumber, element, f"{said} is not expanded", "expand the file with xacro")
-    words = text.split()
-    if len(words) != count:
-        raise source.error(
-            InvalidNumber, element, f"{said} has {len(words)} entries, expected {count}", "separate numbers by spaces"
-        )
-    for word in words:
-        if word.lower().lstrip("+-") in ("nan", "inf", "infinity"):
-            raise source.error(
-                InvalidNumber, element, f"{said} is not finite", "give a finite number, or leave it out where optional"
-            )
-        if not _NUMBER.fullmatch(word):
-            raise source.error(InvalidNumber, element, f"{said}: '{word}' is not a number", "correct the number")
-        if not math.isfinite(float(word)):
-            raise source.error(InvalidNumber, element, f"{said}: '{word}' overflows", "correct the number")
-    return [float(word) for word in words]
+        text = element.get(name)
+        found = None if text is None else numbers(text, count, f'{name}="{shortened(text)}"')
+        if found is None:
+            continue
+        if isinstance(found, BadNumber):
+            yield source.error(InvalidNumber, found.code, element, found.problem, found.remedy)
+        elif element.tag == "mass" and found[0] < 0:
+            problem = f"mass {found[0]} kg is negative"
+            yield source.error(InvalidNumber, "negative-mass", element, problem, "give a mass of at least 0")
+        elif element.tag == "axis" and not any(found):
+            yield source.error(InvalidNumber, "zero-axis", element, "the axis is zero", "give a direction")

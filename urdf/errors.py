@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 from graphdyn.errors import GraphDynError
 
@@ -10,19 +11,24 @@ from graphdyn.errors import GraphDynError
 class URDFError(GraphDynError, ValueError):
     """Base of every refusal: where, what is wrong, and what to do about it.
 
+    code: a stable name of the fault ("negative-mass"), for programs
     path: the file, line: its line, element: the element there; None where the refusal has none
     """
+
+    default_code: ClassVar[str] = "invalid-robot"
 
     def __init__(
         self,
         problem: str,
         remedy: str,
         *,
+        code: str | None = None,
         path: Path | None = None,
         line: int | None = None,
         element: str | None = None,
     ):
         self.problem, self.remedy = problem, remedy
+        self.code = code or self.default_code
         self.path, self.line, self.element = path, line, element
         place = "" if path is None else str(path) if line is None else f"{path}:{line}"
         super().__init__(": ".join(part for part in (place, element, f"{problem}; {remedy}") if part))
@@ -31,9 +37,19 @@ class URDFError(GraphDynError, ValueError):
 class RobotNotFound(URDFError):
     """Neither a file nor a name of the catalogue."""
 
+    default_code = "no-such-file"
+
+
+class TooLarge(URDFError):
+    """A file beyond the limits of size: bytes, tags, links, joints."""
+
+    default_code = "too-large"
+
 
 class MalformedXML(URDFError):
     """Not a well-formed XML document, or not one whose root element is <robot>."""
+
+    default_code = "malformed-xml"
 
 
 class MissingEntry(URDFError):

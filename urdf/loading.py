@@ -42,24 +42,16 @@ def load(path_or_name: str | PathLike[str], *, lock: Lock = None, gravity: Array
     link has that name. Angles are used as written: 1.5708 is not π/2. The inertia of the root link, which never moves,
     is dropped. A largest-double effort or velocity limit means "none" (urdf.save writes it).
 
-    Raises URDFError (RobotNotFound, MalformedXML, MissingEntry, DuplicateEntry, InvalidNumber, UnsupportedJoint,
-    NotATree, InvalidLock, InvalidRobot) with file, line and element for everything that would have to be guessed, and
-    InvalidModel for a gravity that is not three finite numbers.
+    Raises URDFError (RobotNotFound, MalformedXML, TooLarge, MissingEntry, DuplicateEntry, InvalidNumber,
+    UnsupportedJoint, NotATree, InvalidLock, InvalidRobot) with file, line and element for everything that would have to
+    be guessed, and InvalidModel for a gravity that is not three finite numbers.
     Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning.
     """
     path, default_gravity = locate(path_or_name)
-    parsed = _read(path, lock)
-    try:
-        model = RobotModel(
-            parsed.robot.name,
-            tuple(parsed.assembly.bodies),
-            tuple(parsed.assembly.joints),
-            gravity=np.array(default_gravity),
-            base_name=parsed.root,
-            frames=tuple(parsed.assembly.frames),
-        )
-    except InvalidModel as error:
-        raise InvalidRobot(str(error), "correct the file", path=path) from error
+    source = read(path)
+    check(source)
+    parsed = parse(source, lock)
+    model = build(parsed, default_gravity)
     _warn(path, parsed)
     return model if gravity is None else model.with_gravity(gravity)
 
@@ -71,34 +63,55 @@ def fused_links(path_or_name: str | PathLike[str], *, lock: Lock = None) -> dict
     parameters are `model.bodies[number - 1].parameters - share`. Links without <inertial> and links fixed to the
     ground are left out. lock and errors as in load; no warnings.
     """
-    return _read(locate(path_or_name)[0], lock).assembly.fused
+    source = read(locate(path_or_name)[0])
+    check(source)
+    return parse(source, lock).assembly.fused
 
 
 @dataclass(frozen=True, eq=False)
-class _Parsed:
+class Parsed:
+    """A file as yourdfpy reads it, and the bodies, joints and frames made of it."""
+
+    path: Path
     robot: yourdfpy.urdf.Robot
     root: str
     locked: Mapping[str, float]
     assembly: Assembly
 
 
-def _read(path: Path, lock: Lock) -> _Parsed:
-    """The stages before the model."""
-    source = read(path)
-    check(source)
+def parse(source: Source, lock: Lock = None) -> Parsed:
+    """The stages between the checks and the model. Raises NotATree, InvalidLock, InvalidRobot."""
+    path = source.path
     root, order = joints_in_order(source)
-    robot = _parse(source)
+    robot = _robot(source)
     movable = [joint.name for joint in robot.joints if joint.type != "fixed"]
     locked = locked_values(lock, movable, path)
     if not set(movable) - set(locked):
-        raise InvalidRobot("no moving body: every joint is fixed or locked", "leave a joint free", path=path)
+        raise InvalidRobot(
+            "no moving body: every joint is fixed or locked", "leave a joint free", code="no-moving-joint", path=path
+        )
     try:
-        return _Parsed(robot, root, locked, assemble(robot, root, order, locked))
+        return Parsed(path, robot, root, locked, assemble(robot, root, order, locked))
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=path) from error
 
 
-def _parse(source: Source) -> yourdfpy.urdf.Robot:
+def build(parsed: Parsed, gravity: ArrayLike) -> RobotModel:
+    """The model, under this gravity (3,) [m/s²]. Raises InvalidRobot."""
+    try:
+        return RobotModel(
+            parsed.robot.name,
+            tuple(parsed.assembly.bodies),
+            tuple(parsed.assembly.joints),
+            gravity=np.array(gravity),
+            base_name=parsed.root,
+            frames=tuple(parsed.assembly.frames),
+        )
+    except InvalidModel as error:
+        raise InvalidRobot(str(error), "correct the file", path=parsed.path) from error
+
+
+def _robot(source: Source) -> yourdfpy.urdf.Robot:
     """yourdfpy's robot of exactly the elements that were checked. Its import takes a second, hence here."""
     import yourdfpy
 
@@ -106,7 +119,7 @@ def _parse(source: Source) -> yourdfpy.urdf.Robot:
     return yourdfpy.URDF.load(document, build_scene_graph=False, load_meshes=False).robot
 
 
-def _warn(path: Path, parsed: _Parsed) -> None:
+def _warn(path: Path, parsed: Parsed) -> None:
     """The three warnings, each once per file with all names, at the line that called load."""
     robot, locked, assembly = parsed.robot, parsed.locked, parsed.assembly
     lengths = {joint.name: float(np.linalg.norm(joint.axis)) for joint in robot.joints if joint.type != "fixed"}

@@ -1,14 +1,16 @@
-"""One URDF file as XML: read strictly, reduced to the elements that describe dynamics."""
+"""One URDF file, reduced to the elements that describe dynamics."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 from lxml import etree
 
-from urdf.errors import MalformedXML, URDFError
+from urdf.document import Document, open_document
+from urdf.errors import TooLarge, URDFError
+from urdf.wording import shortened
 
 _RIGID = ("origin", "parent", "child")
 _READ = {
@@ -18,6 +20,9 @@ _READ = {
     "joint": (*_RIGID, "axis", "limit", "dynamics", "mimic"),
 }
 """The children that are read. The rest (visuals, transmissions, xacro leftovers, …) says nothing of dynamics."""
+
+MOST_LINKS = 2000
+"""And joints. Dense matrices of so many bodies fill gigabytes; the largest published robots have some 200 links."""
 
 
 @dataclass(frozen=True)
@@ -35,31 +40,28 @@ class Source:
     def joints(self) -> list[etree._Element]:
         return self.robot.findall("joint")
 
-    def error(self, kind: type[URDFError], element: etree._Element, problem: str, remedy: str) -> URDFError:
+    def error(self, kind: type[URDFError], code: str, element: etree._Element, problem: str, remedy: str) -> URDFError:
         """The refusal of this kind, with file, line and element."""
-        return kind(problem, remedy, path=self.path, line=line_of(element), element=_describe(element))
+        return kind(problem, remedy, code=code, path=self.path, line=line_of(element), element=describe(element))
 
 
 def read(path: Path) -> Source:
-    """The file at path. Raises MalformedXML where yourdfpy would fall back on a parser that guesses."""
-    parser = etree.XMLParser(resolve_entities=False, no_network=True)
-    try:
-        robot = etree.fromstring(path.read_bytes(), parser)
-    except etree.XMLSyntaxError as error:
-        raise MalformedXML(
-            f"not well-formed XML: {error.msg}", "repair the file with an XML editor", path=path, line=error.lineno
-        ) from error
-    name = etree.QName(robot)
-    if name.localname != "robot":
-        raise MalformedXML(
-            f"the root element is <{name.localname}>, not <robot>", "give a URDF file", path=path, line=line_of(robot)
-        )
-    grammar: Any = robot.getroottree().docinfo.internalDTD
-    if grammar is not None and grammar.entities():
-        raise MalformedXML("the document declares XML entities", "write their text instead", path=path)
-    _reduce(robot, "" if name.namespace is None else f"{{{name.namespace}}}")
+    """The file at path. Raises MalformedXML and TooLarge."""
+    return reduced(open_document(path))
+
+
+def reduced(document: Document) -> Source:
+    """The document without all that is not read; its own tree is used up. Raises TooLarge."""
+    robot = document.robot
+    _reduce(robot, document.namespace)
     etree.cleanup_namespaces(robot)
-    return Source(path, robot)
+    source = Source(document.path, robot)
+    for what, number in (("links", len(source.links)), ("joints", len(source.joints))):
+        if number > MOST_LINKS:
+            raise TooLarge(
+                f"the robot has {number} {what}, more than {MOST_LINKS}", "give a smaller robot", path=document.path
+            )
+    return source
 
 
 def name_of(element: etree._Element) -> str:
@@ -83,8 +85,8 @@ def _reduce(element: etree._Element, namespace: str) -> None:
             element.remove(child)
 
 
-def _describe(element: etree._Element) -> str:
+def describe(element: etree._Element) -> str:
     """The element by name: "link 'wrist'", "<mass> of link 'wrist'"."""
     owner = next((e for e in (element, *element.iterancestors()) if e.tag in ("robot", "link", "joint")), element)
-    named = f"{owner.tag} '{name_of(owner)}'" if name_of(owner) else f"<{owner.tag}>"
+    named = f"{owner.tag} '{shortened(name_of(owner))}'" if name_of(owner) else f"<{owner.tag}>"
     return named if owner is element else f"<{element.tag}> of {named}"

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+
 from lxml import etree
 
-from urdf.errors import NotATree
+from urdf.errors import NotATree, URDFError
 from urdf.source import Source, name_of
+from urdf.wording import listed, shortened
+
+Joints = Mapping[str, Sequence[etree._Element]]
+"""Joints by the name of a link."""
 
 
 def joints_in_order(source: Source) -> tuple[str, list[str]]:
@@ -13,62 +19,77 @@ def joints_in_order(source: Source) -> tuple[str, list[str]]:
 
     Raises NotATree for a joint to a link that does not exist, a link with two parents, several roots, a cycle.
     """
-    children = _children(source)
-    root = _root(source)
-    order, waiting = [], list(reversed(children[root]))
-    while waiting:
-        joint = waiting.pop()
-        order.append(name_of(joint))
-        waiting += reversed(children[_end(joint, "child")])
-    if len(order) < len(source.joints):
-        _refuse_cycle(source, set(order))
-    return root, order
+    for fault in tree_faults(source):
+        raise fault
+    (root,) = root_links(source)
+    return root, [name_of(joint) for joint in walk(joints_by(source, "parent"), [root])]
 
 
-def _end(joint: etree._Element, side: str) -> str:
-    """Name of the link at the "parent" or "child" side of a joint."""
-    end = joint.find(side)
-    return "" if end is None else end.get("link", "")
-
-
-def _children(source: Source) -> dict[str, list[etree._Element]]:
-    """Per link: the joints that it is the parent of, in file order."""
-    children: dict[str, list[etree._Element]] = {name_of(link): [] for link in source.links}
+def tree_faults(source: Source) -> Iterator[URDFError]:
+    """Everything that keeps links and joints from being one tree."""
+    links = {name_of(link) for link in source.links}
     for joint in source.joints:
         for side in ("parent", "child"):
-            if _end(joint, side) not in children:
-                raise source.error(
-                    NotATree, joint, f"{side} link '{_end(joint, side)}' does not exist", "correct the name or add it"
-                )
-        children[_end(joint, "parent")].append(joint)
-    return children
-
-
-def _root(source: Source) -> str:
-    """The one link that is no child. A link with two parents is refused on the way."""
-    carrier: dict[str, str] = {}
-    for joint in source.joints:
-        child = _end(joint, "child")
-        if child in carrier:
-            raise source.error(
-                NotATree,
-                joint,
-                f"link '{child}' is the child of joint '{carrier[child]}' too",
-                "a link has one parent; closed loops cannot be represented",
-            )
-        carrier[child] = name_of(joint)
-    roots = [name_of(link) for link in source.links if name_of(link) not in carrier]
-    if not roots:
-        raise source.error(NotATree, source.robot, "no root: every link is the child of a joint", "remove the cycle")
+            name = end(joint, side)
+            if name is not None and name not in links:
+                problem = f"{side} link '{shortened(name)}' does not exist"
+                yield source.error(NotATree, "missing-link", joint, problem, "correct the name or add it")
+    carried = joints_by(source, "child")
+    for child, joints in carried.items():
+        for joint in joints[1:]:
+            problem = f"link '{shortened(child)}' is the child of joint '{shortened(name_of(joints[0]))}' too"
+            remedy = "a link has one parent; closed loops cannot be represented"
+            yield source.error(NotATree, "two-parents", joint, problem, remedy)
+    roots = root_links(source)
+    if not roots and links:
+        problem = "no root: every link is the child of a joint"
+        yield source.error(NotATree, "no-root", source.robot, problem, "remove the cycle")
+        return
     if len(roots) > 1:
-        names = ", ".join(f"'{name}'" for name in roots)
-        raise source.error(NotATree, source.robot, f"several root links: {names}", "connect them with fixed joints")
-    return roots[0]
+        problem = f"several root links: {listed(roots)}"
+        yield source.error(NotATree, "several-roots", source.robot, problem, "connect them with fixed joints")
+    carriers = joints_by(source, "parent")
+    held = {end(joint, "child") for joint in source.joints if end(joint, "parent") is not None}
+    reached = set(walk(carriers, [name for name in {**dict.fromkeys(links), **carriers} if name not in held]))
+    cyclic = [joint for joint in source.joints if joint not in reached and end(joint, "parent") is not None]
+    if cyclic:
+        problem = f"a cycle that the root does not reach, joints {listed(map(name_of, cyclic))}"
+        yield source.error(NotATree, "cycle", cyclic[0], problem, "connect them to the root")
 
 
-def _refuse_cycle(source: Source, reached: set[str]) -> None:
-    cyclic = [joint for joint in source.joints if name_of(joint) not in reached]
-    names = ", ".join(f"'{name_of(joint)}'" for joint in cyclic)
-    raise source.error(
-        NotATree, cyclic[0], f"a cycle that the root does not reach, joints {names}", "connect them to the root"
-    )
+def root_links(source: Source) -> list[str]:
+    """Names of the links that are no child, in file order."""
+    carried = joints_by(source, "child")
+    return [name for name in dict.fromkeys(map(name_of, source.links)) if name not in carried]
+
+
+def joints_by(source: Source, side: str) -> dict[str, list[etree._Element]]:
+    """Per link: the joints with this link at their "parent" or "child" side, in file order."""
+    found: dict[str, list[etree._Element]] = {}
+    for joint in source.joints:
+        name = end(joint, side)
+        if name is not None:
+            found.setdefault(name, []).append(joint)
+    return found
+
+
+def walk(carriers: Joints, roots: Sequence[str]) -> Iterator[etree._Element]:
+    """The joints reached from these links, parents first, depth first; each once, also where the tree is none.
+
+    carriers: per link, the joints that it is the parent of
+    """
+    seen: set[etree._Element] = set()
+    waiting = [joint for root in reversed(roots) for joint in reversed(carriers.get(root, ()))]
+    while waiting:
+        joint = waiting.pop()
+        if joint in seen:
+            continue
+        seen.add(joint)
+        yield joint
+        waiting += reversed(carriers.get(end(joint, "child") or "", ()))
+
+
+def end(joint: etree._Element, side: str) -> str | None:
+    """Name of the link at the "parent" or "child" side of a joint; None where the file has none."""
+    found = joint.find(side)
+    return None if found is None else found.get("link")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from crosscheck.page.spread import Row, spread
 from crosscheck.page.stick_figure import pose_text, stick_figure
 from crosscheck.report import versions
 from crosscheck.result import Comparison, QuantityResult
+from crosscheck.summary import part_of_bound
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,18 +51,19 @@ def comparison_page(
     """
     return render(
         "comparison.html",
-        sections=[_section(comparison, f"robot-{k}") for k, comparison in enumerate(comparisons, start=1)],
+        sections=[section(comparison, f"robot-{k}") for k, comparison in enumerate(comparisons, start=1)],
         command=shlex.join(command),
         failures=failures,
         versions=versions(),
     )
 
 
-def _section(comparison: Comparison, key: str) -> Section:
+def section(comparison: Comparison, key: str) -> Section:
+    """What the template shows of one robot."""
     name = Path(comparison.robot).name
     in_order = list(comparison.quantities.values())
     results = sorted(in_order, key=lambda result: result.agrees)  # stable: the order of the table otherwise
-    by_margin = sorted(in_order, key=_part_of_bound, reverse=True)
+    by_margin = sorted(in_order, key=_margin, reverse=True)
     reasons = dict.fromkeys(comparison.not_compared.values())
     found = ((result, snippets.worst_state(comparison, result)) for result in by_margin)
     return Section(
@@ -85,9 +86,5 @@ def _section(comparison: Comparison, key: str) -> Section:
     )
 
 
-def _part_of_bound(result: QuantityResult) -> float:
-    """How much of its bound the largest error takes; of a bound that is zero, nothing or infinitely much."""
-    error, bound = result.max_relative_error, result.quantity.tolerance.bound
-    if bound == 0:
-        return math.inf if error > 0 else 0.0
-    return error / bound
+def _margin(result: QuantityResult) -> float:
+    return part_of_bound(result.max_relative_error, result.quantity.tolerance.bound)

@@ -6,13 +6,14 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.program import crosscheck, errata, judge, paper, robots, show
+from crosscheck.program import crosscheck, errata, inspect, judge, paper, robots, show
 from crosscheck.program.exits import AGREED, Program
 
 COMMANDS = (
     (crosscheck.run, "crosscheck", crosscheck.EPILOG),
     (judge.run, "judge", judge.EPILOG),
     (show.run, "show", show.EPILOG),
+    (inspect.run, "inspect", inspect.EPILOG),
     (paper.run, "paper", paper.EPILOG),
     (robots.run, "robots", robots.EPILOG),
     (errata.run, "errata", errata.EPILOG),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from crosscheck.program.console import complain, err, out, progress, warnings_shown
 from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.program.folders import is_folder, sweep
 from crosscheck.program.options import (
     EXAMPLES,
     HtmlOption,
@@ -21,6 +22,7 @@ from crosscheck.program.options import (
     command_line,
     locked_joints,
 )
+from crosscheck.program.processes import processors
 from graphdyn import GraphDynError
 
 if TYPE_CHECKING:
@@ -36,9 +38,17 @@ DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
 )
 """What `graphdyn crosscheck` runs without arguments: six-joint arms, grippers locked."""
 
+JobsOption = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Parallel processes for a folder; one per processor if left out.")
+]
+ResumeOption = Annotated[
+    bool, typer.Option("--resume", help="Take over from --json FILE what would be compared again unchanged.")
+]
+
 EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
   graphdyn crosscheck z1 --lock jointGripper=0 --json result.json
   graphdyn crosscheck kr500 my_arm.urdf --html result.html
+  graphdyn crosscheck my_robots/ --samples 200 --json sweep.json --resume
 """
 
 
@@ -50,23 +60,34 @@ def run(
     lock: LockOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
+    jobs: JobsOption = None,
+    resume: ResumeOption = False,
 ) -> None:
     """Compare graphdyn with Pinocchio on robots of your choice.
 
     Every quantity is compared at random and at awkward states: placements, torques, wrenches, multipliers,
     accelerations, regressors, identified parameters. Without a robot, six arms are compared.
+    A folder stands for every *.urdf below it: one row per file, none of which stops the others.
     """
     locked = locked_joints(lock)
-    if locked and len(robots or ()) != 1:
+    folder = any(map(is_folder, robots or ()))
+    if locked and (folder or len(robots or ()) != 1):
         raise typer.BadParameter("--lock needs exactly one robot, whose joints it names")
-    jobs = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
+    if (jobs or resume) and not folder:
+        raise typer.BadParameter("--jobs and --resume are for folders")
+    if resume and json_file is None:
+        raise typer.BadParameter("--resume needs --json FILE, from which it takes over")
     check_writable(json=json_file, html=html_file)
+    if folder:
+        processes = jobs or processors()
+        raise typer.Exit(sweep(context, robots or [], samples, seed, processes, resume, json_file, html_file))
+    choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
     from crosscheck.comparing import compare
     from crosscheck.report import JSON_FORMAT, as_json, versions, write_json
 
     comparisons, failures = [], []
-    for number, (robot, frozen) in enumerate(jobs, start=1):
-        title = robot if len(jobs) == 1 else f"{robot} ({number} of {len(jobs)})"
+    for number, (robot, frozen) in enumerate(choice, start=1):
+        title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
         try:
             total = _states(robot, samples, seed, frozen) if err.is_terminal else None
             with progress(title, total) as advance, warnings_shown():
@@ -87,6 +108,7 @@ def run(
             "agrees": all(comparison.agrees for comparison in comparisons) and not failures,
             "robots": [as_json(comparison) for comparison in comparisons],
             "failures": failures,
+            "unfinished": [],
         }
         write_json(json_file, record)
     if failures:

@@ -27,7 +27,7 @@ RobotsArgument = Annotated[
     list[str] | None,
     typer.Argument(
         metavar="ROBOT",
-        help="Names (`graphdyn robots`) or URDF files; six arms if none.",
+        help="Names (`graphdyn robots`), URDF files or folders of them; six arms if none.",
         autocompletion=robot_names,
     ),
 ]

@@ -31,7 +31,7 @@ REPRODUCED = 1e-3
 """An error of 1e-9, computed a second time from the recorded state: rounding is 1e-15 of the same scale."""
 
 PLANTED = 1e-9
-COMMANDS = ("crosscheck", "judge", "show", "paper", "robots", "errata")
+COMMANDS = ("crosscheck", "judge", "show", "inspect", "paper", "robots", "errata")
 
 
 MY_CODE = """

@@ -94,7 +94,7 @@ class TestSchemas:
     def test_a_new_field_is_welcome(self, written):
         record, _ = written("robots")
         record["new"] = record["robots"][0]["new"] = 1
-        check(record)
+        assert Draft202012Validator(SCHEMAS["robots-1.schema.json"]).is_valid(record)
 
 
 class TestCrosscheck:

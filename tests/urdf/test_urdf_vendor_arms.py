@@ -39,6 +39,48 @@ EXPECTED = {
 """Number of moving bodies, warnings."""
 
 
+KINEMATICS_ONLY = {
+    "gp8l",
+    "irb2400",
+    "kr16_r1610_2",
+    "kr6_r900_sixx",
+    "m10ia",
+    "mycobot_280_m5",
+    "ra605_710_gb",
+    "rv7frl",
+    "tx2_60l",
+}
+"""Their mass matrix is singular; every other file is fit for dynamics."""
+
+WARNINGS = {
+    "aubo_i5": {"duplicate-material"},
+    "kr16_r1610_2": {
+        "inconsistent-body",
+        "mass-matrix-singular",
+        "singular-inertia",
+        "tiny-mass",
+        "triangle-inequality",
+        "zero-inertia",
+    },
+    "mk3": {"effort-negative", "mimic-joint"},
+    "talos_left_arm": {"triangle-inequality", "zero-inertia"},
+    "vs060": {"gyration-radius", "placeholder-inertials"},
+    "vx300s": {"mimic-joint"},
+}
+"""Codes of the findings that are no notes; of the others of KINEMATICS_ONLY: NO_INERTIALS; of all others: none."""
+
+NO_INERTIALS = {"mass-matrix-singular", "missing-inertial"}
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_inspection(vendor_arms, name):
+    report = urdf.inspect(vendor_arms / f"{name}.urdf")
+    assert report.verdict == ("kinematics only" if name in KINEMATICS_ONLY else "dynamics")
+    expected = WARNINGS.get(name, NO_INERTIALS if name in KINEMATICS_ONLY else set())
+    assert {finding.code for finding in report.findings if finding.severity != "note"} == expected
+    assert report.count("error") == 0
+
+
 @pytest.mark.parametrize("name", EXPECTED)
 def test_vendor_file(vendor_arms, tmp_path, name):
     n_bodies, expected = EXPECTED[name]

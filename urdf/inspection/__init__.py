@@ -1,0 +1,6 @@
+"""What a URDF file says and what becomes of it: every fault, every oddity, and whether it is fit for dynamics."""
+
+from urdf.inspection.findings import Finding, Report, Severity, Verdict
+from urdf.inspection.inspecting import inspect
+
+__all__ = ["Finding", "Report", "Severity", "Verdict", "inspect"]

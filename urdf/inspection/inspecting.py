@@ -1,0 +1,97 @@
+"""The inspection of one file: the stages of urdf.load, none of which ends it while there is something left to read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from os import PathLike, fspath
+
+import numpy as np
+
+from graphdyn.model import STANDARD_GRAVITY
+from urdf.catalogue import locate
+from urdf.checks import faults
+from urdf.document import Document, open_document
+from urdf.errors import URDFError
+from urdf.inspection.document_rules import document_findings
+from urdf.inspection.findings import Finding, Report, report
+from urdf.inspection.joint_rules import joint_findings
+from urdf.inspection.link_rules import link_findings
+from urdf.inspection.model_rules import model_findings
+from urdf.inspection.name_rules import name_findings
+from urdf.inspection.structure import Structure
+from urdf.inspection.telling import of_file, refusal
+from urdf.loading import build, parse
+from urdf.source import Source, reduced
+from urdf.tree import tree_faults
+
+MOST_FINDINGS = 1000
+"""Per stage; a file with more is beyond reading."""
+
+
+def inspect(path_or_name: str | PathLike[str]) -> Report:
+    """Everything odd or wrong about a URDF file, or a robot of the catalogue by name; is it fit for dynamics?
+
+    Nothing is raised for what a file contains, nor for a file that is not there: that is an error among the findings.
+    report.usable says whether forward dynamics can be computed; report.findings has a code, a severity ("error":
+    urdf.load refuses the file, "warning": dynamics are doubtful, "note"), the element, its line, a message that also
+    tells what Pinocchio and yourdfpy do there, and a remedy. The mass matrix is examined at five random states.
+    """
+    asked = fspath(path_or_name)
+    path = None
+    try:
+        path, _ = locate(path_or_name)
+        with np.errstate(all="ignore"):  # numbers may be as large as doubles are
+            return report(asked, str(path), list(_findings(open_document(path))))
+    except URDFError as error:
+        found = refusal(error)
+    except OSError as error:
+        found = of_file(
+            "unreadable-file", "error", None, f"the file cannot be read: {error}", "check its path and permissions"
+        )
+    return report(asked, None if path is None else str(path), [found])
+
+
+def _findings(document: Document) -> Iterator[Finding]:
+    around = list(_limited(document_findings(document)))
+    yield from around
+    try:
+        source = reduced(document)
+    except URDFError as error:
+        yield refusal(error)
+        return
+    refusals = [refusal(error) for error in islice(_refusals(source), MOST_FINDINGS + 1)]
+    structure = Structure.of(source)
+    found = [*_limited(iter(refusals))]
+    for rules in (name_findings, link_findings, joint_findings):
+        found += _limited(rules(structure))
+    yield from found
+    if not any(finding.severity == "error" for finding in found):
+        yield from _of_the_model(source, structure)
+
+
+def _refusals(source: Source) -> Iterator[URDFError]:
+    yield from faults(source)
+    yield from tree_faults(source)
+
+
+def _of_the_model(source: Source, structure: Structure) -> Iterator[Finding]:
+    try:
+        model = build(parse(source), STANDARD_GRAVITY)
+    except URDFError as error:
+        yield refusal(error)
+        return
+    yield from model_findings(model, structure)
+
+
+def _limited(findings: Iterator[Finding]) -> Iterator[Finding]:
+    """The first so many, and a word about the rest."""
+    yield from islice(findings, MOST_FINDINGS)
+    if next(findings, None) is not None:
+        yield of_file(
+            "more-findings",
+            "note",
+            None,
+            f"only the first {MOST_FINDINGS} findings of a kind are told",
+            "mend these first",
+        )

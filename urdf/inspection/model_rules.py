@@ -1,0 +1,160 @@
+"""What the whole robot tells: whether its mass matrix determines accelerations, and whether its units can be right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from graphdyn import RobotModel, mass_matrix
+from graphdyn.layout import Array
+from urdf.inspection.findings import Finding
+from urdf.inspection.structure import Structure
+from urdf.inspection.telling import about, of_file
+from urdf.source import name_of
+from urdf.wording import listed
+
+STATES, SEED = 5, 0
+"""Random states at which the mass matrix is examined, and their seed."""
+
+MOST_BODIES = 200
+"""The mass matrices of larger robots are not examined: that takes more than a second."""
+
+ILL_CONDITIONED = 1e8
+"""Condition number from which an acceleration has lost half of its digits."""
+
+INCONSISTENT = 1e-9
+"""A negative eigenvalue of the pseudo-inertia matrix below this part of the largest is rounding."""
+
+SHORTEST, LONGEST = 0.02, 50.0
+"""Reach of a robot [m]: sum of the distances between joints, along the longest branch."""
+
+LIGHTEST, DENSEST = 0.05, 5000.0
+"""Total mass over the cube of the reach [kg/m³]; arms have 10 to 1000."""
+
+
+def model_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
+    """Findings about a robot that loads."""
+    try:
+        yield from [*_bodies(model, structure), *_units(model), *_mass_matrix(model)]
+    except np.linalg.LinAlgError:
+        yield _overflow()
+
+
+def _bodies(model: RobotModel, structure: Structure) -> Iterator[Finding]:
+    links = {name_of(link): link for link in structure.source.links}
+    for body, verdict in zip(model.bodies, model.physical_consistency(), strict=True):
+        eigenvalue = verdict.pseudo_inertia_eigenvalue
+        if eigenvalue < -INCONSISTENT * max(np.abs(body.parameters).max(), 1e-300):
+            yield about(
+                "inconsistent-body",
+                "warning",
+                links[body.name],
+                f"with all that is fixed to it no real body: the pseudo-inertia matrix has eigenvalue {eigenvalue:.3g}",
+                "correct mass, center of mass and tensor",
+            )
+
+
+def _units(model: RobotModel) -> Iterator[Finding]:
+    along = np.zeros(model.n_bodies + 1)
+    for j, joint in enumerate(model.joints, start=1):
+        along[j] = along[joint.inside] + np.linalg.norm(joint.placement.translation)
+    ends = [along[frame.body] + np.linalg.norm(frame.placement.translation) for frame in model.frames]
+    reach, mass = float(max(along.max(), *ends, 0.0)), sum(body.mass for body in model.bodies)
+    if not SHORTEST <= reach <= LONGEST:
+        yield of_file(
+            "suspicious-lengths",
+            "warning",
+            None,
+            f"the joints span {reach:.3g} m along the longest branch",
+            "give lengths in metres; millimetres do this",
+        )
+    elif mass > 0 and not LIGHTEST <= mass / reach**3 <= DENSEST:
+        yield of_file(
+            "suspicious-masses",
+            "warning",
+            None,
+            f"{mass:.3g} kg on a reach of {reach:.3g} m",
+            "give masses in kg; grams or tonnes do this",
+        )
+
+
+def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
+    n = model.n_bodies
+    if n > MOST_BODIES:
+        yield of_file(
+            "mass-matrix-not-examined",
+            "note",
+            None,
+            f"{n} moving bodies: the mass matrix of more than {MOST_BODIES} is not examined",
+            "nothing need be done",
+        )
+        return
+    q, _ = model.random_state(np.random.default_rng(SEED), STATES)
+    matrices = mass_matrix(model, q)
+    if not np.isfinite(matrices).all():
+        yield _overflow()
+        return
+    ranks, negative = _ranks(matrices)
+    where = f"over {STATES} random states (seed {SEED})"
+    if negative.any():
+        yield of_file(
+            "mass-matrix-indefinite",
+            "warning",
+            None,
+            f"the mass matrix has negative eigenvalues {where}: some motion has a negative kinetic energy",
+            "correct the inertials that no real body can have",
+        )
+    if ranks.min() < n:
+        massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
+        cause = f"bodies without mass or inertia: {listed(massless)}" if massless else "every body has mass"
+        yield of_file(
+            "mass-matrix-singular",
+            "warning",
+            None,
+            f"the mass matrix has rank {_span(ranks)} of {n} {where}: torques do not determine accelerations ({cause})",
+            "give all moving links mass and inertia",
+        )
+        return
+    conditions = np.linalg.cond(matrices)
+    yield of_file(
+        "mass-matrix",
+        "note",
+        None,
+        f"the mass matrix has rank {n} and condition number {_span(conditions)} {where}",
+        "nothing need be done",
+    )
+    if conditions.max() > ILL_CONDITIONED:
+        yield of_file(
+            "mass-matrix-ill-conditioned",
+            "warning",
+            None,
+            f"the condition number of the mass matrix reaches {conditions.max():.3g}: accelerations lose digits",
+            "look for inertials that are far too small or too large",
+        )
+
+
+def _overflow() -> Finding:
+    return of_file(
+        "mass-matrix-not-finite", "warning", None, "the mass matrix overflows", "correct masses, tensors and lengths"
+    )
+
+
+def _ranks(matrices: Array) -> tuple[Array, Array]:
+    """Per matrix (k, n, n): its rank, and whether an eigenvalue is negative.
+
+    The rank is the smaller of those with and without scaling to unit diagonal: the one counts a joint whose inertia is
+    mere rounding, the other is what forward dynamics go by.
+    """
+    diagonal = np.abs(np.diagonal(matrices, axis1=-2, axis2=-1))
+    scale = np.where(diagonal > 0, diagonal, 1.0) ** -0.5
+    scaled = matrices * scale[..., :, None] * scale[..., None, :]
+    values = np.linalg.eigvalsh(np.stack([matrices, scaled]))
+    limit = matrices.shape[-1] * np.finfo(float).eps * np.abs(values).max(axis=-1, keepdims=True)
+    ranks = (np.abs(values) > limit).sum(axis=-1).min(axis=0)
+    return ranks, (values < -limit).any(axis=(0, -1))
+
+
+def _span(numbers: Array) -> str:
+    low, high = f"{numbers.min():.3g}", f"{numbers.max():.3g}"
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,63 @@
+"""Which links move, and with which body: of sound trees and, as far as it goes, of broken ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from lxml import etree
+
+from urdf.inspection.inertials import LinkInertial, inertials
+from urdf.source import Source
+from urdf.tree import end, joints_by, root_links, walk
+
+
+@dataclass(frozen=True)
+class Structure:
+    """The links and joints of a file, put together.
+
+    rooted: there is one root link, and with it a ground
+    carrier: per link, the first link of the body it belongs to; None where it never moves
+    joint_into: per link, the joint that carries it; joints_from: per link, the joints that it carries
+    inertials: of the links that have a sound <inertial>, in file order
+    """
+
+    source: Source
+    rooted: bool
+    carrier: dict[str, str | None]
+    joint_into: dict[str, etree._Element]
+    joints_from: dict[str, list[etree._Element]]
+    inertials: tuple[LinkInertial, ...]
+
+    @classmethod
+    def of(cls, source: Source) -> Structure:
+        joints_from = joints_by(source, "parent")
+        roots = root_links(source)
+        carrier: dict[str, str | None] = dict.fromkeys(roots)
+        for joint in walk(joints_from, roots):
+            parent, child = end(joint, "parent"), end(joint, "child")
+            if parent is not None and child is not None:
+                carrier.setdefault(child, carrier.get(parent) if joint.get("type") == "fixed" else child)
+        into = {child: joints[0] for child, joints in joints_by(source, "child").items()}
+        return cls(source, len(roots) == 1, carrier, into, joints_from, tuple(inertials(source)))
+
+    def moving(self, link: str) -> bool:
+        return self.carrier.get(link) is not None
+
+    def still(self, link: str) -> bool:
+        """It belongs to the ground."""
+        return self.rooted and self.carrier.get(link, link) is None
+
+    @cached_property
+    def members(self) -> dict[str, list[str]]:
+        """Per moving body, by its first link: its links, in the order of the tree."""
+        found: dict[str, list[str]] = {}
+        for link, carrier in self.carrier.items():
+            if carrier is not None:
+                found.setdefault(carrier, []).append(link)
+        return found
+
+    @property
+    def movable(self) -> list[etree._Element]:
+        """The joints that are not fixed, in file order."""
+        return [joint for joint in self.source.joints if joint.get("type") != "fixed"]

@@ -1,0 +1,82 @@
+"""Findings in words, with what Pinocchio 4.1 and yourdfpy 0.0.60 do at such a place, silently unless they refuse."""
+
+from __future__ import annotations
+
+from lxml import etree
+
+from urdf.errors import URDFError
+from urdf.inspection.findings import Finding, Severity
+from urdf.source import describe, line_of
+
+_BOTH_LOAD = "Pinocchio and yourdfpy load it as it stands"
+_BOTH_REFUSE = "Pinocchio and yourdfpy refuse the file"
+_UNREADABLE = "Pinocchio gives a link with such a mass mass 0 and refuses such a joint, yourdfpy refuses the file"
+_PINOCCHIO_REFUSES = "Pinocchio refuses the file, yourdfpy loads it"
+
+ELSEWHERE = {
+    "axis-not-normalised": "Pinocchio normalises it, yourdfpy does not",
+    "continuous-joint": "In Pinocchio such a joint has two coordinates (cosine, sine), so that nq is not nv",
+    "cycle": "Pinocchio leaves these links out, yourdfpy loads them",
+    "default-namespace": "Pinocchio ignores it, yourdfpy finds no link at all",
+    "duplicate-element": "Pinocchio and yourdfpy take the first",
+    "duplicate-material": _PINOCCHIO_REFUSES,
+    "duplicate-name": _PINOCCHIO_REFUSES,
+    "effort-negative": _PINOCCHIO_REFUSES,
+    "empty-file": _BOTH_REFUSE,
+    "fused-mass": "Pinocchio does the same",
+    "inconsistent-body": _BOTH_LOAD,
+    "indefinite-inertia": _BOTH_LOAD,
+    "joint-dynamics": "Pinocchio reads them too and leaves them out of rnea",
+    "joint-order": "Pinocchio sorts siblings by name: compare joints by name",
+    "limits-crossed": _BOTH_LOAD,
+    "limits-missing": "Pinocchio refuses a revolute or prismatic joint without <limit>, and a <limit> without effort "
+    "or velocity; a missing lower or upper is 0 to it",
+    "mimic-joint": "Pinocchio and yourdfpy load it as an independent joint too, unless asked otherwise",
+    "missing-inertia": "Pinocchio takes 0 for what is missing, yourdfpy 1 for ixx, iyy, izz and 0 for the others",
+    "missing-inertial": "Pinocchio gives the link mass 0, yourdfpy none",
+    "missing-link": _PINOCCHIO_REFUSES,
+    "missing-mass": "Pinocchio gives the link mass 0, yourdfpy mass 0 or none",
+    "missing-name": _BOTH_REFUSE,
+    "missing-parent": _BOTH_REFUSE,
+    "missing-type": _PINOCCHIO_REFUSES,
+    "negative-mass": _BOTH_LOAD,
+    "no-links": _PINOCCHIO_REFUSES,
+    "not-finite": "Pinocchio gives a link with such a mass mass 0, yourdfpy keeps the value",
+    "malformed-number": _UNREADABLE,
+    "root-inertia": "Pinocchio keeps it apart, as inertia of the universe",
+    "several-roots": _PINOCCHIO_REFUSES,
+    "singular-inertia": _BOTH_LOAD,
+    "text-before-xml": "Pinocchio loads the file, yourdfpy refuses it",
+    "triangle-inequality": _BOTH_LOAD,
+    "two-parents": _BOTH_LOAD,
+    "unexpanded-number": _UNREADABLE,
+    "unsupported-joint": "Pinocchio knows floating and planar joints, yourdfpy loads any type",
+    "velocity-negative": _PINOCCHIO_REFUSES,
+    "wrong-number-of-entries": _BOTH_REFUSE,
+    "xml-entities": "Pinocchio leaves entities out of numbers: a mass becomes 0",
+    "xml-version": "Pinocchio and yourdfpy load it nevertheless",
+    "zero-axis": _BOTH_LOAD,
+    "zero-inertia": _BOTH_LOAD,
+    "zero-mass": _BOTH_LOAD,
+}
+"""Per code. Codes that are not here make no difference to them."""
+
+
+def about(code: str, severity: Severity, element: etree._Element, problem: str, remedy: str) -> Finding:
+    """A finding about an element."""
+    return Finding(code, severity, describe(element), line_of(element), _told(code, problem), remedy)
+
+
+def of_file(code: str, severity: Severity, line: int | None, problem: str, remedy: str) -> Finding:
+    """A finding about the file as a whole; line: the first place."""
+    return Finding(code, severity, None, line, _told(code, problem), remedy)
+
+
+def refusal(error: URDFError) -> Finding:
+    """What urdf.load raises, as a finding."""
+    return Finding(error.code, "error", error.element, error.line, _told(error.code, error.problem), error.remedy)
+
+
+def _told(code: str, problem: str) -> str:
+    """The problem, and what the others make of it."""
+    return f"{problem}. {ELSEWHERE[code]}" if code in ELSEWHERE else problem
