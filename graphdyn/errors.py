@@ -45,3 +45,7 @@ class RankDeficientConstraints(GraphDynError, ArithmeticError):
             f"the constraint Jacobian has rank {rank}, expected {n_rows}; dependent rows: {', '.join(rows)}. "
             "The multipliers of these rows are not determined; use constraint rows that are independent in every pose"
         )
+
+
+class EstimationFailed(GraphDynError, ArithmeticError):
+    """An estimator has no answer for these data; the message says why."""

@@ -57,12 +57,29 @@ def pseudo_inertia(mass: float, center_of_mass: Array, inertia: Array) -> Array:
     Wensing, Kim and Slotine, "Linear matrix inequalities for physically consistent inertial parameter
     identification", IEEE Robotics and Automation Letters 3(1), 2018.
     """
-    about_origin = inertia + parallel_axis(mass, center_of_mass)
-    matrix = np.empty((4, 4))
-    matrix[:3, :3] = np.trace(about_origin) / 2 * np.eye(3) - about_origin
-    matrix[:3, 3] = matrix[3, :3] = mass * center_of_mass
-    matrix[3, 3] = mass
+    return pseudo_inertia_from_parameters(parameters_from_inertia(mass, center_of_mass, inertia))
+
+
+def pseudo_inertia_from_parameters(parameters: Array) -> Array:
+    """The pseudo-inertia matrices (…, 4, 4) of ten parameters each (…, 10); linear."""
+    about_origin = np.empty((*parameters.shape[:-1], 3, 3))
+    for k, (row, column) in enumerate(_TENSOR_ENTRIES, start=4):
+        about_origin[..., row, column] = about_origin[..., column, row] = parameters[..., k]
+    matrix = np.empty((*parameters.shape[:-1], 4, 4))
+    half_trace = np.trace(about_origin, axis1=-2, axis2=-1)[..., None, None] / 2
+    matrix[..., :3, :3] = half_trace * np.eye(3) - about_origin
+    matrix[..., :3, 3] = matrix[..., 3, :3] = parameters[..., 1:4]
+    matrix[..., 3, 3] = parameters[..., 0]
     return matrix
+
+
+def parameters_from_pseudo_inertia(matrix: Array) -> Array:
+    """(…, 10) from symmetric (…, 4, 4); the inverse of pseudo_inertia_from_parameters."""
+    second_moments = matrix[..., :3, :3]
+    trace = np.trace(second_moments, axis1=-2, axis2=-1)[..., None, None]
+    about_origin = trace * np.eye(3) - second_moments
+    entries = [about_origin[..., row, column] for row, column in _TENSOR_ENTRIES]
+    return np.stack([matrix[..., 3, 3], *np.moveaxis(matrix[..., :3, 3], -1, 0), *entries], axis=-1)
 
 
 def consistency_problems(mass: float, inertia: Array) -> tuple[str, ...]:

@@ -1,7 +1,11 @@
 """Inertial parameters from data."""
 
+from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.base_parameters import BaseParameters, base_parameters
 from graphdyn.identification.body_wrenches import WrenchData, body_wrenches, link_wrenches
+from graphdyn.identification.compressed import CompressedEquations
+from graphdyn.identification.estimate import Estimate, Estimator
+from graphdyn.identification.estimators import OrdinaryLeastSquares, WeightedLeastSquares
 from graphdyn.identification.identified_bodies import IdentifiedBodies
 from graphdyn.identification.inertial_parameters import (
     IdentifiedInertia,
@@ -19,15 +23,29 @@ from graphdyn.identification.principal_parameters import (
     moment_rows,
     principal_regressor,
 )
+from graphdyn.identification.prior import Prior, model_prior
+from graphdyn.identification.problem import Problem
 from graphdyn.identification.rank_revealing import ParameterEstimate
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.torque_model import TorqueModel
 
 __all__ = [
     "PRINCIPAL_PARAMETER_NAMES",
+    "Accumulator",
     "BaseParameters",
+    "CompressedEquations",
+    "Estimate",
+    "Estimator",
     "IdentifiedBodies",
     "IdentifiedInertia",
     "LeastSquares",
+    "OrdinaryLeastSquares",
     "ParameterEstimate",
+    "Prior",
+    "Problem",
+    "Samples",
+    "TorqueModel",
+    "WeightedLeastSquares",
     "WrenchData",
     "base_parameters",
     "body_wrenches",
@@ -39,6 +57,7 @@ __all__ = [
     "joint_wrench_regressor",
     "link_wrenches",
     "mass_rows",
+    "model_prior",
     "moment_rows",
     "ordinary_least_squares",
     "principal_regressor",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.base_parameters import RANK
+from graphdyn.identification.sums import sum_in_words
 from graphdyn.layout import Array
 
 EPS = float(np.finfo(float).eps)
@@ -71,7 +72,7 @@ class ParameterEstimate:
     @property
     def combination_names(self) -> tuple[str, ...]:
         """The determined combinations in words: "B1 I_yy + 0.25 B2 m"."""
-        return tuple(_sum_in_words(row, self.names) for row in self.combinations)
+        return tuple(sum_in_words(row, self.names) for row in self.combinations)
 
 
 def rank_tolerance(precision: float) -> float:
@@ -159,14 +160,3 @@ def _covariance(inverse: Array, u: Array, residual: Array, groups: NDArray[np.in
             reached = np.linalg.norm(part, axis=1) > RANK * np.linalg.norm(part)
             covariance[reached] = covariance[:, reached] = np.nan
     return covariance
-
-
-def _sum_in_words(coefficients: Array, names: tuple[str, ...]) -> str:
-    terms = sorted(np.flatnonzero(coefficients), key=lambda k: coefficients[k] != 1.0)
-    words = ""
-    for k in terms:
-        size = abs(coefficients[k])
-        factor = "" if size == 1.0 else f"{size:.4g} "
-        sign = ("-" if coefficients[k] < 0 else "") if not words else (" - " if coefficients[k] < 0 else " + ")
-        words += f"{sign}{factor}{names[k]}"
-    return words

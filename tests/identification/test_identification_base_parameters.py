@@ -161,11 +161,11 @@ class TestConstructed:
 class TestRefusals:
     @pytest.mark.parametrize(
         "regressor",
-        [np.ones(5), np.ones((2, 3)), np.ones((2, 4, 3)), [[1.0], [np.nan]], [[1.0], [np.inf]]],
-        ids=["vector", "wide", "stack", "nan", "inf"],
+        [np.ones(5), np.ones((0, 3)), np.ones((2, 4, 3)), [[1.0], [np.nan]], [[1.0], [np.inf]]],
+        ids=["vector", "empty", "stack", "nan", "inf"],
     )
     def test_bad_regressor(self, regressor):
         with pytest.raises(InvalidInput) as caught:
             base_parameters(regressor)
         assert f"regressor has shape {np.shape(regressor)}" in str(caught.value)
-        assert "finite matrix with at least as many rows as columns" in str(caught.value)
+        assert "a finite matrix (rows, parameters) needed" in str(caught.value)

@@ -1,0 +1,61 @@
+"""All that a recording says about linear parameters: one triangular factor per joint.
+
+F_g (b + 1, b + 1) with ‖W_g x - τ_g‖ = ‖F_g [x; -1]‖ and the number of equations behind it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.triangles import triangle
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class CompressedEquations:
+    """factors: F (g, b + 1, b + 1); counts: equations of each group (g,)."""
+
+    factors: Array
+    counts: NDArray[np.int64]
+
+    @property
+    def n_groups(self) -> int:
+        return len(self.factors)
+
+    @property
+    def n_columns(self) -> int:
+        return self.factors.shape[-1] - 1
+
+    @property
+    def measured_squares(self) -> Array:
+        """‖τ_g‖² (g,)."""
+        return np.sum(self.factors[..., -1] ** 2, axis=-1)
+
+    def residual_squares(self, x: Array) -> Array:
+        """‖W_g x - τ_g‖² (g,)."""
+        return np.sum((self.factors[..., :-1] @ x - self.factors[..., -1]) ** 2, axis=-1)
+
+    def selected(self, columns: NDArray[np.int64]) -> CompressedEquations:
+        """With these columns of W alone."""
+        reduced = self.factors[..., np.append(columns, self.n_columns)]
+        return CompressedEquations(triangle(reduced), self.counts)
+
+    def weighted(self, deviations: Array) -> tuple[Array, Array]:
+        """R (b + 1, b), z (b + 1,): ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / deviations_g², all of it, residual included."""
+        scaled = self.factors / np.asarray(deviations, dtype=float)[:, None, None]
+        f = triangle(scaled.reshape(-1, scaled.shape[-1]))
+        return f[:, :-1], f[:, -1]
+
+
+def merged(parts: Sequence[CompressedEquations]) -> CompressedEquations:
+    """All parts together. Associative up to rounding. Raises InvalidInput without a part."""
+    if not parts:
+        raise InvalidInput("there are no equations to merge; the recording has no sample that counts")
+    factors = np.concatenate([part.factors for part in parts], axis=-2)
+    counts = np.sum([part.counts for part in parts], axis=0)
+    return CompressedEquations(triangle(factors), counts)

@@ -1,0 +1,53 @@
+"""The common interface of all estimators, and their common answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from graphdyn.identification.problem import Problem
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """What an estimator answers.
+
+    parameters: x of all columns of the torque model        (p,)
+    covariance: of the base parameters of the problem (Problem.base), None where the method gives none   (r, r)
+    noise: standard deviation of the torque of each joint as the method sees it, None likewise           (n,) [N m or N]
+    iterations: how often the equations were solved
+    settings: numbers the method chose, such as the strength of a prior
+    remarks: what the reader has to know, in sentences: a solver that stopped early, a fallback
+    """
+
+    parameters: Array
+    covariance: Array | None = None
+    noise: Array | None = None
+    iterations: int = 1
+    settings: Mapping[str, float] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+
+class Estimator(Protocol):
+    """A method of identification. Any object with these four texts and one function is one.
+
+    name: short, for tables
+    reference: where it is published
+    assumptions: what has to hold for its answer to be right
+    needs: what has to be measured or known
+    """
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def reference(self) -> str: ...
+    @property
+    def assumptions(self) -> str: ...
+    @property
+    def needs(self) -> str: ...
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Raises EstimationFailed, saying why, where there is no answer."""
+        ...

@@ -1,0 +1,41 @@
+"""A guess of all parameters, from CAD for instance, and how far from it the truth may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.base_parameters import BaseParameters
+from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """mean: (p,); scale: expected distance from it, infinite where nothing is known (p,)."""
+
+    mean: Array
+    scale: Array
+
+    def nearest(self, base: BaseParameters, values: Array) -> Array:
+        """The parameters (p,) with these base parameters that are nearest to the mean, in units of the scale.
+
+        A column without a scale counts as 1 in its own unit.
+        """
+        scale = np.where(np.isfinite(self.scale), self.scale, 1.0)
+        b = base.matrix * scale
+        step, *_ = np.linalg.lstsq(b, values - base.values(self.mean), rcond=None)
+        return self.mean + scale * step
+
+
+def model_prior(torque_model: TorqueModel) -> Prior:
+    """The inertial parameters of the model, with scales m, m l and m l² by unit; nothing is known of the rest.
+
+    m is the mean mass of its bodies (1 kg without any), l the mean distance of its joints (1 m likewise).
+    """
+    model = torque_model.model
+    mass = float(np.mean([body.mass for body in model.bodies])) or 1.0
+    length = float(np.mean([np.linalg.norm(joint.placement.translation) for joint in model.joints])) or 1.0
+    scales = {"kg": mass, "kg m": mass * length, "kg m²": mass * length**2}
+    return Prior(torque_model.prior(), np.array([scales.get(column.unit, np.inf) for column in torque_model.columns]))

@@ -1,0 +1,225 @@
+"""An identification problem: what the torque is made of, and what was measured, in blocks of time.
+
+The recording is read in pieces. Everything that least squares needs is kept in triangular factors, one set per time
+block, so that cross-validation is merging all but one; only methods that look at single samples read it again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from graphdyn.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.accumulator import Accumulator, Compression
+from graphdyn.identification.base_parameters import RANK, BaseParameters, base_parameters
+from graphdyn.identification.compressed import CompressedEquations, merged
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.structure import Structure, structure
+from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+BLOCKS = 10
+"""Time blocks of a recording unless told otherwise."""
+
+CHUNK = 1024
+"""Samples whose regressor is in memory at once: 4 MB for a six-axis arm."""
+
+RowFilter = Callable[[Array], Array]
+"""(N, k) → (M, k) along time: parallel filtering and decimation of the columns of the regressor and of the torque."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Equations of consecutive samples, W x = τ, in the base parameters of the structure.
+
+    matrix: W (N, n, b); right: measured minus known torque (N, n); kept: which count in the fit (N, n)
+    velocity: (N, n); block: number of the time block; first: whether a piece of recording starts here
+    """
+
+    matrix: Array
+    right: Array
+    kept: NDArray[np.bool_]
+    velocity: Array
+    block: int
+    first: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A torque model and its data.
+
+    data: one piece, several, or anything that can be iterated over them again and again (a list; an object that
+        opens its file in __iter__). What can be read once only (a generator) serves the methods that read once
+    n_blocks: time blocks for cross-validation and block standard deviations
+    block_samples: samples per time block instead; needed where the data can be read once only
+    min_speed: equations of joint j with |v_j| below it are left out of the fit, one for all or (n,) [rad/s or m/s]
+    row_filter: applied to every column of the regressor, to the torque and to v of each piece as a whole
+    compression: "qr", or "gram" for well-conditioned data
+    rank_tolerance: smallest |R_kk| / |R_11| of the recording that counts as determined
+    progress: called with the number of samples of every chunk read
+    """
+
+    torque_model: TorqueModel
+    data: Samples | Iterable[Samples]
+    n_blocks: int = BLOCKS
+    block_samples: int | None = None
+    min_speed: ArrayLike = 0.0
+    row_filter: RowFilter | None = None
+    compression: Compression = "qr"
+    rank_tolerance: float = RANK
+    progress: Callable[[int], None] | None = None
+
+    def __post_init__(self) -> None:
+        n = self.torque_model.model.n_bodies
+        speed = as_floats("min_speed", self.min_speed)
+        if speed.shape not in ((), (n,)) or not np.all(speed >= 0):
+            raise InvalidInput(f"min_speed is {speed}; give one speed ≥ 0, or {n}")
+        if self.n_blocks < 1 or (self.block_samples is not None and self.block_samples < 1):
+            raise InvalidInput(
+                f"n_blocks is {self.n_blocks}, block_samples {self.block_samples}; both must be at least 1"
+            )
+        if not isinstance(self.data, Samples | Sequence) and iter(self.data) is self.data and not self.block_samples:
+            raise InvalidInput("data that can be read only once need block_samples: their length is not known")
+
+    @property
+    def n_joints(self) -> int:
+        return self.torque_model.model.n_bodies
+
+    @cached_property
+    def structure(self) -> Structure:
+        """What any motion could determine."""
+        return structure(self.torque_model)
+
+    @cached_property
+    def recorded(self) -> tuple[CompressedEquations, ...]:
+        """Factors of every time block that has samples, in the base parameters of the structure."""
+        blocks: dict[int, Accumulator] = {}
+        support = self.structure.support
+        for rows in self.rows():
+            if rows.block not in blocks:
+                blocks[rows.block] = Accumulator(
+                    support.shape[1], support.shape[0], support=support, method=self.compression
+                )
+            blocks[rows.block].add(rows.matrix, rows.right, kept=rows.kept)
+        if not blocks:
+            raise InvalidInput("the recording has no sample")
+        return tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
+
+    @cached_property
+    def inner(self) -> BaseParameters:
+        """Which of the structure's base parameters the recording determines."""
+        factors = merged(self.recorded).factors[..., :-1]
+        return base_parameters(factors.reshape(-1, factors.shape[-1]), tolerance=self.rank_tolerance)
+
+    @cached_property
+    def base(self) -> BaseParameters:
+        """Base parameters of the recording at hand, in standard parameters."""
+        if self.inner.rank == self.structure.base.rank:
+            return self.structure.base
+        return self.structure.base.then(self.inner)
+
+    @cached_property
+    def blocks(self) -> tuple[CompressedEquations, ...]:
+        """Factors of every time block, in the base parameters of the recording."""
+        return tuple(part.selected(self.inner.independent) for part in self.recorded)
+
+    @cached_property
+    def equations(self) -> CompressedEquations:
+        """Factors of the whole recording, in the base parameters of the recording."""
+        return merged(self.blocks)
+
+    def all_but(self, block: int) -> CompressedEquations:
+        """The factors without one time block."""
+        return merged([part for k, part in enumerate(self.blocks) if k != block])
+
+    def standard_equations(self, noise: Array, *, without: int | None = None) -> tuple[Array, Array]:
+        """R (r + 1, p), z (r + 1,) in all p parameters x: ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / noise_g².
+
+        without: number of a time block that is left out
+        """
+        r, z = (self.equations if without is None else self.all_but(without)).weighted(noise)
+        return r @ self.base.matrix, z
+
+    def reduced(self, rows: Rows) -> Array:
+        """W (N, n, r) of the base parameters of the recording."""
+        return rows.matrix[..., self.inner.independent]
+
+    def rows(self) -> Iterator[Rows]:
+        """The equations, chunk by chunk; chunks do not depend on how the data were cut into pieces of time."""
+        block_samples = self._block_samples
+        position, some = 0, False
+        for piece in self._pieces():
+            for start, chunk in enumerate(self._equations(piece)):
+                offset = 0
+                while offset < len(chunk.right):
+                    block, within = divmod(position, block_samples)
+                    part = slice(offset, offset + block_samples - within)
+                    taken = len(chunk.right[part])
+                    yield Rows(
+                        chunk.matrix[part],
+                        chunk.right[part],
+                        chunk.kept[part],
+                        chunk.velocity[part],
+                        block,
+                        start == 0 and offset == 0,
+                    )
+                    position, offset, some = position + taken, offset + taken, True
+        if not some:
+            raise InvalidInput(
+                "the recording has no sample, or can be read only once and was: give the samples in a list, or an "
+                "object that opens its file in __iter__"
+            )
+
+    def _equations(self, piece: Samples) -> Iterator[Rows]:
+        if self.row_filter is None:
+            for chunk in piece.pieces(CHUNK):
+                yield self._kept(*self._chunk(chunk))
+            return
+        parts = [self._chunk(chunk) for chunk in piece.pieces(CHUNK)]
+        whole = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
+        filtered = [_along_time(self.row_filter, array) for array in whole]
+        if len({len(array) for array in filtered}) > 1:
+            raise InvalidInput("the row filter answers different numbers of rows for different columns")
+        for start in range(0, len(filtered[0]), CHUNK):
+            matrix, right, velocity = (array[start : start + CHUNK] for array in filtered)
+            yield self._kept(matrix, right, velocity)
+
+    def _chunk(self, samples: Samples) -> tuple[Array, Array, Array]:
+        if self.progress is not None:
+            self.progress(len(samples))
+        matrix = self.torque_model.rows(samples)[..., self.structure.base.independent]
+        right = np.asarray(samples.tau, dtype=float) - self.torque_model.known_torque(samples)
+        return matrix, right, np.asarray(samples.v, dtype=float)
+
+    def _kept(self, matrix: Array, right: Array, velocity: Array) -> Rows:
+        return Rows(matrix, right, np.abs(velocity) >= self.min_speed, velocity, 0, False)
+
+    def _pieces(self) -> Iterator[Samples]:
+        for piece in [self.data] if isinstance(self.data, Samples) else self.data:
+            if not isinstance(piece, Samples):
+                raise InvalidInput(f"the data hold a {type(piece).__name__}; every piece must be Samples(q, v, a, tau)")
+            if piece.q.shape[1] != self.n_joints:
+                raise InvalidInput(
+                    f"the samples have {piece.q.shape[1]} joints, robot '{self.torque_model.model.name}' has "
+                    f"{self.n_joints}: {', '.join(self.torque_model.model.joint_names)}"
+                )
+            yield piece
+
+    @cached_property
+    def _block_samples(self) -> int:
+        """Rows per time block."""
+        if self.block_samples is not None:
+            return self.block_samples
+        lengths = (len(p) if self.row_filter is None else len(self.row_filter(p.v)) for p in self._pieces())
+        return max(1, -(-sum(lengths) // self.n_blocks))
+
+
+def _along_time(row_filter: RowFilter, array: Array) -> Array:
+    """The filter on (N, …), one column at a time."""
+    columns = array.reshape(len(array), -1)
+    return np.stack([row_filter(column[:, None])[:, 0] for column in columns.T], axis=-1).reshape(-1, *array.shape[1:])

@@ -1,0 +1,72 @@
+"""What was measured, as arrays: pieces of motion with the actuator torques."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.base_motion import BaseMotion
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """One piece of a recording: N samples, evenly spaced and in order, of n joints.
+
+    q, v, a: joint positions, velocities, accelerations     (N, n)  [rad or m, …/s, …/s²]
+    tau: measured actuator torques or forces                (N, n)  [N m or N]
+    base: prescribed motion of the base, at rest if left out
+
+    Memory maps are kept as they are and read piece by piece. Raises InvalidInput where the shapes differ.
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+    base: BaseMotion | None = None
+
+    def __post_init__(self) -> None:
+        arrays = {name: _two_dimensional(name, getattr(self, name)) for name in ("q", "v", "a", "tau")}
+        if len({array.shape for array in arrays.values()}) > 1:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+            raise InvalidInput(f"the arrays of the samples differ in shape: {shapes}; all must be (N, n)")
+        if self.base is not None and self.base.batch not in ((), (len(arrays["q"]),)):
+            raise InvalidInput(f"the base motion has {self.base.batch} states for {len(arrays['q'])} samples")
+        for name, array in arrays.items():
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __getitem__(self, rows: slice) -> Samples:
+        return Samples(self.q[rows], self.v[rows], self.a[rows], self.tau[rows], _base_rows(self.base, rows))
+
+    def pieces(self, length: int) -> Iterator[Samples]:
+        """Consecutive pieces of this length; the last one may be shorter."""
+        for start in range(0, len(self), length):
+            yield self[start : start + length]
+
+
+def _two_dimensional(name: str, value: ArrayLike) -> Array:
+    array = value if isinstance(value, np.ndarray) else np.asarray(value)
+    if array.ndim != 2 or array.dtype.kind not in "buif":
+        raise InvalidInput(
+            f"{name} of the samples must be real numbers of shape (N, n); it is {array.dtype} {array.shape}"
+        )
+    return array
+
+
+def _base_rows(base: BaseMotion | None, rows: slice) -> BaseMotion | None:
+    if base is None or base.batch == ():
+        return base
+    trailing = {"rotation": 2, "translation": 1, "velocity": 1, "acceleration": 1}
+    parts = {name: getattr(base, name) for name in trailing}
+    return dataclasses.replace(
+        base, **{name: array[rows] if array.ndim > trailing[name] else array for name, array in parts.items()}
+    )

@@ -1,0 +1,54 @@
+"""What a torque model could determine under any motion: its base parameters over random states."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.identification.base_parameters import BaseParameters, base_parameters
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+STATES_PER_PARAMETER = 4
+"""Random states per parameter: each gives n equations, far more than there are unknowns."""
+
+ACCELERATION = 10.0
+"""Random accelerations reach this [rad/s² or m/s²]: inertia shows beside gravity."""
+
+SPEED = 10.0
+"""And speeds no more than this [rad/s or m/s]: beyond, centrifugal torques drown the rest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Base parameters of a torque model, and which of them bear on which joint.
+
+    base: over random states
+    support: (n, b): whether column base.independent[k] can differ from zero in the torque of joint j
+    column_scale: root mean square of every column over the random states, largest joint   (p,)
+    """
+
+    base: BaseParameters
+    support: NDArray[np.bool_]
+    column_scale: Array
+
+
+def structure(torque_model: TorqueModel, *, seed: int = 0) -> Structure:
+    """The same model and seed give the same answer."""
+    samples = random_samples(torque_model, STATES_PER_PARAMETER * len(torque_model.columns), seed)
+    w = torque_model.rows(samples)
+    base = base_parameters(w.reshape(-1, w.shape[-1]))
+    support = np.any(w[..., base.independent] != 0, axis=0)
+    return Structure(base, support, np.sqrt(np.mean(w**2, axis=0)).max(axis=0))
+
+
+def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
+    """Random states within the limits of the robot, torques zero."""
+    rng = np.random.default_rng(seed)
+    q, v = torque_model.model.random_state(rng, size)
+    v = np.clip(v, -SPEED, SPEED)
+    a = rng.uniform(-ACCELERATION, ACCELERATION, q.shape)
+    return Samples(q, v, a, np.zeros_like(q))

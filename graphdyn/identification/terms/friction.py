@@ -1,0 +1,118 @@
+"""Friction and offset of every joint.
+
+sign(v), or tanh(v / width) where a smooth change is wanted. Sources: Armstrong-Hélouvry, Dupont and Canudas de Wit, "A
+survey of models, analysis tools and compensation methods for the control of machines with friction", Automatica
+30(7), 1994 (Stribeck); Khalil and Dombre, Modeling, Identification and Control of Robots, 2002, section 9.3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
+from graphdyn.layout import Array
+from graphdyn.model import RobotModel
+
+TORQUE = ("N m", "N")
+DAMPING = ("N m s/rad", "N s/m")
+
+
+@dataclass(frozen=True)
+class Viscous:
+    """F_v v per joint."""
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return per_joint_columns(model, "viscous friction", "FV", *DAMPING)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return per_joint_rows(samples.v)
+
+
+@dataclass(frozen=True, eq=False)
+class Coulomb:
+    """F_c sign(v) per joint, or F_c tanh(v / width) with a width, one for all or one per joint [rad/s or m/s]."""
+
+    width: ArrayLike | None = None
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return per_joint_columns(model, "Coulomb friction", "FC", *TORQUE)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return per_joint_rows(smooth_sign(samples.v, self.width))
+
+
+@dataclass(frozen=True, eq=False)
+class Stribeck:
+    """F_s sign(v) exp(-|v / velocity|^exponent): what is added at low speed. Take it together with Coulomb.
+
+    velocity: Stribeck velocity, one for all or one per joint [rad/s or m/s]; it is given, not identified
+    width: as in Coulomb
+    """
+
+    velocity: ArrayLike
+    exponent: float = 2.0
+    width: ArrayLike | None = None
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return per_joint_columns(model, "Stribeck friction", "FS", *TORQUE)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        v_s = positive("Stribeck velocity", self.velocity, model.n_bodies)
+        falling = np.exp(-(np.abs(samples.v / v_s) ** float(positive("exponent", self.exponent, 1)[0])))
+        return per_joint_rows(smooth_sign(samples.v, self.width) * falling)
+
+
+@dataclass(frozen=True)
+class AsymmetricCoulomb:
+    """One Coulomb friction for v > 0 and one for v < 0; both act against the motion."""
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        forth = per_joint_columns(model, "Coulomb friction forth", "FC+", *TORQUE)
+        return forth + per_joint_columns(model, "Coulomb friction back", "FC-", *TORQUE)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        forth, back = samples.v > 0, samples.v < 0
+        return np.concatenate([per_joint_rows(forth.astype(float)), per_joint_rows(-back.astype(float))], axis=-1)
+
+
+@dataclass(frozen=True)
+class AsymmetricViscous:
+    """One viscous friction for v > 0 and one for v < 0."""
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        forth = per_joint_columns(model, "viscous friction forth", "FV+", *DAMPING)
+        return forth + per_joint_columns(model, "viscous friction back", "FV-", *DAMPING)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        forth, back = np.maximum(samples.v, 0.0), np.minimum(samples.v, 0.0)
+        return np.concatenate([per_joint_rows(forth), per_joint_rows(back)], axis=-1)
+
+
+@dataclass(frozen=True)
+class Offset:
+    """A constant torque per joint: offset of the current sensor, asymmetry of the friction."""
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return per_joint_columns(model, "offset", "OFF", *TORQUE)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return per_joint_rows(np.ones(samples.v.shape))
+
+
+def smooth_sign(v: Array, width: ArrayLike | None) -> Array:
+    """sign(v), or tanh(v / width)."""
+    return np.sign(v) if width is None else np.tanh(v / positive("width", width, v.shape[-1]))
+
+
+def positive(who: str, value: ArrayLike, n: int) -> Array:
+    """(n,) positive numbers from one or n. Raises InvalidInput."""
+    array = as_floats(who, value)
+    if array.shape not in ((), (n,)) or not np.all(np.isfinite(array)) or not np.all(array > 0):
+        raise InvalidInput(f"{who} is {np.array2string(array)}; give one positive number, or {n}")
+    return np.broadcast_to(array, (n,))

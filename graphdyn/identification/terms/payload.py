@@ -1,0 +1,99 @@
+"""A load on one body: known (subtracted), unknown, or unknown in its mass alone.
+
+All parameters are in the link frame of the body that carries the load. An unknown payload beside unknown parameters
+of the same body is not determined: only their sums are, and the base parameters say so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.terms.rigid_bodies import RigidBodies, inertial_columns, ten_parameters
+from graphdyn.identification.terms.term import Column
+from graphdyn.inertia import parameters_from_inertia
+from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
+from graphdyn.model import RobotModel
+
+
+@dataclass(frozen=True)
+class Payload:
+    """Ten unknown parameters of a load on a body, the last one if left out."""
+
+    body: str | None = None
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        carrier(model, self.body)
+        return inertial_columns("payload", "L")
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return RigidBodies().rows(model, samples)[..., parameter_columns(carrier(model, self.body))]
+
+    def inertial_parameters(self, model: RobotModel, x: Array) -> Array:
+        return on_carrier(model, self.body, x)
+
+
+@dataclass(frozen=True, eq=False)
+class PayloadMass:
+    """One unknown: the mass of a load whose center, and tensor per mass about it, are known.
+
+    center_of_mass: in the link frame of the body           (3,)    [m]
+    inertia_per_mass: about the center; a point if left out (3, 3)  [m²]
+    """
+
+    center_of_mass: ArrayLike
+    inertia_per_mass: ArrayLike = field(default_factory=lambda: np.zeros((3, 3)))
+    body: str | None = None
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return (Column("payload m", "M_L", "kg"),)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return (Payload(self.body).rows(model, samples) @ self._per_mass())[..., None]
+
+    def inertial_parameters(self, model: RobotModel, x: Array) -> Array:
+        return on_carrier(model, self.body, x[0] * self._per_mass())
+
+    def _per_mass(self) -> Array:
+        center = as_floats("center of mass of the payload", self.center_of_mass)
+        inertia = as_floats("inertia per mass of the payload", self.inertia_per_mass)
+        if center.shape != (3,) or inertia.shape != (3, 3):
+            raise InvalidInput(
+                f"center of mass of the payload has shape {center.shape}, inertia per mass {inertia.shape}; "
+                "(3,) and (3, 3) needed"
+            )
+        return parameters_from_inertia(1.0, center, inertia)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownPayload:
+    """A load with known parameters (10,); its torque is subtracted. Raises InvalidInput for any other shape."""
+
+    parameters: ArrayLike
+    body: str | None = None
+
+    def torque(self, model: RobotModel, samples: Samples) -> Array:
+        return Payload(self.body).rows(model, samples) @ ten_parameters("payload", self.parameters)
+
+    def known_inertial_parameters(self, model: RobotModel) -> Array:
+        return on_carrier(model, self.body, ten_parameters("payload", self.parameters))
+
+
+def carrier(model: RobotModel, body: str | None) -> int:
+    """Number of the body that carries the load. Raises InvalidInput for an unknown one."""
+    if body is None:
+        return model.n_bodies
+    if body not in model.body_names:
+        raise InvalidInput(f"the payload is on body '{body}'; robot '{model.name}' has {', '.join(model.body_names)}")
+    return model.body_names.index(body) + 1
+
+
+def on_carrier(model: RobotModel, body: str | None, parameters: Array) -> Array:
+    everything = np.zeros(BODY_PARAMETERS * model.n_bodies)
+    everything[parameter_columns(carrier(model, body))] = parameters
+    return everything

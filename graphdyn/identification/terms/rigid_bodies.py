@@ -1,0 +1,76 @@
+"""The rigid bodies: ten parameters each, unknown or known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.terms.term import Column
+from graphdyn.inertia import PARAMETER_NAMES
+from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.model import RobotModel
+from graphdyn.regressors import joint_torque_regressor
+
+SYMBOLS = ("M", "MX", "MY", "MZ", "XX", "XY", "YY", "XZ", "YZ", "ZZ")
+UNITS = ("kg", *["kg m"] * 3, *["kg m²"] * 6)
+
+
+@dataclass(frozen=True)
+class RigidBodies:
+    """Ten unknown inertial parameters per body, in the order and frames of Body.parameters."""
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return tuple(
+            column for i, name in enumerate(model.body_names, start=1) for column in inertial_columns(name, str(i))
+        )
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return joint_torque_regressor(model, samples.q, samples.v, samples.a, base=samples.base)
+
+    def inertial_parameters(self, model: RobotModel, x: Array) -> Array:
+        return x
+
+
+@dataclass(frozen=True, eq=False)
+class KnownBodies:
+    """Bodies whose parameters are known, from CAD for instance: their torque is subtracted.
+
+    parameters: (10 n,), those of the model if left out. Raises InvalidInput for any other shape.
+    """
+
+    parameters: ArrayLike | None = None
+
+    def torque(self, model: RobotModel, samples: Samples) -> Array:
+        return RigidBodies().rows(model, samples) @ self._values(model)
+
+    def known_inertial_parameters(self, model: RobotModel) -> Array:
+        return self._values(model)
+
+    def _values(self, model: RobotModel) -> Array:
+        if self.parameters is None:
+            return model.inertial_parameters
+        return ten_parameters("known bodies", self.parameters, model.n_bodies)
+
+
+def inertial_columns(name: str, number: str) -> tuple[Column, ...]:
+    """Columns of one rigid body."""
+    return tuple(
+        Column(f"{name} {parameter}", f"{symbol}_{number}", unit)
+        for parameter, symbol, unit in zip(PARAMETER_NAMES, SYMBOLS, UNITS, strict=True)
+    )
+
+
+def ten_parameters(who: str, values: ArrayLike, bodies: int = 1) -> Array:
+    """Finite (10 · bodies,). Raises InvalidInput."""
+    array = as_floats(f"parameters of the {who}", values)
+    if array.shape != (BODY_PARAMETERS * bodies,) or not np.all(np.isfinite(array)):
+        raise InvalidInput(
+            f"parameters of the {who} have shape {array.shape}; {BODY_PARAMETERS * bodies} finite numbers needed, "
+            f"{', '.join(PARAMETER_NAMES)} per body"
+        )
+    return array

@@ -1,0 +1,80 @@
+"""The interface of a part of the torque: columns with names and units, and their rows in the regressor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from graphdyn.identification.samples import Samples
+from graphdyn.layout import Array
+from graphdyn.model import RobotModel
+
+
+@dataclass(frozen=True)
+class Column:
+    """One parameter of the torque.
+
+    name: such as "forearm I_xx" or "elbow viscous friction"
+    symbol: as Khalil and Gautier write it, with the number of body or joint: XX_3, FV_3
+    unit: of the parameter
+    """
+
+    name: str
+    symbol: str
+    unit: str
+
+
+class Term(Protocol):
+    """A part of the torque with unknown parameters. Any class with these two methods is one."""
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        """The k parameters of this part."""
+        ...
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        """W (N, n, k): its torque is W x. The torque of the samples is not read."""
+        ...
+
+
+class KnownTerm(Protocol):
+    """A part of the torque without unknowns; it is subtracted from the measured torque."""
+
+    def torque(self, model: RobotModel, samples: Samples) -> Array:
+        """(N, n) [N m or N]."""
+        ...
+
+
+@runtime_checkable
+class CarriesBodies(Protocol):
+    """A term whose parameters x belong to the inertia of the bodies."""
+
+    def inertial_parameters(self, model: RobotModel, x: Array) -> Array:
+        """What they add to the ten parameters of every body (10 n,)."""
+        ...
+
+
+@runtime_checkable
+class CarriesKnownBodies(Protocol):
+    """A known term that belongs to the inertia of the bodies."""
+
+    def known_inertial_parameters(self, model: RobotModel) -> Array:
+        """What it adds to the ten parameters of every body (10 n,)."""
+        ...
+
+
+def per_joint_columns(model: RobotModel, what: str, symbol: str, unit: str, slide_unit: str) -> tuple[Column, ...]:
+    """One column per joint; the second unit is that of a prismatic joint."""
+    return tuple(
+        Column(f"{joint.name} {what}", f"{symbol}_{j}", slide_unit if joint.is_prismatic else unit)
+        for j, joint in enumerate(model.joints, start=1)
+    )
+
+
+def per_joint_rows(values: Array) -> Array:
+    """(N, n) → (N, n, n) with the values on the diagonals: column j acts on joint j alone."""
+    n = values.shape[1]
+    rows = np.zeros((*values.shape, n))
+    rows[:, np.arange(n), np.arange(n)] = values
+    return rows

@@ -1,0 +1,100 @@
+"""What the measured torque is made of: unknown parts, linear in their parameters, and known parts.
+
+tau = W x + known,     W = [W_1 … W_k] from the terms
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.terms import Column, Coulomb, KnownTerm, Offset, RigidBodies, Term, Viscous
+from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
+from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.model import RobotModel
+
+STANDARD_TERMS: tuple[Term, ...] = (RigidBodies(), Viscous(), Coulomb(), Offset())
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueModel:
+    """A robot and the terms of its torque; p parameters in all.
+
+    terms: with unknown parameters, in the order of the columns; rigid bodies, viscous and Coulomb friction and offset
+        if left out
+    known: without; subtracted from the measured torque
+
+    Raises InvalidInput without a term, and where two columns have the same name.
+    """
+
+    model: RobotModel
+    terms: Sequence[Term] = STANDARD_TERMS
+    known: Sequence[KnownTerm] = ()
+
+    def __post_init__(self) -> None:
+        names = [column.name for column in self.columns]
+        if not names:
+            raise InvalidInput("the torque model has no parameter; give terms such as RigidBodies()")
+        repeated = [name for name in names if names.count(name) > 1]
+        if repeated:
+            raise InvalidInput(f"two parameters of the torque model are called '{repeated[0]}'; give each term once")
+
+    @cached_property
+    def columns(self) -> tuple[Column, ...]:
+        """Name, symbol and unit of every parameter (p,)."""
+        return tuple(column for columns in self._columns_of_terms for column in columns)
+
+    def rows(self, samples: Samples) -> Array:
+        """The regressor W (N, n, p) of a short piece."""
+        w = np.empty((*samples.q.shape, len(self.columns)))
+        for term, columns in self._parts:
+            w[..., columns] = term.rows(self.model, samples)
+        return w
+
+    def known_torque(self, samples: Samples) -> Array:
+        """(N, n) [N m or N]."""
+        parts = (term.torque(self.model, samples) for term in self.known)
+        return np.asarray(sum(parts, start=np.zeros(samples.q.shape)))
+
+    def torque(self, samples: Samples, x: Array) -> Array:
+        """(N, n): W x + known."""
+        return self.rows(samples) @ x + self.known_torque(samples)
+
+    def slice_of(self, kind: type) -> slice | None:
+        """The columns of the first term of this class, None without one."""
+        return next((columns for term, columns in self._parts if isinstance(term, kind)), None)
+
+    def inertial_parameters(self, x: Array) -> Array:
+        """(10 n,): what the bodies carry, payload included."""
+        total = np.zeros(BODY_PARAMETERS * self.model.n_bodies)
+        for term, columns in self._parts:
+            if isinstance(term, CarriesBodies):
+                total += term.inertial_parameters(self.model, x[columns])
+        for known in self.known:
+            if isinstance(known, CarriesKnownBodies):
+                total += known.known_inertial_parameters(self.model)
+        return total
+
+    def prior(self) -> Array:
+        """(p,): the inertial parameters of the model for RigidBodies, zero for the rest."""
+        x = np.zeros(len(self.columns))
+        for term, columns in self._parts:
+            if isinstance(term, RigidBodies):
+                x[columns] = self.model.inertial_parameters
+        return x
+
+    @cached_property
+    def _columns_of_terms(self) -> tuple[tuple[Column, ...], ...]:
+        return tuple(term.columns(self.model) for term in self.terms)
+
+    @property
+    def _parts(self) -> Iterable[tuple[Term, slice]]:
+        start = 0
+        for term, columns in zip(self.terms, self._columns_of_terms, strict=True):
+            yield term, slice(start, start + len(columns))
+            start += len(columns)
