@@ -20,6 +20,10 @@ from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_c
 VERSION: str = pin.__version__
 
 
+GROUND = "universe"
+"""Joint 0 of every model of Pinocchio, which finds joints by name."""
+
+
 class PinocchioRefuses(GraphDynError, ValueError):
     """Pinocchio cannot build this file, or builds a robot with other joints."""
 
@@ -77,6 +81,11 @@ class PinocchioModel:
     def __init__(self, native: pin.Model, model: RobotModel):
         self._native, self._model = native, model
         self._data = native.createData()
+        if GROUND in model.joint_names:
+            raise PinocchioRefuses(
+                f"robot '{model.name}': Pinocchio calls the ground '{GROUND}' and mixes it up with the joint of this "
+                "name; rename the joint"
+            )
         expected, known = set(model.joint_names), set(native.names[1:])
         if expected != known:
             raise PinocchioRefuses(
@@ -268,10 +277,13 @@ class PinocchioModel:
 
     def _at_centers(self, rotation: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
         """ṙ and ω, r̈ and ω̇ (N, n, 6) from spatial velocities and accelerations at the link origins."""
-        # Pinocchio forgets the center of a massless body; ours stands in, so that the same point is compared
+        # Pinocchio loses the center of a body without mass or nearly so, for it divides m c by at least eps; ours
+        # stands in, so that the same point is compared
         center = np.array(
             [
-                self._native.inertias[k].lever if self._native.inertias[k].mass > 0 else body.center_of_mass
+                self._native.inertias[k].lever
+                if self._native.inertias[k].mass > np.finfo(float).eps
+                else body.center_of_mass
                 for k, body in zip(self._ids, self._model.bodies, strict=True)
             ]
         )

@@ -11,7 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.pinocchio_model import PinocchioModel, RefereeValues
-from crosscheck.scales import acceleration_scale, by_parameter_type, by_part, largest, ratio, relative, term_sizes
+from crosscheck.scales import (
+    acceleration_scale,
+    by_parameter_type,
+    by_part,
+    center_offset,
+    largest,
+    largest_tensor,
+    ratio,
+    relative,
+    term_sizes,
+)
 from crosscheck.states import Case
 from crosscheck.tolerances import (
     ACCELERATION,
@@ -56,10 +66,11 @@ class Quantity:
     forward: bool = False
 
 
-_PLACED = "rotations: 1; positions: largest position of a link"
+_PLACED = "rotations: 1; positions: largest position of a link, offset of a center of mass"
 _BY_TYPE = "columns of m: felt × lever; of m c: felt; of I: turn"
 _BY_PART = "forces: force; moments: moment"
 _WRENCH = "largest joint wrench"
+_TORQUE = "largest joint wrench; spin"
 _SOLVED = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
 _SOLVED_BODIES = "that of acceleration × n × max(1, lever)"
 _BASE = "only cond(W) ‖x‖, columns of W at unit length"
@@ -69,12 +80,12 @@ QUANTITIES = (
     Quantity("frame_placement", "updateFramePlacements, oMf of fused links", _PLACED, AGREEMENT),
     Quantity("link_twist", "forwardKinematics, v", "linear: ‖ω‖ × lever + slide rate", AGREEMENT),
     Quantity("body_acceleration", "forwardKinematics, a", "linear: swing; angular: turn", AGREEMENT),
-    Quantity("torque", "rnea", _WRENCH, AGREEMENT),
+    Quantity("torque", "rnea", _TORQUE, AGREEMENT),
     Quantity("joint_wrench", "rnea, data.f", _BY_PART, AGREEMENT),
     Quantity("multipliers", "rnea, data.f", _WRENCH, AGREEMENT),
-    Quantity("torque_external", "rnea with fext", _WRENCH, AGREEMENT),
+    Quantity("torque_external", "rnea with fext", _TORQUE, AGREEMENT),
     Quantity("joint_wrench_external", "rnea with fext, data.f", _BY_PART, AGREEMENT),
-    Quantity("mass_matrix", "crba", "nothing more", AGREEMENT),
+    Quantity("mass_matrix", "crba", "largest entry of a tensor", AGREEMENT),
     Quantity("bias_torque", "nonLinearEffects", _WRENCH, AGREEMENT),
     Quantity("torque_regressor", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
     Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: felt; of I: turn", AGREEMENT),
@@ -127,20 +138,21 @@ def passive_errors(case: Case, ref: RefereeValues) -> dict[str, Array]:
     size = term_sizes(model, v, a, ref.position, ref.velocity, ref.acceleration)
     with_load = size.loaded(external)
     multipliers = multipliers_of(model, ref.rotation, ref.joint_wrenches)
+    offset, tensor = (np.full(len(q), size) for size in (center_offset(model), largest_tensor(model)))
     return {
         "link_placement": np.maximum(
-            largest(state.rotation - ref.rotation), relative(link_origins(state), ref.position)
+            largest(state.rotation - ref.rotation), relative(link_origins(state), ref.position, offset)
         ),
         "link_twist": by_part(state.velocity, ref.velocity, size.velocity, 0 * size.velocity),
         "body_acceleration": by_part(state.acceleration, ref.acceleration, size.acceleration, size.turn),
-        "torque": relative(ours.tau, ref.tau, largest(ref.joint_wrenches)),
+        "torque": relative(ours.tau, ref.tau, largest(ref.joint_wrenches), size.spin),
         "joint_wrench": by_part(ours.joint_wrenches, ref.joint_wrenches, size.force, size.moment),
         "multipliers": relative(ours.multipliers, multipliers, largest(ref.joint_wrenches)),
-        "torque_external": relative(loaded.tau, ref.tau_external, largest(ref.joint_wrenches_external)),
+        "torque_external": relative(loaded.tau, ref.tau_external, largest(ref.joint_wrenches_external), size.spin),
         "joint_wrench_external": by_part(
             loaded.joint_wrenches, ref.joint_wrenches_external, with_load.force, with_load.moment
         ),
-        "mass_matrix": relative(mass_matrix(model, q), ref.mass_matrix),
+        "mass_matrix": relative(mass_matrix(model, q), ref.mass_matrix, tensor),
         "bias_torque": relative(bias_torque(model, q, v), ref.bias, largest(at_rest)),
         "torque_regressor": by_parameter_type(
             joint_torque_regressor(model, q, v, a), ref.torque_regressor, size.felt * size.lever, size.felt, size.turn
@@ -158,7 +170,9 @@ def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
     ours = [frame_placement(case.model, case.q, name) for name in names]
     turned = largest(np.stack([r for r, _ in ours], axis=1) - rotation)
     links = link_origins(maximal_state(case.model, case.q))
-    shifted = relative(np.stack([p for _, p in ours], axis=1), position, largest(links))
+    shifted = relative(
+        np.stack([p for _, p in ours], axis=1), position, largest(links), np.full(len(links), center_offset(case.model))
+    )
     return {"frame_placement": np.maximum(turned, shifted)}
 
 

@@ -26,6 +26,7 @@ class Sizes:
     turn: ‖ω̇‖ + ‖ω‖², what angular accelerations sum                             [rad/s²]
     felt: acceleration against gravity                                           [m/s²]
     force, moment: of all bodies together                                        [N, N m]
+    spin: of the inertia tensors alone, about any axis                           [N m]
     """
 
     lever: Array
@@ -35,6 +36,7 @@ class Sizes:
     felt: Array
     force: Array
     moment: Array
+    spin: Array
 
     def loaded(self, wrenches: Array) -> Sizes:
         """The same with external wrenches (N, n, 6) among the terms."""
@@ -48,11 +50,10 @@ def term_sizes(model: RobotModel, v: Array, a: Array, position: Array, velocity:
     omega, alpha = largest(velocity[..., ANGULAR]), largest(acceleration[..., ANGULAR])
     slides = np.array([joint.is_prismatic for joint in model.joints])
     slide_rate, slide_acceleration = largest(v * slides), largest(a * slides)
-    offset = max(float(np.abs(body.center_of_mass).max()) for body in model.bodies)
-    tensor = max(float(np.abs(body.inertia).max()) for body in model.bodies)
-    lever = largest(position - model.base.translation) + offset + SHORTEST_LEVER
+    lever = largest(position - model.base.translation) + center_offset(model) + SHORTEST_LEVER
     turn = alpha + omega**2
     swing = turn * lever + 2 * omega * slide_rate + slide_acceleration
+    spin = largest_tensor(model) * turn
     felt = swing + float(np.linalg.norm(model.gravity))
     force = felt * sum(body.mass for body in model.bodies)
     return Sizes(
@@ -62,8 +63,19 @@ def term_sizes(model: RobotModel, v: Array, a: Array, position: Array, velocity:
         turn=turn,
         felt=felt,
         force=force,
-        moment=force * lever + tensor * turn,
+        moment=force * lever + spin,
+        spin=spin,
     )
+
+
+def center_offset(model: RobotModel) -> float:
+    """Largest coordinate of a center of mass in its link frame [m]: link origins are found from centers of mass."""
+    return max(float(np.abs(body.center_of_mass).max()) for body in model.bodies)
+
+
+def largest_tensor(model: RobotModel) -> float:
+    """Largest entry of an inertia tensor [kg m²]."""
+    return max(float(np.abs(body.inertia).max()) for body in model.bodies)
 
 
 def largest(x: Array) -> Array:

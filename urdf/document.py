@@ -31,12 +31,11 @@ _EMPTY, _VERSION, _LIMIT = (
 
 @dataclass(frozen=True)
 class Document:
-    """A file, its bytes, and its root element <robot>; namespace: of the root, as lxml writes it ("{uri}" or "")."""
+    """A file, its bytes, and its root element <robot>."""
 
     path: Path
     content: bytes
     robot: etree._Element
-    namespace: str
 
 
 def open_document(path: Path) -> Document:
@@ -50,16 +49,17 @@ def open_document(path: Path) -> Document:
     _check_document_type(path, robot)
     if robot.xpath(f"boolean(//*[@*[{MOST_ATTRIBUTES + 1}]])"):
         raise TooLarge(f"an element has more than {MOST_ATTRIBUTES} attributes", "leave out what is no URDF", path=path)
-    name = etree.QName(robot)
-    if name.localname != "robot":
+    name = etree.QName(robot).localname
+    if robot.prefix is not None or name != "robot":
+        written = name if robot.prefix is None else f"{robot.prefix}:{name}"
         raise MalformedXML(
-            f"the root element is <{name.localname}>, not <robot>",
+            f"the root element is <{written}>, not <robot>",
             "give a URDF file",
             code="not-a-robot",
             path=path,
             line=robot.sourceline,  # type: ignore[arg-type]
         )
-    return Document(path, content, robot, "" if name.namespace is None else f"{{{name.namespace}}}")
+    return Document(path, content, robot)
 
 
 def _content(path: Path) -> bytes:

@@ -35,7 +35,7 @@ def inertial_spans(data: bytes) -> dict[str, Span]:
 
     def start(name: str, attributes: dict[str, str]) -> None:
         nonlocal link
-        path.append(name.rpartition(":")[2])
+        path.append(name)
         at = parser.CurrentByteIndex
         if path[1:] == ["link"]:
             link = attributes.get("name", "")

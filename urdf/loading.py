@@ -115,7 +115,7 @@ def _robot(source: Source) -> yourdfpy.urdf.Robot:
     """yourdfpy's robot of exactly the elements that were checked. Its import takes a second, hence here."""
     import yourdfpy
 
-    document = BytesIO(etree.tostring(source.robot))
+    document = BytesIO(etree.tostring(source.robot, encoding="utf-8"))  # ASCII has no names such as <größe>
     return yourdfpy.URDF.load(document, build_scene_graph=False, load_meshes=False).robot
 
 

@@ -12,6 +12,9 @@ from urdf.wording import shortened
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
+_BLANKS = re.compile(r"[ \t\r\n]+")
+"""What XML takes for blank; str.split knows many more, which no other reader of URDF does."""
+
 UNEXPANDED = re.compile(r"\$[{(]")
 """What xacro would have replaced: ${…} and $(…)."""
 
@@ -29,7 +32,7 @@ def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:
     """The numbers of a text, so many, or what is wrong with it. said: how the text appears in the sentence."""
     if UNEXPANDED.search(text):
         return BadNumber("unexpanded-number", f"{said} is not expanded", "expand the file with xacro")
-    words = text.split()
+    words = [word for word in _BLANKS.split(text) if word]
     if len(words) != count:
         return BadNumber(
             "wrong-number-of-entries",

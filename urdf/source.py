@@ -53,7 +53,7 @@ def read(path: Path) -> Source:
 def reduced(document: Document) -> Source:
     """The document without all that is not read; its own tree is used up. Raises TooLarge."""
     robot = document.robot
-    _reduce(robot, document.namespace)
+    _reduce(robot)
     etree.cleanup_namespaces(robot)
     source = Source(document.path, robot)
     for what, number in (("links", len(source.links)), ("joints", len(source.joints))):
@@ -69,24 +69,35 @@ def name_of(element: etree._Element) -> str:
     return element.get("name", "")
 
 
+def tag_of(element: etree._Element) -> str:
+    """Its tag as written, whatever namespace xmlns="…" puts it into; empty for comments and for tags with a prefix.
+
+    Pinocchio goes by tags as written too, and tags with a prefix are none of URDF's.
+    """
+    tag = element.tag
+    return tag.rpartition("}")[2] if isinstance(tag, str) and element.prefix is None else ""
+
+
 def line_of(element: etree._Element) -> int | None:
     return cast("int | None", element.sourceline)
 
 
-def _reduce(element: etree._Element, namespace: str) -> None:
-    """Drop the children that are not read and the namespace (of the root) from the names of the others."""
-    element.tag = element.tag.removeprefix(namespace)
+def _reduce(element: etree._Element) -> None:
+    """Drop the children that are not read and the namespaces of the others."""
+    element.tag = tag_of(element)
     fixed = element.tag == "joint" and element.get("type") == "fixed"
-    kept = {namespace + tag for tag in (_RIGID if fixed else _READ.get(element.tag, ()))}
+    kept = _RIGID if fixed else _READ.get(element.tag, ())
     for child in list(element):
-        if child.tag in kept:
-            _reduce(child, namespace)
+        if tag_of(child) in kept:
+            _reduce(child)
         else:
             element.remove(child)
 
 
 def describe(element: etree._Element) -> str:
     """The element by name: "link 'wrist'", "<mass> of link 'wrist'"."""
-    owner = next((e for e in (element, *element.iterancestors()) if e.tag in ("robot", "link", "joint")), element)
-    named = f"{owner.tag} '{shortened(name_of(owner))}'" if name_of(owner) else f"<{owner.tag}>"
-    return named if owner is element else f"<{element.tag}> of {named}"
+    above = (element, *element.iterancestors())
+    owner = next((e for e in above if tag_of(e) in ("robot", "link", "joint")), element)
+    tag = tag_of(owner)
+    named = f"{tag} '{shortened(name_of(owner))}'" if name_of(owner) else f"<{tag}>"
+    return named if owner is element else f"<{tag_of(element)}> of {named}"

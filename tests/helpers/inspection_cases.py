@@ -51,6 +51,7 @@ SHOULDER = '<joint name="shoulder" type="revolute">'
 AXIS = '<axis xyz="0 0 1"/>'
 LIMIT = '<limit lower="-1" upper="2" effort="30" velocity="3"/>'
 TOOL = '<link name="tool"/>'
+UNREADABLE = "Pinocchio gives a link with such a number mass 0 or a tensor of zero and refuses such a joint"
 FORE_INERTIAL = re.findall(r"<inertial>.*?</inertial>", CLEAN, re.DOTALL)[1]
 
 
@@ -79,7 +80,8 @@ CASES = {
     "missing-name": Case(
         ('<robot name="arm">', "<robot>"),
         "error", "<robot>", 1,
-        "attribute 'name' is missing or empty. Pinocchio and yourdfpy refuse the file",
+        "attribute 'name' is missing or empty. Pinocchio and yourdfpy refuse a missing name, and load an empty one of "
+        "a joint or robot",
         "give it a name",
     ),
     "duplicate-name": Case(
@@ -109,8 +111,8 @@ CASES = {
     "missing-inertia": Case(
         ('ixx="0.11" ', ""),
         "error", "<inertia> of link 'upper'", 7,
-        "attribute 'ixx' is missing. Pinocchio takes 0 for what is missing, yourdfpy 1 for ixx, iyy, izz and 0 for "
-        "the others",
+        "attribute 'ixx' is missing. Pinocchio gives the link a tensor of zero, yourdfpy takes 1 for ixx, iyy, izz "
+        "and 0 for the others",
         "write it; nothing is assumed for it",
     ),
     "missing-parent": Case(
@@ -140,7 +142,7 @@ CASES = {
     "negative-mass": Case(
         ('"2.5"', '"-2.5"'),
         "error", "<mass> of link 'upper'", 6,
-        "mass -2.5 kg is negative. Pinocchio and yourdfpy load it as it stands",
+        "mass -2.5 kg is negative. Pinocchio loads it and loses the center of mass, yourdfpy loads it as it stands",
         "give a mass of at least 0",
     ),
     "zero-axis": Case(
@@ -152,27 +154,25 @@ CASES = {
     "unexpanded-number": Case(
         ('"2.5"', '"${m}"'),
         "error", "<mass> of link 'upper'", 6,
-        'value="${m}" is not expanded. Pinocchio gives a link with such a mass mass 0 and refuses such a joint, '
-        "yourdfpy refuses the file",
+        f'value="${{m}}" is not expanded. {UNREADABLE}, yourdfpy refuses the file',
         "expand the file with xacro",
     ),
     "wrong-number-of-entries": Case(
         ('xyz="0.3 0 0"', 'xyz="0.3 0"'),
         "error", "<origin> of joint 'elbow'", 26,
-        'xyz="0.3 0" has 2 entries, expected 3. Pinocchio and yourdfpy refuse the file',
+        f'xyz="0.3 0" has 2 entries, expected 3. {UNREADABLE}, yourdfpy refuses all but such an axis',
         "separate numbers by spaces",
     ),
     "not-finite": Case(
         ('"2.5"', '"nan"'),
         "error", "<mass> of link 'upper'", 6,
-        'value="nan" is not finite. Pinocchio gives a link with such a mass mass 0, yourdfpy keeps the value',
+        f'value="nan" is not finite. {UNREADABLE}, yourdfpy keeps the value',
         "give a finite number, or leave it out where optional",
     ),
     "malformed-number": Case(
         ('upper="2"', 'upper="-1.57."'),
         "error", "<limit> of joint 'shoulder'", 23,
-        "upper=\"-1.57.\": '-1.57.' is not a number. Pinocchio gives a link with such a mass mass 0 and refuses "
-        "such a joint, yourdfpy refuses the file",
+        f"upper=\"-1.57.\": '-1.57.' is not a number. {UNREADABLE}, yourdfpy refuses the file",
         "correct the number",
     ),
     "missing-link": Case(
@@ -504,6 +504,49 @@ CASES = {
         "warning", None, None,
         "the mass matrix overflows",
         "correct masses, tensors and lengths",
+    ),
+    "urdf-version": Case(
+        ('<robot name="arm">', '<robot name="arm" version="1.3">'),
+        "warning", "robot 'arm'", 1,
+        'version="1.3" is none of 1.0, 1.1, 1.2. Pinocchio refuses the file, yourdfpy loads it',
+        "remove it",
+    ),
+    "processing-instruction": Case(
+        (TOOL, f"{TOOL}<?hint x?>"),
+        "warning", None, 17,
+        "processing instructions <?…?> within the document: 1. Pinocchio refuses the file, yourdfpy loads it",
+        "remove them",
+    ),
+    "number-spacing": Case(
+        ('value="2.5"', 'value="2.5 "'),
+        "warning", "<mass> of link 'upper'", 6,
+        "blanks, tabs or line breaks in value that not every reader takes. Pinocchio gives the link mass 0",
+        "separate numbers by blanks, and put none behind a single one",
+    ),
+    "incomplete-joint-part": Case(
+        ('type="fixed">', 'type="fixed"><limit lower="0"/>'),
+        "warning", "<limit> of joint 'flange'", 32,
+        "without effort, velocity; dynamics do not need it. Pinocchio refuses the file",
+        "correct it",
+    ),
+    "reserved-name": Case(
+        ('name="shoulder"', 'name="universe"'),
+        "warning", "joint 'universe'", 18,
+        "the ground has this name in Pinocchio. Pinocchio loads the file and takes the one for the other, yourdfpy "
+        "loads it",
+        "rename it",
+    ),
+    "far-center-of-mass": Case(
+        ('xyz="0.1 0.2 0.3"', 'xyz="100 200 300"'),
+        "warning", "<inertial> of link 'upper'", 4,
+        "the center of mass is 374 m from the origin of the link",
+        "give it in metres, in the link frame; millimetres do this",
+    ),
+    "other-encoding": Case(
+        ("<robot", '<?xml version="1.0" encoding="ISO-8859-1"?><robot', '"tool"', '"töol"', '"tool"', '"töol"'),
+        "warning", None, 1,
+        "the text is encoded in ISO-8859-1. Pinocchio takes it for UTF-8 and reads other names",
+        "save it in UTF-8",
     ),
     "mass-matrix-indefinite": Case(
         ('izz="0.17"', 'izz="-5"'),

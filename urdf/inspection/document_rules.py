@@ -22,12 +22,13 @@ _PREFIX = re.compile(rb"\bxmlns:([\w.-]+)\s*=")
 def document_findings(document: Document) -> Iterator[Finding]:
     """Findings of a document that is still complete."""
     yield from _text(document.content)
-    if document.namespace:
+    namespace = etree.QName(document.robot).namespace
+    if namespace:
         yield of_file(
             "default-namespace",
             "note",
             line_of(document.robot),
-            f"the root element has the default namespace {shortened(document.namespace[1:-1])}",
+            f"the root element has the default namespace {shortened(namespace)}",
             "remove xmlns=… from <robot>",
         )
     yield from _elements(document.robot)

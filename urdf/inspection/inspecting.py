@@ -19,6 +19,7 @@ from urdf.inspection.joint_rules import joint_findings
 from urdf.inspection.link_rules import link_findings
 from urdf.inspection.model_rules import model_findings
 from urdf.inspection.name_rules import name_findings
+from urdf.inspection.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import of_file, refusal
 from urdf.loading import build, parse
@@ -53,7 +54,7 @@ def inspect(path_or_name: str | PathLike[str]) -> Report:
 
 
 def _findings(document: Document) -> Iterator[Finding]:
-    around = list(_limited(document_findings(document)))
+    around = [*_limited(document_findings(document)), *_limited(reader_findings(document))]
     yield from around
     try:
         source = reduced(document)

@@ -24,6 +24,9 @@ TINY_MASS = 1e-4
 LARGEST_RADIUS = 2.0
 """Radius of gyration beyond which lengths are rather in other units [m]."""
 
+FARTHEST_CENTER = 50.0
+"""Distance of a center of mass from the origin of its link [m]."""
+
 FAR, SMALLEST_LINK = 5.0, 0.1
 """A radius of gyration is implausible beyond FAR times the link's size, which counts as at least SMALLEST_LINK [m]."""
 
@@ -124,6 +127,15 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             element,
             f"{mass:g} kg with an inertia tensor of zero: a point mass",
             "give the tensor",
+        )
+    distance = float(np.linalg.norm(inertial.center))
+    if distance > FARTHEST_CENTER:
+        yield about(
+            "far-center-of-mass",
+            "warning",
+            element,
+            f"the center of mass is {distance:.3g} m from the origin of the link",
+            "give it in metres, in the link frame; millimetres do this",
         )
     if 0 < mass < TINY_MASS:
         yield about(

@@ -11,6 +11,8 @@ from urdf.source import line_of, name_of
 from urdf.tree import end
 from urdf.wording import shortened
 
+RESERVED = "universe"
+
 
 def name_findings(structure: Structure) -> Iterator[Finding]:
     """Findings about names, and about joints before their parents."""
@@ -26,6 +28,8 @@ def name_findings(structure: Structure) -> Iterator[Finding]:
                 f"the link in line {links[name]} has this name too: as a frame the name is that of the link",
                 "give one of them another name",
             )
+        if name == RESERVED:
+            yield about("reserved-name", "warning", joint, "the ground has this name in Pinocchio", "rename it")
     for element in (*source.links, *source.joints):
         if "/" in name_of(element):
             yield about(

@@ -10,7 +10,7 @@ from urdf.source import describe, line_of
 
 _BOTH_LOAD = "Pinocchio and yourdfpy load it as it stands"
 _BOTH_REFUSE = "Pinocchio and yourdfpy refuse the file"
-_UNREADABLE = "Pinocchio gives a link with such a mass mass 0 and refuses such a joint, yourdfpy refuses the file"
+_UNREADABLE = "Pinocchio gives a link with such a number mass 0 or a tensor of zero and refuses such a joint"
 _PINOCCHIO_REFUSES = "Pinocchio refuses the file, yourdfpy loads it"
 
 ELSEWHERE = {
@@ -25,6 +25,7 @@ ELSEWHERE = {
     "empty-file": _BOTH_REFUSE,
     "fused-mass": "Pinocchio does the same",
     "inconsistent-body": _BOTH_LOAD,
+    "incomplete-joint-part": "Pinocchio refuses the file",
     "indefinite-inertia": _BOTH_LOAD,
     "joint-dynamics": "Pinocchio reads them too and leaves them out of rnea",
     "joint-order": "Pinocchio sorts siblings by name: compare joints by name",
@@ -32,27 +33,31 @@ ELSEWHERE = {
     "limits-missing": "Pinocchio refuses a revolute or prismatic joint without <limit>, and a <limit> without effort "
     "or velocity; a missing lower or upper is 0 to it",
     "mimic-joint": "Pinocchio and yourdfpy load it as an independent joint too, unless asked otherwise",
-    "missing-inertia": "Pinocchio takes 0 for what is missing, yourdfpy 1 for ixx, iyy, izz and 0 for the others",
+    "missing-inertia": "Pinocchio gives the link a tensor of zero, yourdfpy takes 1 for ixx, iyy, izz and 0 for the "
+    "others",
     "missing-inertial": "Pinocchio gives the link mass 0, yourdfpy none",
     "missing-link": _PINOCCHIO_REFUSES,
     "missing-mass": "Pinocchio gives the link mass 0, yourdfpy mass 0 or none",
-    "missing-name": _BOTH_REFUSE,
+    "missing-name": "Pinocchio and yourdfpy refuse a missing name, and load an empty one of a joint or robot",
     "missing-parent": _BOTH_REFUSE,
     "missing-type": _PINOCCHIO_REFUSES,
-    "negative-mass": _BOTH_LOAD,
+    "negative-mass": "Pinocchio loads it and loses the center of mass, yourdfpy loads it as it stands",
     "no-links": _PINOCCHIO_REFUSES,
-    "not-finite": "Pinocchio gives a link with such a mass mass 0, yourdfpy keeps the value",
-    "malformed-number": _UNREADABLE,
+    "not-finite": f"{_UNREADABLE}, yourdfpy keeps the value",
+    "malformed-number": f"{_UNREADABLE}, yourdfpy refuses the file",
+    "processing-instruction": _PINOCCHIO_REFUSES,
+    "reserved-name": "Pinocchio loads the file and takes the one for the other, yourdfpy loads it",
     "root-inertia": "Pinocchio keeps it apart, as inertia of the universe",
     "several-roots": _PINOCCHIO_REFUSES,
     "singular-inertia": _BOTH_LOAD,
     "text-before-xml": "Pinocchio loads the file, yourdfpy refuses it",
     "triangle-inequality": _BOTH_LOAD,
     "two-parents": _BOTH_LOAD,
-    "unexpanded-number": _UNREADABLE,
+    "unexpanded-number": f"{_UNREADABLE}, yourdfpy refuses the file",
     "unsupported-joint": "Pinocchio knows floating and planar joints, yourdfpy loads any type",
+    "urdf-version": _PINOCCHIO_REFUSES,
     "velocity-negative": _PINOCCHIO_REFUSES,
-    "wrong-number-of-entries": _BOTH_REFUSE,
+    "wrong-number-of-entries": f"{_UNREADABLE}, yourdfpy refuses all but such an axis",
     "xml-entities": "Pinocchio leaves entities out of numbers: a mass becomes 0",
     "xml-version": "Pinocchio and yourdfpy load it nevertheless",
     "zero-axis": _BOTH_LOAD,
