@@ -13,8 +13,7 @@ from pyarrow import parquet
 from random_trees import random_tree
 
 import graphdyn
-from crosscheck.record_columns import BadRecordingFile
-from crosscheck.records import load_recording, save_recording
+from crosscheck.records import BadRecordingFile, load_recording, save_recording
 from graphdyn import InvalidInput, Recording
 from graphdyn.motion_laws import ConstantAcceleration, Rail
 from graphdyn.recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS

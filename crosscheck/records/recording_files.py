@@ -1,4 +1,4 @@
-"""Recordings in files: CSV or Parquet, one row per time, the columns of crosscheck.record_columns in any order."""
+"""Recordings in files: CSV or Parquet, one row per time, the columns of crosscheck.records.recording_columns in any order."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.record_columns import (
+from crosscheck.records.cells import as_doubles
+from crosscheck.records.errors import BadRecordingFile
+from crosscheck.records.recording_columns import (
     JOINT_UNITS,
     ROBOT,
     TIME,
-    BadRecordingFile,
     Elements,
     check_headers,
     columns,
@@ -74,7 +75,7 @@ def load_recording(path: str | PathLike[str]) -> Recording:
         return f"{path}, {kind} {first + row}, column {headers.index(header) + 1} '{header}'"
 
     def numbers(header: str) -> Array:
-        values = _as_doubles(table.column(headers.index(header)))
+        values = as_doubles(table.column(headers.index(header)))
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size:
             cell = table.column(headers.index(header))[int(bad[0])].as_py()
@@ -154,25 +155,3 @@ def _read_parquet(path: Path) -> Any:
         return parquet.read_table(pa.BufferReader(path.read_bytes()))
     except (pa.ArrowException, OSError) as error:
         raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error
-
-
-def _as_doubles(column: Any) -> Array:
-    """A column of text or numbers as doubles, NaN where a cell is none."""
-    import pyarrow as pa
-    from pyarrow import compute
-
-    if pa.types.is_string(column.type):
-        column = compute.utf8_trim_whitespace(column)
-    try:
-        return np.array(column.cast(pa.float64()), dtype=float)
-    except (pa.ArrowInvalid, pa.ArrowNotImplementedError):
-        return np.array([_as_double(cell) for cell in column])
-
-
-def _as_double(cell: Any) -> float:
-    import pyarrow as pa
-
-    try:
-        return float(cell.cast(pa.float64()).as_py())
-    except (pa.ArrowInvalid, pa.ArrowNotImplementedError, TypeError):
-        return np.nan

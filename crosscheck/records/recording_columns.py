@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from graphdyn.errors import InvalidInput
+from crosscheck.records.errors import BadRecordingFile
 
 JOINT_UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s^2", "m/s^2"), "tau": ("N m", "N")}
 """Of a joint's channels, which are their own symbols: turning, sliding."""
@@ -31,10 +31,6 @@ BODY_COLUMNS = {
 ROBOT, TIME = "robot", "time [s]"
 
 _BODY_SYMBOLS = {symbol for _, symbols in BODY_COLUMNS.values() for symbol in symbols}
-
-
-class BadRecordingFile(InvalidInput):
-    """A file that does not hold one whole recording; the message names file, line or row, column and remedy."""
 
 
 class Column(NamedTuple):
