@@ -12,31 +12,76 @@ if TYPE_CHECKING:
     from crosscheck.comparing import Disagreement, assert_agrees, compare
     from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement
     from crosscheck.judging.judge import WrongDynamics, assert_correct, judge
-    from crosscheck.records import load_recording, save_recording
+    from crosscheck.records import (
+        DirtyRecording,
+        Record,
+        concatenated,
+        decimated,
+        differentiated,
+        inspect_record,
+        load_mapping,
+        load_record,
+        load_recording,
+        record_of,
+        save_recording,
+        split_by_file,
+        split_by_rows,
+        split_by_time,
+        time_folds,
+    )
     from crosscheck.result import Comparison, QuantityResult
 
 _HOMES = {
     "crosscheck.comparing": ("Disagreement", "assert_agrees", "compare"),
     "crosscheck.judgement": ("Diagnosis", "JudgedFunction", "Judgement"),
     "crosscheck.judging.judge": ("WrongDynamics", "assert_correct", "judge"),
-    "crosscheck.records": ("load_recording", "save_recording"),
+    "crosscheck.records": (
+        "DirtyRecording",
+        "Record",
+        "concatenated",
+        "decimated",
+        "differentiated",
+        "inspect_record",
+        "load_mapping",
+        "load_record",
+        "load_recording",
+        "record_of",
+        "save_recording",
+        "split_by_file",
+        "split_by_rows",
+        "split_by_time",
+        "time_folds",
+    ),
     "crosscheck.result": ("Comparison", "QuantityResult"),
 }
 
 __all__ = [
     "Comparison",
     "Diagnosis",
+    "DirtyRecording",
     "Disagreement",
     "JudgedFunction",
     "Judgement",
     "QuantityResult",
+    "Record",
     "WrongDynamics",
     "assert_agrees",
     "assert_correct",
     "compare",
+    "concatenated",
+    "decimated",
+    "differentiated",
+    "inspect_record",
     "judge",
+    "load_mapping",
+    "load_record",
     "load_recording",
+    "record_of",
     "save_recording",
+    "split_by_file",
+    "split_by_rows",
+    "split_by_time",
+    "time_folds",
 ]
 
 

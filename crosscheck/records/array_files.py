@@ -75,7 +75,7 @@ def _read_hdf5(path: Path) -> dict[str, Any]:
         import h5py
     except ImportError as error:
         raise BadRecordingFile(
-            f"{path}: a MATLAB file of version 7.3; save it with save('-v7'), or install graphdyn with its extra 'mat73'"
+            f"{path}: of MATLAB version 7.3; save it with save('-v7'), or install graphdyn with its extra 'mat73'"
         ) from error
 
     def content(node: Any) -> Any:

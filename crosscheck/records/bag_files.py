@@ -24,7 +24,9 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
-        raise BadRecordingFile(f"{path}: to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'") from error
+        raise BadRecordingFile(
+            f"{path}: to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"
+        ) from error
     try:
         with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
             connections = [c for c in reader.connections if c.msgtype == JOINT_STATE]
@@ -35,7 +37,9 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
                 for connection, received, raw in reader.messages(wanted)
             ]
     except AnyReaderError as error:
-        raise BadRecordingFile(f"{path}: not a readable bag ({error}); record it again, or give the whole folder") from error
+        raise BadRecordingFile(
+            f"{path}: not a readable bag ({error}); record it again, or give the whole folder"
+        ) from error
     if not messages:
         raise BadRecordingFile(f"{path}: no messages on {topic}; record at least one")
     return _table(path, topic, messages, joints)
@@ -48,7 +52,9 @@ def _topic(path: Path, topics: list[str], wanted: str | None) -> str:
     if wanted is not None and wanted not in topics:
         raise BadRecordingFile(f"{path}: no {JOINT_STATE} on the topic '{wanted}'; there are: {listed}")
     if wanted is None and len(topics) > 1:
-        raise AmbiguousColumns(f"{path}: joint states on {len(topics)} topics: {listed}; name one in a mapping: topic = …")
+        raise AmbiguousColumns(
+            f"{path}: joint states on {len(topics)} topics: {listed}; name one in a mapping: topic = …"
+        )
     return wanted or topics[0]
 
 
@@ -58,7 +64,9 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tupl
     if joints is None:
         if len(sets) > 1:
             listed = "; ".join(", ".join(sorted(names)) for names in sets)
-            raise AmbiguousColumns(f"{path}: messages on {topic} name different joints: {listed}; say which: joints = […]")
+            raise AmbiguousColumns(
+                f"{path}: messages on {topic} name different joints: {listed}; say which: joints = […]"
+            )
         joints = tuple(messages[0][1].name)
     have = [set(joints) <= set(message.name) for _, message in messages]
     if not any(have):

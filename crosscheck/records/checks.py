@@ -29,7 +29,9 @@ def cell_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[F
         if rows:
             text = column.table.texts.get(column.number, {}).get(rows[0])
             cell = repr(text) if text else "an empty cell" if text == "" else str(column.values[rows[0]])
-            message = f"{cell} is not a finite number" if len(rows) == 1 else f"{cell} and others are not finite numbers"
+            message = (
+                f"{cell} is not a finite number" if len(rows) == 1 else f"{cell} and others are not finite numbers"
+            )
             findings.append(_of(column, "not-a-number", "error", rows, message, "repair the rows, or drop them"))
     return findings
 
@@ -45,7 +47,9 @@ def value_findings(
             size = np.abs(values[:, j])
             rows = tuple(np.flatnonzero(size > limit.value).tolist())
             if rows:
-                message = f"|{name}| of '{joint}' up to {size[list(rows)].max():.3g}, beyond {limit.value:g} ({limit.why})"
+                message = (
+                    f"|{name}| of '{joint}' up to {size[list(rows)].max():.3g}, beyond {limit.value:g} ({limit.why})"
+                )
                 remedy = "check units and gains; drop the rows if lines of the file are broken"
                 findings.append(Finding("implausible-value", "error", file, None, rows, message, remedy, lines))
             sane = size[size <= limit.value]
@@ -84,12 +88,14 @@ def channel_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> lis
 def motion_findings(file: str, joints: Iterable[str], t: Array, q: Array, v: Array) -> list[Finding]:
     """Velocities that are not those of the positions: other units, signs or joints."""
     edges = np.unique(np.linspace(0, len(t) - 1, WINDOWS + 1).astype(int))
-    travelled = np.concatenate([np.zeros((1, q.shape[1])), np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(t)[:, None], axis=0)])
+    travelled = np.concatenate(
+        [np.zeros((1, q.shape[1])), np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(t)[:, None], axis=0)]
+    )
     from_q, from_v = np.diff(q[edges], axis=0), np.diff(travelled[edges], axis=0)
     findings = []
     for j, joint in enumerate(joints):
-        way = np.linalg.norm(from_q[:, j])
-        error = np.linalg.norm(from_v[:, j] - from_q[:, j])
+        way = float(np.linalg.norm(from_q[:, j]))
+        error = float(np.linalg.norm(from_v[:, j] - from_q[:, j]))
         if max(way, float(np.linalg.norm(from_v[:, j]))) > TRAVEL and error > SAME_MOTION * way:
             message = f"v of '{joint}' is not the rate of its q: integrated it is off by {error / (way or 1):.0%}"
             remedy = "check units, signs and order of the columns, or leave v out of the mapping and derive it"

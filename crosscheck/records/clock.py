@@ -96,7 +96,9 @@ def step_findings(file: str, t: Array, rows: NDArray[np.intp], rate: float | Non
     found("jitter", uneven, message, "resampling makes them even; if only the stamps jitter, give a rate instead")
     if rate is not None and abs(rate * period - 1) > SAME_RATE:
         message = f"the stamps say {1 / period:.5g} Hz, the mapping {rate:.5g} Hz"
-        findings.append(Finding("other-rate", "warning", file, None, (), message, "the stamps are taken; correct the rate"))
+        findings.append(
+            Finding("other-rate", "warning", file, None, (), message, "the stamps are taken; correct the rate")
+        )
     return findings
 
 

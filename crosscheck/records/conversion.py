@@ -40,7 +40,7 @@ def mapped_columns(tables: Sequence[Table], mapping: ColumnMapping) -> dict[str,
         if len(matching) != 1:
             files = ", ".join(str(table.path) for table in tables)
             raise BadMapping(
-                f"{where}: {len(matching)} of the files ({files}) match file = \"{pattern}\"; exactly one must"
+                f'{where}: {len(matching)} of the files ({files}) match file = "{pattern}"; exactly one must'
             )
         table = matching[0]
         numbers = [table.number(name, where) for name in names]

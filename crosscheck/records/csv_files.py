@@ -1,4 +1,4 @@
-"""Delimited text as other programs write it: any usual delimiter, decimal commas, comments, with or without a header."""
+"""Delimited text as other programs write it: usual delimiters, decimal commas, comments, with or without a header."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ def read_csv(path: Path, delimiter: str | None = None) -> Table:
     n_above = next((k for k, line in enumerate(head) if line.strip() and not COMMENT.match(line)), None)
     if n_above is None:
         raise BadRecordingFile(f"{path}: the file holds no table; record at least one row")
-    sample = [line for line in head[n_above:-1] if line.strip()][:SAMPLED_LINES] or [head[n_above]]  # the last may be cut
+    sample = [line for line in head[n_above:-1] if line.strip()][:SAMPLED_LINES] or [
+        head[n_above]
+    ]  # the last may be cut
     delimiter = delimiter or _delimiter(path, sample)
     comma = delimiter != "," and _has_decimal_comma(sample, delimiter)
     first = _cells(sample[0], delimiter)
@@ -50,7 +52,7 @@ def read_csv(path: Path, delimiter: str | None = None) -> Table:
         row, cells = next(iter(wrong.items()))
         raise BadRecordingFile(
             f"{path}: {len(wrong)} of {count} lines do not have {len(names)} cells as the first one "
-            f"(line {row + above + 1} has {cells}); name the delimiter in a mapping (delimiter = \";\"), or repair the file"
+            f"(line {row + above + 1} has {cells}); name the delimiter in a mapping, or repair the file"
         )
     values = np.full((count, len(names)), np.nan)
     good = np.setdiff1d(np.arange(count), list(wrong))
@@ -92,19 +94,19 @@ def _text(path: Path) -> str:
 
 
 def _delimiter(path: Path, sample: list[str]) -> str:
-    """The first of the usual delimiters that cuts most lines alike.
+    """The first of the usual delimiters that cuts half of the lines alike.
 
-    csv.Sniffer wants all lines alike, which dirty files are not.
+    csv.Sniffer wants all lines alike, which those of dirty files are not.
     """
     for delimiter in DELIMITERS:
         cells, lines = Counter(len(_cells(line, delimiter)) for line in sample).most_common(1)[0]
-        if cells > 1 and 2 * lines > len(sample):
+        if cells > 1 and 2 * lines >= len(sample):
             return delimiter
-    if all(map(_is_number, sample[1:] or sample)):  # one column
+    if 2 * sum(map(_is_number, sample)) > len(sample):  # one column
         return ","
     raise BadRecordingFile(
-        f"{path}: no delimiter (semicolon, tab, comma, space) cuts most of the first {len(sample)} lines alike; "
-        "name it in a mapping (delimiter = \"|\"), or repair the file"
+        f"{path}: no delimiter (semicolon, tab, comma, space) cuts half of the first {len(sample)} lines alike; "
+        'name it in a mapping (delimiter = "|"), or repair the file'
     )
 
 

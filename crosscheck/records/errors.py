@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from crosscheck.records.findings import Finding
 from graphdyn.errors import InvalidInput
-
-if TYPE_CHECKING:
-    from crosscheck.records.findings import Finding
 
 
 class BadRecordingFile(InvalidInput):

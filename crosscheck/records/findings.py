@@ -50,7 +50,11 @@ class Finding:
     @property
     def text(self) -> str:
         """File, column, rows, what is there and what to do, in one line."""
-        place = [self.file, *([f"column '{self.column}'"] if self.column else []), *([where] if (where := self._where) else [])]
+        place = [
+            self.file,
+            *([f"column '{self.column}'"] if self.column else []),
+            *([where] if (where := self._where) else []),
+        ]
         return f"{', '.join(place)}: {self.message}; {self.remedy} [{self.code}]"
 
     @property

@@ -6,18 +6,18 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.records.checks import cell_findings, channel_findings, motion_findings, value_findings
-from crosscheck.records.clock import blocks_of, step_findings, stamp_findings
-from crosscheck.records.column_names import mapping_by_name
+from crosscheck.records.clock import blocks_of, stamp_findings, step_findings
 from crosscheck.records.conversion import Column, joint_channels, mapped_columns, sliding_joints
 from crosscheck.records.errors import BadMapping, BadRecordingFile, DirtyRecording
 from crosscheck.records.findings import DROPPABLE, DROPPED_UNASKED, Finding, spans
 from crosscheck.records.mapping import ColumnMapping, load_mapping
+from crosscheck.records.mapping_by_name import mapping_by_name
 from crosscheck.records.readers import read_table
 from crosscheck.records.record import Provenance, Record
 from graphdyn.errors import InvalidInput
@@ -68,11 +68,12 @@ def load_record(
         raise BadRecordingFile(f"{', '.join(content.files)}: no row is left; repair the file instead of dropping rows")
     steps = [f"dropped {f.code}: rows {spans(f.rows)} of {f.file}" for f in dropped]
     t = content.t[kept]
+    channels: dict[str, Any] = {name: values[kept] for name, values in content.channels.items()}
     record = Record(
         joint_names=content.mapping.joints,
         prismatic=content.slides,
         t=t,
-        **{name: values[kept] for name, values in content.channels.items()},
+        **channels,
         block=blocks_of(t),
         rows=np.flatnonzero(kept),
         provenance=Provenance(content.files, content.mapping.source, tuple(steps)),
@@ -122,7 +123,9 @@ def _read(
     findings += cell_findings(columns, _without(count, malformed))
     findings += value_findings(file, mapping.joints, slides, channels, lines)
     t = _time(mapping, by_quantity.get("time"), count)
-    findings += stamp_findings(file, t, _without(count, [f for f in findings if f.severity == "error"] + malformed), lines)
+    findings += stamp_findings(
+        file, t, _without(count, [f for f in findings if f.severity == "error"] + malformed), lines
+    )
     sound = _without(count, [f for f in findings if f.severity == "error"] + malformed)
     rows = np.flatnonzero(sound)
     findings += channel_findings(columns, sound)

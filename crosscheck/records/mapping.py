@@ -1,26 +1,26 @@
 """Which columns of which file are what, and how they become joint coordinates: a small TOML file.
 
-    joints = ["shoulder", "elbow"]         # names, in the order of the robot
-    rate = 1000                            # [Hz], where no column holds the time
-    prismatic = [false, false]             # only where a joint slides
-    delimiter = ";"                        # of text files, where it is not found
-    topic = "/joint_states"                # of a bag with several
+joints = ["shoulder", "elbow"]         # names, in the order of the robot
+rate = 1000                            # [Hz], where no column holds the time
+prismatic = [false, false]             # only where a joint slides
+delimiter = ";"                        # of text files, where it is not found
+topic = "/joint_states"                # of a bag with several
 
-    [time]
-    column = "stamp"                       # name, or number from 1; unit = "s" unless given
-    [q]                                    # and [v], [a], [tau]
-    columns = "pos_{number}"               # or "q_{joint}", or a list of names or numbers, in the order of joints
-    unit = "deg"                           # or one per joint
-    file = "pos_*.csv"                     # where several files hold the columns of the same rows
-    side = "motor"                         # the columns are in front of the transmission; "joint" unless given
-    sign = [1, -1]                         # per column
-    gain = [0.11, 0.11]                    # [tau] only: torque in SI per unit of the column, from a current
-    offset = [0, 90]                       # [q] only: added to the joint coordinate
-    offset_unit = "deg"
-    [transmission]
-    ratio = [100, -80]                     # q_motor = diag(ratio) q; or with coupled joints
-    matrix = [[100, 0], [20, -80]]         # q_motor = R q: q = R^-1 q_motor, and tau = R_tau tau_motor
-    torque_matrix = [[100, 20], [0, -80]]  # R_tau, the transpose of R (equal power) unless given
+[time]
+column = "stamp"                       # name, or number from 1; unit = "s" unless given
+[q]                                    # and [v], [a], [tau]
+columns = "pos_{number}"               # or "q_{joint}", or a list of names or numbers, in the order of joints
+unit = "deg"                           # or one per joint
+file = "pos_*.csv"                     # where several files hold the columns of the same rows
+side = "motor"                         # the columns are in front of the transmission; "joint" unless given
+sign = [1, -1]                         # per column
+gain = [0.11, 0.11]                    # [tau] only: torque in SI per unit of the column, from a current
+offset = [0, 90]                       # [q] only: added to the joint coordinate
+offset_unit = "deg"
+[transmission]
+ratio = [100, -80]                     # q_motor = diag(ratio) q; or with coupled joints
+matrix = [[100, 0], [20, -80]]         # q_motor = R q: q = R^-1 q_motor, and tau = R_tau tau_motor
+torque_matrix = [[100, 20], [0, -80]]  # R_tau, the transpose of R (equal power) unless given
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
 def _time(table: Mapping[str, Any], where: str) -> TimeColumn:
     _refuse_unknown(table, ("column", "unit", "file"), where)
     column = table.get("column")
-    if type(column) not in (str, int):
+    if not isinstance(column, str | int) or isinstance(column, bool):
         raise BadMapping(f"{where}: column is {column!r}; give its name, or its number from 1")
     factor = known_unit("time", _text(table, "unit", where) or "s", where).factor
     return TimeColumn(column, factor, _text(table, "file", where) or "*")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from errno import ENOENT
 from pathlib import Path
 
 from crosscheck.records.array_files import read_mat, read_npz, read_parquet
@@ -26,6 +27,8 @@ SUFFIXES = (*TEXT, *ARRAYS, *BAGS)
 def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...] | None) -> Table:
     """Read one file by its suffix; a folder is a ROS 2 bag. Raises BadRecordingFile, OSError."""
     suffix = path.suffix.lower()
+    if not path.exists():
+        raise FileNotFoundError(ENOENT, "no such file", str(path))
     if suffix in BAGS or path.is_dir():
         return read_bag(path, mapping.topic if mapping else None, (mapping and mapping.joints) or joints)
     if suffix in TEXT:

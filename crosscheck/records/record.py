@@ -74,7 +74,7 @@ class Record:
         count = np.asarray(self.t).size
         if count == 0:
             raise InvalidInput("a record without rows; nothing is left to identify from")
-        shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | {name: (count, n) for name in JOINT_CHANNELS}
+        shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | dict.fromkeys(JOINT_CHANNELS, (count, n))
         shapes |= {name: (count, n, width) for name, width in OPTIONAL_CHANNELS.items()}
         for name, shape in shapes.items():
             if getattr(self, name) is not None:
@@ -89,7 +89,9 @@ class Record:
             raise InvalidInput("the blocks of a record are not in order; number them in the order of the rows")
         back = np.flatnonzero((steps <= 0) & (same == 0))
         if back.size:
-            raise InvalidInput(f"time {self.t[back[0] + 1]:g} s in row {back[0] + 1} does not increase inside its block")
+            raise InvalidInput(
+                f"time {self.t[back[0] + 1]:g} s in row {back[0] + 1} does not increase inside its block"
+            )
 
     @property
     def n_joints(self) -> int:
@@ -110,7 +112,9 @@ class Record:
         """A channel that must be there. Raises InvalidInput, saying how to obtain it."""
         values = getattr(self, name)
         if values is None:
-            remedy = "derive it with crosscheck.differentiated" if name in ("v", "a") else "record it, or map its columns"
+            remedy = (
+                "derive it with crosscheck.differentiated" if name in ("v", "a") else "record it, or map its columns"
+            )
             raise InvalidInput(f"{', '.join(self.provenance.files) or 'the record'} has no {name}; {remedy}")
         return np.asarray(values)
 
@@ -171,11 +175,14 @@ def concatenated(records: Sequence[Record]) -> Record:
     joined: dict[str, Any] = {}
     for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "rows"):
         parts = [getattr(record, name) for record in records]
-        joined[name] = None if any(part is None for part in parts) else np.concatenate(parts)
-    block, file = [], []
+        joined[name] = np.concatenate(parts) if all(part is not None for part in parts) else None
+    block: list[NDArray[np.intp]] = []
+    file: list[NDArray[np.intp]] = []
+    n_files = 0
     for record in records:
         block.append(np.unique(record.block, return_inverse=True)[1] + (block[-1][-1] + 1 if block else 0))
-        file.append(record.file + sum(len(done.provenance.files) for done in records[: len(file)]))
+        file.append(record.file + n_files)
+        n_files += len(record.provenance.files)
     provenance = Provenance(
         tuple(name for record in records for name in record.provenance.files),
         ", ".join(dict.fromkeys(record.provenance.mapping for record in records)),

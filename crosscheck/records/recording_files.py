@@ -1,4 +1,4 @@
-"""Recordings in files: CSV or Parquet, one row per time, the columns of crosscheck.records.recording_columns in any order."""
+"""Recordings in files: CSV or Parquet, one row per time, the columns of recording_columns in any order."""
 
 from __future__ import annotations
 

@@ -46,6 +46,7 @@ def _spelling(unit: str) -> str:
 
 def unit_of(quantity: str, name: str) -> Unit | None:
     """The unit of this name, or None where the quantity (q, v, a, tau, time) has no such unit."""
+    tables: list[tuple[dict[str, float], bool | None, bool]]
     if quantity == "time":
         tables = [(TIME_UNITS, None, False)]
     else:
