@@ -45,7 +45,7 @@ def value_findings(
         for name, values in channels.items():
             limit = (limits.SLIDING if sliding else limits.TURNING)[name]
             size = np.abs(values[:, j])
-            rows = tuple(np.flatnonzero(size > limit.value).tolist())
+            rows = tuple(np.flatnonzero((size > limit.value) & np.isfinite(size)).tolist())
             if rows:
                 message = (
                     f"|{name}| of '{joint}' up to {size[list(rows)].max():.3g}, beyond {limit.value:g} ({limit.why})"
@@ -85,13 +85,17 @@ def channel_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> lis
     return findings
 
 
-def motion_findings(file: str, joints: Iterable[str], t: Array, q: Array, v: Array) -> list[Finding]:
-    """Velocities that are not those of the positions: other units, signs or joints."""
-    edges = np.unique(np.linspace(0, len(t) - 1, WINDOWS + 1).astype(int))
-    travelled = np.concatenate(
-        [np.zeros((1, q.shape[1])), np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(t)[:, None], axis=0)]
-    )
-    from_q, from_v = np.diff(q[edges], axis=0), np.diff(travelled[edges], axis=0)
+def motion_findings(
+    file: str, joints: Iterable[str], t: Array, block: NDArray[np.intp], q: Array, v: Array
+) -> list[Finding]:
+    """Velocities that are not those of the positions: other units, signs or joints. Blocks: of the rows (N,)."""
+    inside = np.diff(block) == 0
+    steps = np.diff(t)[inside, None]
+    edges = np.unique(np.linspace(0, max(len(steps) - 1, 0), WINDOWS, dtype=int))
+    if not len(steps):
+        return []
+    from_q = np.add.reduceat(np.diff(q, axis=0)[inside], edges)
+    from_v = np.add.reduceat((v[1:] + v[:-1])[inside] / 2 * steps, edges)
     findings = []
     for j, joint in enumerate(joints):
         way = float(np.linalg.norm(from_q[:, j]))

@@ -87,7 +87,7 @@ def step_findings(file: str, t: Array, rows: NDArray[np.intp], rate: float | Non
             findings.append(Finding(code, "warning", file, None, before, message, remedy, lines))
 
     longest = f"up to {steps.max():.4g} s, where the period is {period:.4g} s"
-    missing = (steps > MISSING * period) & (steps <= GAP * period)
+    missing = (steps > MISSING * period) & (steps <= GAP * period) & (np.diff(rows) == 1)  # others are faulty rows
     found("gap", steps > GAP * period, f"a gap before it, {longest}", "the record is divided there into blocks")
     found("missing-samples", missing, "samples are missing before it", "resampling interpolates there")
     uneven = (np.abs(steps - period) > JITTER * period) & (steps <= MISSING * period)

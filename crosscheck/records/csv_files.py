@@ -60,7 +60,7 @@ def read_csv(path: Path, delimiter: str | None = None) -> Table:
     for k, column in enumerate(table.columns):
         values[good, k] = _numbers(column, comma)
         bad = np.flatnonzero(np.isnan(values[good, k]))
-        texts[k] = {int(good[row]): str(column[int(row)].as_py() or "") for row in bad}
+        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in bad}
     for row in set.intersection(*({row for row, cell in cells.items() if not cell} for cells in texts.values())):
         wrong[row] = 0
     findings = _line_findings(path, wrong, len(names), count, above + 1)
@@ -160,7 +160,7 @@ def _parsed(path: Path, body: str, delimiter: str, comma: bool, n: int, lines: i
                 delimiter=delimiter, ignore_empty_lines=False, invalid_row_handler=skip
             ),
             convert_options=arrow_csv.ConvertOptions(
-                column_types=types, decimal_point="," if comma else ".", strings_can_be_null=True
+                column_types=types, decimal_point="," if comma else ".", null_values=[""], strings_can_be_null=True
             ),
         )
 
@@ -187,6 +187,10 @@ def _numbers(column: Any, comma: bool) -> Array:
         return as_doubles(column)
     stamps = column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy(zero_copy_only=False)
     return np.asarray((stamps - np.nanmin(stamps)) * 1e-9, dtype=float)
+
+
+def _shown(cell: Any) -> str:
+    return "" if cell is None else str(cell)
 
 
 def _line_findings(path: Path, wrong: dict[int, int], n: int, count: int, lines: int) -> list[Finding]:

@@ -131,7 +131,8 @@ def _read(
     findings += channel_findings(columns, sound)
     findings += step_findings(file, t[sound], rows, mapping.rate if mapping.time else None, lines)
     if "v" in channels and rows.size:
-        findings += motion_findings(file, mapping.joints, t[sound], channels["q"][sound], channels["v"][sound])
+        q, v = channels["q"][sound], channels["v"][sound]
+        findings += motion_findings(file, mapping.joints, t[sound], blocks_of(t[sound]), q, v)
     return _Content(tuple(map(str, files)), mapping, t, channels, slides, findings)
 
 
