@@ -2,149 +2,93 @@
 
 from __future__ import annotations
 
-import csv
 import re
-from collections import Counter
-from datetime import datetime
+from codecs import BOM_UTF8
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crosscheck.records.cells import as_doubles
+from crosscheck.records.csv_layout import HEAD, Layout, layout_of
 from crosscheck.records.errors import BadRecordingFile
 from crosscheck.records.findings import Finding
 from crosscheck.records.table import Table
 from graphdyn.layout import Array
 
-DELIMITERS = (";", "\t", ",", " ")
-"""Tried in this order: a comma may be the decimal sign of a file whose delimiter is another."""
-
-HEAD, SAMPLED_LINES = 1 << 20, 50
-"""Characters among which comments, header and the lines are found that show the delimiter."""
-
 NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
-COMMENT = re.compile(r"\s*[#%]+\s*")
 
 
 def read_csv(path: Path, delimiter: str | None = None) -> Table:
     """Read delimited text. Raises BadRecordingFile where it is no table of numbers, and OSError."""
-    text = _text(path)
-    head = text[:HEAD].split("\n")
-    n_above = next((k for k, line in enumerate(head) if line.strip() and not COMMENT.match(line)), None)
-    if n_above is None:
-        raise BadRecordingFile(f"{path}: the file holds no table; record at least one row")
-    sample = [line for line in head[n_above:-1] if line.strip()][:SAMPLED_LINES] or [
-        head[n_above]
-    ]  # the last may be cut
-    delimiter = delimiter or _delimiter(path, sample)
-    comma = delimiter != "," and _has_decimal_comma(sample, delimiter)
-    first = _cells(sample[0], delimiter)
-    header = not all(_is_number(cell, comma) for cell in first)
-    names = first if header else _commented_names(head[:n_above], delimiter, len(first))
-    above = n_above + header
-    body = text[sum(len(line) + 1 for line in head[:above]) :]
-    count = body.count("\n") + (not body.endswith("\n") and body != "")
-    if count == 0:
+    content = _content(path)
+    head = content[:HEAD].decode(errors="ignore")  # the last character may be cut off
+    layout = layout_of(path, head, delimiter)
+    body = memoryview(content)[len(head[: layout.length].encode()) :]
+    ends = content.endswith(b"\n")
+    count = content.count(b"\n") - layout.above + (not ends)
+    if not body:
         raise BadRecordingFile(f"{path}: no line below the header; record at least one row")
-    table, wrong = _parsed(path, body, delimiter, comma, len(names), above + 1)
+    n, lines = len(layout.names), layout.above + 1
+    table, wrong = _parsed(path, body, layout)
+    if table.num_rows + len(wrong) != count:
+        raise BadRecordingFile(
+            f"{path}: {table.num_rows + len(wrong)} rows in {count} lines, so a quotation mark is not closed; remove it"
+        )
     if 2 * len(wrong) > count:
         row, cells = next(iter(wrong.items()))
         raise BadRecordingFile(
-            f"{path}: {len(wrong)} of {count} lines do not have {len(names)} cells as the first one "
-            f"(line {row + above + 1} has {cells}); name the delimiter in a mapping, or repair the file"
+            f"{path}: {len(wrong)} of {count} lines do not have {n} cells as the first one "
+            f"(line {row + lines} has {cells}); name the delimiter in a mapping, or repair the file"
         )
-    values = np.full((count, len(names)), np.nan)
-    good = np.setdiff1d(np.arange(count), list(wrong))
+    values = np.full((count, n), np.nan)
+    good = np.delete(np.arange(count), list(wrong))
     texts: dict[int, dict[int, str]] = {}
     for k, column in enumerate(table.columns):
-        values[good, k] = _numbers(column, comma)
-        bad = np.flatnonzero(np.isnan(values[good, k]))
-        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in bad}
+        numbers = _numbers(column, layout.decimal_comma)
+        values[good, k] = numbers
+        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in np.flatnonzero(np.isnan(numbers))}
     for row in set.intersection(*({row for row, cell in cells.items() if not cell} for cells in texts.values())):
         wrong[row] = 0
-    findings = _line_findings(path, wrong, len(names), count, above + 1)
-    if not body.endswith("\n") and count - 1 not in wrong:
+    findings = _line_findings(path, wrong, n, count, lines)
+    if not ends and count - 1 not in wrong:
         cut = bool(np.isnan(values[-1, -1])) and not np.isnan(values[-2:-1, -1]).any()
-        findings.append(_last_line(path, count - 1, above + 1, cut))
-    if not any(names):
+        findings.append(_last_line(path, count - 1, lines, cut))
+    if not any(layout.names):
         message = "the first line holds numbers, so the columns have no names"
         findings.append(_note(path, "no-header", message, "they can be mapped by number only"))
-    if comma:
-        message = "the numbers have decimal commas"
-        findings.append(_note(path, "decimal-comma", message, "they are read as such"))
-    return Table(path, tuple(names), values, texts, above + 1, findings=tuple(findings))
+    if layout.decimal_comma:
+        findings.append(_note(path, "decimal-comma", "the numbers have decimal commas", "they are read as such"))
+    return Table(path, layout.names, values, texts, lines, findings=tuple(findings))
 
 
 def _note(path: Path, code: str, message: str, remedy: str) -> Finding:
     return Finding(code, "note", str(path), None, (), message, remedy)
 
 
-def _text(path: Path) -> str:
+def _content(path: Path) -> bytes:
+    """The file with lines that end with a line feed, without a byte order mark. Raises BadRecordingFile for no text."""
     content = path.read_bytes()
     try:
-        text = content.decode("utf-8-sig")
+        content.decode()
     except UnicodeDecodeError as error:
         line = content[: error.start].count(b"\n") + 1
         raise BadRecordingFile(f"{path}, line {line}: not UTF-8 text; save the file as CSV in UTF-8") from error
-    if "\0" in text:
-        line = text[: text.index("\0")].count("\n") + 1
+    if b"\0" in content:
+        line = content[: content.index(b"\0")].count(b"\n") + 1
         raise BadRecordingFile(f"{path}, line {line}: a zero byte, so not text; save the file as CSV in UTF-8")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    content = content.removeprefix(BOM_UTF8)
+    return content.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in content else content
 
 
-def _delimiter(path: Path, sample: list[str]) -> str:
-    """The first of the usual delimiters that cuts half of the lines alike.
-
-    csv.Sniffer wants all lines alike, which those of dirty files are not.
-    """
-    for delimiter in DELIMITERS:
-        cells, lines = Counter(len(_cells(line, delimiter)) for line in sample).most_common(1)[0]
-        if cells > 1 and 2 * lines >= len(sample):
-            return delimiter
-    if 2 * sum(map(_is_number, sample)) > len(sample):  # one column
-        return ","
-    raise BadRecordingFile(
-        f"{path}: no delimiter (semicolon, tab, comma, space) cuts half of the first {len(sample)} lines alike; "
-        'name it in a mapping (delimiter = "|"), or repair the file'
-    )
-
-
-def _cells(line: str, delimiter: str) -> list[str]:
-    if delimiter == " ":
-        return line.split()
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
-
-
-def _is_number(cell: str, comma: bool = False) -> bool:
-    """Whether the cell is a number, a calendar time, or empty: what no header has."""
-    for reads in (float, datetime.fromisoformat):
-        try:
-            reads(cell.replace(",", ".") if comma else cell)
-            return True
-        except ValueError:
-            pass
-    return cell == ""
-
-
-def _has_decimal_comma(sample: list[str], delimiter: str) -> bool:
-    cells = [cell for line in sample[-10:] for cell in _cells(line, delimiter)]
-    return any(re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", cell) for cell in cells)
-
-
-def _commented_names(comments: list[str], delimiter: str, count: int) -> list[str]:
-    """Names from the comment right above the numbers, as numpy.savetxt writes them; else none."""
-    names = _cells(COMMENT.sub("", comments[-1], count=1), delimiter) if comments else []
-    return names if len(names) == count and not all(map(_is_number, names)) else [""] * count
-
-
-def _parsed(path: Path, body: str, delimiter: str, comma: bool, n: int, lines: int) -> tuple[Any, dict[int, int]]:
+def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:
     """The Arrow table of the lines with n cells, and the rows of the others with the numbers of their cells."""
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 
-    if delimiter == " ":
-        body = re.sub(r"(?m)^ | $", "", re.sub(r"[ \t]+", " ", body))
+    if layout.delimiter == " ":
+        body = re.sub(rb"(?m)^ | $", b"", re.sub(rb"[ \t]+", b" ", body))
+    names = [str(k) for k in range(len(layout.names))]
     wrong: dict[int, int] = {}
 
     def skip(row: Any) -> str:
@@ -154,13 +98,16 @@ def _parsed(path: Path, body: str, delimiter: str, comma: bool, n: int, lines: i
     def read(types: dict[str, Any] | None) -> Any:
         wrong.clear()
         return arrow_csv.read_csv(
-            pa.BufferReader(body.encode()),
-            read_options=arrow_csv.ReadOptions(column_names=[str(k) for k in range(n)], use_threads=False),
+            pa.BufferReader(body),
+            read_options=arrow_csv.ReadOptions(column_names=names, use_threads=False),
             parse_options=arrow_csv.ParseOptions(
-                delimiter=delimiter, ignore_empty_lines=False, invalid_row_handler=skip
+                delimiter=layout.delimiter, ignore_empty_lines=False, invalid_row_handler=skip
             ),
             convert_options=arrow_csv.ConvertOptions(
-                column_types=types, decimal_point="," if comma else ".", null_values=[""], strings_can_be_null=True
+                column_types=types,
+                decimal_point="," if layout.decimal_comma else ".",
+                null_values=[""],
+                strings_can_be_null=True,
             ),
         )
 
@@ -168,9 +115,9 @@ def _parsed(path: Path, body: str, delimiter: str, comma: bool, n: int, lines: i
         try:
             return read(None), wrong
         except pa.ArrowInvalid:  # types are inferred from the first block only
-            return read({str(k): pa.string() for k in range(n)}), wrong
+            return read(dict.fromkeys(names, pa.string())), wrong
     except pa.ArrowInvalid as error:
-        raise BadRecordingFile(f"{path}, from line {lines} on: {error}; repair the file") from error
+        raise BadRecordingFile(f"{path}, from line {layout.above + 1} on: {error}; repair the file") from error
 
 
 def _numbers(column: Any, comma: bool) -> Array:

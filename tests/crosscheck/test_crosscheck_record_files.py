@@ -88,6 +88,11 @@ def test_text_after_the_first_megabyte(tmp_path):
         load_record(path)
 
 
+def test_quoted_cells(tmp_path):
+    (tmp_path / "r.csv").write_text('"t","q 1"\n"0","0.5"\n"1","0.25"\n')
+    assert load_record(tmp_path / "r.csv").q.tolist() == [[0.5], [0.25]]
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -97,6 +102,8 @@ def test_text_after_the_first_megabyte(tmp_path):
         (b"t,q1\n0,\xff\n", r"r.csv, line 2: not UTF-8 text; save the file as CSV in UTF-8"),
         (b"t,q1\n0,\0\n", r"r.csv, line 2: a zero byte, so not text; save the file"),
         (b"t|q1\n0|1\n1|1\n", r"r.csv: no delimiter \(semicolon, tab, comma, space\) cuts half of the first 3 lines"),
+        (b't,q1\n0,"1\n1,2\n', r"r.csv: 1 rows in 2 lines, so a quotation mark is not closed; remove it"),
+        (b"t,q1\n0,1\n1," + b"2" * 3_000_000, r"r.csv, from line 2 on: straddling object .*; repair the file"),
         (b"t,q1\n0,1,2\n1,1,2\n2,1\n", r"2 of 3 lines do not have 2 cells as the first one \(line 2 has 3\); name"),
     ],
 )
