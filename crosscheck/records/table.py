@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from crosscheck.records.errors import BadMapping
-from crosscheck.records.findings import Finding, spans
+from crosscheck.records.findings import Finding
 from graphdyn.layout import Array
 
 
@@ -50,8 +50,3 @@ class Table:
             raise BadMapping(f"{where}: '{column}' of {self.path} is no column: {self.left_out[column]}")
         there = ", ".join(self.names) if self.has_names else f"{len(self.names)} columns without names; give numbers"
         raise BadMapping(f"{where}: {self.path} has no column '{column}'; it has {there}")
-
-    def place(self, rows: tuple[int, ...]) -> str:
-        """Rows, and lines where the file has them, for messages."""
-        text = f"row {spans(rows)}"
-        return text if self.lines is None else f"{text} (line {spans(row + self.lines for row in rows)})"

@@ -276,6 +276,25 @@ def test_rows_for_unknown_reasons_are_not_dropped(tmp_path):
     assert len(load_record(path, drop=DROPPABLE).t) == N
 
 
+def test_files_without_lines(tmp_path):
+    q = np.sin(T)
+    q[[3, 5]] = np.nan
+    np.savez(tmp_path / "r.npz", time_s=T, q=q)
+    mapping = mapping_of({"joints": ["a"], "time": {"column": "time_s"}, "q": {"columns": ["q"]}}, "m")
+    finding = only(tmp_path / "r.npz", "not-a-number", mapping=mapping)
+    path = tmp_path / "r.npz"
+    assert finding.text == (
+        f"{path}, column 'q', rows 3, 5: nan and others are not finite numbers; "
+        "repair the rows, or drop them [not-a-number]"
+    )
+
+
+def test_a_single_row(tmp_path):
+    record = load_record(written(tmp_path, lines_of(GOOD[:1])))
+    assert record.findings == ()
+    assert len(record.t) == 1
+
+
 def test_no_row_left(tmp_path):
     path = written(tmp_path, ["0,nan,1,1", "1,nan,1,1"])
     with pytest.raises(BadRecordingFile, match=r"r.csv: no row is left; repair the file instead of dropping rows"):
