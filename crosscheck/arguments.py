@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 import urdf
 from graphdyn import InvalidInput, RobotModel
 from urdf.catalogue import locate
+from urdf.cutting import Chain
+from urdf.opening import UNNAMED, content_of, path_of
 
 Robot = str | PathLike[str] | RobotModel
 Lock = Mapping[str, float] | Iterable[str] | None
@@ -25,6 +27,7 @@ class Subject:
     name: as it was given
     file: whole path of its URDF, None where a RobotModel was given; file_sha256: of its content, likewise
     locked: value per joint that is held still [rad or m]
+    chain: base link and tip link of the arm that was cut out, None where the whole robot is meant
     """
 
     name: str
@@ -32,25 +35,31 @@ class Subject:
     file: str | None
     file_sha256: str | None
     locked: Mapping[str, float]
+    chain: Chain
 
 
-def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None) -> Subject:
-    """Load a name or path; take a RobotModel as it is. Raises InvalidInput for lock or gravity with a RobotModel."""
+def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = None) -> Subject:
+    """Load a name or path; take a RobotModel as it is.
+
+    Raises InvalidInput for lock, gravity or chain with a RobotModel, and for XML in place of a name or path.
+    """
     if isinstance(robot, RobotModel):
-        if lock is not None or gravity is not None:
+        if lock is not None or gravity is not None or chain is not None:
             raise InvalidInput(
-                "lock and gravity apply to names and files; a RobotModel already has its joints and gravity"
+                "lock, chain and gravity apply to names and files; a RobotModel already has its joints and gravity"
             )
-        return Subject(robot.name, robot, None, None, {})
+        return Subject(robot.name, robot, None, None, {}, None)
+    if path_of(robot) in UNNAMED:
+        raise InvalidInput("XML is given in place of a name or path; give the file, or urdf.load(…) of the XML")
     lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
-    model = urdf.load(robot, lock=lock, gravity=gravity)
+    model = urdf.load(robot, chain=chain, lock=lock, gravity=gravity)
     locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
-    return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked)
+    return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
 
 
 def content_sha256(robot: str | PathLike[str]) -> str:
-    """Of the file of a name or path. Raises RobotNotFound, OSError."""
-    return hashlib.sha256(locate(robot)[0].read_bytes()).hexdigest()
+    """Of the file of a name or path, a .xacro file expanded. Raises RobotNotFound, InvalidXacro, OSError."""
+    return hashlib.sha256(content_of(locate(robot)[0])).hexdigest()
 
 
 def check_counts(samples: int, seed: int) -> None:

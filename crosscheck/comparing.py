@@ -27,6 +27,7 @@ from crosscheck.states import Case, cases
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn.dynamics import singular
 from graphdyn.layout import Array
+from urdf.cutting import Chain
 
 CHUNK = 250
 """States handled at once: keeps the dense 11n × 11n systems of a chunk within some tens of megabytes."""
@@ -50,25 +51,26 @@ def compare(
     *,
     lock: Lock = None,
     gravity: ArrayLike | None = None,
+    chain: Chain = None,
     progress: Progress | None = None,
 ) -> Comparison:
     """Compare all quantities at random and at awkward states.
 
     robot: name (urdf.robots), path of a URDF (both routes), or RobotModel (route "model" only, and notes say so)
     samples: random states; the awkward ones come on top
-    lock, gravity: as in urdf.load, for names and paths only
+    lock, gravity, chain: as in urdf.load, for names and paths only
 
-    Raises InvalidInput for samples or a seed that are no such numbers, or lock or gravity given with a RobotModel;
+    Raises InvalidInput for samples or a seed that are no such numbers, or lock, gravity or chain with a RobotModel;
     urdf's errors for a file that cannot be loaded.
     """
     check_counts(samples, seed)
-    compared = subject(robot, lock, gravity)
+    compared = subject(robot, lock, gravity, chain)
     model = compared.model
     notes = [] if compared.file else ["route 'urdf' not taken: a RobotModel was given, not a file"]
     referees = {"model": PinocchioModel.from_model(model)}
     if compared.file:
         try:
-            native = PinocchioModel.from_urdf(Path(compared.file), model, compared.locked)
+            native = PinocchioModel.from_urdf(Path(compared.file), model, compared.locked, cut=chain is not None)
             referees = {"urdf": native, **referees}
         except PinocchioRefuses as refusal:
             notes.append(f"route 'urdf' not taken: {refusal}")
@@ -121,6 +123,7 @@ def compare(
         samples=samples,
         seed=seed,
         locked=compared.locked,
+        chain=compared.chain,
         routes=tuple(referees),
         quantities=record.results(),
         not_compared=skipped,

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from graphdyn import BaseMotion, Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_columns
+from urdf.opening import content_of
 
 VERSION: str = pin.__version__
 
@@ -98,18 +99,22 @@ class PinocchioModel:
         native.gravity = pin.Motion(np.array(model.gravity), np.zeros(3))
 
     @classmethod
-    def from_urdf(cls, path: Path, model: RobotModel, lock: Mapping[str, float]) -> PinocchioModel:
-        """Pinocchio's own reading of the file, with joints locked as in urdf.load. Raises PinocchioRefuses."""
+    def from_urdf(cls, path: Path, model: RobotModel, lock: Mapping[str, float], cut: bool = False) -> PinocchioModel:
+        """Pinocchio's own reading of the file, with joints locked as in urdf.load. Raises PinocchioRefuses.
+
+        A .xacro file is expanded. cut: the model is a chain; all other joints are locked, its base link is the ground.
+        """
         try:
-            native = pin.buildModelFromUrdf(str(path))
+            xacro = path.suffix.lower() == ".xacro"
+            native = pin.buildModelFromXML(content_of(path).decode()) if xacro else pin.buildModelFromUrdf(str(path))
+            others = set(native.names[1:]) - set(model.joint_names) if cut else set()
+            native = _held(native, dict.fromkeys(others, 0.0) | dict(lock))
         except Exception as error:  # Pinocchio raises bare C++ exceptions of several types
             raise PinocchioRefuses(f"Pinocchio cannot read {path}: {str(error).strip()}") from error
-        if lock:
-            reference = pin.neutral(native)
-            for name, value in lock.items():
-                _write(native.joints[native.getJointId(name)], reference, value)
-            native = pin.buildReducedModel(native, [native.getJointId(name) for name in lock], reference)
-        return cls(native, model)
+        if not cut:
+            return cls(native, model)
+        there = native.frames[native.getFrameId(model.base_name, pin.BODY)].placement
+        return cls(native, model).turned(Placement(there.rotation, there.translation).inverse(), model.gravity)
 
     @classmethod
     def from_model(cls, model: RobotModel) -> PinocchioModel:
@@ -327,6 +332,13 @@ def _inertia(body: Body) -> pin.Inertia:
 def _write(joint: pin.JointModel, full: Array, value: float) -> None:
     """Write one joint position into Pinocchio's q; a continuous joint takes two entries, (cos, sin)."""
     full[joint.idx_q : joint.idx_q + joint.nq] = value if joint.nq == 1 else (np.cos(value), np.sin(value))
+
+
+def _held(native: pin.Model, lock: Mapping[str, float]) -> pin.Model:
+    reference = pin.neutral(native)
+    for name, value in lock.items():
+        _write(native.joints[native.getJointId(name)], reference, value)
+    return pin.buildReducedModel(native, [native.getJointId(name) for name in lock], reference) if lock else native
 
 
 def _imposed(motion: BaseMotion, k: int) -> tuple[pin.SE3, Array, Array]:

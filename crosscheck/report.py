@@ -91,10 +91,11 @@ def _cell(result: QuantityResult | None) -> str:
 
 def heading(comparison: Comparison) -> str:
     """Name, size and verdict in one line."""
+    chain = f" from {comparison.chain[0]} to {comparison.chain[1]}" if comparison.chain else ""
     locked = f", locked: {', '.join(comparison.locked)}" if comparison.locked else ""
     return (
         f"{comparison.robot}: {_verdict(comparison.agrees)} "
-        f"({comparison.n_bodies} joints{locked}; {comparison.samples} random states and the awkward ones, "
+        f"({comparison.n_bodies} joints{chain}{locked}; {comparison.samples} random states and the awkward ones, "
         f"seed {comparison.seed}; routes: {', '.join(comparison.routes)})"
     )
 
@@ -128,7 +129,8 @@ def as_text(comparison: Comparison) -> str:
 def as_json(comparison: Comparison) -> dict[str, Any]:
     """Everything as plain data; numbers that are not finite become null. The format is described in docs/json.md."""
     as_they_are = (
-        "robot", "file", "file_sha256", "n_bodies", "samples", "seed", "locked", "routes", "not_compared", "notes",
+        "robot", "file", "file_sha256", "n_bodies", "samples", "seed", "locked", "chain", "routes", "not_compared",
+        "notes",
     )  # fmt: skip
     identification = comparison.identification
     record = {

@@ -70,6 +70,7 @@ class Comparison:
 
     robot: as given; file: where its URDF is, None where a RobotModel was given; file_sha256: of its content, likewise
     model: the robot that was compared
+    chain: base link and tip link where an arm was cut out of a larger robot
     quantities: by name, in the order of the table
     not_compared: quantities left out, with the reason
     routes: "urdf" (Pinocchio builds the same file), "model" (Pinocchio is built from our model)
@@ -84,6 +85,7 @@ class Comparison:
     samples: int
     seed: int
     locked: Mapping[str, float]
+    chain: tuple[str, str] | None
     routes: tuple[str, ...]
     quantities: Mapping[str, QuantityResult]
     not_compared: Mapping[str, str]

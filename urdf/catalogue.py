@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import os
 from collections import defaultdict
 from dataclasses import dataclass
 from functools import cache
@@ -13,6 +14,7 @@ from pathlib import Path, PurePosixPath
 from graphdyn.kr500 import GRAVITY as KR500_GRAVITY
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.errors import RobotNotFound
+from urdf.wording import shortened
 
 DISTRIBUTION = "example-robot-data"
 SUFFIX = "_robot"
@@ -59,15 +61,15 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
         entry = entries[str(path_or_name)]
         return entry.path, entry.gravity
     path = Path(path_or_name)
-    if path.is_file():
+    if os.path.isfile(path):  # unlike Path.is_file false for names that no file can have
         return path, STANDARD_GRAVITY
     if not entries:
-        raise RobotNotFound(f"'{path}' is not a file", "give a file, or a robot's name as a string")
+        raise RobotNotFound(f"'{shortened(str(path))}' is not a file", "give a file, or a robot's name as a string")
     close = difflib.get_close_matches(str(path_or_name), entries)
     remedy = f"close names: {', '.join(close)}; urdf.robots() lists all" if close else "urdf.robots() lists all names"
     if not _files():
         remedy += f". Most robots come with the package {DISTRIBUTION}, which is not installed"
-    raise RobotNotFound(f"'{path_or_name}' is neither a file nor a robot of the catalogue", remedy)
+    raise RobotNotFound(f"'{shortened(str(path_or_name))}' is neither a file nor a robot of the catalogue", remedy)
 
 
 def _files() -> list[metadata.PackagePath]:

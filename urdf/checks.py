@@ -11,8 +11,9 @@ from collections.abc import Iterator
 
 from lxml import etree
 
-from urdf.errors import DuplicateEntry, InvalidNumber, MissingEntry, UnsupportedJoint, URDFError
+from urdf.errors import DuplicateEntry, InvalidNumber, InvalidRobot, MissingEntry, UnsupportedJoint, URDFError
 from urdf.numerals import BadNumber, numbers
+from urdf.repairing import crossed_limits
 from urdf.source import Source, line_of, name_of
 from urdf.wording import shortened
 
@@ -37,9 +38,15 @@ _NUMBERS = {
 }
 """How many numbers each attribute holds."""
 
+LARGEST = 1e60
+"""Of masses, tensors, lengths and angles: products of several stay far below the largest double, 1.8e308."""
+
+_COMPUTED = ("origin", "mass", "inertia", "axis")
+"""What dynamics are computed from; a limit may be the largest double."""
+
 
 def check(source: Source) -> None:
-    """Raise MissingEntry, DuplicateEntry, InvalidNumber or UnsupportedJoint for the first fault in the file."""
+    """Raise MissingEntry, DuplicateEntry, InvalidNumber, InvalidRobot or UnsupportedJoint for the first fault."""
     for fault in faults(source):
         raise fault
 
@@ -61,6 +68,7 @@ def faults(source: Source) -> Iterator[URDFError]:
         yield from _part_faults(source, link)
     for joint in source.joints:
         yield from _type_faults(source, joint)
+        yield from _limit_faults(source, joint)
         yield from _part_faults(source, joint)
 
 
@@ -98,6 +106,14 @@ def _type_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:
         )
 
 
+def _limit_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:
+    crossed, limit = crossed_limits(joint), joint.find("limit")
+    if crossed is not None and limit is not None:
+        problem = f"lower limit {crossed[0]:g} is above upper limit {crossed[1]:g}"
+        remedy = "swap them, or load the file with repair=('limits',)"
+        yield source.error(InvalidRobot, "limits-crossed", limit, problem, remedy)
+
+
 def _part_faults(source: Source, element: etree._Element) -> Iterator[URDFError]:
     """Everything below a link or a joint: presence, uniqueness, numbers."""
     tags = Counter(child.tag for child in element)
@@ -128,6 +144,9 @@ def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFE
             continue
         if isinstance(found, BadNumber):
             yield source.error(InvalidNumber, found.code, element, found.problem, found.remedy)
+        elif element.tag in _COMPUTED and max(map(abs, found)) > LARGEST:
+            problem = f'{name}="{shortened(text or "")}" is larger than any robot: results would overflow'
+            yield source.error(InvalidNumber, "number-too-large", element, problem, "give kg, m and rad")
         elif element.tag == "mass" and found[0] < 0:
             problem = f"mass {found[0]} kg is negative"
             yield source.error(InvalidNumber, "negative-mass", element, problem, "give a mass of at least 0")

@@ -31,17 +31,23 @@ _EMPTY, _VERSION, _LIMIT = (
 
 @dataclass(frozen=True)
 class Document:
-    """A file, its bytes, and its root element <robot>."""
+    """A file, its bytes, and its root element <robot>; path: what messages name."""
 
     path: Path
     content: bytes
     robot: etree._Element
 
 
-def open_document(path: Path) -> Document:
-    """The file at path. Raises MalformedXML where yourdfpy would fall back on a parser that guesses, and TooLarge."""
-    content = _content(path)
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
+def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bool = True) -> Document:
+    """The document of these bytes; path: what messages name.
+
+    encoding: overrides what the document declares; lines=False: its lines are not those of the file at path
+
+    Raises MalformedXML where yourdfpy would fall back on a parser that guesses, and TooLarge.
+    """
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, encoding=encoding
+    )
     try:
         robot = etree.fromstring(content, parser)
     except etree.XMLSyntaxError as error:
@@ -49,6 +55,9 @@ def open_document(path: Path) -> Document:
     _check_document_type(path, robot)
     if robot.xpath(f"boolean(//*[@*[{MOST_ATTRIBUTES + 1}]])"):
         raise TooLarge(f"an element has more than {MOST_ATTRIBUTES} attributes", "leave out what is no URDF", path=path)
+    if not lines:
+        for element in robot.iter():
+            element.sourceline = 0  # lxml's word for none
     name = etree.QName(robot).localname
     if robot.prefix is not None or name != "robot":
         written = name if robot.prefix is None else f"{robot.prefix}:{name}"
@@ -62,9 +71,8 @@ def open_document(path: Path) -> Document:
     return Document(path, content, robot)
 
 
-def _content(path: Path) -> bytes:
-    with path.open("rb") as file:
-        content = file.read(LARGEST_FILE + 1)
+def check_size(content: bytes, path: Path) -> None:
+    """Raise TooLarge for what takes long to parse."""
     if len(content) > LARGEST_FILE:
         raise TooLarge(
             f"the file is larger than {LARGEST_FILE // 1_000_000} MB",
@@ -74,7 +82,6 @@ def _content(path: Path) -> bytes:
     tags = content.count(b"<")
     if tags > MOST_TAGS:
         raise TooLarge(f"the file has {tags} tags, more than {MOST_TAGS}", "give a smaller file", path=path)
-    return content
 
 
 def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> MalformedXML:

@@ -76,6 +76,26 @@ class InvalidLock(URDFError):
     """A joint to be locked that is unknown or fixed, or a lock value that is not a finite number."""
 
 
+class InvalidChain(URDFError):
+    """Two links that do not span an arm."""
+
+
+class InvalidXacro(URDFError):
+    """A .xacro file that cannot be expanded, or that reaches for files outside its folder and the given packages."""
+
+    default_code = "invalid-xacro"
+
+
+class XacroNotInstalled(InvalidXacro):
+    """A .xacro file, and no expander."""
+
+    default_code = "xacro-not-installed"
+
+
+class InvalidRepair(URDFError):
+    """A repair that urdf.load does not know."""
+
+
 class InvalidRobot(URDFError):
     """A file that reads well and describes a robot that graphdyn refuses."""
 
@@ -98,6 +118,18 @@ class MissingInertialWarning(URDFWarning):
 
 class AxisNotNormalizedWarning(URDFWarning):
     """Joint axes that are not of unit length; they are normalised."""
+
+
+class ChainWarning(URDFWarning):
+    """What urdf.load decided where an arm is cut out of a larger robot."""
+
+
+class XacroWarning(URDFWarning):
+    """What the expander of .xacro files complains about."""
+
+
+class RepairWarning(URDFWarning):
+    """What was mended at the caller's wish."""
 
 
 class MimicJointWarning(URDFWarning):

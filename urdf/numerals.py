@@ -15,6 +15,9 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _BLANKS = re.compile(r"[ \t\r\n]+")
 """What XML takes for blank; str.split knows many more, which no other reader of URDF does."""
 
+UNIT_LENGTH = 1e-9
+"""An axis whose length differs from 1 by no more is taken for a unit vector."""
+
 UNEXPANDED = re.compile(r"\$[{(]")
 """What xacro would have replaced: ${…} and $(…)."""
 

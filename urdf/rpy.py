@@ -5,6 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from graphdyn.layout import Array
+from graphdyn.rotation import rotation_about
+
+
+def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
+    """R (3, 3) of the three angles [rad]."""
+    x, y, z = np.eye(3)
+    return rotation_about(z, yaw) @ rotation_about(y, pitch) @ rotation_about(x, roll)
 
 
 def rpy_from_rotation(rotation: Array) -> Array:

@@ -8,7 +8,7 @@ from typing import cast
 
 from lxml import etree
 
-from urdf.document import Document, open_document
+from urdf.document import Document
 from urdf.errors import TooLarge, URDFError
 from urdf.wording import shortened
 
@@ -43,11 +43,6 @@ class Source:
     def error(self, kind: type[URDFError], code: str, element: etree._Element, problem: str, remedy: str) -> URDFError:
         """The refusal of this kind, with file, line and element."""
         return kind(problem, remedy, code=code, path=self.path, line=line_of(element), element=describe(element))
-
-
-def read(path: Path) -> Source:
-    """The file at path. Raises MalformedXML and TooLarge."""
-    return reduced(open_document(path))
 
 
 def reduced(document: Document) -> Source:

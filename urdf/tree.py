@@ -14,13 +14,14 @@ Joints = Mapping[str, Sequence[etree._Element]]
 """Joints by the name of a link."""
 
 
-def joints_in_order(source: Source) -> tuple[str, list[str]]:
-    """Name of the root link, and the joint names, parents before children.
-
-    Raises NotATree for a joint to a link that does not exist, a link with two parents, several roots, a cycle.
-    """
+def check_tree(source: Source) -> None:
+    """Raise NotATree for a joint to a link that does not exist, a link with two parents, several roots, a cycle."""
     for fault in tree_faults(source):
         raise fault
+
+
+def joints_in_order(source: Source) -> tuple[str, list[str]]:
+    """Name of the root link, and the joint names, parents before children, of a sound tree."""
     (root,) = root_links(source)
     return root, [name_of(joint) for joint in walk(joints_by(source, "parent"), [root])]
 

@@ -61,6 +61,10 @@ def update(
     parameters unless they are asked for, and files in UTF-16; urdf.load's errors for the source; OSError.
     """
     path, _ = locate(source)
+    if path.suffix.lower() == ".xacro":
+        raise CannotUpdate(
+            "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
+        )
     model = load(source, lock=lock)
     wanted = _checked(parameters, model.n_bodies, path)
     shares = fused_links(source, lock=lock)

@@ -91,7 +91,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines += ["from crosscheck.quantities import multipliers_of"] if "multipliers_of" in text else []
     lines += ["from graphdyn.kinematics import link_origins"] if "link_origins" in text else []
     lines += ["from urdf.catalogue import locate"] if referee and worst.route == "urdf" else []
-    lines += ["", *_robot(_origin(comparison), comparison.locked, comparison.model)]
+    lines += ["", *_robot(_origin(comparison), comparison.locked, comparison.model, comparison.chain)]
     lines += [f"referee = PinocchioModel.{_referee(comparison, worst.route)}"] if referee else []
     lines += _surroundings(worst, comparison.model, referee)
     lines += _numbers(worst, result.quantity.forward, text)
@@ -134,17 +134,21 @@ def _origin(record: Comparison | Judgement) -> str | None:
     return record.robot if known.get(record.robot) == record.file else record.file
 
 
-def _robot(origin: str | None, locked: Mapping[str, float], model: RobotModel) -> list[str]:
+def _robot(
+    origin: str | None, locked: Mapping[str, float], model: RobotModel, chain: tuple[str, str] | None = None
+) -> list[str]:
     if origin is None:
         return ["# model is the RobotModel that was given"]
+    cut = f", chain={tuple(chain)!r}" if chain else ""
     lock = f", lock={dict(locked)!r}" if locked else ""
-    return [f"model = urdf.load({origin!r}{lock}, gravity={model.gravity.tolist()})"]
+    return [f"model = urdf.load({origin!r}{cut}{lock}, gravity={model.gravity.tolist()})"]
 
 
 def _referee(comparison: Comparison, route: str) -> str:
     if route == "model":
         return "from_model(model)"
-    return f"from_urdf(locate({_origin(comparison)!r})[0], model, {dict(comparison.locked)!r})"
+    cut = ", cut=True" if comparison.chain else ""
+    return f"from_urdf(locate({_origin(comparison)!r})[0], model, {dict(comparison.locked)!r}{cut})"
 
 
 def _surroundings(worst: WorstState, model: RobotModel, referee: bool) -> list[str]:

@@ -12,6 +12,7 @@ from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.program.folders import is_folder, sweep
 from crosscheck.program.options import (
     EXAMPLES,
+    ChainOption,
     HtmlOption,
     JsonOption,
     LockOption,
@@ -47,6 +48,7 @@ ResumeOption = Annotated[
 
 EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
   graphdyn crosscheck z1 --lock jointGripper=0 --json result.json
+  graphdyn crosscheck talos_left_arm --chain torso_2_link gripper_left_base_link
   graphdyn crosscheck kr500 my_arm.urdf --html result.html
   graphdyn crosscheck my_robots/ --samples 200 --json sweep.json --resume
 """
@@ -58,6 +60,7 @@ def run(
     samples: SamplesOption = 1000,
     seed: SeedOption = 0,
     lock: LockOption = None,
+    chain: ChainOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
     jobs: JobsOption = None,
@@ -71,8 +74,8 @@ def run(
     """
     locked = locked_joints(lock)
     folder = any(map(is_folder, robots or ()))
-    if locked and (folder or len(robots or ()) != 1):
-        raise typer.BadParameter("--lock needs exactly one robot, whose joints it names")
+    if (locked or chain) and (folder or len(robots or ()) != 1):
+        raise typer.BadParameter("--lock and --chain need exactly one robot, whose joints and links they name")
     if (jobs or resume) and not folder:
         raise typer.BadParameter("--jobs and --resume are for folders")
     if resume and json_file is None:
@@ -89,9 +92,9 @@ def run(
     for number, (robot, frozen) in enumerate(choice, start=1):
         title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
         try:
-            total = _states(robot, samples, seed, frozen) if err.is_terminal else None
+            total = _states(robot, samples, seed, frozen, chain) if err.is_terminal else None
             with progress(title, total) as advance, warnings_shown():
-                comparisons.append(compare(robot, samples, seed, lock=frozen or None, progress=advance))
+                comparisons.append(compare(robot, samples, seed, lock=frozen or None, chain=chain, progress=advance))
         except (GraphDynError, OSError) as error:
             complain(error, context)
             failures.append({"robot": robot, "message": str(error)})
@@ -116,7 +119,7 @@ def run(
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
 
 
-def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float]) -> int:
+def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], chain: tuple[str, str] | None) -> int:
     """How many states will be compared: drawing them costs a hundredth of comparing them."""
     import warnings
 
@@ -124,7 +127,7 @@ def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float]) ->
     from crosscheck.states import cases
 
     with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
-        model = urdf.load(robot, lock=locked or None)
+        model = urdf.load(robot, chain=chain, lock=locked or None)
     return sum(len(case.q) for case in cases(model, samples, seed))
 
 

@@ -35,6 +35,10 @@ LockOption = Annotated[
     list[str] | None,
     typer.Option(metavar="JOINT[=VALUE]", help="Freeze a joint at VALUE [rad or m], 0 if left out. Repeatable."),
 ]
+ChainOption = Annotated[
+    tuple[str, str] | None,
+    typer.Option(metavar="BASE TIP", help="Cut out the arm from link BASE to link TIP; other joints are frozen at 0."),
+]
 SamplesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random states per robot.")]
 SeedOption = Annotated[int, typer.Option(min=0, metavar="N", help="Seed of the random states.")]
 JsonOption = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write all numbers to FILE.")]

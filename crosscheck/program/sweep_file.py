@@ -11,6 +11,7 @@ from typing import Any
 from crosscheck.arguments import content_sha256
 from crosscheck.report import JSON_FORMAT, versions, write_json
 from graphdyn import InvalidInput
+from urdf import InvalidXacro
 
 SHARE = 0.1
 """Part of the time that may be spent on writing: the file is written whole, so that many robots take long."""
@@ -68,7 +69,7 @@ def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> di
         raise InvalidInput(f"--resume: {path} is not a file of the format '{JSON_FORMAT}'; name another, or delete it")
     if earlier.get("versions") != versions():
         return {}
-    wanted = {"samples": samples, "seed": seed, "locked": {}}
+    wanted = {"samples": samples, "seed": seed, "locked": {}, "chain": None}
     records = {
         record["robot"]: record
         for record in earlier["robots"]
@@ -81,5 +82,5 @@ def _unchanged(record: Mapping[str, Any]) -> bool:
     """Whether the file that a robot stands for still has the content that was compared."""
     try:
         return content_sha256(record["robot"]) == record["file_sha256"]
-    except OSError:
+    except (OSError, InvalidXacro):
         return False

@@ -202,7 +202,7 @@ class TestArguments:
     @pytest.mark.parametrize(
         ("options", "message"),
         [
-            (["--lock", "y_elbow"], "--lock needs exactly one robot"),
+            (["--lock", "y_elbow"], "--lock and --chain need exactly one robot"),
             (["--resume"], "--resume needs --json FILE"),
             (["--jobs", "0"], "'--jobs'"),
         ],

@@ -6,6 +6,7 @@ import time
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 from urdf_text import joint, link, robot_text
 
@@ -234,10 +235,17 @@ HUGE_NUMBERS = ["1e308", "-1e308", "1e-320", "1e200", "1e160", "4.9e-324"]
 
 @pytest.mark.parametrize("number", HUGE_NUMBERS)
 def test_numbers_at_the_ends_of_the_range(tmp_path, number):
-    """Overflow is found, not raised, and no warning leaves the inspection."""
-    for old in ('ixx="0.1"', 'ixy="0"', 'value="1.0"', 'xyz="0 0 0"'):
-        new = old.replace('"0 0 0"', f'"{number} 0 0"') if "xyz" in old else f'{old.split("=")[0]}="{number}"'
-        path = write(tmp_path, chain(3).replace(old, new))
+    """Overflow is found, not raised; no warning of NumPy leaves the inspection or the import."""
+    for old in ('ixx="0.1"', 'ixy="0"', 'value="1.0"', 'xyz="0 0 0"', 'rpy="0 0 0"', 'axis xyz="0 0 0"'):
+        new = old.replace("0 0 0", f"{number} 0 0") if "0 0 0" in old else f'{old.split("=")[0]}="{number}"'
+        text = chain(3).replace("</joint>", '<axis xyz="0 0 0"/></joint>').replace(old, new)
+        path = write(tmp_path, text.replace('<axis xyz="0 0 0"/>', ""))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            assert urdf.inspect(path).findings
+            warnings.simplefilter("ignore", urdf.URDFWarning)
+            report = urdf.inspect(path)
+            if report.verdict == "refused":
+                with pytest.raises(urdf.InvalidNumber):
+                    urdf.load(path)
+            else:
+                assert np.isfinite(urdf.load(path).inertial_parameters).all()

@@ -309,6 +309,7 @@ def test_every_code_has_a_case():
         "byte-order-mark",
         "crlf",
         "invalid-robot",
+        "invalid-xacro",
         "joint-order",
         "mass-matrix-not-examined",
         "more-findings",
@@ -316,6 +317,7 @@ def test_every_code_has_a_case():
         "placeholder-inertials",
         "too-large",
         "unreadable-file",
+        "xacro-not-installed",
         "xml-limits",
     }
     assert written <= {*CASES, *DOCUMENTS, *elsewhere}

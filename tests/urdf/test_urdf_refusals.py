@@ -95,6 +95,11 @@ CHANGES = {
     "nan": (("2.5", "nan"), urdf.InvalidNumber, r'value="nan" is not finite; give a finite number'),
     "infinity": (('effort="30"', 'effort="-inf"'), urdf.InvalidNumber, r'effort="-inf" is not finite'),
     "overflow": (("2.5", "1e400"), urdf.InvalidNumber, r"'1e400' overflows"),
+    "larger than any robot": (
+        ("2.5", "1e308"),
+        urdf.InvalidNumber,
+        r""":6: <mass> of link 'upper': value="1e308" is larger than any robot: results would overflow; give kg, m""",
+    ),
     "xacro expression": (
         ('upper="2"', 'upper="${pi / 2}"'),
         urdf.InvalidNumber,
@@ -133,7 +138,8 @@ CHANGES = {
     "limits crossed": (
         ('lower="-1"', 'lower="3"'),
         urdf.InvalidRobot,
-        r"arm.urdf: joint 'shoulder': lower limit 3.0 is above upper limit 2.0; swap them; correct the file",
+        r"arm.urdf:23: <limit> of joint 'shoulder': lower limit 3 is above upper limit 2; swap them, or load the file "
+        r"with repair=\('limits',\)",
     ),
 }
 

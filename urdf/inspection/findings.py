@@ -12,7 +12,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 Verdict = Literal["dynamics", "kinematics only", "refused"]
 VERDICTS: tuple[Verdict, ...] = ("dynamics", "kinematics only", "refused")
 
-NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "mass-matrix-not-finite")
+NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite")
 """Codes of what leaves only kinematics."""
 
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import islice
-from os import PathLike, fspath
 
 import numpy as np
 
 from graphdyn.model import STANDARD_GRAVITY
-from urdf.catalogue import locate
 from urdf.checks import faults
-from urdf.document import Document, open_document
 from urdf.errors import URDFError
 from urdf.inspection.document_rules import document_findings
 from urdf.inspection.findings import Finding, Report, report
@@ -22,7 +19,8 @@ from urdf.inspection.name_rules import name_findings
 from urdf.inspection.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import of_file, refusal
-from urdf.loading import build, parse
+from urdf.opening import Given, Opened, Xacro, open_document, path_of, said
+from urdf.parsing import build, parse
 from urdf.source import Source, reduced
 from urdf.tree import tree_faults
 
@@ -30,20 +28,21 @@ MOST_FINDINGS = 1000
 """Per stage; a file with more is beyond reading."""
 
 
-def inspect(path_or_name: str | PathLike[str]) -> Report:
+def inspect(source: Given, *, xacro: Xacro | None = None) -> Report:
     """Everything odd or wrong about a URDF file, or a robot of the catalogue by name; is it fit for dynamics?
+
+    source: as urdf.load takes it: name, path, XML as text or bytes, an open file; xacro: for a .xacro file
 
     Nothing is raised for what a file contains, nor for a file that is not there: that is an error among the findings.
     report.usable says whether forward dynamics can be computed; report.findings has a code, a severity ("error":
     urdf.load refuses the file, "warning": dynamics are doubtful, "note"), the element, its line, a message that also
     tells what Pinocchio and yourdfpy do there, and a remedy. The mass matrix is examined at five random states.
     """
-    asked = fspath(path_or_name)
-    path = None
+    asked, path = said(source), None
     try:
-        path, _ = locate(path_or_name)
+        path = path_of(source)
         with np.errstate(all="ignore"):  # numbers may be as large as doubles are
-            return report(asked, str(path), list(_findings(open_document(path))))
+            return report(asked, str(path), list(_findings(open_document(source, xacro))))
     except URDFError as error:
         found = refusal(error)
     except OSError as error:
@@ -53,8 +52,9 @@ def inspect(path_or_name: str | PathLike[str]) -> Report:
     return report(asked, None if path is None else str(path), [found])
 
 
-def _findings(document: Document) -> Iterator[Finding]:
-    around = [*_limited(document_findings(document)), *_limited(reader_findings(document))]
+def _findings(opened: Opened) -> Iterator[Finding]:
+    document = opened.document
+    around = [*_of_the_expansion(opened), *_limited(document_findings(document)), *_limited(reader_findings(document))]
     yield from around
     try:
         source = reduced(document)
@@ -69,6 +69,22 @@ def _findings(document: Document) -> Iterator[Finding]:
     yield from found
     if not any(finding.severity == "error" for finding in found):
         yield from _of_the_model(source, structure)
+
+
+def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
+    if opened.complaints is None:
+        return
+    yield of_file(
+        "xacro-expanded",
+        "note",
+        None,
+        "the file is expanded by xacro: elements have no line in it",
+        "nothing need be done",
+    )
+    for complaint in opened.complaints:
+        yield of_file(
+            "xacro-complaint", "warning", None, f"expanding the file: {complaint}", "see what xacro makes of the file"
+        )
 
 
 def _refusals(source: Source) -> Iterator[URDFError]:

@@ -10,9 +10,7 @@ from lxml import etree
 from urdf.inspection.findings import Finding
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
-from urdf.limits import ENDLESS
-from urdf.loading import UNIT_LENGTH
-from urdf.numerals import values
+from urdf.numerals import UNIT_LENGTH, values
 from urdf.wording import shortened
 
 RIGHT_ANGLE = math.pi / 2
@@ -145,14 +143,6 @@ def _position_limits(joint: etree._Element) -> Iterator[Finding]:
             f"lower and upper limit are both {lower[0]:g}: the joint cannot move"
             + ("; random states ignore such limits" if lower[0] == 0 else ""),
             "write the range",
-        )
-    if lower[0] > upper[0] and abs(lower[0]) < ENDLESS and abs(upper[0]) < ENDLESS:
-        yield about(
-            "limits-crossed",
-            "error",
-            limit,
-            f"lower limit {lower[0]:g} is above upper limit {upper[0]:g}",
-            "swap them",
         )
 
 

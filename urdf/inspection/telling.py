@@ -45,6 +45,7 @@ ELSEWHERE = {
     "no-links": _PINOCCHIO_REFUSES,
     "not-finite": f"{_UNREADABLE}, yourdfpy keeps the value",
     "malformed-number": f"{_UNREADABLE}, yourdfpy refuses the file",
+    "number-too-large": _BOTH_LOAD,
     "processing-instruction": _PINOCCHIO_REFUSES,
     "reserved-name": "Pinocchio loads the file and takes the one for the other, yourdfpy loads it",
     "root-inertia": "Pinocchio keeps it apart, as inertia of the universe",

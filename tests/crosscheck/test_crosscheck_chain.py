@@ -1,0 +1,149 @@
+"""An arm cut out of a larger robot, against Pinocchio's reading of the whole robot with all other joints locked."""
+
+import dataclasses
+import json
+import warnings
+
+import numpy as np
+import pytest
+from planting import flagged
+from typer.testing import CliRunner
+from urdf_text import joint, link, robot_text
+
+import crosscheck
+import urdf
+from crosscheck import report
+from crosscheck.page import comparison_page
+from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.program import app
+from graphdyn import InvalidInput, kr500
+from urdf.catalogue import locate
+
+SAMPLES = 10
+TORSO = ("torso_2_link", "gripper_left_base_link")
+
+pytestmark = pytest.mark.filterwarnings("ignore::urdf.ChainWarning", "ignore::urdf.MimicJointWarning")
+
+
+@pytest.mark.parametrize(
+    ("robot", "chain", "lock", "n_bodies"),
+    [
+        ("talos_reduced", ("torso_1_link", "arm_right_5_link"), {"arm_left_1_joint": 0.3, "torso_2_joint": 0.1}, 5),
+        ("pr2", ("torso_lift_link", "r_gripper_tool_frame"), None, 7),
+        ("xarm7", ("link_base", "link5"), {"joint2": -0.7}, 4),
+    ],
+)
+def test_arms_of_robots(robot, chain, lock, n_bodies):
+    comparison = crosscheck.compare(robot, SAMPLES, chain=chain, lock=lock)
+    assert (comparison.n_bodies, comparison.routes) == (n_bodies, ("urdf", "model"))
+    assert flagged(comparison) == set()
+
+
+TILTED = robot_text(
+    "tilted",
+    link("ground"), link("torso", 2.0), link("arm", 1.5, xyz="0.1 0 0.2"), link("tool", 0.4, xyz="0 0.1 0"),
+    link("finger", 0.2, xyz="0 0.1 0.1"), link("other"),
+    joint("z_turn", "ground", "torso", "continuous", '<origin xyz="0 0 1" rpy="0.7 -0.4 0.3"/><axis xyz="0 0 1"/>'),
+    joint("y_lift", "torso", "arm", "revolute", '<origin xyz="0.1 0.2 0" rpy="0.2 0 0"/><axis xyz="0 1 0"/>'
+          '<limit lower="-1" upper="1" effort="1" velocity="1"/>'),
+    joint("x_roll", "arm", "tool", "continuous", '<origin xyz="0.3 0 0"/><axis xyz="1 0 0"/>'),
+    joint("grip", "tool", "finger", "prismatic", '<origin xyz="0 0.03 0"/><axis xyz="0 1 0"/>'
+          '<limit lower="-1" upper="1" effort="1" velocity="1"/>'),
+    joint("leg", "torso", "other", "continuous", '<axis xyz="0 1 0"/>'),
+)  # fmt: skip
+"""One joint before the chain ("torso", "tool"), which tilts it, one on its base, one carried along."""
+
+
+@pytest.fixture
+def tilted(tmp_path):
+    path = tmp_path / "tilted.urdf"
+    path.write_text(TILTED, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("lock", [None, {"grip": 0.07}])
+def test_a_tilted_base_link(tilted, lock):
+    comparison = crosscheck.compare(tilted, SAMPLES, chain=("torso", "tool"), lock=lock)
+    assert comparison.model.joint_names == ("y_lift", "x_roll")
+    assert flagged(comparison) == set()
+
+
+def test_another_load_is_noticed(tilted):
+    """The referee reads the file by itself: the gripper held elsewhere is a disagreement."""
+    model = urdf.load(tilted, chain=("torso", "tool"), lock={"grip": 0.07})
+    q, v = model.random_state(np.random.default_rng(0), 5)
+    ours = PinocchioModel.from_model(model).rnea(q, v, v)
+    there, elsewhere = (
+        PinocchioModel.from_urdf(tilted, model, {"grip": value}, cut=True).rnea(q, v, v) for value in (0.07, 0.08)
+    )
+    assert abs(ours - there).max() < 1e-13
+    assert abs(ours - elsewhere).max() > 1e-3
+
+
+def test_a_link_and_a_joint_of_one_name():
+    """Pinocchio cannot hold a joint in front of them: the model route remains, and the report says so."""
+    comparison = crosscheck.compare("z1", 2, chain=("link00", "gripperMover"), lock={"joint3": -0.7})
+    assert (comparison.n_bodies, comparison.routes) == (6, ("model",))
+    assert "route 'urdf' not taken: Pinocchio cannot read" in comparison.notes[0]
+    assert "Several frames match" in comparison.notes[0]
+    assert flagged(comparison) == set()
+
+
+@pytest.fixture(scope="module")
+def comparison():
+    with warnings.catch_warnings(action="ignore"):
+        return crosscheck.compare("talos_reduced", 1, chain=TORSO, lock={"gripper_left_joint": 0.1})
+
+
+class TestReports:
+    def test_agrees(self, comparison):
+        assert comparison.routes == ("urdf", "model")
+        assert flagged(comparison) == set()
+
+    def test_heading(self, comparison):
+        heading = report.heading(comparison)
+        assert "(7 joints from torso_2_link to gripper_left_base_link, locked: gripper_left_joint;" in heading
+
+    def test_page(self, comparison):
+        page = " ".join(comparison_page([comparison], ["graphdyn"]).split())
+        assert "7 joints from torso_2_link to gripper_left_base_link, locked: gripper_left_joint = 0.1" in page
+
+    def test_snippet(self, comparison):
+        page = comparison_page([comparison], ["graphdyn"]).replace("&#39;", "'").replace("&#x27;", "'")
+        assert "chain=('torso_2_link', 'gripper_left_base_link'), lock={'gripper_left_joint': 0.1}" in page
+        assert "{'gripper_left_joint': 0.1}, cut=True)" in page
+
+    def test_json(self, comparison):
+        assert json.loads(json.dumps(report.as_json(comparison)))["chain"] == list(TORSO)
+
+    def test_without_a_chain(self, tree):
+        comparison = crosscheck.compare(tree, 1)
+        assert report.as_json(comparison)["chain"] is None
+        assert " from " not in report.heading(comparison)
+        assert "cut=" not in comparison_page([dataclasses.replace(comparison)], ["graphdyn"])
+
+
+def test_command(tilted, tmp_path):
+    out = tmp_path / "out.json"
+    done = CliRunner().invoke(
+        app, ["crosscheck", str(tilted), "--samples", "2", "--chain", "torso", "tool", "--json", str(out)]
+    )
+    assert done.exit_code == 0, done.output
+    (record,) = json.loads(out.read_text(encoding="utf-8"))["robots"]
+    assert (record["chain"], record["n_bodies"]) == (["torso", "tool"], 2)
+
+
+def test_a_chain_of_a_model_is_refused():
+    with pytest.raises(InvalidInput, match="lock, chain and gravity apply to names and files; a RobotModel already"):
+        crosscheck.compare(kr500(), chain=("a", "b"))
+
+
+def test_xml_is_refused():
+    with pytest.raises(InvalidInput, match=r"XML is given in place of a name or path; give the file, or urdf\.load"):
+        crosscheck.compare(TILTED)
+
+
+def test_the_whole_robot_needs_no_chain():
+    """Cutting from the root to the tip of a serial arm changes nothing."""
+    path, _ = locate("ur5")
+    assert urdf.load(path, chain=("world", "tool0")).joint_names == urdf.load(path).joint_names

@@ -1,0 +1,163 @@
+"""The process that expands one .xacro file: a script by itself, run with an empty environment.
+
+Standard input: a JSON object with path, content (a character per byte), arguments, packages, cpu_seconds, megabytes.
+Standard output: a JSON object with text, or with problem and remedy.
+
+xacro hands ${…} to Python's eval with most names removed, which alone stops nobody (a generator's frame leads to all of
+Python). Hence three fences: expressions that could reach a frame are refused; an audit hook refuses every file outside
+the given folders, all writing, and whatever is no plain computing; the kernel limits time and memory.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import io
+import json
+import os
+import resource
+import signal
+import sys
+import types
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+HARMLESS = {"compile", "exec", "glob.glob", "glob.glob/2", "builtins.id", "import"}
+"""Audit events let through; what an import then opens is looked at by itself."""
+
+FORBIDDEN_NODES = (ast.Lambda, ast.GeneratorExp, ast.Await, ast.NamedExpr)
+FORBIDDEN_ATTRIBUTES = ("format", "format_map")
+FORBIDDEN_FUNCTIONS = ("type", "vars")
+"""Ways from a value to its class or its frame."""
+
+
+LONGEST = 300
+"""Characters of a message, which may quote the file."""
+
+
+class Refused(Exception):
+    """Something that no description of a robot needs."""
+
+    def __init__(self, problem: str, remedy: str):
+        super().__init__(problem)
+        self.remedy = remedy
+
+
+def main() -> None:
+    task = json.load(sys.stdin)
+    out, sys.stdout = sys.stdout, sys.stderr
+    try:
+        answer = {"text": expanded(task)}
+    except Exception as error:
+        answer = explained(error, task["megabytes"])
+    json.dump(answer, out)
+
+
+def explained(error: Exception, megabytes: int) -> dict[str, str]:
+    """Problem and remedy. xacro wraps what its functions raise, so that the cause is further down."""
+    causes = list(chain_of(error))
+    if any(isinstance(cause, MemoryError) for cause in causes):
+        remedy = "expand the file yourself, if you trust it, and give the URDF"
+        return {"problem": f"expanding takes more than {megabytes} MB", "remedy": remedy}
+    if any(isinstance(cause, RecursionError) for cause in causes):
+        return {"problem": "macros or includes without end", "remedy": "correct the file"}
+    for cause in causes:
+        if isinstance(cause, Refused):
+            return {"problem": str(cause), "remedy": cause.remedy}
+    said = " ".join(str(error).split())[:LONGEST] or type(error).__name__
+    return {"problem": f"xacro cannot expand it: {said}", "remedy": "correct the file, or give what it needs"}
+
+
+def chain_of(error: BaseException | None) -> Iterator[BaseException]:
+    """The error and what caused it."""
+    while error is not None:
+        yield error
+        error = getattr(error, "exc", None) or error.__cause__ or error.__context__
+
+
+def expanded(task: Mapping[str, Any]) -> str:
+    """The expansion. Raises Refused, and what xacro raises."""
+    xacro = importlib.import_module("xacro")
+    for name in ("yaml", "xml.dom.expatbuilder", "encodings.latin_1", "encodings.idna"):
+        importlib.import_module(name)
+    offer_packages(task["packages"])
+    guard_expressions(xacro)
+    limit(task["cpu_seconds"], task["megabytes"])
+    sys.addaudithook(fence([os.path.dirname(task["path"]), *task["packages"].values()]))
+    xacro.init_stacks(task["path"])
+    document = xacro.parse(io.BytesIO(task["content"].encode("latin-1")))
+    xacro.process_doc(document, mappings=task["arguments"])
+    return str(document.toxml())
+
+
+def limit(cpu_seconds: float, megabytes: int) -> None:
+    """The kernel ends the process after this processor time; more memory is a MemoryError."""
+    signal.setitimer(signal.ITIMER_PROF, cpu_seconds)
+    resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+
+
+def offer_packages(packages: Mapping[str, str]) -> None:
+    """Answer $(find NAME) in place of the ROS package index, which xacro imports where it needs it."""
+
+    def get_package_share_directory(name: str) -> str:
+        if name not in packages:
+            raise Refused(f"$(find {name}): no folder is given for this package", f"give packages={{'{name}': FOLDER}}")
+        return packages[name]
+
+    index = types.ModuleType("ament_index_python.packages")
+    index.get_package_share_directory = get_package_share_directory  # type: ignore[attr-defined]
+    sys.modules["ament_index_python"] = types.ModuleType("ament_index_python")
+    sys.modules["ament_index_python.packages"] = index
+
+
+def guard_expressions(xacro: Any) -> None:
+    """Look at every expression before xacro evaluates it."""
+    substitution: Any = importlib.import_module("xacro.substitution_args")
+    safe_eval, evaluate = xacro.safe_eval, substitution._eval
+    for name in FORBIDDEN_FUNCTIONS:
+        del xacro._global_symbols["python"][name]
+
+    def guarded(expression: str, *scopes: Any) -> Any:
+        check_expression(expression)
+        return safe_eval(expression, *scopes)
+
+    def guarded_extension(expression: str, context: Any) -> Any:
+        check_expression(expression)
+        return evaluate(expression, context)
+
+    xacro.safe_eval, substitution._eval = guarded, guarded_extension
+
+
+def check_expression(expression: str) -> None:
+    """Raise Refused for what can lead out of the expression; SyntaxError."""
+    for node in ast.walk(ast.parse(expression.strip(), mode="eval")):
+        hidden = isinstance(node, ast.Attribute) and (node.attr.startswith("_") or node.attr in FORBIDDEN_ATTRIBUTES)
+        if hidden or isinstance(node, FORBIDDEN_NODES):
+            raise Refused(f"the expression '{expression.strip()[:80]}' is not evaluated", "use plain arithmetic")
+
+
+def fence(folders: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
+    """An audit hook: reading below these folders, and computing; nothing else."""
+    roots = [os.path.realpath(folder) for folder in folders]
+
+    def hook(event: str, arguments: tuple[Any, ...]) -> None:
+        if event in HARMLESS or event.startswith("cpython."):
+            return
+        if event in ("open", "os.listdir", "os.scandir"):
+            path = os.path.realpath(os.fspath(arguments[0]))
+            writes = event == "open" and arguments[2] & (
+                os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+            )
+            if not writes and any(os.path.commonpath([root, path]) == root for root in roots):
+                return
+            raise Refused(
+                f"the file '{path}' lies neither in the folder of this file nor in a given package",
+                "give packages={NAME: FOLDER} with a folder that contains it",
+            )
+        raise Refused(f"the document asks for '{event}'", "use plain xacro")
+
+    return hook
+
+
+if __name__ == "__main__":
+    main()
