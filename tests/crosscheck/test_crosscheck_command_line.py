@@ -440,7 +440,7 @@ class TestDefaults:
     def test_without_arguments_the_six_arms(self, program, monkeypatch):
         seen, comparison = [], crosscheck.compare(mixed_tree(), 1)
 
-        def compare(robot, samples, seed, *, lock=None, progress=None):
+        def compare(robot, samples, seed, *, lock=None, chain=None, progress=None):
             seen.append((robot, lock))
             return comparison
 

@@ -110,9 +110,10 @@ def write(tmp_path, text):
 
 
 def timed(function, *arguments):
-    start = time.perf_counter()
+    """In processor time, so that other programs do not matter."""
+    start = time.process_time()
     result = function(*arguments)
-    assert time.perf_counter() - start < SECONDS
+    assert time.process_time() - start < SECONDS
     return result
 
 

@@ -317,6 +317,8 @@ def test_every_code_has_a_case():
         "placeholder-inertials",
         "too-large",
         "unreadable-file",
+        "xacro-complaint",
+        "xacro-expanded",
         "xacro-not-installed",
         "xml-limits",
     }
