@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from crosscheck.arguments import Lock, Robot, check_counts, subject
 from crosscheck.baseline import compare_identification
-from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses, RefereeValues
+from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.quantities import (
     BY_NAME,
     QUANTITIES,
@@ -21,6 +21,7 @@ from crosscheck.quantities import (
     passive_errors,
     rank_errors,
 )
+from crosscheck.referee_values import RefereeValues
 from crosscheck.report import as_text
 from crosscheck.result import Comparison, QuantityResult, WorstState
 from crosscheck.states import Case, cases

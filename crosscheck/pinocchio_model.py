@@ -7,13 +7,12 @@ RobotModel through its API (which checks our dynamics). Results come back in the
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from crosscheck.referee_values import CarriedValues, RefereeValues
 from graphdyn import BaseMotion, Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_columns
 from urdf.opening import content_of
@@ -27,53 +26,6 @@ GROUND = "universe"
 
 class PinocchioRefuses(GraphDynError, ValueError):
     """Pinocchio cannot build this file, or builds a robot with other joints."""
-
-
-@dataclass(frozen=True, eq=False)
-class RefereeValues:
-    """What Pinocchio computes at N states; bodies and joints in graphdyn's order.
-
-    rotation, position: link frames in the world            (N, n, 3, 3), (N, n, 3)
-    velocity, acceleration: ṙ, r̈ of the centers of mass in world axes, ω, ω̇ in body axes   (N, n, 6)
-    tau, joint_wrenches: rnea and its data.f                (N, n), (N, n, 6)
-    a: aba at the given torques                             (N, n)
-    mass_matrix, bias: crba, nonLinearEffects               (N, n, n), (N, n)
-    torque_regressor, body_regressor: computeJointTorqueRegressor, jointBodyRegressor   (N, n, 10n), (N, n, 6, 10)
-    tau_external, joint_wrenches_external, a_external: rnea, data.f and aba with the external wrenches
-    a_wrenches, a_body_accelerations: data.f and body accelerations at a, the answer of the forward problem
-    a_wrenches_external: data.f at a_external with the external wrenches
-    """
-
-    rotation: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
-    tau: Array
-    joint_wrenches: Array
-    a: Array
-    a_wrenches: Array
-    a_body_accelerations: Array
-    mass_matrix: Array
-    bias: Array
-    torque_regressor: Array
-    body_regressor: Array
-    tau_external: Array
-    joint_wrenches_external: Array
-    a_external: Array
-    a_wrenches_external: Array
-
-    def rows(self, selected: NDArray[np.bool_]) -> RefereeValues:
-        """The values at some of the states."""
-        return RefereeValues(**{field.name: getattr(self, field.name)[selected] for field in fields(self)})
-
-
-@dataclass(frozen=True, eq=False)
-class CarriedValues:
-    """Pinocchio's answers for a robot on a carriage: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
-
-    tau: Array
-    joint_wrenches: Array
-    a: Array
 
 
 class PinocchioModel:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.pinocchio_model import PinocchioModel, RefereeValues
+from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.referee_values import RefereeValues
 from crosscheck.scales import (
     acceleration_scale,
     by_parameter_type,

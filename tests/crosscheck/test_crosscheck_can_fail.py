@@ -10,11 +10,12 @@ from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
 
 import crosscheck
 from crosscheck import comparing
-from crosscheck.pinocchio_model import PinocchioModel, RefereeValues
+from crosscheck.pinocchio_model import PinocchioModel
 from crosscheck.printed_forms import world_axis_rows
 from crosscheck.program import main
 from crosscheck.program.exits import DISAGREED
 from crosscheck.quantities import BY_NAME, QUANTITIES
+from crosscheck.referee_values import RefereeValues
 from crosscheck.report import as_json
 from crosscheck.states import cases
 from graphdyn import Placement, inverse_dynamics, kr500
