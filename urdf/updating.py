@@ -14,6 +14,7 @@ from graphdyn import Body, InvalidModel
 from graphdyn.inertia import consistency_problems
 from graphdyn.layout import BODY_PARAMETERS, Array
 from urdf.catalogue import locate
+from urdf.cutting import Chain
 from urdf.errors import CannotUpdate
 from urdf.files import write_whole
 from urdf.inertial_spans import Span, inertial_spans
@@ -44,14 +45,16 @@ def update(
     destination: str | PathLike[str],
     parameters: ArrayLike,
     *,
+    chain: Chain = None,
     lock: Lock = None,
     inconsistent: bool = False,
 ) -> Update:
     """Write a copy of a URDF file in which the bodies have other inertial parameters.
 
     source: path, or name of the catalogue; destination: may be the same path
-    parameters: ten per body of urdf.load(source, lock=lock), in its order      (n, 10) or (10n,)  [kg, kg m, kg m²]
-    lock: as in urdf.load, where the parameters were identified with joints held still
+    parameters: ten per body of urdf.load(source, chain=chain, lock=lock), in its order
+                                                            (n, 10) or (10n,)  [kg, kg m, kg m²]
+    chain, lock: as in urdf.load, where the parameters were identified on an arm cut out or with joints held still
     inconsistent: also write parameters that no real body can have
 
     A body may carry fixed or locked links. They keep their own <inertial>; the link of the body gets the rest, so that
@@ -65,9 +68,9 @@ def update(
         raise CannotUpdate(
             "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
         )
-    model = load(source, lock=lock)
+    model = load(source, chain=chain, lock=lock)
     wanted = _checked(parameters, model.n_bodies, path)
-    shares = fused_links(source, lock=lock)
+    shares = fused_links(source, chain=chain, lock=lock)
     data = path.read_bytes()
     if data.startswith(_OTHER_ENCODINGS):
         raise CannotUpdate("the file is in UTF-16", "save it as UTF-8 first", path=path)

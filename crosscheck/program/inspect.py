@@ -22,7 +22,7 @@ FilesArgument = Annotated[
     list[str],
     typer.Argument(
         metavar="FILE|NAME|FOLDER...",
-        help="URDF files, names (`graphdyn robots`), or folders, searched for *.urdf.",
+        help="URDF or .xacro files, names (`graphdyn robots`), or folders, searched for *.urdf.",
         autocompletion=robot_names,
     ),
 ]

@@ -21,7 +21,8 @@ def robot_names(incomplete: str) -> list[str]:
 
 
 RobotArgument = Annotated[
-    str, typer.Argument(metavar="ROBOT", help="Name (`graphdyn robots`) or URDF file.", autocompletion=robot_names)
+    str,
+    typer.Argument(metavar="ROBOT", help="Name (`graphdyn robots`), URDF or .xacro file.", autocompletion=robot_names),
 ]
 RobotsArgument = Annotated[
     list[str] | None,

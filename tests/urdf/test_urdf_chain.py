@@ -153,6 +153,19 @@ def test_shares_of_fused_links(whole):
     assert {name: number for name, (number, _) in shares.items()} == {"hand": 2, "finger": 2, "nail": 2}
 
 
+def test_new_parameters_for_an_arm_of_the_robot(whole, tmp_path):
+    """urdf.update counts the bodies as load does; what is carried along keeps its own <inertial>."""
+    out, chain = tmp_path / "out.urdf", ("mount", "hand")
+    model, _ = told(whole, chain=chain)
+    parameters = np.array([body.parameters for body in model.bodies]) * 1.1
+    with pytest.warns(urdf.ChainWarning):
+        done = urdf.update(whole, out, parameters, chain=chain)
+    assert done.changed == ("upper", "fore")
+    again, _ = told(out, chain=chain)
+    assert_allclose([body.parameters for body in again.bodies], parameters, rtol=1e-14, atol=1e-14)
+    assert again.bodies[1].mass - urdf.load(whole).bodies[4].mass > 20  # fore has the rest, hand and fingers their own
+
+
 def test_mimic_joints_beside_the_chain_are_silent(robot):
     mimic = [text.replace("<axis", '<mimic joint="nod"/><axis') if '"grip"' in text else text for text in JOINTS]
     model, said = told(robot(*LINKS, *mimic), chain=("mount", "hand"))
