@@ -3,9 +3,17 @@
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.base_parameters import BaseParameters, base_parameters
 from graphdyn.identification.body_wrenches import WrenchData, body_wrenches, link_wrenches
+from graphdyn.identification.comparison import Comparison, MethodResult, compare_methods
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.estimate import Estimate, Estimator
-from graphdyn.identification.estimators import OrdinaryLeastSquares, WeightedLeastSquares
+from graphdyn.identification.estimators import (
+    EssentialParameters,
+    GeneralisedLeastSquares,
+    OrdinaryLeastSquares,
+    ReweightedLeastSquares,
+    Ridge,
+    WeightedLeastSquares,
+)
 from graphdyn.identification.identified_bodies import IdentifiedBodies
 from graphdyn.identification.inertial_parameters import (
     IdentifiedInertia,
@@ -15,6 +23,7 @@ from graphdyn.identification.inertial_parameters import (
     joint_wrench_regressor,
 )
 from graphdyn.identification.least_squares import LeastSquares, ordinary_least_squares
+from graphdyn.identification.plausibility import Plausibility, plausibility
 from graphdyn.identification.principal_parameters import (
     PRINCIPAL_PARAMETER_NAMES,
     identify_principal_parameters,
@@ -26,6 +35,7 @@ from graphdyn.identification.principal_parameters import (
 from graphdyn.identification.prior import Prior, model_prior
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.rank_revealing import ParameterEstimate
+from graphdyn.identification.residual_statistics import ResidualSizes, ResidualStatistics, residual_statistics
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.torque_model import TorqueModel
 
@@ -33,22 +43,32 @@ __all__ = [
     "PRINCIPAL_PARAMETER_NAMES",
     "Accumulator",
     "BaseParameters",
+    "Comparison",
     "CompressedEquations",
+    "EssentialParameters",
     "Estimate",
     "Estimator",
+    "GeneralisedLeastSquares",
     "IdentifiedBodies",
     "IdentifiedInertia",
     "LeastSquares",
+    "MethodResult",
     "OrdinaryLeastSquares",
     "ParameterEstimate",
+    "Plausibility",
     "Prior",
     "Problem",
+    "ResidualSizes",
+    "ResidualStatistics",
+    "ReweightedLeastSquares",
+    "Ridge",
     "Samples",
     "TorqueModel",
     "WeightedLeastSquares",
     "WrenchData",
     "base_parameters",
     "body_wrenches",
+    "compare_methods",
     "identified_inertia",
     "identify_inertial_parameters",
     "identify_inertial_parameters_together",
@@ -60,5 +80,7 @@ __all__ = [
     "model_prior",
     "moment_rows",
     "ordinary_least_squares",
+    "plausibility",
     "principal_regressor",
+    "residual_statistics",
 ]

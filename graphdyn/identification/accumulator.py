@@ -3,7 +3,7 @@
     W_g x ≈ τ_g per group g (joint).     QᵀQ = E,  Q F_g = [W_g | τ_g],  F_g (p + 1, p + 1) upper triangular
 
 F_g holds all that least squares needs: ‖W_g x - τ_g‖ = ‖F_g [x; -1]‖. A new block is folded in with LAPACK's
-triangular-pentagonal QR. The alternative, the Gram matrix [W_g | τ_g]ᵀ [W_g | τ_g], costs a third and squares the
+triangular-pentagonal QR. The alternative, the Gram matrix [W_g | τ_g]ᵀ [W_g | τ_g], costs half and squares the
 condition number: half of the digits are gone before the solution starts. Golub and Van Loan, Matrix Computations,
 sections 5.3 and 6.5.
 """
@@ -24,7 +24,7 @@ Compression = Literal["qr", "gram"]
 Flags = NDArray[np.bool_]
 COMPRESSIONS: tuple[Compression, ...] = ("qr", "gram")
 
-PANEL = 16
+PANEL = 8
 """Columns that LAPACK's blocked factorisation takes at once."""
 
 
@@ -125,9 +125,7 @@ class Accumulator:
             block = np.asfortranarray(block[kept[:, g]])
         if not np.isfinite(block.sum()) and not np.all(np.isfinite(block)):
             bad = int(np.argwhere(~np.isfinite(block))[0][0])
-            raise InvalidInput(
-                f"group {g}: the equations contain NaN or infinity in row {bad} of the block; leave it out"
-            )
+            raise InvalidInput(f"group {g}: NaN or infinity in row {bad} of the block; leave the sample out")
         return block
 
     def _fold(self, g: int, block: Array) -> None:

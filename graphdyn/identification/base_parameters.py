@@ -34,6 +34,10 @@ RANK = 1e-9
 """Smallest |R_kk| relative to |R_11| that counts as independent, after scaling the columns to unit length. Rounding
 leaves 1e-15, the weakest true parameter of an arm under random motion 1e-4 or more."""
 
+DISTANCES = tuple(10.0**-k for k in range(1, 17))
+"""A column stands for a combination where it is this far, at unit length, from the span of those before it; the largest
+distance that leaves enough columns is taken, because columns that are nearly dependent make large coefficients."""
+
 
 @dataclass(frozen=True, eq=False)
 class BaseParameters:
@@ -131,9 +135,8 @@ def base_parameters(regressor: ArrayLike, *, tolerance: float = RANK) -> BasePar
     rank = int(np.count_nonzero(pivot_sizes > tolerance))
     unpivoted = np.empty_like(r)
     unpivoted[:, pivots] = r
-    first = _in_order(unpivoted, tolerance)
-    if len(first) != rank:  # too close to call in that order: the pivoted one decides
-        first = np.sort(pivots[:rank])
+    orders = (_in_order(unpivoted, max(distance, tolerance)) for distance in DISTANCES)
+    first = next((order for order in orders if len(order) == rank), np.sort(pivots[:rank]))
     rest = np.setdiff1d(np.arange(kept.size), first)
     ordered = triangle(unpivoted[:, np.concatenate([first, rest])])
     folded = solve_triangular(ordered[:rank, :rank], ordered[:rank, rank:])

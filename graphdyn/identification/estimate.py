@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from graphdyn.identification.prior import model_prior
 from graphdyn.identification.problem import Problem
 from graphdyn.layout import Array
 
@@ -16,6 +17,7 @@ class Estimate:
 
     parameters: x of all columns of the torque model        (p,)
     covariance: of the base parameters of the problem (Problem.base), None where the method gives none   (r, r)
+    block_covariance: the same, allowing for correlation in time within each time block
     noise: standard deviation of the torque of each joint as the method sees it, None likewise           (n,) [N m or N]
     iterations: how often the equations were solved
     settings: numbers the method chose, such as the strength of a prior
@@ -24,10 +26,30 @@ class Estimate:
 
     parameters: Array
     covariance: Array | None = None
+    block_covariance: Array | None = None
     noise: Array | None = None
     iterations: int = 1
     settings: Mapping[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+
+
+def base_estimate(
+    problem: Problem,
+    x: Array,
+    covariance: Array,
+    noise: Array,
+    *,
+    block_covariance: Array | None = None,
+    iterations: int = 1,
+    settings: Mapping[str, float] | None = None,
+    remarks: tuple[str, ...] = (),
+) -> Estimate:
+    """The estimate of a method that finds base parameters x (r,) alone.
+
+    Its standard parameters are those with these base parameters that are nearest to the model's.
+    """
+    parameters = model_prior(problem.torque_model).nearest(problem.base, x)
+    return Estimate(parameters, covariance, block_covariance, noise, iterations, settings or {}, remarks)
 
 
 class Estimator(Protocol):

@@ -7,7 +7,7 @@ block, so that cross-validation is merging all but one; only methods that look a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,8 +26,11 @@ from graphdyn.layout import Array
 BLOCKS = 10
 """Time blocks of a recording unless told otherwise."""
 
-CHUNK = 1024
-"""Samples whose regressor is in memory at once: 4 MB for a six-axis arm."""
+CHUNK = 512
+"""Samples whose regressor is in memory at once: 2 MB for a six-axis arm."""
+
+REMEMBERED = 32e6
+"""[bytes] Equations of short recordings are kept for the methods that read them many times."""
 
 RowFilter = Callable[[Array], Array]
 """(N, k) → (M, k) along time: parallel filtering and decimation of the columns of the regressor and of the torque."""
@@ -37,16 +40,28 @@ RowFilter = Callable[[Array], Array]
 class Rows:
     """Equations of consecutive samples, W x = τ, in the base parameters of the structure.
 
-    matrix: W (N, n, b); right: measured minus known torque (N, n); kept: which count in the fit (N, n)
-    velocity: (N, n); block: number of the time block; first: whether a piece of recording starts here
+    matrix: W (N, n, b); right: measured minus known torque (N, n); measured: measured torque (N, n)
+    velocity: (N, n); kept: which count in the fit (N, n)
+    block: number of the time block; first: whether a piece of recording starts here
     """
 
     matrix: Array
     right: Array
-    kept: NDArray[np.bool_]
+    measured: Array
     velocity: Array
-    block: int
-    first: bool
+    kept: NDArray[np.bool_]
+    block: int = 0
+    first: bool = False
+
+    def __getitem__(self, rows: slice) -> Rows:
+        return replace(
+            self,
+            matrix=self.matrix[rows],
+            right=self.right[rows],
+            measured=self.measured[rows],
+            velocity=self.velocity[rows],
+            kept=self.kept[rows],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +88,7 @@ class Problem:
     compression: Compression = "qr"
     rank_tolerance: float = RANK
     progress: Callable[[int], None] | None = None
+    _memory: list[Rows] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
         n = self.torque_model.model.n_bodies
@@ -123,6 +139,11 @@ class Problem:
             return self.structure.base
         return self.structure.base.then(self.inner)
 
+    @property
+    def support(self) -> NDArray[np.bool_]:
+        """Which base parameters of the recording can bear on which joint (n, r)."""
+        return self.structure.support[:, self.inner.independent]
+
     @cached_property
     def blocks(self) -> tuple[CompressedEquations, ...]:
         """Factors of every time block, in the base parameters of the recording."""
@@ -132,6 +153,13 @@ class Problem:
     def equations(self) -> CompressedEquations:
         """Factors of the whole recording, in the base parameters of the recording."""
         return merged(self.blocks)
+
+    @cached_property
+    def condition_number(self) -> float:
+        """Of the regressor, joints weighted by their measured torque and columns at unit length."""
+        size = np.sqrt(self.equations.measured_squares / np.maximum(self.equations.counts, 1))
+        r, _ = self.equations.weighted(np.where(size > 0, size, 1.0))
+        return float(np.linalg.cond(r / np.linalg.norm(r, axis=0))) if self.base.rank else 1.0
 
     def all_but(self, block: int) -> CompressedEquations:
         """The factors without one time block."""
@@ -150,54 +178,55 @@ class Problem:
         return rows.matrix[..., self.inner.independent]
 
     def rows(self) -> Iterator[Rows]:
-        """The equations, chunk by chunk; chunks do not depend on how the data were cut into pieces of time."""
-        block_samples = self._block_samples
-        position, some = 0, False
-        for piece in self._pieces():
-            for start, chunk in enumerate(self._equations(piece)):
-                offset = 0
-                while offset < len(chunk.right):
-                    block, within = divmod(position, block_samples)
-                    part = slice(offset, offset + block_samples - within)
-                    taken = len(chunk.right[part])
-                    yield Rows(
-                        chunk.matrix[part],
-                        chunk.right[part],
-                        chunk.kept[part],
-                        chunk.velocity[part],
-                        block,
-                        start == 0 and offset == 0,
-                    )
-                    position, offset, some = position + taken, offset + taken, True
-        if not some:
+        """The equations, chunk by chunk; a chunk belongs to one time block. Kept in memory if there are few."""
+        if self._memory:
+            yield from self._memory
+            return
+        size, few = 0, list[Rows]()
+        for rows in self._cut_rows():
+            size += rows.matrix.nbytes
+            few = [*few, rows] if size <= REMEMBERED else []
+            yield rows
+        if not size:
             raise InvalidInput(
                 "the recording has no sample, or can be read only once and was: give the samples in a list, or an "
                 "object that opens its file in __iter__"
             )
+        self._memory.extend(few)
 
-    def _equations(self, piece: Samples) -> Iterator[Rows]:
+    def _cut_rows(self) -> Iterator[Rows]:
+        """Chunks cut at the borders of the time blocks."""
+        position = 0
+        for piece in self._pieces():
+            first = True
+            for chunk in self._chunks(piece):
+                start = 0
+                while start < len(chunk.right):
+                    block, within = divmod(position, self._block_samples)
+                    part = chunk[start : start + self._block_samples - within]
+                    yield replace(part, block=block, first=first)
+                    first, start, position = False, start + len(part.right), position + len(part.right)
+
+    def _chunks(self, piece: Samples) -> Iterator[Rows]:
+        chunks = map(self._equations, piece.pieces(CHUNK))
         if self.row_filter is None:
-            for chunk in piece.pieces(CHUNK):
-                yield self._kept(*self._chunk(chunk))
+            yield from chunks
             return
-        parts = [self._chunk(chunk) for chunk in piece.pieces(CHUNK)]
+        parts = [(chunk.matrix, chunk.right, chunk.measured, chunk.velocity) for chunk in chunks]
         whole = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
         filtered = [_along_time(self.row_filter, array) for array in whole]
-        if len({len(array) for array in filtered}) > 1:
-            raise InvalidInput("the row filter answers different numbers of rows for different columns")
-        for start in range(0, len(filtered[0]), CHUNK):
-            matrix, right, velocity = (array[start : start + CHUNK] for array in filtered)
-            yield self._kept(matrix, right, velocity)
+        matrix, right, measured, velocity = filtered
+        rows = Rows(matrix, right, measured, velocity, np.abs(velocity) >= self.min_speed)
+        for start in range(0, len(right), CHUNK):
+            yield rows[start : start + CHUNK]
 
-    def _chunk(self, samples: Samples) -> tuple[Array, Array, Array]:
+    def _equations(self, samples: Samples) -> Rows:
         if self.progress is not None:
             self.progress(len(samples))
         matrix = self.torque_model.rows(samples)[..., self.structure.base.independent]
-        right = np.asarray(samples.tau, dtype=float) - self.torque_model.known_torque(samples)
-        return matrix, right, np.asarray(samples.v, dtype=float)
-
-    def _kept(self, matrix: Array, right: Array, velocity: Array) -> Rows:
-        return Rows(matrix, right, np.abs(velocity) >= self.min_speed, velocity, 0, False)
+        measured, velocity = np.asarray(samples.tau, dtype=float), np.asarray(samples.v, dtype=float)
+        right = measured - self.torque_model.known_torque(samples)
+        return Rows(matrix, right, measured, velocity, np.abs(velocity) >= self.min_speed)
 
     def _pieces(self) -> Iterator[Samples]:
         for piece in [self.data] if isinstance(self.data, Samples) else self.data:
@@ -221,5 +250,10 @@ class Problem:
 
 def _along_time(row_filter: RowFilter, array: Array) -> Array:
     """The filter on (N, …), one column at a time."""
-    columns = array.reshape(len(array), -1)
-    return np.stack([row_filter(column[:, None])[:, 0] for column in columns.T], axis=-1).reshape(-1, *array.shape[1:])
+    columns = [row_filter(column[:, None])[:, 0] for column in array.reshape(len(array), -1).T]
+    lengths = sorted({len(column) for column in columns})
+    if len(lengths) > 1:
+        raise InvalidInput(
+            f"the row filter answers {', '.join(map(str, lengths))} rows for different columns; it must treat all alike"
+        )
+    return np.stack(columns, axis=-1).reshape(-1, *array.shape[1:])

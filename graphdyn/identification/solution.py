@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,9 @@ from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.layout import Array
 
 EPS = float(np.finfo(float).eps)
+
+NO_ROW_LEFT = 0.5
+"""Equations of a joint beyond those that its parameters use up; below one half its noise cannot be estimated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,21 +56,38 @@ def solve_triangle(r: Array, z: Array) -> Solution:
 def leverages(equations: CompressedEquations, deviations: Array, inverse: Array) -> Array:
     """Equations of each group that the parameters use up: tr(W_g C W_gᵀ) / σ_g², Σ = b. (g,)"""
     w = equations.factors[..., :-1]
-    return np.einsum("gij,jk,gik->g", w, inverse, w, optimize=True) / np.asarray(deviations) ** 2
+    return np.sum((w @ inverse) * w, axis=(1, 2)) / np.asarray(deviations) ** 2
 
 
-def residual_deviations(equations: CompressedEquations, x: Array, used: Array) -> Array:
-    """Standard deviation of the residual per group, divided by what is left of its equations (g,).
+def residual_deviations(equations: CompressedEquations, squares: Array, used: Array) -> Array:
+    """Standard deviation of the residual per group: the root of its squares over what is left of its equations (g,).
 
+    squares: ‖W_g x - τ_g‖² (g,); used: equations that the parameters use up (g,)
     At least rounding of the measured torque, so that exact data have a weight. Raises EstimationFailed where the
     parameters use up all equations of a group.
     """
     spare = equations.counts - used
-    if np.any(spare < 0.5):
+    if np.any(spare < NO_ROW_LEFT):
         joint = int(np.argmin(spare))
         raise EstimationFailed(
             f"joint {joint + 1} has {equations.counts[joint]} equations, the parameters use up {used[joint]:.1f} of "
             "them: nothing is left to see its noise; record more or keep more rows"
         )
     floor = EPS**2 * equations.measured_squares + np.finfo(float).tiny
-    return np.sqrt(np.maximum(equations.residual_squares(x), floor) / spare)
+    return np.sqrt(np.maximum(squares, floor) / spare)
+
+
+def block_covariance(blocks: Sequence[CompressedEquations], solution: Solution, deviations: Array) -> Array | None:
+    """Covariance of x that allows for any correlation of the noise within a time block; None below two blocks.
+
+    C (Σ_b s_b s_bᵀ) C B / (B - 1),  s_b the gradient of block b. Liang and Zeger, Biometrika 73(1), 1986. Rough with
+    few blocks: each standard deviation is uncertain by 1 / sqrt(2 B) of itself.
+    """
+    if len(blocks) < 2:
+        return None
+    gradients = []
+    for block in blocks:
+        r, z = block.weighted(deviations)
+        gradients.append(r.T @ (r @ solution.x - z))
+    s = np.array(gradients) @ solution.inverse
+    return s.T @ s * len(blocks) / (len(blocks) - 1)

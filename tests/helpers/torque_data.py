@@ -25,9 +25,9 @@ def robot():
     bodies = []
     for k in range(6):
         root = rng.normal(size=(3, 3))
-        bodies.append(
-            graphdyn.Body(f"B{k + 1}", rng.uniform(5, 50), rng.normal(size=3) * 0.2, root @ root.T + np.eye(3))
-        )
+        moments = root @ root.T + np.eye(3)  # second moments of mass: any positive matrix is that of a real body
+        center, inertia = rng.normal(size=3) * 0.2, np.trace(moments) * np.eye(3) - moments
+        bodies.append(graphdyn.Body(f"B{k + 1}", rng.uniform(5, 50), center, inertia))
     plain = graphdyn.kr500()
     return graphdyn.RobotModel("arm", tuple(bodies), plain.joints)
 
@@ -39,8 +39,11 @@ def torque_model():
 
 @functools.cache
 def true_parameters():
+    """Bodies up to 30 % heavier or lighter than the model's, drives of some N m."""
+    rng = np.random.default_rng(1)
     x = torque_model().prior()
-    x[60:] = np.random.default_rng(1).uniform(1.0, 5.0, PARAMETERS - 60)
+    x[:60] *= np.repeat(rng.uniform(0.7, 1.3, 6), 10)
+    x[60:] = rng.uniform(1.0, 5.0, PARAMETERS - 60)
     return x
 
 
@@ -66,3 +69,34 @@ def exact_problem(**options):
 
 def noisy_problem(seed=3, **options):
     return Problem(torque_model(), noisy_samples(seed), **options)
+
+
+@functools.cache
+def small_arm():
+    """The first two axes, with friction: 12 base parameters."""
+    arm = robot()
+    return TorqueModel(
+        graphdyn.RobotModel("small", arm.bodies[:2], arm.joints[:2]), (RigidBodies(), Viscous(), Coulomb())
+    )
+
+
+@functools.cache
+def small_samples(size=120):
+    """Exact torques of the small arm."""
+    model, rng = small_arm(), np.random.default_rng(4)
+    laws = [FourierSeries(frequency=0.2, a=rng.normal(size=4) * 0.3, b=rng.normal(size=4) * 0.3) for _ in range(2)]
+    motion = graphdyn.record(model.model, np.linspace(0.0, 5.0, size), laws)
+    samples = Samples(motion.q, motion.v, motion.a, motion.tau)
+    return Samples(motion.q, motion.v, motion.a, model.torque(samples, small_parameters()))
+
+
+@functools.cache
+def small_parameters():
+    x = small_arm().prior()
+    x[20:] = [20.0, 15.0, 30.0, 25.0]
+    return x
+
+
+def small_problem(noise, **options):
+    exact = small_samples()
+    return Problem(small_arm(), Samples(exact.q, exact.v, exact.a, exact.tau + noise), **options)

@@ -1,16 +1,20 @@
 """Base parameters: which combinations of inertial parameters the torques depend on."""
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import urdf
-from graphdyn import InvalidInput, joint_torque_regressor, kr500
-from graphdyn.identification import base_parameters
+from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, joint_torque_regressor, kr500
+from graphdyn.identification import TorqueModel, base_parameters
 from graphdyn.identification.base_parameters import DROPPED_COLUMN, RANK
+from graphdyn.identification.terms import RigidBodies
 
 STATES = 40
+
+SYMBOLS = [column.symbol for column in RigidBodies().columns(kr500())]
 
 CLEAR = 1e-4
 """The weakest parameter of an arm under random motion; rounding is eleven orders below."""
@@ -156,6 +160,71 @@ class TestConstructed:
         base = base_parameters([[2.0], [1.0]])
         assert base.rank == 1
         assert list(base.values([7.0])) == [7.0]
+
+
+class TestInWords:
+    def test_a_planar_arm(self):
+        """Two links in a horizontal plane, axes z, the second joint at distance 0.4 along x: textbook regrouping.
+
+        ZZ_1 + 0.16 M_2, ZZ_2, MX_2, MY_2 (Khalil and Dombre, 2002, section 9.4: ZZR_1 = ZZ_1 + d² M_2).
+        """
+        body = Body("link", 1.0, np.zeros(3), np.eye(3))
+        first = Joint("a", "revolute", 0, Placement(), np.array([0.0, 0.0, 1.0]))
+        second = Joint("b", "revolute", 1, Placement(np.eye(3), np.array([0.4, 0.0, 0.0])), np.array([0.0, 0.0, 1.0]))
+        arm = RobotModel("planar", (body, replace(body, name="tip")), (first, second), gravity=np.zeros(3))
+        columns = TorqueModel(arm, (RigidBodies(),)).columns
+        rng = np.random.default_rng(0)
+        w = joint_torque_regressor(arm, *rng.uniform(-3, 3, (3, 50, 2))).reshape(-1, 20)
+        base = base_parameters(w)
+        assert base.names([column.symbol for column in columns]) == ("ZZ_1 + 0.16 M_2", "MX_2", "MY_2", "ZZ_2")
+        assert base.names([column.name for column in columns])[0] == "link I_zz + 0.16 tip m"
+        assert [columns[k].symbol for k in base.alone] == ["MX_2", "MY_2", "ZZ_2"]
+
+    def test_outer_bodies_fold_into_inner_ones(self, robot, w):
+        """Khalil and Gautier's order: what is folded away comes later than the first column it folds into."""
+        base = base_parameters(w)
+        for column, coefficients in zip(base.dependent, base.regrouping.T, strict=True):
+            into = base.independent[np.abs(coefficients) > NOISE * np.abs(coefficients).max(initial=1.0)]
+            assert into.size == 0 or into.min() < column
+
+    def test_kr500(self):
+        names = base_parameters(regressor_of("kr500")).names(SYMBOLS)
+        assert names[1] == "MX_2 + 1.245 M_3 + 1.245 M_4 + 1.245 M_5 + 1.245 M_6"  # the length of body 2, 1.245 m
+        assert names[4] == "XY_2 - 1.245 MY_3"
+        assert names[-1] == "YZ_6"
+
+    def test_structural_and_numerical_zeros(self):
+        """Body 1 of the KR500 turns about the vertical: nothing but its I_xx shows. Turned by π/2 with ten digits, some
+        of these columns are 1e-10 instead."""
+        base = base_parameters(regressor_of("kr500"))
+        assert {SYMBOLS[k] for k in base.structural_zeros} >= {"M_1", "MX_1", "MY_1", "MZ_1", "XY_1", "YY_1"}
+        assert base.numerical_zeros.size == 0
+        w = regressor_of("kr500").copy()
+        w[:, 0] = 1e-11 * np.random.default_rng(0).normal(size=len(w)) * np.linalg.norm(w[:, 20])
+        rounded = base_parameters(w)
+        assert [SYMBOLS[k] for k in rounded.numerical_zeros] == ["M_1"]
+        assert rounded.rank == base.rank
+
+    def test_matrix(self, w):
+        base, pi = base_parameters(w), random_parameters()
+        assert base.matrix @ pi == pytest.approx(base.values(pi), rel=1e-12)
+
+    def test_then(self, w):
+        """First the structure, then a record that shows less: the same as the record at once."""
+        base = base_parameters(w)
+        record = w[:30]
+        both, once = base.then(base_parameters(record[:, base.independent])), base_parameters(record)
+        assert both.rank == once.rank < 36
+        assert_regroups(record, both, random_parameters())
+        assert set(both.structural_zeros) >= set(base.structural_zeros)
+
+    def test_tolerance(self, w):
+        """What shows too weakly for the user is undetermined."""
+        base = base_parameters(w)
+        assert base_parameters(w, tolerance=1.01 * base.gap[0]).rank < 36 == base.rank
+
+    def test_fewer_rows_than_columns(self, w):
+        assert base_parameters(w[:7]).rank == 7
 
 
 class TestRefusals:

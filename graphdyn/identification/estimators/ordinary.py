@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.estimate import Estimate
-from graphdyn.identification.prior import model_prior
+from graphdyn.identification.estimate import Estimate, base_estimate
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import leverages, residual_deviations, solve
+from graphdyn.identification.solution import Solution, block_covariance, leverages, residual_deviations, solve
 from graphdyn.layout import Array
 
 
@@ -25,21 +24,22 @@ class OrdinaryLeastSquares:
     """The standard parameters are those with the estimated base parameters that are nearest to the model's."""
 
     name: str = "OLS"
-    reference: str = "Gautier and Khalil, Direct calculation of minimum set of inertial parameters, 1990"
+    reference: str = "Atkeson, An and Hollerbach, Int. J. of Robotics Research 5(3), 1986; Gautier, 1991"
     assumptions: str = "white noise of the same size on all torques; q, v, a without error"
     needs: str = "q, v, a and actuator torques"
 
     def estimate(self, problem: Problem) -> Estimate:
-        x, covariance, noise = ordinary_solution(problem.equations)
-        parameters = model_prior(problem.torque_model).nearest(problem.base, x)
-        return Estimate(parameters, covariance, noise)
+        solution, covariance, noise = ordinary_solution(problem.equations)
+        blocks = block_covariance(problem.blocks, solution, np.ones(problem.n_joints))
+        return base_estimate(problem, solution.x, covariance, noise, block_covariance=blocks)
 
 
-def ordinary_solution(equations: CompressedEquations) -> tuple[Array, Array, Array]:
-    """x (b,), its covariance (b, b), noise of each group (g,)."""
+def ordinary_solution(equations: CompressedEquations) -> tuple[Solution, Array, Array]:
+    """The solution, its covariance (b, b), and the noise of each group (g,)."""
     ones = np.ones(equations.n_groups)
     solution = solve(equations, ones)
-    noise = residual_deviations(equations, solution.x, leverages(equations, ones, solution.inverse))
+    used = leverages(equations, ones, solution.inverse)
+    noise = residual_deviations(equations, equations.residual_squares(solution.x), used)
     noisy = noise[:, None, None] * equations.factors[..., :-1]
     spread = noisy.reshape(-1, equations.n_columns) @ solution.inverse
-    return solution.x, spread.T @ spread, noise
+    return solution, spread.T @ spread, noise

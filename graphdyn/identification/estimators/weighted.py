@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.identification.base_parameters import RANK
 from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.estimate import Estimate
-from graphdyn.identification.prior import model_prior
+from graphdyn.identification.estimate import Estimate, base_estimate
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import EPS, residual_deviations, solve
+from graphdyn.identification.solution import Solution, block_covariance, residual_deviations, solve
 from graphdyn.layout import Array
 
 
@@ -24,31 +24,29 @@ class WeightedLeastSquares:
     """The standard parameters are those with the estimated base parameters that are nearest to the model's."""
 
     name: str = "WLS"
-    reference: str = "Gautier, Dynamic identification of robots with power model, ICRA 1997"
+    reference: str = "Gautier, Dynamic identification of robots with power model, IEEE ICRA 1997"
     assumptions: str = "white noise of its own size on the torque of each joint; q, v, a without error"
     needs: str = "q, v, a and actuator torques"
 
     def estimate(self, problem: Problem) -> Estimate:
-        x, covariance, noise = weighted_solution(problem.equations)
-        parameters = model_prior(problem.torque_model).nearest(problem.base, x)
-        return Estimate(parameters, covariance, noise)
+        solution, noise = weighted_solution(problem.equations)
+        blocks = block_covariance(problem.blocks, solution, noise)
+        return base_estimate(problem, solution.x, solution.inverse, noise, block_covariance=blocks)
 
 
-def weighted_solution(equations: CompressedEquations) -> tuple[Array, Array, Array]:
-    """x (b,), its covariance (b, b), noise of each group (g,)."""
+def weighted_solution(equations: CompressedEquations) -> tuple[Solution, Array]:
+    """The solution, whose inverse is its covariance, and the noise of each group (g,)."""
     noise = joint_noise(equations)
-    solution = solve(equations, noise)
-    return solution.x, solution.inverse, noise
+    return solve(equations, noise), noise
 
 
 def joint_noise(equations: CompressedEquations) -> Array:
     """σ_g (g,) of the torque of each joint, from its own equations alone."""
-    noise = np.empty(equations.n_groups)
+    squares, used = np.empty(equations.n_groups), np.empty(equations.n_groups)
     for g, factor in enumerate(equations.factors):
         w, right = factor[:, :-1], factor[:, -1]
         length = np.linalg.norm(w, axis=0)
         length[length == 0] = 1.0
-        x, _, rank, _ = np.linalg.lstsq(w / length, right, rcond=len(w) * EPS)
-        alone = CompressedEquations(equations.factors[g : g + 1], equations.counts[g : g + 1])
-        noise[g] = residual_deviations(alone, x / length, np.array([float(rank)]))[0]
-    return noise
+        x, _, used[g], _ = np.linalg.lstsq(w / length, right, rcond=RANK)
+        squares[g] = np.sum((w / length @ x - right) ** 2)
+    return residual_deviations(equations, squares, used)

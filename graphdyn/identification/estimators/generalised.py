@@ -1,0 +1,106 @@
+"""Generalised least squares: noise that is correlated between the joints.
+
+    x = argmin Σ_t e_tᵀ Σ⁻¹ e_t,  e_t = W_t x - τ_t (n,),     cov x = (Σ_t W_tᵀ Σ⁻¹ W_t)⁻¹
+
+Σ (n, n) comes from the residuals of weighted least squares; where some equations of a sample are left out, from the
+rows and columns of the others. Aitken, 1936; Zellner, "An efficient method of estimating seemingly unrelated
+regressions", J. of the American Statistical Association 57, 1962.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.accumulator import Accumulator
+from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.identification.estimators.weighted import weighted_solution
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.solution import EPS, Solution, leverages, solve
+from graphdyn.layout import Array
+
+LEAST_SAMPLES = 10
+"""Complete samples per joint: fewer give no usable covariance between the joints."""
+
+WEAKEST = 1e-6
+"""Smallest eigenvalue of the correlation between the joints; below, some joints repeat each other's noise."""
+
+
+@dataclass(frozen=True)
+class GeneralisedLeastSquares:
+    """The standard parameters are those with the estimated base parameters that are nearest to the model's."""
+
+    name: str = "GLS"
+    reference: str = "Zellner, J. of the American Statistical Association 57, 1962"
+    assumptions: str = "noise white in time, correlated between the joints of one sample; q, v, a without error"
+    needs: str = "q, v, a and actuator torques of all joints at the same instants"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        start, noise = weighted_solution(problem.equations)
+        used = leverages(problem.equations, noise, start.inverse)
+        covariance = error_covariance(problem, start.x, used)
+        solution = whitened_solution(problem, covariance)
+        deviations = np.sqrt(np.diag(covariance))
+        correlation = covariance / deviations / deviations[:, None]
+        strongest = float(np.abs(correlation - np.eye(len(noise))).max())
+        return base_estimate(
+            problem,
+            solution.x,
+            solution.inverse,
+            deviations,
+            iterations=2,
+            settings={"largest correlation between joints": strongest},
+        )
+
+
+def error_covariance(problem: Problem, x: Array, used: Array) -> Array:
+    """Σ (n, n) over the samples whose equations all count; used: what the parameters use up of each joint's (n,).
+
+    Raises EstimationFailed where there are too few of them, or one joint repeats the noise of others.
+    """
+    n, count = problem.n_joints, 0
+    products, squares = np.zeros((n, n)), np.zeros(n)
+    for rows in problem.rows():
+        complete = rows.kept.all(axis=1)
+        residual = (problem.reduced(rows) @ x - rows.right)[complete]
+        products += residual.T @ residual
+        squares += np.sum(rows.right[complete] ** 2, axis=0)
+        count += len(residual)
+    if count < LEAST_SAMPLES * n:
+        raise EstimationFailed(
+            f"only {count} samples have equations of all {n} joints, {LEAST_SAMPLES * n} needed for the covariance "
+            "between the joints; lower min_speed, or use weighted least squares"
+        )
+    spare = count - used * count / problem.equations.counts
+    products += np.diag(EPS**2 * squares + np.finfo(float).tiny)
+    covariance = products / np.sqrt(np.outer(spare, spare))
+    deviations = np.sqrt(np.diag(covariance))
+    weakest = float(np.linalg.eigvalsh(covariance / deviations / deviations[:, None])[0])
+    if weakest < WEAKEST:
+        raise EstimationFailed(
+            f"the noise of some joints repeats that of others (smallest eigenvalue of the correlation {weakest:.2g}); "
+            "is one torque computed from others? Use weighted least squares"
+        )
+    return covariance
+
+
+def whitened_solution(problem: Problem, covariance: Array) -> Solution:
+    """Least squares on L⁻¹ W_t x = L⁻¹ τ_t with Σ = L Lᵀ."""
+    n = problem.n_joints
+    accumulator = Accumulator(problem.base.rank, n)
+    for rows in problem.rows():
+        matrix, right = problem.reduced(rows), rows.right
+        for pattern in np.unique(rows.kept, axis=0):
+            if not pattern.any():
+                continue
+            samples = np.flatnonzero((rows.kept == pattern).all(axis=1))
+            joints = np.flatnonzero(pattern)
+            whiten = np.linalg.inv(np.linalg.cholesky(covariance[np.ix_(joints, joints)]))
+            at = np.ix_(samples, joints)
+            white_rows, white_right = np.zeros((len(samples), n, matrix.shape[-1])), np.zeros((len(samples), n))
+            white_rows[:, joints] = np.einsum("jk,tkc->tjc", whiten, matrix[at])
+            white_right[:, joints] = right[at] @ whiten.T
+            accumulator.add(white_rows, white_right, kept=np.broadcast_to(pattern, white_right.shape))
+    return solve(accumulator.compressed, np.ones(n))

@@ -1,0 +1,125 @@
+"""Ridge regression toward a prior, its strength by cross-validation over time blocks.
+
+    x = argmin Σ_g ‖W_g x - τ_g‖² / σ_g² + λ Σ_k ((x_k - mean_k) / scale_k)²
+
+in all standard parameters: what the data leave open stays at the prior. Parameters without a scale (friction, offset)
+are not drawn. Hoerl and Kennard, Technometrics 12(1), 1970; blocks of time instead of single samples, because
+neighbouring samples know each other: Roberts et al., Ecography 40(8), 2017.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.base_parameters import RANK
+from graphdyn.identification.compressed import CompressedEquations
+from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimators.weighted import joint_noise
+from graphdyn.identification.prior import Prior, model_prior
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.solution import EPS
+from graphdyn.layout import Array
+
+STRENGTHS = tuple(10.0**k for k in range(-8, 9))
+"""λ = 1 takes the scale of the prior for its standard deviation."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ridge:
+    """prior: that of the model if left out; strength: λ, chosen from `strengths` if left out."""
+
+    prior: Prior | None = None
+    strength: float | None = None
+    strengths: tuple[float, ...] = STRENGTHS
+    name: str = "ridge"
+    reference: str = "Hoerl and Kennard, Technometrics 12(1), 1970"
+    assumptions: str = "as WLS, and a prior that is right up to its scale; the estimate is biased towards it"
+    needs: str = "q, v, a, actuator torques, and masses, centers and tensors from CAD"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        prior = model_prior(problem.torque_model) if self.prior is None else self.prior
+        noise = joint_noise(problem.equations)
+        settings: dict[str, float] = {}
+        remarks: tuple[str, ...] = ()
+        solutions = 1
+        strength = self.strength
+        if strength is None:
+            errors = validation_errors(problem, prior, noise, self.strengths)
+            strength = self.strengths[int(np.argmin(errors))]
+            equations = int(problem.equations.counts.sum())
+            settings["validation error"] = float(np.sqrt(errors.min() / equations))
+            solutions += len(problem.blocks)
+            if strength in (self.strengths[0], self.strengths[-1]):
+                remarks = (f"the best strength {strength:g} is at the end of those tried",)
+        path = RidgePath.of(*problem.standard_equations(noise), prior)
+        spread = problem.base.matrix @ path.response(strength)
+        settings["strength"] = strength
+        return Estimate(path.at(strength), spread @ spread.T, None, noise, solutions, settings, remarks)
+
+
+def validation_errors(problem: Problem, prior: Prior, noise: Array, strengths: tuple[float, ...]) -> Array:
+    """Σ over the blocks of the squared error, in units of the noise, of what the other blocks predict. (strengths,)
+
+    Raises EstimationFailed below two blocks.
+    """
+    if len(problem.blocks) < 2:
+        raise EstimationFailed("cross-validation needs at least two time blocks; give a strength, or more blocks")
+    errors = np.zeros(len(strengths))
+    for k, block in enumerate(problem.blocks):
+        path = RidgePath.of(*problem.standard_equations(noise, without=k), prior)
+        errors += [_error(block, problem.base.values(path.at(strength)), noise) for strength in strengths]
+    return errors
+
+
+def _error(block: CompressedEquations, x: Array, noise: Array) -> float:
+    return float(np.sum(block.residual_squares(x) / noise**2))
+
+
+@dataclass(frozen=True, eq=False)
+class RidgePath:
+    """The answers of ‖R x - z‖² + λ ‖(x - mean) / scale‖² for every λ, after one decomposition.
+
+    With f the free and d the drawn parameters, in units of the scale: R_f f + R_d d ≈ c = z - R mean. P projects on
+    what R_f does not reach, P R_d = U Σ Vᵀ, so that d = V (Σ² + λ)⁻¹ Σ Uᵀ c and f = R_f⁺ (c - R_d d).
+    """
+
+    prior: Prior
+    free_inverse: Array
+    drawn_columns: Array
+    u: Array
+    sigma: Array
+    v_t: Array
+    right: Array
+
+    @classmethod
+    def of(cls, r: Array, z: Array, prior: Prior) -> RidgePath:
+        drawn = np.isfinite(prior.scale)
+        r_f, r_d = r[:, ~drawn], r[:, drawn] * prior.scale[drawn]
+        length = np.linalg.norm(r_f, axis=0)
+        length[length == 0] = 1.0
+        basis, s, v_t = np.linalg.svd(r_f / length, full_matrices=False)
+        rank = int(np.count_nonzero(s > RANK * s.max(initial=0.0)))
+        basis, free_inverse = basis[:, :rank], (v_t[:rank].T / s[:rank]) @ basis[:, :rank].T / length[:, None]
+        u, sigma, v_t = np.linalg.svd(r_d - basis @ (basis.T @ r_d), full_matrices=False)
+        seen = sigma > len(prior.mean) * EPS * sigma.max(initial=0.0)
+        seen[max(len(r) - 1 - rank, 0) :] = False  # R has one row more than its rank: what is left is rounding
+        return cls(prior, free_inverse, r_d, u[:, seen], sigma[seen], v_t[seen], z - r @ prior.mean)
+
+    def at(self, strength: float) -> Array:
+        """x (p,)."""
+        return self.prior.mean + self._step(strength, self.right)
+
+    def response(self, strength: float) -> Array:
+        """dx / dc (p, rows): the answer is linear in c."""
+        return self._step(strength, np.eye(len(self.right)))
+
+    def _step(self, strength: float, right: Array) -> Array:
+        drawn = np.isfinite(self.prior.scale)
+        d = self.v_t.T @ ((self.sigma / (self.sigma**2 + strength) * (self.u.T @ right).T).T)
+        step = np.zeros((len(drawn), *right.shape[1:]))
+        step[drawn] = (self.prior.scale[drawn] * d.T).T
+        step[~drawn] = self.free_inverse @ (right - self.drawn_columns @ d)
+        return step

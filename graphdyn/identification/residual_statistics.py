@@ -1,0 +1,126 @@
+"""What is left of the torque when the model has explained its part: size, and whether it is white.
+
+Ljung and Box, Biometrika 65(2), 1978: Q = N (N + 2) Σ_k r_k² / (N - k) over LAGS lags is χ² distributed for white
+noise. Durbin and Watson, Biometrika 37, 1950: Σ (e_t - e_{t-1})² / Σ e_t² is 2 for white noise, 0 for a drift.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.problem import Problem, Rows
+from graphdyn.layout import Array
+
+MOVING = 0.02
+"""[rad/s or m/s] Below this speed friction is undetermined and swamps the comparison."""
+
+LAGS = 20
+"""Lags of the Ljung-Box test; the autocorrelation of a piece does not reach into the next one."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualSizes:
+    """Per joint, over some of the samples; NaN where there are none.
+
+    count: samples (n,); mean, rms, largest: of predicted minus measured torque (n,) [N m or N]
+    relative: ‖e‖ / ‖τ‖ with the measured torque (n,)
+    """
+
+    count: Array
+    mean: Array
+    rms: Array
+    largest: Array
+    relative: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualStatistics:
+    """everything: over all samples; moving: per joint over those with |v_j| > MOVING.
+
+    durbin_watson, ljung_box_p: per joint over all samples (n,); a p below 0.05 says that the residual is not white,
+        and that standard deviations for white noise are too small
+    """
+
+    everything: ResidualSizes
+    moving: ResidualSizes
+    durbin_watson: Array
+    ljung_box_p: Array
+
+
+def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualStatistics]:
+    """One for every row of parameters (m, p), in one reading of the recording.
+
+    The equations that min_speed leaves out of the fit are predicted too.
+    """
+    x = problem.structure.base.matrix @ np.asarray(parameters, dtype=float).T
+    everything, moving = (_Sizes(problem.n_joints, x.shape[1]) for _ in range(2))
+    lagged = _Autocorrelation(problem.n_joints, x.shape[1])
+    for rows in problem.rows():
+        residual = rows.matrix @ x - rows.right[..., None]
+        everything.add(residual, rows.measured, np.ones(rows.right.shape))
+        moving.add(residual, rows.measured, (np.abs(rows.velocity) > MOVING).astype(float))
+        lagged.add(rows, residual)
+    tests = lagged.durbin_watson(), lagged.ljung_box_p(everything.count)
+    return [
+        ResidualStatistics(everything.of(k), moving.of(k), tests[0][:, k], tests[1][:, k]) for k in range(x.shape[1])
+    ]
+
+
+class _Sizes:
+    def __init__(self, n: int, m: int):
+        self.count, self.measured = np.zeros(n), np.zeros(n)
+        self.sum, self.squares, self.largest = np.zeros((n, m)), np.zeros((n, m)), np.zeros((n, m))
+
+    def add(self, residual: Array, measured: Array, counted: Array) -> None:
+        """residual (N, n, m); measured, counted (N, n)."""
+        self.count += counted.sum(axis=0)
+        self.measured += np.sum(counted * measured**2, axis=0)
+        part = residual * counted[..., None]
+        self.sum += part.sum(axis=0)
+        self.squares += np.sum(part**2, axis=0)
+        self.largest = np.maximum(self.largest, np.abs(part).max(axis=0))
+
+    def of(self, k: int) -> ResidualSizes:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return ResidualSizes(
+                self.count.astype(int),
+                self.sum[:, k] / self.count,
+                np.sqrt(self.squares[:, k] / self.count),
+                np.where(self.count > 0, self.largest[:, k], np.nan),
+                np.sqrt(self.squares[:, k] / self.measured),
+            )
+
+
+class _Autocorrelation:
+    """Σ_t e_t e_{t-k} for k = 0 … LAGS, within pieces."""
+
+    def __init__(self, n: int, m: int):
+        self.products = np.zeros((LAGS + 1, n, m))
+        self.steps = np.zeros((n, m))
+        self.tail = np.zeros((0, n, m))
+
+    def add(self, rows: Rows, residual: Array) -> None:
+        before = self.tail[:0] if rows.first else self.tail
+        joined, start = np.concatenate([before, residual]), len(before)
+        for lag in range(min(LAGS + 1, len(joined))):
+            first = max(start, lag)
+            later, earlier = joined[first:], joined[first - lag : len(joined) - lag]
+            self.products[lag] += np.sum(later * earlier, axis=0)
+            if lag == 1:
+                self.steps += np.sum((later - earlier) ** 2, axis=0)
+        self.tail = joined[-LAGS:]
+
+    def durbin_watson(self) -> Array:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return self.steps / self.products[0]
+
+    def ljung_box_p(self, count: Array) -> Array:
+        from scipy.stats import chi2  # imported where first used: import graphdyn stays light
+
+        lags = np.arange(1, LAGS + 1)[:, None, None]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            r = self.products[1:] / self.products[0]
+            q = count[:, None] * (count[:, None] + 2) * np.sum(r**2 / (count[:, None] - lags), axis=0)
+        return np.where(count[:, None] > LAGS, chi2.sf(q, LAGS), np.nan)

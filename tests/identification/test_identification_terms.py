@@ -1,0 +1,241 @@
+"""What the torque is made of: every term against its formula, names, units, refusals."""
+
+import numpy as np
+import pytest
+import torque_data
+
+import graphdyn
+from graphdyn import InvalidInput, Joint, Placement, RobotModel
+from graphdyn.identification import Samples, TorqueModel
+from graphdyn.identification.terms import (
+    AsymmetricCoulomb,
+    AsymmetricViscous,
+    Coulomb,
+    CoupledWrist,
+    KnownBodies,
+    KnownPayload,
+    KnownTorque,
+    Offset,
+    Payload,
+    PayloadMass,
+    RigidBodies,
+    RotorInertia,
+    Stribeck,
+    UserColumns,
+    Viscous,
+)
+from graphdyn.inertia import parameters_from_inertia
+
+SAME = 1e-13
+"""Two sums of some tens of terms, relative to the largest torque."""
+
+MODEL = torque_data.robot()
+
+
+@pytest.fixture(scope="module")
+def samples():
+    rng = np.random.default_rng(0)
+    q, v = MODEL.random_state(rng, 20)
+    v[0] = 0.0
+    return Samples(q, v, rng.normal(size=q.shape), np.zeros_like(q))
+
+
+def diagonal(values):
+    """Column j acts on joint j alone."""
+    return np.einsum("tj,jk->tjk", values, np.eye(6))
+
+
+def close(found, expected):
+    return np.abs(found - expected).max() <= SAME * np.abs(expected).max()
+
+
+PER_JOINT = {
+    "viscous": (Viscous(), lambda s: s.v, "O2 viscous friction", "FV_2", "N m s/rad"),
+    "Coulomb": (Coulomb(), lambda s: np.sign(s.v), "O2 Coulomb friction", "FC_2", "N m"),
+    "smooth": (Coulomb(width=0.1), lambda s: np.tanh(s.v / 0.1), "O2 Coulomb friction", "FC_2", "N m"),
+    "widths": (
+        Coulomb(width=np.arange(1.0, 7.0)),
+        lambda s: np.tanh(s.v / np.arange(1.0, 7.0)),
+        "O2 Coulomb friction",
+        "FC_2",
+        "N m",
+    ),
+    "Stribeck": (
+        Stribeck(velocity=0.5),
+        lambda s: np.sign(s.v) * np.exp(-((s.v / 0.5) ** 2)),
+        "O2 Stribeck friction",
+        "FS_2",
+        "N m",
+    ),
+    "Stribeck, smooth": (
+        Stribeck(velocity=0.5, exponent=1.0, width=0.1),
+        lambda s: np.tanh(s.v / 0.1) * np.exp(-np.abs(s.v / 0.5)),
+        "O2 Stribeck friction",
+        "FS_2",
+        "N m",
+    ),
+    "offset": (Offset(), lambda s: np.ones_like(s.v), "O2 offset", "OFF_2", "N m"),
+    "rotor": (RotorInertia(), lambda s: s.a, "O2 rotor inertia", "IA_2", "kg m²"),
+}
+
+
+@pytest.mark.parametrize("case", PER_JOINT)
+def test_per_joint(case, samples):
+    term, formula, name, symbol, unit = PER_JOINT[case]
+    assert close(term.rows(MODEL, samples), diagonal(formula(samples)))
+    column = term.columns(MODEL)[1]
+    assert (column.name, column.symbol, column.unit) == (name, symbol, unit)
+    assert len(term.columns(MODEL)) == 6
+
+
+def test_units_of_a_slide():
+    slide = Joint("S", "prismatic", 0, Placement(), np.array([0.0, 0.0, 1.0]))
+    robot = RobotModel("slide", MODEL.bodies[:1], (slide,))
+    units = [term.columns(robot)[0].unit for term in (Viscous(), Coulomb(), Offset(), RotorInertia())]
+    assert units == ["N s/m", "N", "N", "kg"]
+
+
+@pytest.mark.parametrize(
+    ("asymmetric", "symmetric"), [(AsymmetricCoulomb(), Coulomb()), (AsymmetricViscous(), Viscous())]
+)
+def test_asymmetric_friction(asymmetric, symmetric, samples):
+    """Equal parameters forth and back are the symmetric friction; either alone acts in one direction."""
+    rows = asymmetric.rows(MODEL, samples)
+    forth, back = rows[..., :6], rows[..., 6:]
+    assert close(forth + back, symmetric.rows(MODEL, samples))
+    assert not forth[samples.v < 0].any()
+    assert not back[samples.v > 0].any()
+    assert [column.symbol[2] for column in asymmetric.columns(MODEL)] == ["+"] * 6 + ["-"] * 6
+
+
+def test_rigid_bodies(samples):
+    expected = graphdyn.inverse_dynamics(MODEL, samples.q, samples.v, samples.a).tau
+    assert close(RigidBodies().rows(MODEL, samples) @ MODEL.inertial_parameters, expected)
+    assert close(KnownBodies().torque(MODEL, samples), expected)
+    assert close(KnownBodies(2 * MODEL.inertial_parameters).torque(MODEL, samples), 2 * expected)
+    columns = RigidBodies().columns(MODEL)
+    assert [column.symbol for column in columns[10:20]] == [
+        *("M_2", "MX_2", "MY_2", "MZ_2", "XX_2", "XY_2", "YY_2", "XZ_2", "YZ_2", "ZZ_2")
+    ]
+    assert (columns[14].name, columns[14].unit) == ("B2 I_xx", "kg m²")
+
+
+def test_coupled_wrist(samples):
+    """Axis 6 seen from axis 5 and the reverse."""
+    rows = CoupledWrist().rows(MODEL, samples)
+    inertia, viscous, coulomb = np.moveaxis(rows, -1, 0)
+    sign = np.sign(samples.v[:, 4] + samples.v[:, 5])
+    for found, fifth, sixth in (
+        (inertia, samples.a[:, 5], samples.a[:, 4]),
+        (viscous, samples.v[:, 5], samples.v[:, 4]),
+        (coulomb, sign, sign),
+    ):
+        assert np.array_equal(found[:, 4], fifth)
+        assert np.array_equal(found[:, 5], sixth)
+        assert not found[:, :4].any()
+    smooth = CoupledWrist(("O3", "O6"), width=0.1).rows(MODEL, samples)[:, 2, 2]
+    assert close(smooth, np.tanh((samples.v[:, 2] + samples.v[:, 5]) / 0.1))
+    assert [column.symbol for column in CoupledWrist().columns(MODEL)] == ["IAM_6", "FVM_6", "FCM_6"]
+
+
+class TestPayload:
+    LOAD = parameters_from_inertia(12.0, np.array([0.1, 0.2, 0.3]), np.diag([0.2, 0.3, 0.4]))
+
+    @pytest.mark.parametrize(("body", "number"), [(None, 6), ("B3", 3)])
+    def test_is_a_heavier_body(self, body, number, samples):
+        pi = MODEL.inertial_parameters.copy()
+        pi[10 * (number - 1) : 10 * number] += self.LOAD
+        heavier = graphdyn.inverse_dynamics(MODEL.with_inertial_parameters(pi), samples.q, samples.v, samples.a).tau
+        plain = KnownBodies().torque(MODEL, samples)
+        assert close(plain + Payload(body).rows(MODEL, samples) @ self.LOAD, heavier)
+        assert close(plain + KnownPayload(self.LOAD, body).torque(MODEL, samples), heavier)
+        mass = PayloadMass([0.1, 0.2, 0.3], np.diag([0.2, 0.3, 0.4]) / 12.0, body)
+        assert close(plain + mass.rows(MODEL, samples)[..., 0] * 12.0, heavier)
+        for terms, known, x in (
+            ([RigidBodies(), Payload(body)], [], [*MODEL.inertial_parameters, *self.LOAD]),
+            ([Payload(body)], [KnownBodies()], self.LOAD),
+            ([RigidBodies()], [KnownPayload(self.LOAD, body)], MODEL.inertial_parameters),
+            ([mass], [KnownBodies()], [12.0]),
+        ):
+            assert close(TorqueModel(MODEL, terms, known).inertial_parameters(np.array(x)), pi)
+
+    def test_columns(self):
+        assert [column.symbol for column in Payload().columns(MODEL)][:2] == ["M_L", "MX_L"]
+        (column,) = PayloadMass([0, 0, 0]).columns(MODEL)
+        assert (column.name, column.unit) == ("payload m", "kg")
+
+    def test_refusals(self, samples):
+        with pytest.raises(InvalidInput, match="the payload is on body 'hand'; robot 'arm' has B1, B2, B3"):
+            Payload("hand").columns(MODEL)
+        with pytest.raises(InvalidInput, match=r"of the payload have shape \(3,\); 10 finite numbers needed, m, mc_x"):
+            KnownPayload([1, 2, 3]).torque(MODEL, samples)
+        with pytest.raises(InvalidInput, match=r"has shape \(2,\), inertia per mass \(3, 3\); \(3,\) and \(3, 3\)"):
+            PayloadMass([1, 2]).rows(MODEL, samples)
+
+
+class TestUserColumns:
+    SPRING = UserColumns(lambda q, v, a: np.sin(q) * [0, 1, 0, 0, 0, 0], ["spring"], ["N m"])
+
+    def test_spring(self, samples):
+        rows = self.SPRING.rows(MODEL, samples)
+        assert rows.shape == (20, 6, 1)
+        assert np.array_equal(rows[:, 1, 0], np.sin(samples.q[:, 1]))
+        assert self.SPRING.columns(MODEL)[0].unit == "N m"
+
+    def test_known(self, samples):
+        gas = KnownTorque(lambda q, v, a: 100 * q)
+        model = TorqueModel(MODEL, [Offset()], [gas, gas])
+        assert close(model.torque(samples, np.ones(6)), 200 * samples.q + 1)
+
+    def test_refusals(self, samples):
+        with pytest.raises(InvalidInput, match="names are 'spring', units 'N m'; give one list entry each per column"):
+            UserColumns(lambda q, v, a: q, "spring", "N m")
+        with pytest.raises(
+            InvalidInput, match=r"the law of k, d answers shape \(20, 6\); finite .* \(20, 6, 2\) needed"
+        ):
+            UserColumns(lambda q, v, a: q, ["k", "d"], ["", ""]).rows(MODEL, samples)
+        with pytest.raises(InvalidInput, match="the known torque answers NaN or infinity"):
+            KnownTorque(lambda q, v, a: q * np.nan).torque(MODEL, samples)
+
+
+class TestTorqueModel:
+    def test_parts_side_by_side(self, samples):
+        model = torque_data.torque_model()
+        parts = [term.rows(model.model, samples) for term in model.terms]
+        assert np.array_equal(model.rows(samples), np.concatenate(parts, axis=-1))
+        assert len(model.columns) == torque_data.PARAMETERS
+        assert list(model.prior()) == [*MODEL.inertial_parameters, *[0.0] * 27]
+
+    def test_standard_terms(self):
+        symbols = [column.symbol for column in TorqueModel(MODEL).columns]
+        assert [symbols[k] for k in (0, 60, 66, 72)] == ["M_1", "FV_1", "FC_1", "OFF_1"]
+
+    def test_refusals(self):
+        with pytest.raises(InvalidInput, match="two parameters of the torque model are called 'O1 offset'"):
+            TorqueModel(MODEL, [Offset(), Offset()])
+        with pytest.raises(
+            InvalidInput, match=r"the torque model has no parameter; give terms such as RigidBodies\(\)"
+        ):
+            TorqueModel(MODEL, [])
+
+
+class TestRefusals:
+    @pytest.mark.parametrize("width", [0.0, -1.0, np.nan, [1.0, 2.0]])
+    def test_widths(self, width, samples):
+        with pytest.raises(InvalidInput, match=r"width is .*; give one positive number, or 6"):
+            Coulomb(width=width).rows(MODEL, samples)
+
+    def test_stribeck(self, samples):
+        with pytest.raises(InvalidInput, match="Stribeck velocity is 0"):
+            Stribeck(velocity=0).rows(MODEL, samples)
+        with pytest.raises(InvalidInput, match="exponent is -1"):
+            Stribeck(velocity=1, exponent=-1).rows(MODEL, samples)
+
+    @pytest.mark.parametrize("joints", [("O5", "O7"), ("O5", "O5")])
+    def test_wrist(self, joints):
+        with pytest.raises(InvalidInput, match=f"needs two joints of robot 'arm', got {', '.join(joints)}; it has O1"):
+            CoupledWrist(joints).columns(MODEL)
+
+    def test_known_bodies(self, samples):
+        with pytest.raises(InvalidInput, match=r"of the known bodies have shape \(10,\); 60 finite numbers needed"):
+            KnownBodies(np.ones(10)).torque(MODEL, samples)
