@@ -5,10 +5,14 @@ from graphdyn.identification.base_parameters import BaseParameters, base_paramet
 from graphdyn.identification.body_wrenches import WrenchData, body_wrenches, link_wrenches
 from graphdyn.identification.comparison import Comparison, MethodResult, compare_methods
 from graphdyn.identification.compressed import CompressedEquations
+from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.estimate import Estimate, Estimator
 from graphdyn.identification.estimators import (
+    ConsistentLeastSquares,
+    ConsistentWithPrior,
     EssentialParameters,
     GeneralisedLeastSquares,
+    LogCholesky,
     OrdinaryLeastSquares,
     ReweightedLeastSquares,
     Ridge,
@@ -45,6 +49,8 @@ __all__ = [
     "BaseParameters",
     "Comparison",
     "CompressedEquations",
+    "ConsistentLeastSquares",
+    "ConsistentWithPrior",
     "EssentialParameters",
     "Estimate",
     "Estimator",
@@ -52,9 +58,11 @@ __all__ = [
     "IdentifiedBodies",
     "IdentifiedInertia",
     "LeastSquares",
+    "LogCholesky",
     "MethodResult",
     "OrdinaryLeastSquares",
     "ParameterEstimate",
+    "PhysicalLimits",
     "Plausibility",
     "Prior",
     "Problem",

@@ -1,15 +1,21 @@
 """Estimators, one per file. Each says where it comes from, what it assumes and what it needs."""
 
+from graphdyn.identification.estimators.consistent import ConsistentLeastSquares
+from graphdyn.identification.estimators.consistent_prior import ConsistentWithPrior
 from graphdyn.identification.estimators.essential import EssentialParameters
 from graphdyn.identification.estimators.generalised import GeneralisedLeastSquares
+from graphdyn.identification.estimators.log_cholesky import LogCholesky
 from graphdyn.identification.estimators.ordinary import OrdinaryLeastSquares
 from graphdyn.identification.estimators.reweighted import ReweightedLeastSquares
 from graphdyn.identification.estimators.ridge import Ridge
 from graphdyn.identification.estimators.weighted import WeightedLeastSquares
 
 __all__ = [
+    "ConsistentLeastSquares",
+    "ConsistentWithPrior",
     "EssentialParameters",
     "GeneralisedLeastSquares",
+    "LogCholesky",
     "OrdinaryLeastSquares",
     "ReweightedLeastSquares",
     "Ridge",

@@ -1,0 +1,141 @@
+"""Least squares over real bodies: the common part of the physically consistent convex methods.
+
+With a strength: minimise ‖A u - b‖² + strength · d(u) over S_i ⪰ margin · E and the inequalities.
+
+Strength 0 is the limit from above. Where some consistent u are among the best fits, the one nearest to the prior
+among them is taken: the base parameters are those of weighted least squares, to the last digit and whatever the
+solver's precision, because it only searches the null space; the prior speaks where the data are silent. Where no best
+fit is consistent the constraints are active, and the quadratic distance with the strength WEAK fixes what the data do
+not.
+
+An answer is judged by what it is, not by what the solver calls it: by its eigenvalues, by the inequalities, and by the
+certificate of its cost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.consistent.certificate import suboptimality
+from graphdyn.identification.consistent.coordinates import PriorCoordinates
+from graphdyn.identification.consistent.limits import Inequalities
+from graphdyn.identification.consistent.polishing import Cost, Metric, polished
+from graphdyn.identification.consistent.semidefinite import ConicAnswer, SemidefiniteProgram, least_violations
+from graphdyn.layout import Array
+
+MARGIN = 1e-4
+"""Every body keeps this part of its prior: P ⪰ MARGIN · P₀. Then M(q) ⪰ MARGIN · M₀(q) in every pose: solutions do not
+sit on the boundary, where a mass matrix is singular."""
+
+WEAK = 1e-2
+"""Strength that fixes directions without data where constraints are active: an entry of S costs one variance when it is
+fourteen times the prior away from it."""
+
+KEPT = 0.5
+"""Part of the margin that an answer must keep; the solver is exact to much less."""
+
+VIOLATED = 1e-6
+"""An inequality counts as violated beyond this, relative to the size of its terms."""
+
+CLOSE = 1e-3
+"""An answer may be this much above the minimal cost, relative to the cost or one variance of the residuals."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConsistentFit:
+    """Parameters and what is true of them.
+
+    parameters: x                                           (p,)
+    excess: ‖A u - b‖² above that of unconstrained least squares, in variances of one residual
+    eigenvalues: smallest of S of each body, 1 at the prior (n,)
+    best_fit: among the best fits; no constraint costs anything
+    suboptimality: bound on the cost above the minimum; 0 among the best fits
+    answer: of the solver
+    """
+
+    parameters: Array
+    excess: float
+    eigenvalues: Array
+    best_fit: bool
+    suboptimality: float
+    answer: ConicAnswer
+
+
+class ConsistentProblem:
+    """min ‖A u - b‖² over real bodies, for one or many strengths.
+
+    metric: distance from the prior
+    inequalities: of x; see limits.inequalities
+    margin: see MARGIN
+    """
+
+    def __init__(
+        self, coordinates: PriorCoordinates, inequalities: Inequalities, *, metric: Metric, margin: float = MARGIN
+    ):
+        self._coordinates, self._names = coordinates, inequalities.names
+        self._metric, self._margin = metric, margin
+        g = inequalities.matrix @ coordinates.to_parameters
+        size = np.maximum(np.linalg.norm(g, axis=1), np.abs(inequalities.right))
+        self._g, self._h = g / size[:, None], inequalities.right / size
+        self._programs: dict[Metric, SemidefiniteProgram] = {}
+
+    def solve(self, strength: float = 0.0) -> ConsistentFit:
+        """Raises EstimationFailed, naming the limits, and EstimationFailed where no answer passes the checks."""
+        if strength == 0:
+            return self._best_fit() or self._whole(WEAK, "pullback")
+        return self._whole(strength, self._metric)
+
+    def _best_fit(self) -> ConsistentFit | None:
+        """Nearest to the prior among the consistent best fits, None without any."""
+        c = self._coordinates
+        found = None
+        for metric in dict.fromkeys(("pullback", self._metric)):  # the quadratic one is sure to see infeasibility
+            program = SemidefiniteProgram(c, (self._g, self._h), metric=metric, margin=self._margin, on_best_fits=True)
+            answer = program.solve(1.0)
+            if answer.u is None or self._violations(answer.u):
+                break
+            found = ConsistentFit(c.fitting_parameters(answer.u), 0.0, self._eigenvalues(answer.u), True, 0.0, answer)
+        return found
+
+    def _whole(self, strength: float, metric: Metric) -> ConsistentFit:
+        if metric not in self._programs:
+            self._programs[metric] = SemidefiniteProgram(
+                self._coordinates, (self._g, self._h), metric=metric, margin=self._margin
+            )
+        answer = self._programs[metric].solve(strength)
+        if "infeasible" in answer.status:
+            raise EstimationFailed(self._contradiction())
+        if answer.u is None:
+            raise EstimationFailed(f"Clarabel gives no answer: {answer.status}")
+        c = self._coordinates
+        cost = Cost(c, metric, strength)
+        u, multipliers = polished(cost, answer.u, answer.multipliers, (self._g, self._h), self._margin)
+        above = suboptimality(cost, u, self._g, self._h, multipliers, self._margin)
+        problems = self._violations(u)
+        if not above <= CLOSE * max(1.0, answer.objective):
+            problems += (f"its cost {answer.objective:.4g} may be {above:.2g} above the minimum",)
+        if problems:
+            raise EstimationFailed(f"Clarabel's answer ({answer.status}) is not good enough: {'; '.join(problems)}")
+        return ConsistentFit(c.parameters(u), c.excess(u), self._eigenvalues(u), False, above, answer)
+
+    def _eigenvalues(self, u: Array) -> Array:
+        return self._coordinates.smallest_eigenvalues(u)
+
+    def _violations(self, u: Array) -> tuple[str, ...]:
+        low = self._eigenvalues(u)
+        said = [f"body {i + 1} has eigenvalue {low[i]:.2g}" for i in np.flatnonzero(~(low >= KEPT * self._margin))]
+        short = self._h - self._g @ u
+        size = np.maximum(1.0, np.abs(self._g) @ np.abs(u))
+        return (*said, *(f"{self._names[k]} is violated" for k in np.flatnonzero(short > VIOLATED * size)))
+
+    def _contradiction(self) -> str:
+        """Which limits no bodies can keep, found by how far each has to give way."""
+        short = least_violations(self._coordinates, (self._g, self._h), self._margin)
+        broken = [name for name, value in zip(self._names, short, strict=True) if value > VIOLATED]
+        return (
+            f"no bodies with at least {self._margin:g} of the prior inertia keep all limits; "
+            f"relax {' or '.join(broken) if broken else 'the limits'}"
+        )

@@ -1,0 +1,192 @@
+"""Nonlinear least squares in log-Cholesky coordinates: the real bodies without a constraint and without a cone solver.
+
+    minimise  ‖A u(θ, f) - b‖² + strength · ½ ‖S(θ) - E‖²,   S_i = margin · E + (1 - margin) U(θ_i) U(θ_i)ᵀ
+
+over θ, ten numbers per body, θ = 0 at the prior, and the further columns f. It is the problem of the convex fit with
+the quadratic distance in other unknowns, and not convex in θ. Each start is led along a path of falling strengths, each
+answer the start of the next: the data bend the valley of the cost, and the prior straightens it. Levenberg and
+Marquardt's method (MINPACK, through scipy.optimize.least_squares) with the analytic Jacobian. Columns that cannot be
+negative and want to be are held at zero, and released when the cost would fall.
+
+Towards a body on the margin some entries of θ run to -∞, where the method creeps, and may be caught on a wrong way:
+answers are lifted off and settled again. An answer counts by the certificate of the convex problem, not by the
+condition that stopped it. Off the margin, Newton's method adds the last digits.
+
+Where the answer can be moved among the best fits of unconstrained least squares, by the shortest way and off the
+margin, it is: the base parameters are those of least squares then, to the last digit.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.consistent.certificate import suboptimality
+from graphdyn.identification.consistent.coordinates import PriorCoordinates
+from graphdyn.identification.consistent.fit import KEPT, MARGIN, VIOLATED
+from graphdyn.identification.consistent.log_cholesky_residuals import Residuals, with_values
+from graphdyn.identification.consistent.polishing import Cost, polished
+from graphdyn.layout import Array
+
+SPREAD = 0.5
+"""Standard deviation of θ of the further starts: masses and lengths within a factor of 1.6 of the prior."""
+
+STRENGTH = 1.0
+"""Expects the entries of a body within √2 of the prior, relative. A hundred times less takes hundreds of iterations
+where the data want a body on the margin."""
+
+PATH = (1e4, 1e3, 1e2, 1e1, 1e0, 1e-1, 1e-2)
+"""Strengths on the way to a smaller one."""
+
+SMALLEST_STEP = 1e-8
+"""Relative change of the unknowns and of the cost at which least_squares stops."""
+
+EVALUATIONS = 500
+
+LIFT = 1e-2
+"""Part of the prior that is added to every body before the last strength is settled again: a step that overshoots
+leaves a column of U at zero, where the gradient vanishes although the cost would fall."""
+
+LIFTS = 2
+
+ROUNDING = 1e-12
+"""Of a column that is zero, relative to one that makes the whole torque."""
+
+ROUNDS = 10
+"""Sets of columns held at zero that are tried at each strength."""
+
+NEAR = 1e-2
+"""An answer may be this much above the minimal cost, relative to the cost or one variance of the residuals: far less
+than noise moves the cost."""
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """What one start came to.
+
+    cost: ‖A u - b‖² + strength · ½ ‖S - E‖²
+    suboptimality: bound on the cost above its minimum
+    stopped: what ended least_squares, in its words
+    evaluations: of the residuals
+    """
+
+    u: Array
+    cost: float
+    suboptimality: float
+    stopped: str
+    evaluations: int
+
+    @property
+    def accepted(self) -> bool:
+        return self.suboptimality <= NEAR * max(1.0, self.cost)
+
+
+@dataclass(frozen=True, eq=False)
+class LogCholeskyFit:
+    """parameters: x (p,); excess, eigenvalues, best_fit: see ConsistentFit
+    starts: all of them, the one taken first; agreeing: how many found its cost
+    seconds: of all starts
+    """
+
+    parameters: Array
+    excess: float
+    eigenvalues: Array
+    best_fit: bool
+    starts: tuple[Start, ...]
+    agreeing: int
+    seconds: float
+
+
+def log_cholesky_fit(
+    coordinates: PriorCoordinates,
+    nonnegative: NDArray[np.bool_],
+    *,
+    strength: float = STRENGTH,
+    starts: int = 3,
+    margin: float = MARGIN,
+    seed: int = 0,
+) -> LogCholeskyFit:
+    """nonnegative: which further columns cannot be negative (k,).
+
+    The first start is the prior, the others are drawn around it. The cheapest is taken.
+    Raises InvalidInput for less than one start or a strength of 0, EstimationFailed where the cheapest is not accepted.
+    """
+    if starts < 1 or not strength > 0:
+        raise InvalidInput(f"{starts} starts with strength {strength:g}; at least one, and a strength > 0 needed")
+    c, begin = coordinates, time.perf_counter()
+    bounded = np.concatenate([np.zeros(c.width, dtype=bool), nonnegative])
+    random = np.random.default_rng(seed).normal(scale=SPREAD, size=(starts - 1, c.width))
+    tried = [_from(c, theta, bounded, strength, margin) for theta in (np.zeros(c.width), *random)]
+    tried.sort(key=lambda start: start.cost)
+    seconds, best = time.perf_counter() - begin, tried[0]
+    if not best.accepted:
+        raise EstimationFailed(
+            f"log-Cholesky: the cheapest of {starts} starts may be {best.suboptimality:.2g} above the minimal cost, it "
+            f"came to {best.cost:.4g}: {best.stopped}"
+        )
+    agreeing = sum(start.cost <= best.cost + NEAR * max(1.0, best.cost) for start in tried)
+    u = c.nearest_best_fit(best.u, bounded & (best.u <= VIOLATED))
+    best_fit = bool(np.all(c.smallest_eigenvalues(u) >= KEPT * margin) and np.all(u[bounded] >= -ROUNDING))
+    u = u if best_fit else best.u
+    x = c.fitting_parameters(u) if best_fit else c.parameters(u)
+    excess = 0.0 if best_fit else c.excess(u)
+    return LogCholeskyFit(x, excess, c.smallest_eigenvalues(u), best_fit, tuple(tried), agreeing, seconds)
+
+
+def _from(
+    coordinates: PriorCoordinates, theta: Array, bounded: NDArray[np.bool_], strength: float, margin: float
+) -> Start:
+    """From these bodies, and from the further columns of unconstrained least squares."""
+    unknowns = np.concatenate([theta, coordinates.fitting[coordinates.width :]])
+    evaluations = 0
+    for on_the_way in (*(larger for larger in PATH if larger > strength), strength):
+        problem = Residuals(coordinates, on_the_way, margin)
+        unknowns, used, stopped = _settled(problem, unknowns, bounded)
+        evaluations += used
+    for _ in range(LIFTS):
+        lifted, used, message = _settled(problem, problem.lifted(unknowns, LIFT), bounded)
+        evaluations += used
+        if not problem.cost(lifted) < (1 - SMALLEST_STEP) * problem.cost(unknowns):
+            break
+        unknowns, stopped = lifted, message
+    u = problem.u(unknowns)
+    cost = Cost(coordinates, "pullback", strength)
+    rows, zeros = np.eye(len(u))[bounded], np.zeros(np.count_nonzero(bounded))
+    pushes = np.where(rows @ u == 0, np.maximum(0.0, rows @ cost.gradient(u)), 0.0)
+    u, pushes = polished(cost, u, pushes, (rows, zeros), margin)
+    above = suboptimality(cost, u, rows, zeros, pushes, margin)
+    return Start(u, cost.value(u), above, stopped, evaluations)
+
+
+def _settled(problem: Residuals, unknowns: Array, bounded: NDArray[np.bool_]) -> tuple[Array, int, str]:
+    """The unknowns at one strength, evaluations, and what stopped least_squares."""
+    from scipy.optimize import least_squares  # imported where first used: import graphdyn stays light
+
+    evaluations = 0
+    held = bounded & (unknowns <= 0)
+    for _ in range(ROUNDS):
+        unknowns = np.where(held, 0.0, unknowns)
+        free = np.flatnonzero(~held)
+        found = least_squares(
+            problem.of_some,
+            unknowns[free],
+            jac=problem.jacobian_of_some,
+            args=(free, unknowns),
+            method="lm",
+            xtol=SMALLEST_STEP,
+            ftol=SMALLEST_STEP,
+            gtol=SMALLEST_STEP,
+            max_nfev=EVALUATIONS,
+        )
+        unknowns = with_values(unknowns, free, found.x)
+        evaluations += int(found.nfev)
+        slope = problem.jacobian(unknowns).T @ problem.residuals(unknowns)
+        negative, wanted = bounded & (unknowns < 0), held & (slope < 0)
+        if not negative.any() and not wanted.any():
+            break
+        held = (held & ~wanted) | negative
+    return np.where(bounded, np.maximum(unknowns, 0.0), unknowns), evaluations, str(found.message)

@@ -1,0 +1,122 @@
+"""Newton steps from the answer of a cone solver to the last digits, where the bodies are off their margin.
+
+There the cost f(u) = ‖A u - b‖² + strength · d(u) is smooth, and the inequalities that hold with equality are known:
+those whose multiplier exceeds their slack. Newton's method on the optimality conditions of the rest,
+
+    ∇f(u) = Gᵀλ,  G u = h  (active rows),
+
+doubles the digits in every step. It changes nothing where it would leave the margin.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from graphdyn.identification.consistent.coordinates import SYMMETRIC, PriorCoordinates
+from graphdyn.identification.consistent.manifold import entropic_divergence, pullback_distance
+from graphdyn.layout import BODY_PARAMETERS, Array
+
+Metric = Literal["entropic", "pullback"]
+
+FURTHER = 1e-6
+"""Weight of the squares of the further columns beside the distance of the bodies: where the data cannot tell friction
+or a rotor from a link, the link stays at its prior."""
+
+STEPS = 20
+
+ROUNDS = 20
+"""Sets of active rows that are tried."""
+
+SETTLED = 1e-12
+"""Newton stops at a step this small relative to u."""
+
+SHORTEST = 1e-3
+"""Steps are halved down to this part where they would leave the margin."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cost:
+    """f(u) = ‖A u - b‖² + strength · d(u), its gradient and its Hessian.
+
+    d: distance of the bodies, and the weak squares of the further columns
+    """
+
+    coordinates: PriorCoordinates
+    metric: Metric
+    strength: float
+
+    def value(self, u: Array) -> float:
+        c = self.coordinates
+        distance = entropic_divergence if self.metric == "entropic" else pullback_distance
+        bodies = distance(c.symmetric(u), np.eye(4)).sum() + FURTHER / 2 * np.sum(u[c.width :] ** 2)
+        return float(np.sum((c.matrix @ u - c.right) ** 2) + self.strength * bodies)
+
+    def gradient(self, u: Array) -> Array:
+        c, width = self.coordinates, self.coordinates.width
+        s, unit = c.symmetric(u), np.eye(4)
+        distance = unit - np.linalg.inv(s) if self.metric == "entropic" else s - unit
+        slope = 2 * c.matrix.T @ (c.matrix @ u - c.right)
+        slope[:width] += self.strength * np.einsum("ijk,nij->nk", SYMMETRIC, distance).reshape(-1)
+        slope[width:] += self.strength * FURTHER * u[width:]
+        return slope
+
+    def hessian(self, u: Array) -> Array:
+        c, width = self.coordinates, self.coordinates.width
+        h = 2 * c.matrix.T @ c.matrix
+        h[range(width, len(h)), range(width, len(h))] += self.strength * FURTHER
+        for i, s in enumerate(c.symmetric(u)):
+            block = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
+            if self.metric == "entropic":
+                turned = np.einsum("ij,jak->iak", np.linalg.inv(s), SYMMETRIC)
+                h[block, block] += self.strength * np.einsum("iak,ail->kl", turned, turned)
+            else:
+                h[block, block] += self.strength * np.eye(BODY_PARAMETERS)
+        return h
+
+
+def polished(
+    cost: Cost, u: Array, multipliers: Array, inequalities: tuple[Array, Array], margin: float
+) -> tuple[Array, Array]:
+    """u and the multipliers of G u ≥ h after Newton's method; as given where it does not converge off the margin.
+
+    Rows that turn out to pull (negative multiplier) are released, rows that turn out violated are held.
+    """
+    g, h = inequalities
+    held = multipliers > g @ u - h
+    x = u
+    for _ in range(ROUNDS):
+        found = _newton(cost, x, g[held], h[held], margin)
+        if found is None:
+            return u, multipliers
+        x, slopes = found[0], np.zeros(len(h))
+        slopes[held] = found[1]
+        violated = ~held & (g @ x - h < -SETTLED * (1 + np.abs(g) @ np.abs(x)))
+        if not violated.any() and np.all(slopes >= 0):
+            return x, slopes
+        held = (held & (slopes >= 0)) | violated
+    return u, multipliers
+
+
+def _newton(cost: Cost, x: Array, rows: Array, right: Array, margin: float) -> tuple[Array, Array] | None:
+    """The minimum of the cost on rows x = right, and the multipliers; None where it is not found off the margin."""
+    corner = np.zeros((len(rows), len(rows)))
+    for _ in range(STEPS):
+        system = np.block([[cost.hessian(x), -rows.T], [rows, corner]])
+        try:
+            answer = np.linalg.solve(system, np.concatenate([-cost.gradient(x), right - rows @ x]))
+        except np.linalg.LinAlgError:
+            return None
+        step, part = answer[: len(x)], 1.0
+        while not _off_the_margin(cost.coordinates, x + part * step, margin):
+            part /= 2
+            if part < SHORTEST:
+                return None
+        x = x + part * step
+        if np.linalg.norm(step) <= SETTLED * np.linalg.norm(x):
+            break
+    return x, answer[len(x) :]
+
+
+def _off_the_margin(coordinates: PriorCoordinates, u: Array, margin: float) -> bool:
+    return bool(np.all(coordinates.smallest_eigenvalues(u) > margin))

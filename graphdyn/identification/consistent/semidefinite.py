@@ -1,0 +1,148 @@
+"""The semidefinite programs of the physically consistent methods, in the coordinates of the prior.
+
+    minimise    ‖A u - b‖² + strength · d(u)      over u = offset + basis y
+    subject to  S_i ⪰ margin · E  for every body,  G u ≥ h
+
+with the entropic divergence or the quadratic pullback distance d (manifold), of the bodies, and a weak quadratic
+of the further columns, so that it has one minimum. cvxpy writes the cone program, Clarabel solves it.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.consistent.coordinates import SYMMETRIC, PriorCoordinates
+from graphdyn.identification.consistent.polishing import FURTHER, Metric
+from graphdyn.layout import BODY_PARAMETERS, Array
+
+PRECISION = 1e-10
+"""Relative gap and infeasibility at which Clarabel stops; it says "optimal_inaccurate" where it cannot get there."""
+
+ITERATIONS = 200
+
+
+@dataclass(frozen=True, eq=False)
+class ConicAnswer:
+    """What the solver said, and what is true of it.
+
+    u: None where the solver gives none                     (p,)
+    multipliers: of G u ≥ h, not negative                   (m,)
+    status: of the solver ("optimal", "optimal_inaccurate", "infeasible", …), or its error message
+    objective: ‖A u - b‖² + strength d(u)
+    iterations, seconds: of the solver, without writing the program
+    """
+
+    u: Array | None
+    multipliers: Array
+    status: str
+    objective: float
+    iterations: int
+    seconds: float
+
+
+class SemidefiniteProgram:
+    """One program, written once and solved for many strengths.
+
+    on_best_fits: u runs over the best fits alone (then the data term is constant and left out), else over all u
+    inequalities: G (m, p), h (m,)
+    Raises EstimationFailed where cvxpy or Clarabel is not installed.
+    """
+
+    def __init__(
+        self,
+        coordinates: PriorCoordinates,
+        inequalities: tuple[Array, Array],
+        *,
+        metric: Metric,
+        margin: float,
+        on_best_fits: bool = False,
+    ):
+        cp = _cvxpy()
+        columns = len(coordinates.origin)
+        if on_best_fits:
+            y = cp.Variable(coordinates.null.shape[1])
+            self._u: Any = coordinates.fitting + coordinates.null @ y
+        else:
+            self._u = cp.Variable(columns)
+        self._strength = cp.Parameter(nonneg=True)
+        n = coordinates.n_bodies
+        bodies = _bodies(self._u, n)
+        from_prior = self._u - coordinates.origin
+        width = BODY_PARAMETERS * n
+        if metric == "entropic":
+            distance = cp.sum([cp.trace(s) - cp.log_det(s) - 4 for s in bodies])
+        else:
+            distance = cp.sum_squares(from_prior[:width]) / 2
+        if columns > width:
+            distance = distance + FURTHER / 2 * cp.sum_squares(from_prior[width:])
+        cost = self._strength * distance
+        if not on_best_fits:
+            cost = cost + cp.sum_squares(coordinates.matrix @ self._u - coordinates.right)
+        g, h = inequalities
+        self._limits = [g @ self._u >= h] if len(h) else []
+        real = [s >> margin * np.eye(4) for s in bodies]
+        self._problem = cp.Problem(cp.Minimize(cost), real + self._limits)
+
+    def solve(self, strength: float) -> ConicAnswer:
+        """Solves at PRECISION; where the solver does not get there, once more at its own default."""
+        self._strength.value = strength
+        answer = self._solve(tol_gap_abs=PRECISION, tol_gap_rel=PRECISION, tol_feas=PRECISION)
+        if answer.status in ("optimal", "infeasible"):
+            return answer
+        again = self._solve()
+        return again if again.status == "optimal" or answer.u is None else answer
+
+    def _solve(self, **settings: float) -> ConicAnswer:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what cvxpy warns of is in the status
+            try:
+                self._problem.solve(solver="CLARABEL", max_iter=ITERATIONS, **settings)
+            except _cvxpy().SolverError as error:
+                return ConicAnswer(None, np.zeros(0), f"failed: {error}", np.nan, 0, 0.0)
+        value, stats = self._u.value, self._problem.solver_stats
+        usable = value is not None and bool(np.all(np.isfinite(value)))
+        multipliers = [np.maximum(limit.dual_value, 0.0) for limit in self._limits if usable]
+        return ConicAnswer(
+            u=np.asarray(value, dtype=float) if usable else None,
+            multipliers=np.concatenate([np.zeros(0), *multipliers]),
+            status=self._problem.status,
+            objective=float(self._problem.value) if usable else np.nan,
+            iterations=int(stats.num_iters or 0),
+            seconds=float(stats.solve_time or 0.0),
+        )
+
+
+def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, Array], margin: float) -> Array:
+    """By how much each inequality has to give way so that bodies with S_i ⪰ margin · E exist (m,), least sum."""
+    cp = _cvxpy()
+    g, h = inequalities
+    u, short = cp.Variable(len(coordinates.origin)), cp.Variable(len(h), nonneg=True)
+    real = [s >> margin * np.eye(4) for s in _bodies(u, coordinates.n_bodies)]
+    cp.Problem(cp.Minimize(cp.sum(short)), [*real, g @ u + short >= h]).solve(solver="CLARABEL")
+    return np.asarray(short.value, dtype=float)
+
+
+def _bodies(u: Any, n: int) -> list[Any]:
+    """S of the bodies, as expressions of cvxpy."""
+    cp = _cvxpy()
+    to_square = SYMMETRIC.reshape(-1, BODY_PARAMETERS, order="F")
+    parts = (u[BODY_PARAMETERS * i : BODY_PARAMETERS * (i + 1)] for i in range(n))
+    return [cp.reshape(to_square @ s, (4, 4), order="F") for s in parts]
+
+
+def _cvxpy() -> Any:
+    """cvxpy, imported where first used: it takes a second, and graphdyn works without it."""
+    try:
+        import clarabel  # noqa: F401
+        import cvxpy
+    except ImportError as error:
+        raise EstimationFailed(
+            f"physically consistent identification needs cvxpy and Clarabel ({error}); "
+            "install them with: pip install 'graphdyn[identify]'"
+        ) from error
+    return cvxpy

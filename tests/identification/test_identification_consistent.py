@@ -1,0 +1,354 @@
+"""The physically consistent estimators: exact where they must be, real bodies always, and honest about failures."""
+
+import dataclasses
+import subprocess
+import sys
+
+import consistent_data as data
+import cvxpy
+import numpy as np
+import pytest
+import torque_data
+
+from graphdyn import mass_matrix
+from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification import (
+    ConsistentLeastSquares,
+    ConsistentWithPrior,
+    LogCholesky,
+    PhysicalLimits,
+    Prior,
+    Problem,
+    TorqueModel,
+    WeightedLeastSquares,
+)
+from graphdyn.identification.consistent import fit as fitting
+from graphdyn.identification.consistent import semidefinite
+from graphdyn.identification.consistent.coordinates import CLEAREST
+from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
+from graphdyn.identification.terms import Coulomb, KnownBodies, Payload, RigidBodies, Viscous
+from graphdyn.inertia import pseudo_inertia_from_parameters
+
+EXACT = 1e-8
+"""Relative error of every base parameter from data without noise; measured 1e-11."""
+
+POSES = 10_000
+
+ESTIMATORS = [
+    ConsistentLeastSquares(),
+    ConsistentWithPrior(),
+    ConsistentWithPrior("pullback"),
+    ConsistentWithPrior(strength=0.0),
+    LogCholesky(),
+]
+IDS = ["LMI", "entropic", "pullback", "entropic, strength 0", "log-Cholesky"]
+
+
+@pytest.fixture(params=ESTIMATORS, ids=IDS)
+def estimator(request):
+    return request.param
+
+
+def parts_of_prior(torque_model, parameters):
+    """Eigenvalues of P relative to the prior's, smallest of every body (n,)."""
+    bodies = pseudo_inertia_from_parameters(parameters[:60].reshape(-1, 10))
+    prior = pseudo_inertia_from_parameters(torque_model.model.inertial_parameters.reshape(-1, 10))
+    return np.linalg.eigvals(np.linalg.solve(prior, bodies)).real.min(axis=1)
+
+
+def failing(*_, **__):
+    raise cvxpy.SolverError("out of luck")
+
+
+class TestExactData:
+    def test_base_parameters(self, estimator):
+        problem = data.exact_problem()
+        estimate = estimator.estimate(problem)
+        true = problem.base.values(data.true_parameters())
+        assert problem.base.rank == data.RANK
+        assert np.abs(problem.base.values(estimate.parameters) / true - 1).max() <= EXACT
+        assert parts_of_prior(problem.torque_model, estimate.parameters).min() > MARGIN
+
+    def test_covariance_is_that_of_wls(self):
+        estimate = ConsistentLeastSquares().estimate(data.exact_problem())
+        expected = WeightedLeastSquares().estimate(data.exact_problem()).covariance
+        assert estimate.remarks == (
+            "consistent parameters are among the best fits: base parameters and their covariance are those of WLS",
+        )
+        assert np.abs(estimate.covariance - expected).max() <= 1e-6 * np.abs(expected).max()
+
+    @pytest.mark.parametrize("metric", ["entropic", "pullback"])
+    def test_what_the_data_leave_open_is_nearest_to_the_prior(self, metric):
+        """At strength 0, no other point among the best fits is nearer."""
+        coordinates, inequalities = data.coordinates(data.exact_problem())
+        problem = ConsistentProblem(coordinates, inequalities, metric=metric)
+        u = np.linalg.solve(coordinates.to_parameters, problem.solve().parameters)
+        distance = fitting.Cost(coordinates, metric, 1.0)
+
+        def far(u):
+            return distance.value(u) - np.sum((coordinates.matrix @ u - coordinates.right) ** 2)
+
+        for direction in np.random.default_rng(0).normal(size=(20, coordinates.null.shape[1])):
+            for step in (1e-3, 1e-2):
+                other = u + step * coordinates.null @ direction
+                inside = inequalities.matrix @ coordinates.to_parameters @ other >= 0
+                assert far(other) > far(u) or not inside.all()
+
+    def test_scaling_of_exact_data(self):
+        assert np.linalg.norm(data.coordinates(data.exact_problem())[0].right) == pytest.approx(CLEAREST)
+
+
+class TestPoorData:
+    def test_the_best_fit_is_no_robot(self):
+        """Else the tests below would show nothing."""
+        problem = data.poor_problem()
+        wls = WeightedLeastSquares().estimate(problem).parameters
+        assert parts_of_prior(problem.torque_model, wls).min() < -1.0
+
+    def test_bodies_are_real_and_the_mass_matrix_positive_definite(self, estimator):
+        problem = data.poor_problem()
+        estimate = estimator.estimate(problem)
+        robot = problem.torque_model.model.with_inertial_parameters(estimate.parameters[:60])
+        assert all(body.consistent for body in robot.physical_consistency())
+        assert parts_of_prior(problem.torque_model, estimate.parameters).min() >= fitting.KEPT * MARGIN
+        assert estimate.parameters[60:].min() >= -1e-9  # friction and rotors
+        q, _ = robot.random_state(np.random.default_rng(0), POSES)
+        assert np.count_nonzero(np.linalg.eigvalsh(mass_matrix(robot, q))[:, 0] > 0) == POSES
+        assert estimate.covariance is None
+        assert "no best fit is consistent, or the prior counts" in estimate.remarks[-1]
+
+    @pytest.mark.parametrize("seed", range(4))
+    def test_predicts_better(self, seed):
+        """Projection on a convex set that holds the truth brings nearer to it; a fair prior nearer still."""
+        problem = data.poor_problem(seed)
+        wls, consistent, entropic = (
+            data.prediction_error(method.estimate(problem).parameters)
+            for method in (WeightedLeastSquares(), ConsistentLeastSquares(), ConsistentWithPrior(strength=10.0))
+        )
+        assert consistent < wls
+        assert entropic < consistent
+
+    @pytest.mark.parametrize("seed", range(4))
+    def test_nearer_in_the_metric_of_the_data(self, seed):
+        """‖A (u - u_true)‖ of the constrained fit is at most that of the unconstrained one, whatever the noise."""
+        coordinates, inequalities = data.coordinates(data.poor_problem(seed))
+        true = np.linalg.solve(coordinates.to_parameters, data.true_parameters())
+        fit = ConsistentProblem(coordinates, inequalities, metric="pullback").solve()
+        u = np.linalg.solve(coordinates.to_parameters, fit.parameters)
+        assert not fit.best_fit
+        assert np.linalg.norm(coordinates.matrix @ (u - true)) < np.linalg.norm(
+            coordinates.matrix @ (coordinates.fitting - true)
+        )
+
+    @pytest.mark.parametrize("metric", ["entropic", "pullback"])
+    def test_strength_leads_from_the_data_to_the_prior(self, metric):
+        coordinates, inequalities = data.coordinates(data.poor_problem())
+        problem = ConsistentProblem(coordinates, inequalities, metric=metric)
+        fits = [problem.solve(strength) for strength in (0.1, 10.0, 1e3, 1e6)]
+        excess = [fit.excess for fit in fits]
+        assert excess == sorted(excess)
+        far = [np.abs(np.linalg.solve(coordinates.to_parameters, f.parameters) - coordinates.origin)[:60] for f in fits]
+        assert far[-1].max() < far[0].max() / 10
+        assert all(fit.suboptimality < 1e-3 * fit.answer.objective for fit in fits)
+
+    def test_cross_validation_chooses_between_the_ends(self):
+        problem = Problem(data.torque_model(), data.noisy(100, 0, 20.0, 0.15), n_blocks=3)
+        method = ConsistentWithPrior("pullback", strengths=(0.0, 1.0, 10.0, 1e6))
+        assert method.estimate(problem).settings["strength"] in (1.0, 10.0)
+
+    def test_link_frames_do_not_matter(self):
+        """The prior in other units of the columns: the same minimum, with R and x scaled against each other."""
+        coordinates, inequalities = data.coordinates(data.poor_problem())
+        reference = ConsistentProblem(coordinates, inequalities, metric="entropic").solve(1.0)
+        turn = np.linalg.qr(np.random.default_rng(0).normal(size=(4, 4)))[0]  # another factor of the same prior: U₀ Q
+        basis = np.einsum("ai,ijk,bj->kab", turn, semidefinite.SYMMETRIC, turn)
+        rotation = np.einsum("kab,abl->lk", basis, semidefinite.SYMMETRIC)
+        turned = np.eye(len(coordinates.origin))
+        turned[:60, :60] = np.kron(np.eye(6), rotation)
+        other = dataclasses.replace(
+            coordinates,
+            to_parameters=coordinates.to_parameters @ turned,
+            matrix=coordinates.matrix @ turned,
+            fitting=turned.T @ coordinates.fitting,
+            null=turned.T @ coordinates.null,
+        )
+        fit = ConsistentProblem(other, inequalities, metric="entropic").solve(1.0)
+        assert np.abs(fit.parameters - reference.parameters).max() < 1e-6 * np.abs(reference.parameters).max()
+
+
+class TestLimits:
+    def masses(self, limits):
+        estimate = ConsistentLeastSquares(limits).estimate(data.poor_problem())
+        return estimate.parameters[0:60:10], estimate.parameters[:60].reshape(6, 10)
+
+    def test_mass_and_center(self):
+        free, bodies = self.masses(PhysicalLimits())
+        low, high = free[3] * 1.5, free[3] * 2
+        box = bodies[2, 1:4] / bodies[2, 0] + np.array([[0.05, 0.05, 0.05], [0.2, 0.2, 0.2]])
+        limits = PhysicalLimits(
+            mass={"B4": (low, high), "B6": (0, np.inf)}, center={"B3": box}, total_mass=(0.0, free.sum() * 0.9)
+        )
+        masses, bodies = self.masses(limits)
+        assert low * (1 - 1e-6) <= masses[3] <= high
+        assert masses.sum() <= free.sum() * 0.9 * (1 + 1e-6)
+        center = bodies[2, 1:4] / bodies[2, 0]
+        assert np.all(center >= box[0] - 1e-5)
+        assert np.all(center <= box[1] + 1e-5)
+
+    def test_contradiction_names_the_limits(self):
+        limits = PhysicalLimits(mass={"B2": (30.0, 60.0), "B5": (1.0, 2.0)}, total_mass=(0.0, 25.0))
+        with pytest.raises(EstimationFailed) as caught:
+            ConsistentLeastSquares(limits).estimate(data.poor_problem())
+        assert "no bodies with at least 0.0001 of the prior inertia keep all limits; relax" in str(caught.value)
+        assert "total mass ≤ 25 kg" in str(caught.value) or "mass of 'B2' ≥ 30 kg" in str(caught.value)
+        assert "B5" not in str(caught.value)
+
+    @pytest.mark.parametrize(
+        ("limits", "message"),
+        [
+            (PhysicalLimits(mass={"B9": (0, 1)}), "mass limits of 'B9', which is no unknown body; known: B1, B2"),
+            (PhysicalLimits(center={"B9": np.zeros((2, 3))}), "center limits of 'B9', which is no unknown body"),
+            (PhysicalLimits(mass={"B1": (2, 1)}), "mass of 'B1': the lower limit 2.0 is above the upper limit 1.0 kg"),
+            (PhysicalLimits(mass={"B1": 3.0}), r"limits of the mass of 'B1' are 3.0; \[lower, upper\] of shape \(2,\)"),
+            (PhysicalLimits(total_mass=(np.nan, 1)), r"limits of the total mass are \[nan, 1.0\]"),
+            (PhysicalLimits(center={"B1": [[1, 0, 0], [0, 0, 0]]}), "center of mass of 'B1': the lower limit"),
+        ],
+    )
+    def test_senseless(self, limits, message):
+        with pytest.raises(InvalidInput, match=message):
+            ConsistentLeastSquares(limits).estimate(data.poor_problem())
+
+
+class TestBodies:
+    def test_unknown_payload(self):
+        """It is a body of its own: real, limited by name; only its sum with the carrier shows in the data."""
+        model = TorqueModel(torque_data.robot(), (RigidBodies(), Payload(), Viscous(), Coulomb()))
+        samples = data.exact(200, 3)
+        problem = Problem(model, samples)
+        limits = PhysicalLimits(mass={"payload": (0.0, 4.0)})
+        x = ConsistentLeastSquares(limits).estimate(problem).parameters
+        payload = pseudo_inertia_from_parameters(x[60:70])
+        assert np.linalg.eigvalsh(payload)[0] > 0
+        assert 0 < x[60] <= 4.0 * (1 + 1e-6)
+
+    def test_no_unknown_body(self):
+        problem = Problem(
+            TorqueModel(torque_data.robot(), (Viscous(), Coulomb()), known=(KnownBodies(),)), data.exact(200, 3)
+        )
+        with pytest.raises(EstimationFailed, match="no body is unknown in this torque model: there is nothing to keep"):
+            ConsistentLeastSquares().estimate(problem)
+
+    def test_unreal_prior_is_told(self):
+        mean = data.torque_model().prior()
+        mean[34:40] = 0.0
+        estimate = ConsistentLeastSquares(prior=Prior(mean, np.ones_like(mean))).estimate(data.exact_problem())
+        assert estimate.remarks[0] == "no real body has the prior inertia of B4; it was made heavier or thicker"
+
+
+class TestSolver:
+    @pytest.fixture
+    def poor(self):
+        return data.coordinates(data.poor_problem())
+
+    def answering(self, monkeypatch, poor, status, shift):
+        """The solver's answer, moved and given another status."""
+        coordinates, inequalities = poor
+        real = semidefinite.SemidefiniteProgram.solve
+
+        def solve(program, strength):
+            answer = real(program, strength)
+            return dataclasses.replace(answer, u=answer.u + shift, status=status) if answer.u is not None else answer
+
+        monkeypatch.setattr(semidefinite.SemidefiniteProgram, "solve", solve)
+        monkeypatch.setattr(fitting, "polished", lambda cost, u, multipliers, *_: (u, multipliers))
+        return ConsistentProblem(coordinates, inequalities, metric="pullback")
+
+    def test_inaccurate_but_good_is_accepted_and_told(self, monkeypatch, poor):
+        self.answering(monkeypatch, poor, "optimal_inaccurate", 0.0)
+        remarks = ConsistentLeastSquares().estimate(data.poor_problem()).remarks
+        assert remarks[0].startswith(
+            "Clarabel stopped with 'optimal_inaccurate'; the answer passed the checks: its cost"
+        )
+        assert "above the minimum, every body keeps 0.0001 of its prior" in remarks[0]
+
+    @pytest.mark.parametrize("status", ["optimal", "optimal_inaccurate"])
+    def test_bad_is_refused_whatever_the_status(self, monkeypatch, poor, status):
+        problem = self.answering(monkeypatch, poor, status, 0.05)
+        with pytest.raises(EstimationFailed, match=rf"Clarabel's answer \({status}\) is not good enough: .*its cost"):
+            problem.solve(1.0)
+
+    def test_outside_is_refused(self, monkeypatch, poor):
+        problem = self.answering(monkeypatch, poor, "optimal", -3.0 * poor[0].origin)
+        with pytest.raises(EstimationFailed, match="body 1 has eigenvalue -"):
+            problem.solve(1.0)
+
+    def test_violated_limit_is_named(self, monkeypatch, poor):
+        shift = np.zeros(78)
+        shift[60] = -1.0
+        problem = self.answering(monkeypatch, poor, "optimal", shift)
+        with pytest.raises(EstimationFailed, match="O1 viscous friction ≥ 0 is violated"):
+            problem.solve(1.0)
+
+    def test_no_answer(self, monkeypatch, poor):
+        monkeypatch.setattr(cvxpy.Problem, "solve", failing)
+        with pytest.raises(EstimationFailed, match="Clarabel gives no answer: failed: out of luck"):
+            ConsistentProblem(*poor, metric="entropic").solve(1.0)
+
+    def test_newton_finishes_what_the_solver_began(self, monkeypatch, poor):
+        full = ConsistentProblem(*poor, metric="entropic").solve(1.0)
+        monkeypatch.setattr(semidefinite, "ITERATIONS", 6)
+        early = ConsistentProblem(*poor, metric="entropic").solve(1.0)
+        assert early.answer.status != "optimal"
+        assert np.abs(early.parameters - full.parameters).max() < 1e-6 * np.abs(full.parameters).max()
+
+    def test_missing_library(self, monkeypatch, poor):
+        monkeypatch.setitem(sys.modules, "cvxpy", None)
+        with pytest.raises(EstimationFailed, match=r"needs cvxpy and Clarabel .*pip install 'graphdyn\[identify\]'"):
+            ConsistentProblem(*poor, metric="entropic").solve(1.0)
+
+    def test_imported_only_where_used(self):
+        code = (
+            "import sys, graphdyn.identification; sys.exit('cvxpy' in sys.modules or 'scipy.optimize' in sys.modules)"
+        )
+        assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+class TestCrossValidation:
+    def test_needs_two_blocks(self):
+        problem = Problem(data.torque_model(), data.noisy(100, 0, 20.0, 0.15), n_blocks=1)
+        with pytest.raises(
+            EstimationFailed, match="cross-validation needs two time blocks, there is 1; give a strength"
+        ):
+            ConsistentWithPrior().estimate(problem)
+
+    def test_failed_fits_are_told_and_left_out(self, monkeypatch):
+        real = ConsistentProblem.solve
+        calls = []
+
+        def solve(problem, strength=0.0):
+            calls.append(strength)
+            if strength == 1.0 and len(calls) < 3:
+                raise EstimationFailed("as asked")
+            return real(problem, strength)
+
+        monkeypatch.setattr(ConsistentProblem, "solve", solve)
+        estimate = ConsistentWithPrior("pullback", strengths=(1.0, 10.0)).estimate(data.poor_problem())
+        assert estimate.settings["strength"] == 10.0
+        assert estimate.remarks[:2] == (
+            "the strongest prior tried (10) predicts best; the data add little",
+            "cross-validation left out 1 of 8 fits that failed; the first: strength 1, without time block 1: as asked",
+        )
+
+    def test_all_failed(self, monkeypatch):
+        monkeypatch.setattr(cvxpy.Problem, "solve", failing)
+        with pytest.raises(EstimationFailed, match="every strength fails in some time block; strength 1, without time"):
+            ConsistentWithPrior(strengths=(1.0, 10.0)).estimate(data.poor_problem())
+
+    @pytest.mark.parametrize("strengths", [(), (-1.0, 1.0), (1.0, 1.0), (2.0, 1.0), (np.nan,)])
+    def test_senseless_strengths(self, strengths):
+        with pytest.raises(InvalidInput, match=r"strengths are \[.*\]; increasing numbers ≥ 0 needed"):
+            ConsistentWithPrior(strengths=strengths)
+
+    def test_senseless_metric(self):
+        with pytest.raises(InvalidInput, match="metric is 'riemannian'; use 'entropic' or 'pullback'"):
+            ConsistentWithPrior(metric="riemannian")
