@@ -159,6 +159,20 @@ def test_encodings_that_pinocchio_refuses(written, encoding):
     assert refuses(path)
 
 
+def test_encoding_by_byte_order_mark_alone(written):
+    path = written(CLEAN.encode("utf-16"))
+    assert messages(path, "other-encoding") == [f"the text is encoded in UTF-16. {REFUSED}"]
+    assert refuses(path)
+
+
+@pytest.mark.parametrize("encoding", ["UTF-16", "ISO-8859-1"])
+def test_the_declared_encoding_of_a_text_says_nothing(encoding):
+    text = changed("<robot", f'<?xml version="1.0" encoding="{encoding}"?><robot', '"0 0 1"', '"0\t0 1"')
+    report = urdf.inspect(text.replace('"tool"', '"töol"'))
+    assert "other-encoding" not in report.codes
+    assert "number-spacing" in report.codes
+
+
 def test_encoding_that_pinocchio_takes_for_utf_8(written):
     path = written(encoded("iso-8859-1"))
     (message,) = messages(path, "other-encoding")

@@ -79,7 +79,7 @@ def _encoding(document: Document) -> Iterator[Finding]:
             "other-encoding",
             "warning",
             1,
-            f"the text is encoded in {encoding}. Pinocchio refuses the file",
+            f"the text is encoded in {'UTF-16' if encoding == 'UTF-8' else encoding}. Pinocchio refuses the file",
             "save it in UTF-8",
         )
     elif encoding.upper() not in ("UTF-8", "ASCII", "US-ASCII") and not document.content.isascii():
@@ -117,7 +117,9 @@ def _verbatim(document: Document) -> etree._Element:
     content = _VALUE.sub(lambda value: re.sub(rb"[\t\n\r]", lambda blank: _KEPT[blank[0]], value[0]), document.content)
     if content == document.content:
         return document.robot
-    return etree.fromstring(content, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
+    encoding = document.robot.getroottree().docinfo.encoding  # not always the one that is declared
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, encoding=encoding)
+    return etree.fromstring(content, parser)
 
 
 def _parts(element: etree._Element, written: etree._Element) -> Iterator[tuple[etree._Element, etree._Element]]:

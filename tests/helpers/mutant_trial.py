@@ -1,0 +1,188 @@
+"""One file through inspect, load and Pinocchio: nothing may be raised, contradictory, or different without a word."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from mends import MENDS, NEW_NAME, mended
+
+import urdf
+from crosscheck.pinocchio_model import GROUND, PinocchioModel, PinocchioRefuses
+from crosscheck.quantities import BY_NAME, frame_errors, passive_errors
+from crosscheck.states import Case
+from graphdyn import Placement, RobotModel, kr500
+
+OUTCOMES = ("refused", "agrees", "kinematics only", "explained", "unexpected")
+
+KR500 = kr500()
+
+STATES = 3
+"""Random states per file; one wrong number shows at any of them."""
+
+WARNINGS = {
+    urdf.MissingInertialWarning: "missing-inertial",
+    urdf.AxisNotNormalizedWarning: "axis-not-normalised",
+    urdf.MimicJointWarning: "mimic-joint",
+}
+"""What load warns of, and the finding that must say the same."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of a file. codes: of the refusal, or of the findings that explain; detail: of the unexpected."""
+
+    outcome: str
+    codes: tuple[str, ...] = ()
+    detail: str = ""
+
+
+class Unexpected(Exception):
+    """A fault of this project."""
+
+
+def trial(path: Path) -> Trial:
+    """Inspect, load and compare one file."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return _trial(path)
+    except Unexpected as fault:
+        return Trial("unexpected", detail=str(fault))
+    except Exception as error:
+        return Trial("unexpected", detail=f"{type(error).__name__}: {error} {_place(error)}")
+
+
+def _trial(path: Path) -> Trial:
+    with _quiet("the inspection"):
+        report = urdf.inspect(path)
+    model, refusal, said = _loaded(path)
+    errors = [finding for finding in report.findings if finding.severity == "error"]
+    if refusal is not None:
+        if not any((e.code, e.line, e.element) == (refusal.code, refusal.line, refusal.element) for e in errors):
+            raise Unexpected(f"load refuses ({refusal}), inspect says {[e.code for e in errors]}")
+        _check_claims(path, errors)
+        return Trial("refused", (refusal.code,))
+    assert model is not None
+    if errors:
+        raise Unexpected(f"load accepts what inspect refuses: {report.reasons}")
+    if said ^ (set(WARNINGS.values()) & set(report.codes)):
+        raise Unexpected(f"load warns of {said}, inspect finds {report.codes}")
+    return _compared(path, model, report)
+
+
+CLAIMS = ("Pinocchio refuses the file", "Pinocchio and yourdfpy refuse the file")
+
+
+def _check_claims(path: Path, errors: list[urdf.Finding]) -> None:
+    """Where an error says that Pinocchio refuses the file too, it does."""
+    claims = [error.text for error in errors if any(claim in error.message for claim in CLAIMS)]
+    if claims and _is_built(path):
+        raise Unexpected(f"Pinocchio loads the file, though: {claims}")
+
+
+def _is_built(path: Path) -> bool:
+    with _captured():
+        try:
+            PinocchioModel.from_urdf(path, KR500, {})
+        except PinocchioRefuses as refusal:
+            return "other joints" in str(refusal) or GROUND in str(refusal)
+    return True
+
+
+def _loaded(path: Path) -> tuple[RobotModel | None, urdf.URDFError | None, set[str]]:
+    with _quiet("load"), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("error")
+        for kind in WARNINGS:
+            warnings.simplefilter("always", kind)
+        try:
+            model = urdf.load(path)
+        except urdf.URDFError as error:
+            return None, error, set()
+    return model, None, {WARNINGS[warning.category] for warning in caught}  # type: ignore[index]
+
+
+def _compared(path: Path, model: RobotModel, report: urdf.Report) -> Trial:
+    different = _difference(path, model)
+    if different is None:
+        return Trial("kinematics only" if report.verdict == "kinematics only" else "agrees")
+    explaining = [finding for finding in report.findings if finding.severity == "warning"]
+    codes = tuple(dict.fromkeys(finding.code for finding in explaining if finding.code in MENDS))
+    content = mended(path.read_bytes(), explaining)
+    if content is None:
+        raise Unexpected(f"without a finding: {different}; findings {report.codes}")
+    again = path.with_suffix(".mended")
+    again.write_bytes(content)
+    joints = (replace(j, name=NEW_NAME) if j.name == GROUND else j for j in model.joints)
+    still = _difference(again, replace(model, joints=tuple(joints)))
+    if still is not None:
+        raise Unexpected(f"{different}, not explained by {codes}: {still} also when that is mended")
+    return Trial("explained", codes)
+
+
+def _difference(path: Path, model: RobotModel) -> str | None:
+    """What Pinocchio makes of the file that this model of it does not say."""
+    with _captured() as written:
+        try:
+            referee = PinocchioModel.from_urdf(path, model, {})
+            with np.errstate(all="ignore"):
+                wrong = _wrong(model, referee)
+        except PinocchioRefuses as refusal:
+            return str(refusal)
+    return f"{wrong}, Pinocchio wrote {written}" if wrong else None
+
+
+def _wrong(model: RobotModel, referee: PinocchioModel) -> dict[str, float]:
+    """The quantities that miss their bound, and how far off they are."""
+    rng = np.random.default_rng(0)
+    q, v = model.random_state(rng, STATES)
+    a, tau = rng.uniform(-10, 10, (2, *q.shape))
+    wrenches = rng.normal(size=(*q.shape, 6))
+    case = Case("random", model, Placement(), q, v, a, tau, wrenches)
+    turned = referee.turned(case.turn, model.gravity)
+    errors = passive_errors(case, turned.evaluate(q, v, a, tau, wrenches))
+    if model.frames:
+        errors |= frame_errors(case, turned)
+    worst = {name: float(np.where(np.isnan(x), np.inf, x).max()) for name, x in errors.items()}
+    return {name: error for name, error in worst.items() if error > BY_NAME[name].tolerance.bound}
+
+
+def _place(error: BaseException) -> str:
+    """File and line where it was raised."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    return "" if trace is None else f"({trace.tb_frame.f_code.co_filename}:{trace.tb_lineno})"
+
+
+@contextmanager
+def _quiet(who: str) -> Iterator[None]:
+    """Writing to standard output or error, from Python or C++, is a fault."""
+    with _captured() as written:
+        yield
+    if written:
+        raise Unexpected(f"{who} writes {written}")
+
+
+@contextmanager
+def _captured() -> Iterator[list[str]]:
+    """Keeps what is written to standard output and error; at the end the list holds its lines."""
+    written: list[str] = []
+    kept = [os.dup(number) for number in (1, 2)]
+    with tempfile.TemporaryFile() as file:
+        for number in (1, 2):
+            os.dup2(file.fileno(), number)
+        try:
+            yield written
+        finally:
+            for number, copy in zip((1, 2), kept, strict=True):
+                os.dup2(copy, number)
+                os.close(copy)
+            file.seek(0)
+            written += file.read().decode(errors="replace").splitlines()

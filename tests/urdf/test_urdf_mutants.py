@@ -1,0 +1,123 @@
+"""Mutants of robot files: nothing crashes, hangs, contradicts itself, or differs from Pinocchio without a finding.
+
+Some hundred mutants, or as many as GRAPHDYN_MUTANTS says, of the seed GRAPHDYN_MUTANTS_SEED. The table of a long run:
+`python tests/helpers/mutant_run.py 20000 --seed 1`.
+"""
+
+import os
+
+import mutant_run
+import mutant_trial
+import numpy as np
+import pytest
+from inspection_cases import CLEAN, changed
+from mutant_run import Result, run, table, unexpected
+from mutant_trial import Trial, trial
+from mutants import mutant
+
+import urdf
+from urdf.inspection import inspecting
+
+MANY = int(os.environ.get("GRAPHDYN_MUTANTS", "250"))
+SEED = int(os.environ.get("GRAPHDYN_MUTANTS_SEED", "0"))
+
+
+def test_mutants():
+    results = run(SEED, range(MANY), os.cpu_count() or 1)
+    assert len(results) == MANY
+    assert unexpected(results) == []
+    outcomes = {result.trial.outcome for result in results}
+    assert {"refused", "agrees", "kinematics only", "explained"} <= outcomes, table(results)
+
+
+def test_a_mutant_is_known_by_its_number():
+    assert [mutant(3, k) for k in range(20)] == [mutant(3, k) for k in range(20)]
+    assert len({mutant(3, k).content for k in range(50)}) > 40
+    assert mutant(3, 0) != mutant(4, 0)
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text):
+        path = tmp_path / "arm.urdf"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+class TestTheTrialCanFail:
+    """A fault planted in what is tried shows."""
+
+    def expect(self, path, message):
+        found = trial(path)
+        assert found.outcome == "unexpected"
+        assert message in found.detail
+
+    def test_clean(self, written):
+        assert trial(written(CLEAN)) == Trial("agrees")
+
+    def test_foreign_error(self, written, monkeypatch):
+        monkeypatch.setattr(urdf, "inspect", lambda path: {}["finding"])
+        self.expect(written(CLEAN), "KeyError: 'finding'")
+
+    def test_warning_of_numpy(self, written, monkeypatch):
+        monkeypatch.setattr(urdf, "load", lambda path: np.ones(1) / np.zeros(1))
+        self.expect(written(CLEAN), "RuntimeWarning: divide by zero")
+
+    def test_output(self, written, monkeypatch):
+        monkeypatch.setattr(urdf, "inspect", lambda path: os.write(2, b"from C\n"))
+        self.expect(written(CLEAN), "the inspection writes ['from C']")
+
+    def test_load_refuses_what_inspect_accepts(self, written, monkeypatch):
+        report = urdf.inspect(written(CLEAN))
+        monkeypatch.setattr(urdf, "inspect", lambda path: report)
+        self.expect(written(changed('value="2.5"', 'value="-2.5"')), "load refuses")
+
+    def test_load_accepts_what_inspect_refuses(self, written, monkeypatch):
+        model = urdf.load(written(CLEAN))
+        monkeypatch.setattr(urdf, "load", lambda path: model)
+        self.expect(written(changed('value="2.5"', 'value="x"')), "load accepts what inspect refuses")
+
+    def test_warning_without_finding(self, written, monkeypatch):
+        monkeypatch.setattr(inspecting, "link_findings", lambda structure: iter(()))
+        self.expect(written(changed("<inertial>", "<mass>", "</inertial>", "</mass>")), "load warns of")
+
+    def test_other_number(self, written, monkeypatch):
+        model = urdf.load(written(changed('xyz="0 0 0.4"', 'xyz="0 0 0.400000001"')))
+        monkeypatch.setattr(urdf, "load", lambda path: model)
+        self.expect(written(CLEAN), "without a finding: {'link_twist'")
+
+    def test_other_number_beside_a_finding_that_explains_another(self, written, monkeypatch):
+        model = urdf.load(written(changed('xyz="0 0 0.4"', 'xyz="0 0 0.400000001"')))
+        monkeypatch.setattr(urdf, "load", lambda path: model)
+        path = written(changed('value="2.5"', 'value="2.5 "'))
+        self.expect(path, "not explained by ('number-spacing',): {'link_twist'")
+
+    def test_refusal_of_pinocchio(self, written, monkeypatch):
+        monkeypatch.setattr(inspecting, "reader_findings", lambda document: iter(()))
+        self.expect(written(changed('lower="-1"', 'lower="-1 "')), "without a finding: Pinocchio cannot read")
+
+    def test_false_claim(self, written, monkeypatch):
+        path = written(changed('value="2.5"', 'value="-2.5"'))
+        report = urdf.inspect(path)
+        finding = report.findings[0]
+        claims = type(finding)(finding.code, "error", finding.element, finding.line, mutant_trial.CLAIMS[0], "")
+        monkeypatch.setattr(urdf, "inspect", lambda path: type(report)("", "", (claims,)))
+        self.expect(path, "Pinocchio loads the file, though")
+
+
+def test_a_process_that_ends_is_unexpected_and_the_rest_goes_on(monkeypatch):
+    monkeypatch.setattr(mutant_run, "_work", _ends_at_two)
+    results = run(0, range(4), 1)
+    assert [result.number for result in results] == [0, 1, 2, 3]
+    assert unexpected(results) == [
+        f"mutant 2 ({', '.join(mutant(0, 2).kinds)}): its process ended, or it took longer than 20 s"
+    ]
+
+
+def _ends_at_two(seed, numbers, connection):
+    for number in numbers:
+        if number == 2:
+            os._exit(1)
+        connection.send(Result(number, (), Trial("agrees")))
