@@ -74,7 +74,7 @@ def compare(
             native = PinocchioModel.from_urdf(Path(compared.file), model, compared.locked, cut=chain is not None)
             referees = {"urdf": native, **referees}
         except PinocchioRefuses as refusal:
-            notes.append(f"route 'urdf' not taken: {refusal}")
+            notes += [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
 
     record = _Record()
     reason = _why_not_forward(model)
@@ -115,6 +115,9 @@ def compare(
             skipped["base_parameters"] = "no body has mass: kinematics only"
             notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
     assert record.conditioning is not None
+    quantities = record.results()
+    if not all(quantity.agrees for quantity in quantities.values()):
+        notes += [note for referee in referees.values() for note in _reader_wrote(referee.said)]
     return Comparison(
         robot=compared.name,
         file=compared.file,
@@ -126,7 +129,7 @@ def compare(
         locked=compared.locked,
         chain=compared.chain,
         routes=tuple(referees),
-        quantities=record.results(),
+        quantities=quantities,
         not_compared=skipped,
         conditioning=record.conditioning,
         identification=identification,
@@ -140,6 +143,10 @@ def assert_agrees(robot: Robot, samples: int = 1000, seed: int = 0, **options: o
     if not comparison.agrees:
         raise Disagreement(comparison)
     return comparison
+
+
+def _reader_wrote(said: Iterable[str]) -> list[str]:
+    return [f"Pinocchio's reader wrote: {line}" for line in said]
 
 
 def _chunks(case: Case) -> Iterable[Case]:

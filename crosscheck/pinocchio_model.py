@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from crosscheck.referee_values import CarriedValues, RefereeValues
+from crosscheck.standard_error import kept_standard_error
 from graphdyn import BaseMotion, Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_columns
 from urdf.opening import content_of
@@ -25,11 +26,23 @@ GROUND = "universe"
 
 
 class PinocchioRefuses(GraphDynError, ValueError):
-    """Pinocchio cannot build this file, or builds a robot with other joints."""
+    """Pinocchio cannot build this file, or builds a robot with other joints or links.
+
+    said: what its reader wrote about the file
+    """
+
+    def __init__(self, problem: str, said: tuple[str, ...] = ()):
+        self.said = said
+        super().__init__(problem)
 
 
 class PinocchioModel:
-    """One robot in Pinocchio, driven with graphdyn's joint order and plain joint angles."""
+    """One robot in Pinocchio, driven with graphdyn's joint order and plain joint angles.
+
+    said: what Pinocchio's reader wrote about a file that it made do with
+    """
+
+    said: tuple[str, ...] = ()
 
     def __init__(self, native: pin.Model, model: RobotModel):
         self._native, self._model = native, model
@@ -54,19 +67,31 @@ class PinocchioModel:
     def from_urdf(cls, path: Path, model: RobotModel, lock: Mapping[str, float], cut: bool = False) -> PinocchioModel:
         """Pinocchio's own reading of the file, with joints locked as in urdf.load. Raises PinocchioRefuses.
 
+        What the reader writes to standard error is kept from it.
+
         A .xacro file is expanded. cut: the model is a chain; all other joints are locked, its base link is the ground.
         """
-        try:
-            xacro = path.suffix.lower() == ".xacro"
-            native = pin.buildModelFromXML(content_of(path).decode()) if xacro else pin.buildModelFromUrdf(str(path))
-            others = set(native.names[1:]) - set(model.joint_names) if cut else set()
-            native = _held(native, dict.fromkeys(others, 0.0) | dict(lock))
-        except Exception as error:  # Pinocchio raises bare C++ exceptions of several types
-            raise PinocchioRefuses(f"Pinocchio cannot read {path}: {str(error).strip()}") from error
-        if not cut:
-            return cls(native, model)
-        there = native.frames[native.getFrameId(model.base_name, pin.BODY)].placement
-        return cls(native, model).turned(Placement(there.rotation, there.translation).inverse(), model.gravity)
+        problem = None
+        with kept_standard_error() as written:
+            try:
+                xacro = path.suffix.lower() == ".xacro"
+                native = (
+                    pin.buildModelFromXML(content_of(path).decode()) if xacro else pin.buildModelFromUrdf(str(path))
+                )
+                others = set(native.names[1:]) - set(model.joint_names) if cut else set()
+                native = _held(native, dict.fromkeys(others, 0.0) | dict(lock))
+            except Exception as error:  # Pinocchio raises bare C++ exceptions of several types
+                problem = error
+        said = tuple(" ".join(line.split()) for line in written if line.startswith("Error"))
+        if problem is not None:
+            raise PinocchioRefuses(f"Pinocchio cannot read {path}: {str(problem).strip()}", said) from problem
+        referee = cls(native, model)
+        referee._frame_ids([frame.name for frame in model.frames])
+        if cut:
+            there = native.frames[native.getFrameId(model.base_name, pin.BODY)].placement
+            referee = referee.turned(Placement(there.rotation, there.translation).inverse(), model.gravity)
+        referee.said = said
+        return referee
 
     @classmethod
     def from_model(cls, model: RobotModel) -> PinocchioModel:
@@ -134,10 +159,7 @@ class PinocchioModel:
 
     def frame_placements(self, q: Array, names: Sequence[str]) -> tuple[Array, Array]:
         """Rotations (N, m, 3, 3) and positions (N, m, 3) of links by name. Raises PinocchioRefuses if unknown."""
-        unknown = [name for name in names if not self._native.existFrame(name, pin.BODY)]
-        if unknown:
-            raise PinocchioRefuses(f"Pinocchio has no link '{unknown[0]}'")
-        ids = [self._native.getFrameId(name, pin.BODY) for name in names]
+        ids = self._frame_ids(names)
         rotations, positions = [], []
         for row in q:
             pin.framesForwardKinematics(self._native, self._data, self.configuration(row))
@@ -145,6 +167,12 @@ class PinocchioModel:
             rotations.append(np.array([self._data.oMf[k].rotation for k in ids]))
             positions.append(np.array([self._data.oMf[k].translation for k in ids]))
         return np.array(rotations), np.array(positions)
+
+    def _frame_ids(self, names: Sequence[str]) -> list[int]:
+        unknown = [name for name in names if not self._native.existFrame(name, pin.BODY)]
+        if unknown:
+            raise PinocchioRefuses(f"Pinocchio has no link '{unknown[0]}'")
+        return [self._native.getFrameId(name, pin.BODY) for name in names]
 
     def configuration(self, q: Array) -> Array:
         """Pinocchio's q (nq,) of one state: continuous joints as (cos, sin), others as they are."""

@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -45,7 +41,7 @@ class Outcome:
 def examine(task: Task) -> Outcome:
     """Compare one robot. Warnings go into the notes, and every error into the outcome."""
     try:
-        with warnings.catch_warnings(record=True) as caught, _standard_error() as written:
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             comparison = comparing.compare(task.robot, task.samples, task.seed)
     except (GraphDynError, OSError) as error:
@@ -53,24 +49,6 @@ def examine(task: Task) -> Outcome:
     except Exception as error:
         return Outcome(task.robot, failure=f"the comparison failed: {type(error).__name__}: {error}; report it")
     notes = [*comparison.notes, *(str(warning.message).removeprefix(f"{task.robot}: ") for warning in caught)]
-    if "urdf" not in comparison.routes:
-        notes += [f"Pinocchio's reader wrote: {line}" for line in written if line.startswith("Error")]
     comparison = replace(comparison, notes=tuple(notes))
     wanted = task.details == "all" or (task.details == "disagreeing" and not comparison.agrees)
     return Outcome(task.robot, as_json(comparison), None, comparison if wanted else None)
-
-
-@contextmanager
-def _standard_error() -> Iterator[list[str]]:
-    """Keeps what C++ libraries write there; at the end the list holds its lines."""
-    written: list[str] = []
-    kept = os.dup(2)
-    with tempfile.TemporaryFile() as file:
-        os.dup2(file.fileno(), 2)
-        try:
-            yield written
-        finally:
-            os.dup2(kept, 2)
-            os.close(kept)
-            file.seek(0)
-            written += file.read().decode(errors="replace").splitlines()

@@ -1,0 +1,24 @@
+"""What C++ libraries write past Python to standard error."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+@contextmanager
+def kept_standard_error() -> Iterator[list[str]]:
+    """Keeps it from the terminal; at the end the list holds its lines. For the whole process, so keep it short."""
+    written: list[str] = []
+    kept = os.dup(2)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            yield written
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            file.seek(0)
+            written += file.read().decode(errors="replace").splitlines()
