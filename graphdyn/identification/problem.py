@@ -223,7 +223,7 @@ class Problem:
     def _equations(self, samples: Samples) -> Rows:
         if self.progress is not None:
             self.progress(len(samples))
-        matrix = self.torque_model.rows(samples)[..., self.structure.base.independent]
+        matrix = self.torque_model.rows(samples, self.structure.base.independent)
         measured, velocity = np.asarray(samples.tau, dtype=float), np.asarray(samples.v, dtype=float)
         right = measured - self.torque_model.known_torque(samples)
         return Rows(matrix, right, measured, velocity, np.abs(velocity) >= self.min_speed)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.samples import Samples
@@ -49,11 +50,14 @@ class TorqueModel:
         """Name, symbol and unit of every parameter (p,)."""
         return tuple(column for columns in self._columns_of_terms for column in columns)
 
-    def rows(self, samples: Samples) -> Array:
-        """The regressor W (N, n, p) of a short piece."""
-        w = np.empty((*samples.q.shape, len(self.columns)))
-        for term, columns in self._parts:
-            w[..., columns] = term.rows(self.model, samples)
+    def rows(self, samples: Samples, columns: NDArray[np.int64] | None = None) -> Array:
+        """The regressor W (N, n, p) of a short piece, or these columns of it in ascending order."""
+        chosen = np.arange(len(self.columns)) if columns is None else columns
+        w = np.empty((*samples.q.shape, len(chosen)))
+        for term, part in self._parts:
+            first, last = np.searchsorted(chosen, (part.start, part.stop))
+            if first < last:
+                w[..., first:last] = term.rows(self.model, samples)[..., chosen[first:last] - part.start]
         return w
 
     def known_torque(self, samples: Samples) -> Array:
