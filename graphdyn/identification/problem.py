@@ -165,12 +165,9 @@ class Problem:
         """The factors without one time block."""
         return merged([part for k, part in enumerate(self.blocks) if k != block])
 
-    def standard_equations(self, noise: Array, *, without: int | None = None) -> tuple[Array, Array]:
-        """R (r + 1, p), z (r + 1,) in all p parameters x: ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / noise_g².
-
-        without: number of a time block that is left out
-        """
-        r, z = (self.equations if without is None else self.all_but(without)).weighted(noise)
+    def standard_equations(self, noise: Array) -> tuple[Array, Array]:
+        """R (r + 1, p), z (r + 1,) in all p parameters x: ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / noise_g²."""
+        r, z = self.equations.weighted(noise)
         return r @ self.base.matrix, z
 
     def reduced(self, rows: Rows) -> Array:

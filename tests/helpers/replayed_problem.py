@@ -35,7 +35,3 @@ class ReplayedProblem:
 
     def reduced(self, rows):
         return rows.matrix
-
-    def standard_equations(self, noise):
-        r, z = self.equations.weighted(noise)
-        return r @ self.base.matrix, z

@@ -108,8 +108,6 @@ def test_standard_deviations_against_monte_carlo(method, factor):
 
 def test_noise_of_each_joint(estimator, noisy):
     """600 samples: known to 3 %."""
-    if estimator.name == "essential":
-        pytest.skip("the same weights as WLS")
     assert np.abs(estimator.estimate(noisy).noise / torque_data.NOISE - 1).max() <= 0.12
 
 
@@ -314,7 +312,7 @@ class TestRidge:
         problem = Problem(model, Samples(exact.q, exact.v, exact.a, torque))
         prior = model_prior(model)
         r, z = problem.standard_equations(np.ones(2))
-        found = RidgePath.of(r, z, prior).at(1.0)
+        found = RidgePath.of(*problem.equations.weighted(np.ones(2)), problem.base.matrix, prior).at(1.0)
         scale = np.where(np.isfinite(prior.scale), prior.scale, 1.0)
         drawn = np.isfinite(prior.scale)
         rows = np.eye(len(x))[drawn] / prior.scale[drawn, None]
@@ -324,13 +322,24 @@ class TestRidge:
         assert found[:20] == pytest.approx(expected[:20], rel=1e-7, abs=1e-7)
         assert problem.base.values(found) == pytest.approx(problem.base.values(expected), rel=1e-7, abs=1e-7)
 
-    def test_strength_at_the_end(self, noisy):
-        estimate = Ridge(strengths=(1e-12, 1e-11)).estimate(noisy)
-        assert "is at the end of those tried" in estimate.remarks[0]
-        assert estimate.settings["validation error"] == pytest.approx(1.0, abs=0.1)
+    def test_cross_validation(self, noisy):
+        """The strength whose answer to all blocks but one predicts that one best, block after block."""
+        strengths = (1e-2, 1e2, 1e4, 1e6)
+        noise = WeightedLeastSquares().estimate(noisy).noise
+        errors = np.zeros(4)
+        for k, block in enumerate(noisy.blocks):
+            for s, strength in enumerate(strengths):
+                r, z = noisy.all_but(k).weighted(noise)
+                x = noisy.base.values(
+                    RidgePath.of(r, z, noisy.base.matrix, model_prior(noisy.torque_model)).at(strength)
+                )
+                errors[s] += np.sum(block.residual_squares(x) / noise**2)
+        estimate = Ridge(strengths=strengths).estimate(noisy)
+        assert estimate.settings["strength"] == strengths[int(np.argmin(errors))]
+        assert estimate.settings["validation error"] == pytest.approx(np.sqrt(errors.min() / 3600))
 
     def test_needs_blocks(self):
-        with pytest.raises(EstimationFailed, match="cross-validation needs at least two time blocks"):
+        with pytest.raises(EstimationFailed, match="cross-validation needs two time blocks, there is 1"):
             Ridge().estimate(torque_data.small_problem(np.zeros((120, 2)), n_blocks=1))
 
     def test_own_prior(self, noisy):

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.errors import EstimationFailed
 from graphdyn.identification.base_parameters import RANK
 from graphdyn.identification.compressed import CompressedEquations
+from graphdyn.identification.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.prior import Prior, model_prior
@@ -29,7 +29,10 @@ STRENGTHS = tuple(10.0**k for k in range(-8, 9))
 
 @dataclass(frozen=True, eq=False)
 class Ridge:
-    """prior: that of the model if left out; strength: λ, chosen from `strengths` if left out."""
+    """prior: that of the model if left out; strength: λ, chosen from `strengths` if left out.
+
+    settings of the estimate: the strength, and the root mean square error of validation in units of the noise
+    """
 
     prior: Prior | None = None
     strength: float | None = None
@@ -44,38 +47,20 @@ class Ridge:
         noise = joint_noise(problem.equations)
         settings: dict[str, float] = {}
         remarks: tuple[str, ...] = ()
-        solutions = 1
-        strength = self.strength
+        strength, solutions = self.strength, 1
+
+        def trained(equations: CompressedEquations) -> Trained:
+            return RidgePath.of(*equations.weighted(noise), problem.base.matrix, prior).at
+
         if strength is None:
-            errors = validation_errors(problem, prior, noise, self.strengths)
-            strength = self.strengths[int(np.argmin(errors))]
-            equations = int(problem.equations.counts.sum())
-            settings["validation error"] = float(np.sqrt(errors.min() / equations))
-            solutions += len(problem.blocks)
-            if strength in (self.strengths[0], self.strengths[-1]):
-                remarks = (f"the best strength {strength:g} is at the end of those tried",)
-        path = RidgePath.of(*problem.standard_equations(noise), prior)
+            choice = cross_validation(problem, noise, self.strengths, trained)
+            strength, remarks, solutions = choice.best, choice.remarks, 1 + len(problem.blocks)
+            error = choice.errors.sum(axis=0).min() / problem.equations.counts.sum()
+            settings["validation error"] = float(np.sqrt(error))
+        path = RidgePath.of(*problem.equations.weighted(noise), problem.base.matrix, prior)
         spread = problem.base.matrix @ path.response(strength)
         settings["strength"] = strength
         return Estimate(path.at(strength), spread @ spread.T, None, noise, solutions, settings, remarks)
-
-
-def validation_errors(problem: Problem, prior: Prior, noise: Array, strengths: tuple[float, ...]) -> Array:
-    """Σ over the blocks of the squared error, in units of the noise, of what the other blocks predict. (strengths,)
-
-    Raises EstimationFailed below two blocks.
-    """
-    if len(problem.blocks) < 2:
-        raise EstimationFailed("cross-validation needs at least two time blocks; give a strength, or more blocks")
-    errors = np.zeros(len(strengths))
-    for k, block in enumerate(problem.blocks):
-        path = RidgePath.of(*problem.standard_equations(noise, without=k), prior)
-        errors += [_error(block, problem.base.values(path.at(strength)), noise) for strength in strengths]
-    return errors
-
-
-def _error(block: CompressedEquations, x: Array, noise: Array) -> float:
-    return float(np.sum(block.residual_squares(x) / noise**2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +80,9 @@ class RidgePath:
     right: Array
 
     @classmethod
-    def of(cls, r: Array, z: Array, prior: Prior) -> RidgePath:
+    def of(cls, r_base: Array, z: Array, base_matrix: Array, prior: Prior) -> RidgePath:
+        """Of ‖R_base B x - z‖, B the matrix of the base parameters."""
+        r = r_base @ base_matrix
         drawn = np.isfinite(prior.scale)
         r_f, r_d = r[:, ~drawn], r[:, drawn] * prior.scale[drawn]
         length = np.linalg.norm(r_f, axis=0)
@@ -105,7 +92,7 @@ class RidgePath:
         basis, free_inverse = basis[:, :rank], (v_t[:rank].T / s[:rank]) @ basis[:, :rank].T / length[:, None]
         u, sigma, v_t = np.linalg.svd(r_d - basis @ (basis.T @ r_d), full_matrices=False)
         seen = sigma > len(prior.mean) * EPS * sigma.max(initial=0.0)
-        seen[max(len(r) - 1 - rank, 0) :] = False  # R has one row more than its rank: what is left is rounding
+        seen[len(base_matrix) - rank :] = False  # beyond the rank of B all is rounding
         return cls(prior, free_inverse, r_d, u[:, seen], sigma[seen], v_t[seen], z - r @ prior.mean)
 
     def at(self, strength: float) -> Array:
