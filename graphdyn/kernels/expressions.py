@@ -1,0 +1,178 @@
+"""Scalars that remember how they were computed: feed them to a recursion, and the recursion becomes a program.
+
+A scalar is a float, known once and for all, or an Expression, known per sample. What can be computed now is: sums and
+products of floats are floats, and 0 x, 1 x, x + 0 leave no operation. What was computed before is not computed again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+Operation = Literal["constant", "input", "+", "-", "*", "/", "negate", "sine", "cosine"]
+Watch = Literal["finite", "magnitude", "minimum"]
+
+
+@dataclass(frozen=True)
+class Program:
+    """Straight-line code over one sample, parents of an operation before it.
+
+    operations: (operation, operands); operands are numbers of earlier operations, for a constant its value, for an
+        input the name of the array and the column
+    inputs: widths of the input arrays, by name
+    outputs: operations whose values are the columns of each output array, by name
+    watches: what to remember of all samples together: operations by kind; "finite" is 0 if all are finite and NaN if
+        not, "magnitude" the largest |x|, "minimum" the smallest x, both without regard to NaN
+    """
+
+    operations: tuple[tuple, ...]
+    inputs: dict[str, int]
+    outputs: dict[str, tuple[int, ...]]
+    watches: dict[Watch, tuple[int, ...]]
+
+    @property
+    def arithmetic(self) -> int:
+        """Number of operations that compute something: the cost of a sample."""
+        return sum(operation not in ("constant", "input") for operation, *_ in self.operations)
+
+
+class Recorder:
+    """Numbers every operation that the recursions ask for, each once."""
+
+    def __init__(self) -> None:
+        self.operations: list[tuple] = []
+        self._known: dict[tuple, Expression] = {}
+        self._inputs: dict[str, int] = {}
+
+    def inputs(self, name: str, width: int) -> list[Expression]:
+        """The columns of an input array."""
+        self._inputs[name] = width
+        return [self.operation("input", name, column) for column in range(width)]
+
+    def operation(self, kind: Operation, *operands: object) -> Expression:
+        key = (kind, *operands)
+        expression = self._known.get(key)
+        if expression is None:
+            expression = self._known[key] = Expression(self, len(self.operations))
+            self.operations.append(key)
+        return expression
+
+    def number(self, scalar: object) -> int:
+        """The operation that gives a scalar."""
+        if isinstance(scalar, Expression):
+            return scalar.number
+        return self.operation("constant", float(scalar)).number  # type: ignore[arg-type]
+
+    def program(self, outputs: dict[str, list], watches: dict[Watch, list]) -> Program:
+        """What it takes to compute these outputs and watches, and nothing else."""
+        wanted = {name: [self.number(scalar) for scalar in scalars] for name, scalars in outputs.items()}
+        watched = {kind: [self.number(scalar) for scalar in scalars] for kind, scalars in watches.items()}
+        needed, pending = set(), [k for numbers in (*wanted.values(), *watched.values()) for k in numbers]
+        while pending:
+            number = pending.pop()
+            if number not in needed:
+                needed.add(number)
+                pending += operands(self.operations[number])
+        order = sorted(needed)
+        new = {number: position for position, number in enumerate(order)}
+        return Program(
+            operations=tuple(_renumbered(self.operations[number], new) for number in order),
+            inputs=dict(self._inputs),
+            outputs={name: tuple(new[number] for number in numbers) for name, numbers in wanted.items()},
+            watches={kind: tuple(new[number] for number in numbers) for kind, numbers in watched.items()},
+        )
+
+
+class Expression:
+    """A scalar that differs from sample to sample."""
+
+    __slots__ = ("number", "recorder")
+
+    def __init__(self, recorder: Recorder, number: int) -> None:
+        self.recorder = recorder
+        self.number = number
+
+    def __add__(self, other: object) -> object:
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        if _is(other, 0.0):
+            return self
+        if self._negated is not None:
+            return other - self._negated  # type: ignore[operator]
+        if isinstance(other, Expression) and other._negated is not None:
+            return self - other._negated
+        return self._commuting("+", other)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: object) -> object:
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        if _is(other, 0.0):
+            return self
+        if isinstance(other, Expression) and other._negated is not None:
+            return self + other._negated
+        return self.recorder.operation("-", self.number, self.recorder.number(other))
+
+    def __rsub__(self, other: object) -> object:
+        if _is(other, 0.0):
+            return -self
+        if self._negated is not None:
+            return self._negated + other
+        return self.recorder.operation("-", self.recorder.number(other), self.number)
+
+    def __mul__(self, other: object) -> object:
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        if _is(other, 0.0):
+            return 0.0
+        if _is(other, 1.0):
+            return self
+        if _is(other, -1.0):
+            return -self
+        if self._negated is not None:  # signs outside: what differs only in sign is computed once
+            return -(self._negated * other)  # type: ignore[operator]
+        if isinstance(other, Expression) and other._negated is not None:
+            return -(self * other._negated)  # type: ignore[operator]
+        return self._commuting("*", other)
+
+    __rmul__ = __mul__
+
+    def __rtruediv__(self, other: object) -> Expression:
+        return self.recorder.operation("/", self.recorder.number(other), self.number)
+
+    def __neg__(self) -> Expression:
+        return self._negated or self.recorder.operation("negate", self.number)
+
+    @property
+    def sine(self) -> Expression:
+        return self.recorder.operation("sine", self.number)
+
+    @property
+    def cosine(self) -> Expression:
+        return self.recorder.operation("cosine", self.number)
+
+    @property
+    def _negated(self) -> Expression | None:
+        """x where this is -x."""
+        kind, *operands = self.recorder.operations[self.number]
+        return Expression(self.recorder, operands[0]) if kind == "negate" else None
+
+    def _commuting(self, kind: Operation, other: object) -> Expression:
+        first, second = sorted((self.number, self.recorder.number(other)))
+        return self.recorder.operation(kind, first, second)
+
+
+def _is(scalar: object, value: float) -> bool:
+    return scalar.__class__ is float and scalar == value
+
+
+def operands(operation: tuple) -> tuple[int, ...]:
+    """Numbers of the operations that an operation needs."""
+    return () if operation[0] in ("constant", "input") else operation[1:]
+
+
+def _renumbered(operation: tuple, new: dict[int, int]) -> tuple:
+    return operation if operation[0] in ("constant", "input") else (operation[0], *(new[k] for k in operation[1:]))

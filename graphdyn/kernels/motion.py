@@ -1,0 +1,114 @@
+"""From the ground to the leaves: where the bodies are and how they move.
+
+Luh, Walker and Paul, "On-line computational scheme for mechanical manipulators", ASME Journal of Dynamic Systems,
+Measurement, and Control 102(2), 1980; Featherstone, "Rigid Body Dynamics Algorithms", 2008, section 5.3. Velocities and
+accelerations are those of O_j, in joint axes of body j. The ground falls upwards: felt accelerations are p̈ - g.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from graphdyn.kernels.mechanism import Link
+from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, turn, turn_back, turn_matrix, turn_symmetric
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """The ground frame: rotation to world axes, position and gravity there; the rest in its own axes."""
+
+    rotation: Scalars
+    position: Scalars
+    gravity: Scalars
+    velocity: Scalars
+    omega: Scalars
+    alpha: Scalars
+    felt: Scalars
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """Where body j is in its inside body: rotation R Rz(q), translation with the slide. R comes last."""
+
+    rotation: Scalars
+    c: Any
+    s: Any
+    translation: Scalars
+
+    def inwards(self, x: Scalars) -> Scalars:
+        """From joint axes of body j to those of the inside body; a vector, or each column of a matrix."""
+        return self.rotation @ turn(self.c, self.s, x)
+
+    def outwards(self, x: Scalars) -> Scalars:
+        return turn_back(self.c, self.s, self.rotation.T @ x)
+
+    def matrix_inwards(self, x: Scalars) -> Scalars:
+        return self.rotation @ turn_matrix(self.c, self.s, x) @ self.rotation.T
+
+    def symmetric_inwards(self, x: Scalars) -> Scalars:
+        return self.rotation @ turn_symmetric(self.c, self.s, x) @ self.rotation.T
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """ω, ω̇ and the felt acceleration of O_j."""
+
+    omega: Scalars
+    alpha: Scalars
+    felt: Scalars
+
+    def spread(self) -> Scalars:
+        """S(ω̇) + S(ω)²: times a vector fixed in the body, the acceleration of its tip relative to its root."""
+        w = skew(self.omega)
+        return skew(self.alpha) + w @ w
+
+
+def places(links: Sequence[Link], q: Sequence[Any]) -> list[Place]:
+    return [
+        Place(link.rotation, 1.0, 0.0, link.translation + link.rotation @ (E_Z * x))
+        if link.prismatic
+        else Place(link.rotation, x.cosine, x.sine, link.translation)
+        for link, x in zip(links, q, strict=True)
+    ]
+
+
+def motions(
+    links: Sequence[Link], at: Sequence[Place], ground: Ground, v: Sequence[Any], a: Sequence[Any]
+) -> list[Motion]:
+    """Of all bodies, at joint velocities v and accelerations a."""
+    done: list[Motion] = []
+    for link, place, rate, acceleration in zip(links, at, v, a, strict=True):
+        inside = done[link.inside] if link.inside >= 0 else Motion(ground.omega, ground.alpha, ground.felt)
+        omega, alpha = place.outwards(inside.omega), place.outwards(inside.alpha)
+        felt = place.outwards(inside.felt + inside.spread() @ place.translation)
+        if link.prismatic:
+            felt = felt + cross(omega, E_Z * (2.0 * rate)) + E_Z * acceleration
+        else:
+            alpha = alpha + cross(omega, E_Z * rate) + E_Z * acceleration
+            omega = omega + E_Z * rate
+        done.append(Motion(omega, alpha, felt))
+    return done
+
+
+def rotations(links: Sequence[Link], at: Sequence[Place], ground: Ground) -> list[Scalars]:
+    """Joint axes of body j to world axes."""
+    done: list[Scalars] = []
+    for link, place in zip(links, at, strict=True):
+        inside = done[link.inside] if link.inside >= 0 else ground.rotation
+        done.append(turn_back(place.c, place.s, (inside @ place.rotation).T).T)
+    return done
+
+
+def inertial_wrench(link: Link, motion: Motion) -> tuple[Scalars, Scalars]:
+    """Force, and moment about O_j, that the motion of body j takes: Eq. (22), (23) moved to the link origin."""
+    force = link.mass * motion.felt + motion.spread() @ link.first_moment
+    momentum = cross(motion.omega, link.tensor @ motion.omega)
+    return force, link.tensor @ motion.alpha + momentum + cross(link.first_moment, motion.felt)
+
+
+def stacked(vectors: Sequence[Scalars]) -> list[Any]:
+    return list(np.concatenate(vectors))

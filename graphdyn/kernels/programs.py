@@ -1,0 +1,157 @@
+"""The recursions recorded for one robot: a program per verb, and per what is asked of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from graphdyn.kernels.expressions import Program, Recorder, Watch
+from graphdyn.kernels.forward import forward_dynamics
+from graphdyn.kernels.inertia import mass_matrix
+from graphdyn.kernels.inverse import inverse_dynamics
+from graphdyn.kernels.mechanism import Link, links
+from graphdyn.kernels.motion import Ground
+from graphdyn.kernels.positions import maximal_state
+from graphdyn.kernels.reactions import Wrench, in_joint_axes
+from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
+from graphdyn.kernels.vectors import Scalars, scalars, zeros
+from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.model import RobotModel
+
+GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "felt": (3,)}
+"""The input ground of a base that moves, column after column: the fields of motion.Ground that are not constant."""
+
+GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND.values())
+
+
+@dataclass(frozen=True)
+class Request:
+    """Which program: the verb, its output arrays in order, whether wrenches act on the bodies and the base moves."""
+
+    verb: str
+    outputs: tuple[str, ...]
+    external: bool = False
+    moving_base: bool = False
+
+
+def record(model: RobotModel, request: Request) -> Program:
+    """The program of a verb. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
+    sample = _Sample(model, request)
+    outputs = VERBS[request.verb](sample)
+    turning = [x for x, link in zip(sample.q, sample.links, strict=True) if not link.prismatic]
+    watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": turning}
+    if "pivots" in outputs:
+        outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], pivot_scales(model), strict=True)]
+        watches["minimum"] = outputs["pivots"]
+    return sample.recorder.program({name: outputs[name] for name in request.outputs}, watches)
+
+
+class _Sample:
+    """The arguments of the recursions."""
+
+    def __init__(self, model: RobotModel, request: Request) -> None:
+        self.links: tuple[Link, ...] = links(model)
+        self.recorder = Recorder()
+        self.given: list[Any] = []
+        self.n = model.n_bodies
+        self.q = self.input("q")
+        self.ground = self._moving_ground(model) if request.moving_base else _fixed_ground(model)
+        self.external: list[Wrench] | None = None
+        if request.external:
+            columns = np.array(self.input("external_wrenches", self.n * BODY_FREEDOMS), dtype=object)
+            self.external = in_joint_axes(self.links, columns.reshape(self.n, BODY_FREEDOMS))
+
+    def input(self, name: str, width: int | None = None) -> list[Any]:
+        columns = self.recorder.inputs(name, self.n if width is None else width)
+        self.given += columns
+        return columns
+
+    def _moving_ground(self, model: RobotModel) -> Ground:
+        columns, fields, first = self.input("ground", GROUND_COLUMNS), {}, 0
+        for name, shape in GROUND.items():
+            last = first + int(np.prod(shape))
+            fields[name] = np.array(columns[first:last], dtype=object).reshape(shape)
+            first = last
+        return Ground(gravity=scalars(model.gravity), **fields)
+
+
+def _fixed_ground(model: RobotModel) -> Ground:
+    return Ground(
+        rotation=scalars(model.base.rotation),
+        position=scalars(model.base.translation),
+        gravity=scalars(model.gravity),
+        velocity=zeros(3),
+        omega=zeros(3),
+        alpha=zeros(3),
+        felt=scalars(-model.base.rotation.T @ model.gravity),
+    )
+
+
+def pivot_scales(model: RobotModel) -> Array:
+    """Per joint, more than the inertia about it can be in any pose (n,): the stretched arm [kg m² or kg].
+
+    A pivot of the elimination far below says that the mass matrix may be singular. Slides count as one meter.
+    """
+    reach = np.zeros(model.n_bodies)
+    scales = np.zeros(model.n_bodies)
+    for j in reversed(range(model.n_bodies)):
+        reach[:] = 0.0
+        for i in range(j, model.n_bodies):
+            joint, body = model.joints[i], model.bodies[i]
+            if i > j and not model.graph.path_matrix()[j, i]:
+                continue
+            if i > j:
+                reach[i] = reach[joint.inside - 1] + np.linalg.norm(joint.placement.translation) + joint.is_prismatic
+            far = reach[i] + float(np.linalg.norm(body.center_of_mass))
+            scales[j] += body.mass if model.joints[j].is_prismatic else (
+                body.mass * far**2 + np.linalg.norm(body.inertia)
+            )
+    return np.where(scales > 0, scales, 1.0)
+
+
+def _forward(x: _Sample) -> dict[str, list[Any]]:
+    return forward_dynamics(x.links, x.ground, x.q, x.input("v"), x.input("tau"), x.external)
+
+
+def _inverse(x: _Sample) -> dict[str, list[Any]]:
+    return inverse_dynamics(x.links, x.ground, x.q, x.input("v"), x.input("a"), x.external)
+
+
+def _bias(x: _Sample) -> dict[str, list[Any]]:
+    return inverse_dynamics(x.links, x.ground, x.q, x.input("v"), [0.0] * x.n, x.external)
+
+
+def _mass(x: _Sample) -> dict[str, list[Any]]:
+    return {"mass_matrix": _flat(mass_matrix(x.links, x.q))}
+
+
+def _torque_regressor(x: _Sample) -> dict[str, list[Any]]:
+    matrix = joint_torque_regressor(x.links, x.ground, x.q, x.input("v"), x.input("a"))
+    return {"joint_torque_regressor": _flat(matrix)}
+
+
+def _body_regressor(x: _Sample) -> dict[str, list[Any]]:
+    matrices = body_regressors(x.links, x.ground, x.q, x.input("v"), x.input("a"))
+    return {"body_regressor": _flat(np.array(matrices, dtype=object))}
+
+
+def _state(x: _Sample) -> dict[str, list[Any]]:
+    return maximal_state(x.links, x.ground, x.q, x.input("v"))
+
+
+def _flat(matrix: Scalars) -> list[Any]:
+    return list(matrix.reshape(-1))
+
+
+VERBS: dict[str, Callable[[_Sample], dict[str, list[Any]]]] = {
+    "forward_dynamics": _forward,
+    "inverse_dynamics": _inverse,
+    "bias_torque": _bias,
+    "mass_matrix": _mass,
+    "joint_torque_regressor": _torque_regressor,
+    "body_regressor": _body_regressor,
+    "maximal_state": _state,
+}

@@ -1,0 +1,75 @@
+"""From the leaves to the ground: what the joints transmit, and how the verbs state it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from graphdyn.kernels.mechanism import Link
+from graphdyn.kernels.motion import Ground, Motion, Place, rotations, stacked
+from graphdyn.kernels.vectors import Scalars, cross, turn
+
+Wrench = tuple[Scalars, Scalars]
+"""Force, and moment about O_j, in joint axes of body j."""
+
+
+def transmitted(
+    links: Sequence[Link], at: Sequence[Place], needed: Sequence[Wrench], external: Sequence[Wrench] | None
+) -> list[Wrench]:
+    """Wrench of the inside body on body j: what body j needs, less what acts on it, and what it passes on."""
+    wrenches = list(needed) if external is None else [_difference(*pair) for pair in zip(needed, external, strict=True)]
+    for j in reversed(range(len(links))):
+        i = links[j].inside
+        if i >= 0:
+            wrenches[i] = added(wrenches[i], inwards(at[j], wrenches[j]))
+    return wrenches
+
+
+def inwards(place: Place, wrench: Wrench) -> Wrench:
+    """The same wrench in joint axes, and about the origin, of the inside body."""
+    force, moment = place.inwards(wrench[0]), place.inwards(wrench[1])
+    return force, moment + cross(place.translation, force)
+
+
+def added(x: Wrench, y: Wrench) -> Wrench:
+    return x[0] + y[0], x[1] + y[1]
+
+
+def _difference(x: Wrench, y: Wrench) -> Wrench:
+    return x[0] - y[0], x[1] - y[1]
+
+
+def answers(
+    links: Sequence[Link],
+    at: Sequence[Place],
+    ground: Ground,
+    moving: Sequence[Motion],
+    wrenches: Sequence[Wrench],
+) -> dict[str, list[Any]]:
+    """body_accelerations, multipliers and joint_wrenches as graphdyn states them, from joint axes."""
+    to_world = rotations(links, at, ground)
+    gravity = ground.gravity
+    accelerations, multipliers, in_link_axes = [], [], []
+    for link, place, motion, (force, moment), rotation in zip(links, at, moving, wrenches, to_world, strict=True):
+        at_center = motion.felt + motion.spread() @ link.center_of_mass
+        accelerations += [rotation @ at_center + gravity, link.link_axes @ motion.alpha]
+        if link.prismatic:
+            multipliers += [force[:2], moment]
+        else:
+            multipliers += [rotation @ force, turn(place.c, place.s, moment)[:2]]
+        in_link_axes += [link.link_axes @ force, link.link_axes @ moment]
+    return {
+        "body_accelerations": stacked(accelerations),
+        "multipliers": stacked(multipliers),
+        "joint_wrenches": stacked(in_link_axes),
+    }
+
+
+def in_joint_axes(links: Sequence[Link], external: Scalars) -> list[Wrench]:
+    """External wrenches (n, 6) from link axes."""
+    return [
+        (link.link_axes.T @ wrench[:3], link.link_axes.T @ wrench[3:])
+        for link, wrench in zip(links, np.asarray(external), strict=True)
+    ]

@@ -1,0 +1,75 @@
+"""Regressors: the Newton-Euler equations as linear functions of the ten inertial parameters of each body.
+
+Atkeson, An and Hollerbach, "Estimation of inertial parameters of manipulator loads and links", International Journal
+of Robotics Research 5(3), 1986. In link axes, because the parameters are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from graphdyn.kernels.mechanism import Link
+from graphdyn.kernels.motion import Ground, Motion, Place, motions, places
+from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, zeros
+from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR
+
+
+def body_regressors(
+    links: Sequence[Link], ground: Ground, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
+) -> list[Scalars]:
+    """Y (6, 10) of every body: Y π is the wrench that its motion takes, about O_j, in link axes."""
+    moving = motions(links, places(links, q), ground, v, a)
+    return [_body_regressor(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
+
+
+def joint_torque_regressor(
+    links: Sequence[Link], ground: Ground, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
+) -> Scalars:
+    """W (n, 10 n): row j, columns of body i is the wrench of body i along joint j, if j is between it and the ground."""
+    bodies = body_regressors(links, ground, q, v, a)
+    at = places(links, q)
+    matrix = zeros(len(links), BODY_PARAMETERS * len(links))
+    screws: list[dict[int, tuple[Scalars, Scalars]]] = []
+    for i, (link, place) in enumerate(zip(links, at, strict=True)):
+        carried = screws[link.inside] if link.inside >= 0 else {}
+        screws.append({j: _outwards(place, *screw) for j, screw in carried.items()})
+        screws[i][i] = (E_Z, zeros(3)) if link.prismatic else (zeros(3), E_Z)
+        columns = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
+        for j, (linear, angular) in screws[i].items():
+            screw = np.concatenate([link.link_axes @ linear, link.link_axes @ angular])
+            matrix[j, columns] = screw @ bodies[i]
+    return matrix
+
+
+def _outwards(place: Place, linear: Scalars, angular: Scalars) -> tuple[Scalars, Scalars]:
+    """Velocity of O_j and ω of body j when its inside body moves so."""
+    return place.outwards(linear + cross(angular, place.translation)), place.outwards(angular)
+
+
+def _in_link_axes(link: Link, motion: Motion) -> Motion:
+    q = link.link_axes
+    return Motion(q @ motion.omega, q @ motion.alpha, q @ motion.felt)
+
+
+def _body_regressor(motion: Motion) -> Scalars:
+    y = zeros(6, BODY_PARAMETERS)
+    y[LINEAR, 0] = motion.felt
+    y[LINEAR, 1:4] = motion.spread()
+    y[ANGULAR, 1:4] = -skew(motion.felt)
+    y[ANGULAR, 4:] = _tensor_columns(motion.alpha) + skew(motion.omega) @ _tensor_columns(motion.omega)
+    return y
+
+
+def _tensor_columns(x: Scalars) -> Scalars:
+    """L(x) with I x = L(x) (I_xx, I_xy, I_yy, I_xz, I_yz, I_zz)."""
+    return np.array(
+        [
+            [x[0], x[1], 0.0, x[2], 0.0, 0.0],
+            [0.0, x[0], x[1], 0.0, x[2], 0.0],
+            [0.0, 0.0, 0.0, x[0], x[1], x[2]],
+        ],
+        dtype=object,
+    )

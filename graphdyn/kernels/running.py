@@ -1,0 +1,142 @@
+"""Programs of a robot, recorded and compiled when first asked for, on batches, with as many threads as there are cores."""
+
+from __future__ import annotations
+
+import os
+import threading
+import warnings
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import Protocol
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from graphdyn.errors import InvalidInput
+from graphdyn.kernels.expressions import Program, Watch
+from graphdyn.kernels.interpreter import Interpreter, Run, merged
+from graphdyn.kernels.programs import Request, record
+from graphdyn.kernels.sines import FARTHEST
+from graphdyn.layout import Array
+from graphdyn.model import RobotModel
+
+BACKENDS = ("llvm", "numpy")
+
+CHOICE = "GRAPHDYN_BACKEND"
+"""Environment variable that chooses one of BACKENDS."""
+
+LONGEST = 30_000
+"""Operations beyond which a program is interpreted: compiling takes longer than in proportion."""
+
+WORTH_A_THREAD = 2_000_000
+"""Operations that take a good hundred microseconds, several times what handing them to a thread costs."""
+
+
+class Backend(Protocol):
+    def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run: ...
+
+
+class Prepared:
+    """A recorded program and what runs it."""
+
+    def __init__(self, program: Program, backend: str) -> None:
+        self.program = program
+        self.backend = _backend(program, backend)
+
+
+_prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str], Prepared]] = WeakKeyDictionary()
+_preparing = threading.Lock()
+
+
+def prepared(model: RobotModel, request: Request) -> Prepared:
+    """The program, recorded and compiled once per robot."""
+    key = (request, chosen_backend())
+    with _preparing:
+        programs = _prepared.setdefault(model, {})
+        if key not in programs:
+            programs[key] = Prepared(record(model, request), key[1])
+        return programs[key]
+
+
+def run(
+    model: RobotModel,
+    request: Request,
+    inputs: Mapping[str, Array],
+    outputs: Mapping[str, Array],
+    threads: int | None = None,
+) -> dict[Watch, float]:
+    """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what was watched.
+
+    The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first brought back by whole
+    turns, so that no sample loses digits.
+    """
+    ready = prepared(model, request)
+    count = len(inputs["q"])
+    watches = _in_parallel(ready, inputs, outputs, count, threads)
+    if watches.get("magnitude", 0.0) > FARTHEST:
+        q = inputs["q"]
+        turned = np.where(np.abs(q) > FARTHEST, np.arctan2(np.sin(q), np.cos(q)), q)
+        slides = np.array([joint.is_prismatic for joint in model.joints])
+        return _in_parallel(ready, {**inputs, "q": np.where(slides, q, turned)}, outputs, count, threads)
+    return watches
+
+
+def chosen_backend() -> str:
+    """What the environment asks for, or "llvm" where llvmlite is there. Raises InvalidInput for an unknown choice."""
+    choice = os.environ.get(CHOICE) or "llvm"
+    if choice not in BACKENDS:
+        raise InvalidInput(f"the environment variable {CHOICE} is '{choice}'; use one of {', '.join(BACKENDS)}")
+    return choice if choice == "numpy" or _can_compile() else "numpy"
+
+
+def cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _can_compile() -> bool:
+    try:
+        from graphdyn.kernels.native import host_lanes
+
+        host_lanes()
+    except Exception as error:
+        warnings.warn(
+            f"no compiled dynamics ({error}); the NumPy back end gives the same results, some fifty times slower. "
+            f"Install llvmlite, or set {CHOICE}=numpy to silence this",
+            RuntimeWarning,
+            stacklevel=6,
+        )
+        return False
+    return True
+
+
+def _backend(program: Program, choice: str) -> Backend:
+    if choice == "numpy" or program.arithmetic > LONGEST:
+        return Interpreter(program)
+    from graphdyn.kernels.native import CompiledProgram
+
+    return CompiledProgram(program)
+
+
+def _in_parallel(
+    ready: Prepared, inputs: Mapping[str, Array], outputs: Mapping[str, Array], count: int, threads: int | None
+) -> dict[Watch, float]:
+    bound = ready.backend.bind(inputs, outputs)
+    threads = cores() if threads is None else threads
+    parts = max(1, min(threads, count * ready.program.arithmetic // WORTH_A_THREAD))
+    if parts == 1:
+        return bound(0, count)
+    ends = [count * part // parts for part in range(parts + 1)]
+    seen = list(_pool(threads).map(bound, ends[:-1], ends[1:]))
+    return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in ready.program.watches}
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="graphdyn")
+
+
+if hasattr(os, "register_at_fork"):  # threads do not survive a fork
+    os.register_at_fork(after_in_child=_pool.cache_clear)
