@@ -26,7 +26,6 @@ from crosscheck.report import as_text
 from crosscheck.result import Comparison, QuantityResult, WorstState
 from crosscheck.states import Case, cases
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
-from graphdyn.dynamics import singular
 from graphdyn.layout import Array
 from urdf.cutting import Chain
 

@@ -3,13 +3,14 @@
 The names below are the public interface; docs/notation.md relates them to the paper.
 """
 
+from graphdyn.answers import ForwardDynamics, InverseDynamics
 from graphdyn.base_motion import BaseMotion
 from graphdyn.dynamics import (
-    ForwardDynamics,
-    InverseDynamics,
     bias_torque,
     forward_dynamics,
     inverse_dynamics,
+    joint_accelerations,
+    joint_torques,
     kkt_system,
     mass_matrix,
 )
@@ -66,8 +67,10 @@ __all__ = [
     "frame_placement",
     "inverse_dynamics",
     "joint_acceleration",
+    "joint_accelerations",
     "joint_state",
     "joint_torque_regressor",
+    "joint_torques",
     "kkt_system",
     "kr500",
     "kr500_experiment",

@@ -1,5 +1,6 @@
 """The door for array arguments: convert once, broadcast, refuse the rest by name, shape and row."""
 
+from collections.abc import Mapping
 from typing import Protocol
 
 import numpy as np
@@ -17,10 +18,13 @@ class Batched(Protocol):
     def batch(self) -> tuple[int, ...]: ...
 
 
-def joint_arrays(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:
+def joint_arrays(
+    model: RobotModel, base: Batched | None = None, *, check: bool = True, **arguments: ArrayLike | None
+) -> dict[str, Array]:
     """The arguments as float arrays with one common leading shape.
 
     Each must have shape (…, n); external_wrenches (…, n, 6), where None stands for zeros. A base motion broadcasts too.
+    check: whether to look for NaN and infinity
 
     Raises InvalidInput, naming the argument, its shape and the first offending row, where an argument is not numeric,
     has the wrong trailing shape, does not broadcast with the others, or contains NaN or infinity.
@@ -36,9 +40,10 @@ def joint_arrays(model: RobotModel, base: Batched | None = None, **arguments: Ar
             raise InvalidInput(
                 f"{name} has shape {array.shape}, expected ({expected}) for the {n} joints of robot '{model.name}'"
             )
-        _refuse_non_finite(name, array, len(trailing), model)
         arrays[name] = array
         leading[name] = array.shape[: array.ndim - len(trailing)]
+    if check:
+        refuse_non_finite(model, arrays)
     try:
         common = np.broadcast_shapes(*leading.values(), *([] if base is None else [base.batch]))
     except ValueError as error:
@@ -50,7 +55,7 @@ def joint_arrays(model: RobotModel, base: Batched | None = None, **arguments: Ar
 
 def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:
     """As joint_arrays, for verbs that take ONE state. Raises InvalidInput where there are leading dimensions."""
-    arrays = joint_arrays(model, base, **arguments)
+    arrays = joint_arrays(model, base, check=True, **arguments)
     batch = next(iter(arrays.values())).shape[:-1]
     if batch:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
@@ -69,6 +74,15 @@ def as_floats(name: str, value: ArrayLike | None) -> Array:
     if np.ma.is_masked(value):
         raise InvalidInput(f"{name} has masked entries; fill or drop them")
     return np.asarray(array, dtype=float)
+
+
+def refuse_non_finite(model: RobotModel, arrays: Mapping[str, Array]) -> None:
+    """Raises InvalidInput, naming the argument and the first row, where one contains NaN or infinity."""
+    for name, array in arrays.items():
+        n_trailing = 2 if name == "external_wrenches" else 1
+        while array.ndim > n_trailing and len(array) and array.strides[0] == 0:  # what broadcasting added
+            array = array[0]
+        _refuse_non_finite(name, array, n_trailing, model)
 
 
 def _refuse_non_finite(name: str, array: Array, n_trailing: int, model: RobotModel) -> None:

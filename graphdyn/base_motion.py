@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn.arrays import as_floats
 from graphdyn.errors import InvalidInput
@@ -54,6 +55,15 @@ class BaseMotion:
             raise InvalidInput("rotation of the base is no rotation: RᵀR = E and det R = 1 are needed")
 
     batch: tuple[int, ...] = field(init=False, repr=False, default=())
+
+    def at(self, batch: tuple[int, ...], index: tuple[NDArray[np.intp], ...]) -> BaseMotion:
+        """The samples at this index, once broadcast to a leading shape."""
+        return BaseMotion(
+            **{
+                name: np.broadcast_to(getattr(self, name), (*batch, *trailing))[index]
+                for name, trailing in _TRAILING.items()
+            }
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,38 +3,71 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.arrays import joint_arrays
+from graphdyn.arrays import joint_arrays, refuse_non_finite
 from graphdyn.base_motion import BaseMotion, rooted_ground
+from graphdyn.kernels.batch import Options
 from graphdyn.kinematics import MaximalState, null_space, state_on
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR, Array
+from graphdyn.methods import Method, is_recursive
 from graphdyn.model import RobotModel
+from graphdyn.recursive import single_array
 from graphdyn.rotation import skew
 
 
 def body_regressor(
-    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, base: BaseMotion | None = None
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
 ) -> Array:
     """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
 
     The Newton-Euler equations (22), (23) moved from the center of mass to the link origin, where they are linear
     in m, m c and I. The identification matrix of Eq. (49) is its counterpart with known centers of mass.
-    q, v, a: (…, n); base: prescribed motion of the base. Raises InvalidInput.
+    q, v, a: (…, n); base, method, threads, check, out: see graphdyn.dynamics ("dense" is "projected" here)
+
+    Raises InvalidInput.
     """
-    x = joint_arrays(model, base, q=q, v=v, a=a)
+    x = joint_arrays(model, base, check=False, q=q, v=v, a=a)
+    if is_recursive(method, x, out):
+        shape = (model.n_bodies, BODY_FREEDOMS, BODY_PARAMETERS)
+        return single_array(model, "body_regressor", shape, x, base, Options(threads, check), out)
+    refuse_non_finite(model, x)
     return _body_regressor(_skeleton_state(model, base, x))
 
 
 def joint_torque_regressor(
-    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, base: BaseMotion | None = None
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
 ) -> Array:
     """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
 
     The body regressors projected onto the joints, as the null space projects the body wrenches.
-    q, v, a: (…, n); base: prescribed motion of the base. Raises InvalidInput.
+    q, v, a: (…, n); base, method, threads, check, out: see graphdyn.dynamics ("dense" is "projected" here)
+
+    Raises InvalidInput.
     """
-    x = joint_arrays(model, base, q=q, v=v, a=a)
-    state = _skeleton_state(model, base, x)
+    x = joint_arrays(model, base, check=False, q=q, v=v, a=a)
     n = model.n_bodies
+    if is_recursive(method, x, out):
+        shape = (n, BODY_PARAMETERS * n)
+        return single_array(model, "joint_torque_regressor", shape, x, base, Options(threads, check), out)
+    refuse_non_finite(model, x)
+    state = _skeleton_state(model, base, x)
     columns = null_space(state).reshape(*x["q"].shape[:-1], n, BODY_FREEDOMS, n)
     columns[..., LINEAR, :] = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
     blocks = np.einsum("...iak,...iap->...kip", columns, _body_regressor(state))

@@ -51,7 +51,7 @@ def identify_inertial_parameters(
 
     Raises InvalidInput where the data do not fit the model, or are not finite.
     """
-    y = body_regressor(model, **_motion(model, data), base=base)
+    y = body_regressor(model, *_motion(model, data), base=base)
     bodies = np.arange(model.n_bodies)
     matrix = np.zeros((*y.shape[:-1], model.n_bodies, BODY_PARAMETERS))
     matrix[:, bodies, :, bodies] = np.moveaxis(y, 1, 0)
@@ -80,7 +80,7 @@ def identify_inertial_parameters_together(
         what = f"there is no joint '{unknown[0]}'" if unknown else "no measured joint is given"
         raise InvalidInput(f"{what}; robot '{model.name}' has {', '.join(model.joint_names)}")
     measured = [model.joint_names.index(name) for name in names]
-    matrix = joint_wrench_regressor(model, **_motion(model, data), base=base)
+    matrix = joint_wrench_regressor(model, *_motion(model, data), base=base)
     right = _joint_wrenches(model, data)
     equations = WrenchEquations(
         model.body_names,
@@ -137,9 +137,10 @@ def identified_inertia(identified: IdentifiedBodies, body: str) -> IdentifiedIne
     return IdentifiedInertia(pi["m"], center, about_origin - mass * steiner)
 
 
-def _motion(model: RobotModel, data: WrenchData) -> dict[str, Array]:
+def _motion(model: RobotModel, data: WrenchData) -> tuple[Array, Array, Array]:
+    """q, v, a (N, n)."""
     x = fitting_data(model, data, "q", "v", "a", "rotation")
-    return {name: x[name] for name in ("q", "v", "a")}
+    return x["q"], x["v"], x["a"]
 
 
 def _joint_wrenches(model: RobotModel, data: WrenchData) -> Array:

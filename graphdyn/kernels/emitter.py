@@ -1,8 +1,8 @@
 """A program as LLVM code: one vector lane per sample, all constants in place, one loop over the rows.
 
-Rows of the arrays lie one after the other (N, width); the lanes want columns. Columns are read and written two at a time,
-so that half of the transposition is done by the load and store units. Rows of wide arrays are put together in the
-first-level cache, where constant columns are waiting, and leave it as whole cache lines.
+Rows of the arrays lie one after the other (N, width); the lanes want columns. Columns are read and written two at a
+time, so that half of the transposition is done by the load and store units. Rows of wide arrays are put together in
+the first-level cache, where constant columns are waiting, and leave it as whole cache lines.
 """
 
 from __future__ import annotations
@@ -165,7 +165,9 @@ class _Emitter:
             if arguments[0] not in self._turns:
                 self._turns[arguments[0]] = self._sine_and_cosine(values[arguments[0]])
             return self._turns[arguments[0]][kind == "cosine"]
-        return self.arithmetic({"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}[kind], *(values[k] for k in arguments))
+        return self.arithmetic(
+            {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}[kind], *(values[k] for k in arguments)
+        )
 
     def let(self, code: str) -> str:
         self._count += 1
@@ -204,9 +206,7 @@ class _Emitter:
         return self._rows[array]
 
     def _load_pair(self, block: str, width: int, column: int) -> list[str]:
-        pairs = [
-            self._load("<2 x double>", block, lane * width + column) for lane in range(self.lanes)
-        ]
+        pairs = [self._load("<2 x double>", block, lane * width + column) for lane in range(self.lanes)]
         even, odd = self._joined(pairs[0::2]), self._joined(pairs[1::2])
         return [self._interleaved(even, odd, half) for half in (0, 1)]
 
@@ -277,9 +277,7 @@ class _Emitter:
 
     def _shuffle(self, x: str, y: str, size: int, order: list[int]) -> str:
         indices = ", ".join(f"i32 {k}" for k in order)
-        return self.let(
-            f"shufflevector <{size} x double> {x}, <{size} x double> {y}, <{len(order)} x i32> <{indices}>"
-        )
+        return self.let(f"shufflevector <{size} x double> {x}, <{size} x double> {y}, <{len(order)} x i32> <{indices}>")
 
     # Sine, cosine and what is watched
 

@@ -100,7 +100,7 @@ class Expression:
         if _is(other, 0.0):
             return self
         if self._negated is not None:
-            return other - self._negated  # type: ignore[operator]
+            return other - self._negated
         if isinstance(other, Expression) and other._negated is not None:
             return self - other._negated
         return self._commuting("+", other)

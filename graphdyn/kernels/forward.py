@@ -20,7 +20,7 @@ import numpy as np
 from graphdyn.kernels.mechanism import Link
 from graphdyn.kernels.motion import Ground, Motion, Place, inertial_wrench, motions, places
 from graphdyn.kernels.reactions import Wrench, added, answers, inwards
-from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, symmetric, zeros
+from graphdyn.kernels.vectors import E_Z, Scalars, cross, scalars, skew, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Inertia:
 
     @classmethod
     def of(cls, link: Link) -> Inertia:
-        return cls(link.mass * np.eye(3, dtype=object) * 1.0, -skew(link.first_moment), link.tensor)
+        return cls(scalars(link.mass * np.eye(3)), -skew(link.first_moment), link.tensor)
 
     def __add__(self, other: Inertia) -> Inertia:
         return Inertia(self.m + other.m, self.h + other.h, self.j + other.j)
@@ -82,7 +82,7 @@ def forward_dynamics(
     if external is not None:
         wrenches = [(f - fx, n - nx) for (f, n), (fx, nx) in zip(wrenches, external, strict=True)]
     pivots: list[Any] = [None] * len(links)
-    leaves: list[Eliminated | None] = [None] * len(links)
+    leaves: dict[int, Eliminated] = {}
     for j in reversed(range(len(links))):
         pivots[j] = inertias[j].m[2, 2] if links[j].prismatic else inertias[j].j[2, 2]
         leaf = leaves[j] = eliminate(links[j].prismatic, inertias[j], wrenches[j], tau[j])
@@ -93,7 +93,8 @@ def forward_dynamics(
     accelerations: list[Any] = []
     moving, through = [], []
     gained: list[tuple[Scalars, Scalars]] = []
-    for link, place, motion, leaf in zip(links, at, at_rest, leaves, strict=True):
+    for j, (link, place, motion) in enumerate(zip(links, at, at_rest, strict=True)):
+        leaf = leaves[j]
         a_i, alpha_i = gained[link.inside] if link.inside >= 0 else (zeros(3), zeros(3))
         linear = place.outwards(a_i + cross(alpha_i, place.translation))
         angular = place.outwards(alpha_i)

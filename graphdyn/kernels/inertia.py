@@ -15,7 +15,7 @@ import numpy as np
 from graphdyn.kernels.mechanism import Link
 from graphdyn.kernels.motion import Place, places
 from graphdyn.kernels.reactions import Wrench, inwards
-from graphdyn.kernels.vectors import E_Z, Scalars, cross, symmetric, zeros
+from graphdyn.kernels.vectors import E_Z, Scalars, cross, scalars, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,14 +32,10 @@ class Composite:
         cross_terms = np.outer(h, p)
         point = p @ p * self.mass + 2.0 * (h @ p)
         shift = np.eye(3, dtype=object) * point - (cross_terms + cross_terms.T) - np.outer(p, p) * self.mass
-        return Composite(
-            self.mass, h + self.mass * p, symmetric(place.symmetric_inwards(self.tensor) + shift)
-        )
+        return Composite(self.mass, h + self.mass * p, symmetric(place.symmetric_inwards(self.tensor) + shift))
 
     def __add__(self, other: Composite) -> Composite:
-        return Composite(
-            self.mass + other.mass, self.first_moment + other.first_moment, self.tensor + other.tensor
-        )
+        return Composite(self.mass + other.mass, self.first_moment + other.first_moment, self.tensor + other.tensor)
 
 
 def mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> Scalars:
@@ -62,7 +58,7 @@ def mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> Scalars:
 def _per_acceleration(prismatic: bool, composite: Composite) -> Wrench:
     """What a unit acceleration of the joint takes."""
     if prismatic:
-        return E_Z * composite.mass, cross(composite.first_moment, E_Z)
+        return scalars([0, 0, composite.mass]), cross(composite.first_moment, E_Z)
     return cross(E_Z, composite.first_moment), composite.tensor[:, 2]
 
 

@@ -1,8 +1,8 @@
 """The constants of a robot, per body, in the frame that makes its joint simple.
 
-The recursions work in joint axes: origin O_j, axes (t_1, t_2, p) of joint j turning with body j. A revolute joint is then
-a turn about z, a prismatic joint a slide along z, whatever its axis in the link frame. Where the axis is a coordinate
-axis the change of frame is a signed permutation and costs nothing.
+The recursions work in joint axes: origin O_j, axes (t_1, t_2, p) of joint j turning with body j. A revolute joint is
+then a turn about z, a prismatic joint a slide along z, whatever its axis in the link frame. Where the axis is a
+coordinate axis the change of frame is a signed permutation and costs nothing.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.emitter import WATCHES, emit, scratch
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.interpreter import Run, merged
@@ -17,9 +18,6 @@ from graphdyn.layout import Array
 
 CACHE = 1 << 20
 """Bytes of results beyond which they bypass the caches: half of a usual second-level cache."""
-
-LINE = 64
-"""Bytes in a cache line, and in the widest vector."""
 
 _compiling = threading.Lock()
 
@@ -33,8 +31,8 @@ class CompiledProgram:
         with _compiling:
             self._engine, address = _machine_code(emit(program, self.lanes, "program"))
         n_arrays = len(program.inputs) + len(program.outputs)
-        signature = [ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, *[ctypes.c_void_p] * (n_arrays + 2)]
-        self._call = ctypes.CFUNCTYPE(None, *signature)(address)
+        pointers = [ctypes.c_void_p] * (n_arrays + 2)
+        self._call = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, *pointers)(address)
         self._scratch = scratch(program, self.lanes)
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
@@ -54,7 +52,7 @@ class CompiledProgram:
         return run
 
     def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], None]:
-        """A call without arguments for arrays of as many rows as lanes, nothing watched: for one state, again and again.
+        """A call without arguments on arrays of as many rows as lanes, nothing watched: for one state after the other.
 
         Not for several threads at once.
         """
@@ -86,14 +84,6 @@ class CompiledProgram:
         for name, result in results.items():
             outputs[name][first:last] = result[: last - first]
         return watches
-
-
-def aligned(shape: tuple[int, ...]) -> Array:
-    """An empty array that starts with a cache line."""
-    size = int(np.prod(shape))
-    memory = np.empty(size + LINE // 8)
-    start = -memory.ctypes.data % LINE // 8
-    return memory[start : start + size].reshape(shape)
 
 
 def host_lanes() -> int:

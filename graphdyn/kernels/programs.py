@@ -106,8 +106,8 @@ def pivot_scales(model: RobotModel) -> Array:
             if i > j:
                 reach[i] = reach[joint.inside - 1] + np.linalg.norm(joint.placement.translation) + joint.is_prismatic
             far = reach[i] + float(np.linalg.norm(body.center_of_mass))
-            scales[j] += body.mass if model.joints[j].is_prismatic else (
-                body.mass * far**2 + np.linalg.norm(body.inertia)
+            scales[j] += (
+                body.mass if model.joints[j].is_prismatic else (body.mass * far**2 + np.linalg.norm(body.inertia))
             )
     return np.where(scales > 0, scales, 1.0)
 
@@ -121,7 +121,7 @@ def _inverse(x: _Sample) -> dict[str, list[Any]]:
 
 
 def _bias(x: _Sample) -> dict[str, list[Any]]:
-    return inverse_dynamics(x.links, x.ground, x.q, x.input("v"), [0.0] * x.n, x.external)
+    return {"bias_torque": inverse_dynamics(x.links, x.ground, x.q, x.input("v"), [0.0] * x.n, x.external)["tau"]}
 
 
 def _mass(x: _Sample) -> dict[str, list[Any]]:

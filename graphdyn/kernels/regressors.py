@@ -28,7 +28,7 @@ def body_regressors(
 def joint_torque_regressor(
     links: Sequence[Link], ground: Ground, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
 ) -> Scalars:
-    """W (n, 10 n): row j, columns of body i is the wrench of body i along joint j, if j is between it and the ground."""
+    """W (n, 10 n): row j, columns of body i: the wrench of body i along joint j, if j is between it and the ground."""
     bodies = body_regressors(links, ground, q, v, a)
     at = places(links, q)
     matrix = zeros(len(links), BODY_PARAMETERS * len(links))

@@ -1,4 +1,4 @@
-"""Programs of a robot, recorded and compiled when first asked for, on batches, with as many threads as there are cores."""
+"""Programs of a robot, recorded and compiled when first asked for, on batches, with as many threads as wanted."""
 
 from __future__ import annotations
 
@@ -68,8 +68,8 @@ def run(
 ) -> dict[Watch, float]:
     """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what was watched.
 
-    The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first brought back by whole
-    turns, so that no sample loses digits.
+    The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first brought back by
+    whole turns, so that no sample loses digits.
     """
     ready = prepared(model, request)
     count = len(inputs["q"])

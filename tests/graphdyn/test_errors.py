@@ -326,7 +326,7 @@ def test_every_verb_refuses_bad_arrays(verb):
 
 def test_unknown_choices_are_refused():
     for verb in (graphdyn.forward_dynamics, graphdyn.inverse_dynamics):
-        with pytest.raises(InvalidInput, match="method is 'sparse'; use one of projected, dense"):
+        with pytest.raises(InvalidInput, match="method is 'sparse'; use one of auto, recursive, projected, dense"):
             verb(ROBOT, X, X, X, method="sparse")
     with pytest.raises(InvalidInput, match="coordinates is 'euler'; use 'twist' or 'cardano'"):
         graphdyn.kkt_system(ROBOT, X, X, X, coordinates="euler")

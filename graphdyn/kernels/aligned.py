@@ -1,0 +1,16 @@
+"""Memory that starts with a cache line, so that whole lines can be written past the caches."""
+
+import numpy as np
+
+from graphdyn.layout import Array
+
+LINE = 64
+"""Bytes in a cache line, and in the widest vector."""
+
+
+def aligned(shape: tuple[int, ...]) -> Array:
+    """An uninitialised array."""
+    size = int(np.prod(shape))
+    memory = np.empty(size + LINE // 8)
+    start = -memory.ctypes.data % LINE // 8
+    return memory[start : start + size].reshape(shape)

@@ -1,0 +1,128 @@
+"""Batches through a program: from the arguments of a verb to its arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.arrays import refuse_non_finite
+from graphdyn.base_motion import BaseMotion, ground
+from graphdyn.errors import InvalidInput
+from graphdyn.kernels.aligned import aligned
+from graphdyn.kernels.programs import GROUND, Request
+from graphdyn.kernels.running import run
+from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.model import RobotModel
+
+SMALL_PIVOT = 1e-9
+"""A pivot below this part of what the inertia about its joint can be: the mass matrix may be singular. Six digits more
+cautious than the test that decides (graphdyn.projected.singular)."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a verb runs.
+
+    threads: at most so many; None for as many as there are cores
+    check: refuse NaN and infinity in the arguments; if not, their samples come out as NaN
+    """
+
+    threads: int | None = None
+    check: bool = True
+
+    def __post_init__(self) -> None:
+        if self.threads is not None and (not isinstance(self.threads, int | np.integer) or self.threads < 1):
+            raise InvalidInput(f"threads is {self.threads!r}; give a number from 1, or None for all cores")
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """arrays: the outputs by name (…, *trailing); suspects: numbers of samples whose mass matrix may be singular."""
+
+    arrays: dict[str, Array]
+    suspects: NDArray[np.intp]
+
+
+def evaluate(
+    model: RobotModel,
+    verb: str,
+    trailing: Mapping[str, tuple[int, ...]],
+    x: Mapping[str, Array],
+    base: BaseMotion | None,
+    options: Options,
+    out: Mapping[str, Array] | None = None,
+) -> Evaluation:
+    """A verb of kernels.programs on arrays of one leading shape: outputs with these trailing shapes, into out if given.
+
+    Raises InvalidInput for NaN and infinity, unless told not to look; for outputs of the wrong shape, type or layout,
+    read-only ones, and ones that overlap with an argument or each other. After an error out holds nothing of use.
+    """
+    batch = x["q"].shape[:-1]
+    count = int(np.prod(batch))
+    inputs = {name: _as_rows(np.ascontiguousarray(array), batch) for name, array in x.items()}
+    if base is not None:
+        inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
+    shapes = {name: (*batch, *shape) for name, shape in trailing.items()}
+    arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, inputs)
+    request = Request(verb, tuple(trailing), "external_wrenches" in x, base is not None)
+    if count == 0:
+        return Evaluation(arrays, np.empty(0, dtype=np.intp))
+    outputs = {name: _as_rows(array, batch) for name, array in arrays.items()}
+    watched = run(model, request, inputs, outputs, options.threads)
+    if options.check and np.isnan(watched["finite"]):
+        refuse_non_finite(model, x)
+    suspicious = watched.get("minimum", np.inf) < SMALL_PIVOT
+    return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else np.empty(0, dtype=np.intp))
+
+
+def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
+    """(…, *trailing) seen as (N, width)."""
+    return array.reshape(int(np.prod(batch)), int(np.prod(array.shape[len(batch) :])))
+
+
+def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], options: Options) -> NDArray[np.intp]:
+    pivots = np.empty((len(inputs["q"]), model.n_bodies))
+    which = Request(request.verb, ("pivots",), request.external, request.moving_base)
+    run(model, which, inputs, {"pivots": pivots}, options.threads)
+    return np.flatnonzero((pivots < SMALL_PIVOT).any(axis=-1))
+
+
+def _ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...]) -> Array:
+    """The columns of programs.GROUND, in their order."""
+    moving = ground(model, base, batch)
+
+    def own_axes(vector: Array) -> Array:
+        return np.einsum("...ba,...b->...a", moving.rotation, vector)
+
+    columns = {
+        "rotation": moving.rotation.reshape(*batch, 9),
+        "position": moving.position,
+        "velocity": own_axes(moving.velocity[..., LINEAR]),
+        "omega": own_axes(moving.velocity[..., ANGULAR]),
+        "alpha": own_axes(moving.acceleration[..., ANGULAR]),
+        "felt": own_axes(moving.acceleration[..., LINEAR] - model.gravity),
+    }
+    return np.concatenate([columns[name] for name in GROUND], axis=-1)
+
+
+def _writable(
+    out: Mapping[str, Array], shapes: Mapping[str, tuple[int, ...]], inputs: Mapping[str, Array]
+) -> dict[str, Array]:
+    """The arrays of the caller, if they can take the answer."""
+    taken = list(inputs.items())
+    for name, shape in shapes.items():
+        array = out[name]
+        if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != shape:
+            found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
+            raise InvalidInput(f"out for {name} is {found}; give a float64 array of shape {shape}")
+        if not array.flags.c_contiguous or not array.flags.writeable:
+            fault = "read-only" if array.flags.c_contiguous else "not C-contiguous"
+            raise InvalidInput(f"out for {name} is {fault}; give a writable, C-contiguous array")
+        for other, memory in taken:
+            if np.may_share_memory(array, memory):
+                raise InvalidInput(f"out for {name} overlaps with {other}; give memory of its own")
+        taken.append((f"out for {name}", array))
+    return {name: out[name] for name in shapes}

@@ -1,0 +1,85 @@
+"""The dynamics body after body, compiled for the robot at hand: graphdyn.projected for many samples.
+
+The arguments are arrays of one common leading shape (graphdyn.arrays.joint_arrays, unchecked); external wrenches are
+left out where there are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from graphdyn import projected
+from graphdyn.base_motion import BaseMotion
+from graphdyn.kernels.batch import Evaluation, Options, evaluate
+from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
+from graphdyn.model import RobotModel
+from graphdyn.projected import Arguments, refuse_singular
+
+
+def forward_dynamics(
+    model: RobotModel,
+    fields: tuple[str, ...],
+    x: Arguments,
+    base: BaseMotion | None,
+    options: Options,
+    out: Mapping[str, Array] | None,
+) -> dict[str, Array]:
+    """These fields of graphdyn.ForwardDynamics. Raises SingularMassMatrix."""
+    answer = evaluate(model, "forward_dynamics", _shapes(model, fields), x, base, options, out)
+    if answer.suspects.size:
+        _decide(model, answer, x, base)
+    return answer.arrays
+
+
+def inverse_dynamics(
+    model: RobotModel,
+    fields: tuple[str, ...],
+    x: Arguments,
+    base: BaseMotion | None,
+    options: Options,
+    out: Mapping[str, Array] | None,
+) -> dict[str, Array]:
+    """These fields of graphdyn.InverseDynamics."""
+    return evaluate(model, "inverse_dynamics", _shapes(model, fields), x, base, options, out).arrays
+
+
+def single_array(
+    model: RobotModel,
+    name: str,
+    trailing: tuple[int, ...],
+    x: Arguments,
+    base: BaseMotion | None,
+    options: Options,
+    out: Array | None,
+) -> Array:
+    """The answer of a verb that has one array of the verb's name."""
+    given = None if out is None else {name: out}
+    return evaluate(model, name, {name: trailing}, x, base, options, given).arrays[name]
+
+
+def _shapes(model: RobotModel, fields: tuple[str, ...]) -> dict[str, tuple[int, ...]]:
+    n = model.n_bodies
+    shapes = {
+        "a": (n,),
+        "tau": (n,),
+        "body_accelerations": (n, BODY_FREEDOMS),
+        "multipliers": (n, JOINT_CONSTRAINTS),
+        "joint_wrenches": (n, BODY_FREEDOMS),
+    }
+    return {name: shapes[name] for name in fields}
+
+
+def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotion | None) -> None:
+    """Refuse samples with a singular mass matrix; solve those that merely have a small pivot by projection."""
+    batch = x["q"].shape[:-1]
+    index = np.unravel_index(answer.suspects, batch)
+    rows = [tuple(int(k[i]) for k in index) for i in range(answer.suspects.size)]
+    chosen = {name: array[index] for name, array in x.items()}
+    chosen.setdefault("external_wrenches", np.zeros((len(rows), model.n_bodies, BODY_FREEDOMS)))
+    there = None if base is None else base.at(batch, index)
+    refuse_singular(model, projected.mass_matrix(model, chosen, there), rows)
+    solved = projected.forward_dynamics(model, chosen, there)
+    for name, array in answer.arrays.items():
+        array[index] = getattr(solved, name)
