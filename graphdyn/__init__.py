@@ -5,6 +5,7 @@ The names below are the public interface; docs/notation.md relates them to the p
 
 from graphdyn.answers import ForwardDynamics, InverseDynamics
 from graphdyn.base_motion import BaseMotion
+from graphdyn.compiled import CompiledModel, compile
 from graphdyn.dynamics import (
     bias_torque,
     forward_dynamics,
@@ -40,6 +41,7 @@ __version__ = "0.1.0"
 __all__ = [
     "BaseMotion",
     "Body",
+    "CompiledModel",
     "Consistency",
     "ForwardDynamics",
     "Frame",
@@ -63,6 +65,7 @@ __all__ = [
     "UnknownFrame",
     "bias_torque",
     "body_regressor",
+    "compile",
     "forward_dynamics",
     "frame_placement",
     "inverse_dynamics",

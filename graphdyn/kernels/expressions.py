@@ -12,6 +12,9 @@ from typing import Literal
 import numpy as np
 
 Operation = Literal["constant", "input", "+", "-", "*", "/", "negate", "sine", "cosine"]
+COLUMNS = "columns"
+"""The output of a program whose columns are not stored but multiplied with each other (graphdyn.kernels.gram)."""
+
 Watch = Literal["finite", "magnitude", "minimum"]
 
 
@@ -31,6 +34,11 @@ class Program:
     inputs: dict[str, int]
     outputs: dict[str, tuple[int, ...]]
     watches: dict[Watch, tuple[int, ...]]
+
+    def constant(self, number: int) -> float | None:
+        """The value of an operation that is a constant."""
+        kind, *operands = self.operations[number]
+        return float(operands[0]) if kind == "constant" else None
 
     @property
     def arithmetic(self) -> int:

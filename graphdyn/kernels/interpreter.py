@@ -6,6 +6,7 @@ No code is generated. Samples go through in blocks small enough that all interme
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,8 @@ Run = Callable[[int, int], dict[Watch, float]]
 class Interpreter:
     """A program on NumPy arrays."""
 
+    lanes = 1
+
     def __init__(self, program: Program) -> None:
         self._program = program
         self._last_uses = _last_uses(program)
@@ -47,6 +50,10 @@ class Interpreter:
             return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in self._program.watches}
 
         return run
+
+    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], object]:
+        """A call without arguments on arrays of `lanes` rows."""
+        return partial(self.bind(inputs, outputs), 0, self.lanes)
 
     def _block(
         self, first: int, last: int, inputs: Mapping[str, Array], outputs: Mapping[str, Array]

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from graphdyn.kernels.aligned import aligned
-from graphdyn.kernels.emitter import WATCHES, emit, scratch
+from graphdyn.kernels.emitter import emit, scratch
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.interpreter import Run, merged
+from graphdyn.kernels.vector_code import WATCH_STARTS, WATCHES
 from graphdyn.layout import Array
 
 CACHE = 1 << 20
@@ -28,47 +29,43 @@ class CompiledProgram:
     def __init__(self, program: Program, lanes: int | None = None) -> None:
         self._program = program
         self.lanes = host_lanes() if lanes is None else lanes
-        with _compiling:
-            self._engine, address = _machine_code(emit(program, self.lanes, "program"))
-        n_arrays = len(program.inputs) + len(program.outputs)
-        pointers = [ctypes.c_void_p] * (n_arrays + 2)
-        self._call = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, *pointers)(address)
+        self._engine = machine_code(emit(program, self.lanes))
         self._scratch = scratch(program, self.lanes)
+        pointers = [ctypes.c_void_p] * (2 + len(program.inputs) + len(program.outputs))
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, *pointers)
+        self._rows = prototype(self._engine.get_function_address("rows"))
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """run(first, last) for C-contiguous arrays (N, width), as Interpreter.bind gives."""
-        arrays = [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]
-        addresses = [array.ctypes.data for array in arrays]
+        addresses = [array.ctypes.data for array in self._arrays(inputs, outputs)]
         bypass = sum(outputs[name].nbytes for name in self._program.outputs) > CACHE
 
         def run(first: int, last: int) -> dict[Watch, float]:
             if last - first < self.lanes:
                 return self._short(first, last, inputs, outputs)
-            rows = self._rows()
-            watched = np.empty((len(WATCHES), self.lanes))
-            self._call(first, last, bypass, rows.ctypes.data, *addresses, watched.ctypes.data)
-            return {kind: merged(kind, watched[WATCHES.index(kind)].tolist()) for kind in self._program.watches}
+            rows, watched = self._own_scratch(), watch_memory(self.lanes)
+            self._rows(first, last, bypass, rows.ctypes.data, *addresses, watched.ctypes.data)
+            return watches(self._program, watched)
 
         return run
 
-    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], None]:
+    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], object]:
         """A call without arguments on arrays of as many rows as lanes, nothing watched: for one state after the other.
 
         Not for several threads at once.
         """
-        arrays = [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]
-        owned = [self._rows(), *arrays, np.empty((len(WATCHES), self.lanes))]
-        call = partial(
-            self._call,
-            ctypes.c_int64(0),
-            ctypes.c_int64(self.lanes),
-            ctypes.c_bool(False),
-            *(ctypes.c_void_p(array.ctypes.data) for array in owned),
-        )
-        call.owned = owned  # type: ignore[attr-defined]  # the addresses stay valid as long as the call
+        owned = [self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)]
+        table = (ctypes.c_void_p * len(owned))(*(array.ctypes.data for array in owned))
+        # keeps the interpreter lock, whose release would take longer than the work
+        single = ctypes.PYFUNCTYPE(None, ctypes.c_void_p)(self._engine.get_function_address("single"))
+        call = partial(single, ctypes.c_void_p(ctypes.addressof(table)))
+        call.owned = (self, table, owned)  # type: ignore[attr-defined]  # what the addresses point to lives as long
         return call
 
-    def _rows(self) -> Array:
+    def _arrays(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> list[Array]:
+        return [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]
+
+    def _own_scratch(self) -> Array:
         rows = aligned(self._scratch.shape)
         rows[:] = self._scratch
         return rows
@@ -80,10 +77,20 @@ class CompiledProgram:
         rows = np.minimum(np.arange(first, first + self.lanes), last - 1)
         copies = {name: inputs[name][rows] for name in self._program.inputs}
         results = {name: np.empty((self.lanes, len(numbers))) for name, numbers in self._program.outputs.items()}
-        watches = self.bind(copies, results)(0, self.lanes)
+        watched = self.bind(copies, results)(0, self.lanes)
         for name, result in results.items():
             outputs[name][first:last] = result[: last - first]
-        return watches
+        return watched
+
+
+def watch_memory(lanes: int) -> Array:
+    """Where compiled code watches, before it has seen anything."""
+    return np.repeat(np.array(WATCH_STARTS)[:, None], lanes, axis=1)
+
+
+def watches(program: Program, watched: Array) -> dict[Watch, float]:
+    """What compiled code has seen, all lanes together."""
+    return {kind: merged(kind, watched[WATCHES.index(kind)].tolist()) for kind in program.watches}
 
 
 def host_lanes() -> int:
@@ -92,18 +99,19 @@ def host_lanes() -> int:
     return 8 if features.get("avx512f") else 4 if features.get("avx2") else 2
 
 
-def _machine_code(code: str) -> tuple[Any, int]:
-    """The engine that owns the code, and the address of its function."""
-    llvm = _binding()
-    target = llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2, jit=True
-    )
-    module = llvm.parse_assembly(code)
-    module.triple, module.data_layout = target.triple, str(target.target_data)
-    module.verify()
-    engine = llvm.create_mcjit_compiler(module, target)
-    engine.finalize_object()
-    return engine, engine.get_function_address("program")
+def machine_code(code: str) -> Any:
+    """The engine that owns the machine code of a module; its get_function_address finds the functions."""
+    with _compiling:
+        llvm = _binding()
+        target = llvm.Target.from_default_triple().create_target_machine(
+            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2, jit=True
+        )
+        module = llvm.parse_assembly(code)
+        module.triple, module.data_layout = target.triple, str(target.target_data)
+        module.verify()
+        engine = llvm.create_mcjit_compiler(module, target)
+        engine.finalize_object()
+        return engine
 
 
 def _binding() -> Any:

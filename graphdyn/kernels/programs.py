@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from graphdyn.kernels.expressions import Program, Recorder, Watch
+from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
@@ -41,12 +42,32 @@ def record(model: RobotModel, request: Request) -> Program:
     """The program of a verb. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
     sample = _Sample(model, request)
     outputs = VERBS[request.verb](sample)
-    turning = [x for x, link in zip(sample.q, sample.links, strict=True) if not link.prismatic]
-    watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": turning}
+    watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
     if "pivots" in outputs:
         outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], pivot_scales(model), strict=True)]
         watches["minimum"] = outputs["pivots"]
     return sample.recorder.program({name: outputs[name] for name in request.outputs}, watches)
+
+
+def record_equations(
+    model: RobotModel, columns: Sequence[int], n_extra: int
+) -> tuple[Program, tuple[NDArray[np.intp], ...]]:
+    """The torque equations of all joints, one after the other: [W_j | C_j | τ_j], and the columns of W_j by position.
+
+    Inputs are q, v, a, tau and extra (n n_extra); the output is gram_emitter.COLUMNS.
+    """
+    sample = _Sample(model, Request("joint_torque_regressor", ()))
+    matrix = joint_torque_regressor(sample.links, sample.ground, sample.q, sample.input("v"), sample.input("a"))[
+        :, list(columns)
+    ]
+    extra = np.array(sample.input("extra", sample.n * n_extra) if n_extra else [], dtype=object)
+    tau = sample.input("tau")
+    used = tuple(np.flatnonzero([isinstance(x, Expression) for x in row]) for row in matrix)
+    equations: list[Any] = []
+    for row, indices, further, torque in zip(matrix, used, extra.reshape(sample.n, n_extra), tau, strict=True):
+        equations += [*row[indices], *further, torque]
+    watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
+    return sample.recorder.program({COLUMNS: equations}, watches), used
 
 
 class _Sample:
@@ -63,6 +84,11 @@ class _Sample:
         if request.external:
             columns = np.array(self.input("external_wrenches", self.n * BODY_FREEDOMS), dtype=object)
             self.external = in_joint_axes(self.links, columns.reshape(self.n, BODY_FREEDOMS))
+
+    @property
+    def turning(self) -> list[Any]:
+        """The angles among q."""
+        return [x for x, link in zip(self.q, self.links, strict=True) if not link.prismatic]
 
     def input(self, name: str, width: int | None = None) -> list[Any]:
         columns = self.recorder.inputs(name, self.n if width is None else width)

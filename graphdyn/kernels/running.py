@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import threading
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Protocol
+from itertools import pairwise
+from typing import Protocol, TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -20,6 +21,8 @@ from graphdyn.kernels.programs import Request, record
 from graphdyn.kernels.sines import FARTHEST
 from graphdyn.layout import Array
 from graphdyn.model import RobotModel
+
+T = TypeVar("T")
 
 BACKENDS = ("llvm", "numpy")
 
@@ -34,7 +37,11 @@ WORTH_A_THREAD = 2_000_000
 
 
 class Backend(Protocol):
+    lanes: int
+
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run: ...
+
+    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], object]: ...
 
 
 class Prepared:
@@ -126,11 +133,17 @@ def _in_parallel(
     bound = ready.backend.bind(inputs, outputs)
     threads = cores() if threads is None else threads
     parts = max(1, min(threads, count * ready.program.arithmetic // WORTH_A_THREAD))
-    if parts == 1:
-        return bound(0, count)
     ends = [count * part // parts for part in range(parts + 1)]
-    seen = list(_pool(threads).map(bound, ends[:-1], ends[1:]))
+    seen = in_threads(bound, list(pairwise(ends)), threads)
     return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in ready.program.watches}
+
+
+def in_threads(work: Callable[[int, int], T], ranges: Sequence[tuple[int, int]], threads: int | None) -> list[T]:
+    """work(first, last) on every range, in their order."""
+    count = min(len(ranges), cores() if threads is None else threads)
+    if count <= 1:
+        return [work(*one) for one in ranges]
+    return list(_pool(count).map(work, *zip(*ranges, strict=True)))
 
 
 @cache

@@ -1,0 +1,136 @@
+"""Gram matrices of the torque equations of many samples, without the equations.
+
+Per joint j, over all samples, [W_j | C_j | τ_j]ᵀ [W_j | C_j | τ_j] with W_j: row j of the joint-torque regressor, on
+the columns asked for that can differ from zero; C_j: further columns of the joint (friction, offset); τ_j its torque.
+A Gram matrix squares the condition number: it is for motions that excite all parameters well.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.kernels.aligned import aligned
+from graphdyn.kernels.expressions import COLUMNS, Program, Watch
+from graphdyn.kernels.gram_emitter import STRETCH, emit_gram, products
+from graphdyn.kernels.interpreter import Interpreter, merged
+from graphdyn.kernels.native import host_lanes, machine_code, watch_memory, watches
+from graphdyn.kernels.programs import record_equations
+from graphdyn.kernels.running import chosen_backend, in_threads
+from graphdyn.layout import Array
+from graphdyn.model import RobotModel
+
+PORTION = 8192
+"""Samples that are summed on their own, whatever the number of threads, so that the sums do not depend on it."""
+
+Sums = tuple[list[Array], dict[Watch, float]]
+"""Gram matrix of every group, and what was watched."""
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueGram:
+    """Recorded and compiled once for a robot; call it with recordings.
+
+    columns: per joint, which of the regressor's columns asked for its equations hold, by position
+    n_extra: further columns of each joint
+    """
+
+    model: RobotModel
+    columns: tuple[NDArray[np.intp], ...]
+    n_extra: int
+    _program: Program
+    _bind: Callable[[Mapping[str, Array]], Callable[[int, int], Sums]]
+
+    def __call__(
+        self, q: Array, v: Array, a: Array, tau: Array, extra: Array, threads: int | None = None
+    ) -> tuple[list[Array], dict[Watch, float]]:
+        """Gram matrices (m_j, m_j), m_j = len(columns[j]) + n_extra + 1, of arrays (N, n); extra (N, n, n_extra)."""
+        count = len(q)
+        arrays = {"q": q, "v": v, "a": a, "tau": tau, "extra": extra.reshape(count, -1)}
+        inputs = {name: np.ascontiguousarray(arrays[name], dtype=float) for name in self._program.inputs}
+        bound = self._bind(inputs)
+        portions = [(first, min(first + PORTION, count)) for first in range(0, count, PORTION)]
+        parts = in_threads(bound, portions, threads)
+        sizes = [len(columns) + self.n_extra + 1 for columns in self.columns]
+        total = [np.zeros((size, size)) for size in sizes]
+        for matrices, _ in parts:
+            for sum_, matrix in zip(total, matrices, strict=True):
+                sum_ += matrix
+        return total, {kind: merged(kind, [seen[kind] for _, seen in parts]) for kind in self._program.watches}
+
+
+def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0) -> TorqueGram:
+    """Gram matrices of the equations of these columns of the joint-torque regressor."""
+    program, used = record_equations(model, columns, n_extra)
+    groups = [len(indices) + n_extra + 1 for indices in used]
+    backend = InterpretedGram if chosen_backend() == "numpy" else CompiledGram
+    return TorqueGram(model, used, n_extra, program, backend(program, groups).bind)
+
+
+class InterpretedGram:
+    """Sums on NumPy arrays."""
+
+    def __init__(self, program: Program, groups: Sequence[int]) -> None:
+        self._interpreter = Interpreter(program)
+        self._ends = np.cumsum(groups).tolist()
+
+    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], Sums]:
+        """run(first, last) sums over these rows of arrays (N, width)."""
+
+        def run(first: int, last: int) -> Sums:
+            equations = np.empty((last - first, self._ends[-1]))
+            rows = {name: array[first:last] for name, array in inputs.items()}
+            seen = self._interpreter.bind(rows, {COLUMNS: equations})(0, last - first)
+            blocks = np.split(equations, self._ends[:-1], axis=1)
+            return [block.T @ block for block in blocks], seen
+
+        return run
+
+
+class CompiledGram:
+    """Sums in machine code."""
+
+    def __init__(self, program: Program, groups: Sequence[int], lanes: int | None = None) -> None:
+        self._program, self._groups = program, tuple(groups)
+        self.lanes = host_lanes() if lanes is None else lanes
+        self._engine = machine_code(emit_gram(program, groups, self.lanes))
+        self._products = np.array(products(groups, self.lanes))
+        self._rest = InterpretedGram(program, groups)
+        pointers = [ctypes.c_void_p] * (3 + len(program.inputs))
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, *pointers)
+        self._gram = prototype(self._engine.get_function_address("gram"))
+
+    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], Sums]:
+        """run(first, last) sums over these rows of C-contiguous arrays (N, width)."""
+        addresses = [inputs[name].ctypes.data for name in self._program.inputs]
+        rest = self._rest.bind(inputs)
+
+        def run(first: int, last: int) -> Sums:
+            whole = first + (last - first) // self.lanes * self.lanes
+            matrices, seen = self._whole(first, whole, addresses)
+            if whole < last:
+                more, seen_there = rest(whole, last)
+                matrices = [x + y for x, y in zip(matrices, more, strict=True)]
+                seen = {kind: merged(kind, [seen[kind], seen_there[kind]]) for kind in seen}
+            return matrices, seen
+
+        return run
+
+    def _whole(self, first: int, last: int, addresses: Sequence[int]) -> Sums:
+        width = sum(self._groups)
+        watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
+        if first < last:
+            scratch = aligned((STRETCH, width, self.lanes))
+            self._gram(first, last, scratch.ctypes.data, *addresses, sums.ctypes.data, watched.ctypes.data)
+        everything = np.zeros((width, width))
+        left, right = self._products.T
+        everything[left, right] = everything[right, left] = sums.sum(axis=1)
+        ends = np.cumsum(self._groups)
+        matrices = [
+            everything[end - size : end, end - size : end] for size, end in zip(self._groups, ends, strict=True)
+        ]
+        return matrices, watches(self._program, watched)

@@ -1,0 +1,237 @@
+"""Lines of LLVM code that compute with vectors, one sample per lane."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Sequence
+
+from graphdyn.kernels.expressions import Program, Watch
+from graphdyn.kernels.sines import COSINE, HALF_PI, QUARTER_TURNS, ROUND, SINE
+
+WATCHES: tuple[Watch, ...] = ("finite", "magnitude", "minimum")
+"""Order in which code keeps what it watches: one vector each."""
+
+WATCH_STARTS = (0.0, 0.0, float("inf"))
+
+_ROUNDED = "contract nsz"
+"""A product and a sum may round once together. Nothing else is rearranged: NaN and infinity stay what they are."""
+
+_INSTRUCTIONS = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
+
+
+class VectorCode:
+    """Lines, each of which names its result; prefix keeps the names of several pieces of one function apart."""
+
+    def __init__(self, lanes: int, prefix: str = "x") -> None:
+        self._prefix = prefix
+        self.lanes = lanes
+        self.vector = f"<{lanes} x double>"
+        self.integers = f"<{lanes} x i64>"
+        self.lines: list[str] = []
+        self._count = 0
+
+    @property
+    def declarations(self) -> list[str]:
+        functions = {"fabs": 1, "maxnum": 2, "minnum": 2, "fma": 3}
+        return [
+            f"declare {self.vector} @llvm.{name}.v{self.lanes}f64({', '.join([self.vector] * count)})"
+            for name, count in functions.items()
+        ]
+
+    def let(self, code: str) -> str:
+        self._count += 1
+        name = f"%{self._prefix}{self._count}"
+        self.lines.append(f"  {name} = {code}")
+        return name
+
+    def do(self, code: str) -> None:
+        self.lines.append(f"  {code}")
+
+    def arithmetic(self, instruction: str, x: str, y: str) -> str:
+        return self.let(f"{instruction} {_ROUNDED} {self.vector} {x}, {y}")
+
+    def call(self, function: str, *operands: str) -> str:
+        arguments = ", ".join(f"{self.vector} {operand}" for operand in operands)
+        return self.let(f"call {self.vector} @llvm.{function}.v{self.lanes}f64({arguments})")
+
+    def splat(self, value: float) -> str:
+        bits = struct.pack(">d", value).hex().upper()
+        return "<" + ", ".join([f"double 0x{bits}"] * self.lanes) + ">"
+
+    def splat_integer(self, value: int) -> str:
+        return "<" + ", ".join([f"i64 {value}"] * self.lanes) + ">"
+
+    def element(self, array: str, index: int) -> str:
+        """Address of an element."""
+        return self.let(f"getelementptr double, ptr {array}, i64 {index}")
+
+    def load(self, kind: str, array: str, index: int) -> str:
+        return self.let(f"load {kind}, ptr {self.element(array, index)}, align 8")
+
+    def store(self, typed_value: str, array: str, index: int) -> None:
+        self.do(f"store {typed_value}, ptr {self.element(array, index)}, align 8")
+
+    # Programs
+
+    def values(self, program: Program, columns: Callable[[str], Sequence[str]]) -> list[str]:
+        """The value of every operation; columns gives those of an input array."""
+        values: list[str] = []
+        turns: dict[int, tuple[str, str]] = {}
+        rows: dict[str, Sequence[str]] = {}
+        for kind, *arguments in program.operations:
+            if kind == "constant":
+                values.append(self.splat(arguments[0]))
+            elif kind == "input":
+                name, column = arguments
+                if name not in rows:
+                    rows[name] = columns(name)
+                values.append(rows[name][column])
+            elif kind == "negate":
+                values.append(self.let(f"fneg nsz {self.vector} {values[arguments[0]]}"))
+            elif kind in _INSTRUCTIONS:
+                values.append(self.arithmetic(_INSTRUCTIONS[kind], *(values[k] for k in arguments)))
+            else:
+                (angle,) = arguments
+                if angle not in turns:
+                    turns[angle] = self.sine_and_cosine(values[angle])
+                values.append(turns[angle][kind == "cosine"])
+        return values
+
+    def watch(self, kind: Watch, values: Sequence[str], seen: str) -> str:
+        """What was seen before, and in these values."""
+        for value in values:
+            if kind == "finite":
+                seen = self.let(f"fadd {self.vector} {seen}, {self.let(f'fsub {self.vector} {value}, {value}')}")
+            elif kind == "magnitude":
+                seen = self.call("maxnum", seen, self.call("fabs", value))
+            else:
+                seen = self.call("minnum", seen, value)
+        return seen
+
+    def sine_and_cosine(self, angle: str) -> tuple[str, str]:
+        """See graphdyn.kernels.sines."""
+        scaled = self.arithmetic("fadd", self.arithmetic("fmul", angle, self.splat(QUARTER_TURNS)), self.splat(ROUND))
+        turns = self.let(f"fsub {self.vector} {scaled}, {self.splat(ROUND)}")
+        rest = angle
+        for part in HALF_PI:
+            rest = self.arithmetic("fsub", rest, self.arithmetic("fmul", turns, self.splat(part)))
+        square = self.arithmetic("fmul", rest, rest)
+        sine = self._polynomial(SINE, square)
+        sine = self.arithmetic("fadd", self.arithmetic("fmul", self.arithmetic("fmul", rest, square), sine), rest)
+        cosine = self._polynomial(COSINE, square)
+        head = self.arithmetic("fsub", self.splat(1.0), self.arithmetic("fmul", square, self.splat(0.5)))
+        cosine = self.arithmetic("fadd", self.arithmetic("fmul", self.arithmetic("fmul", square, square), cosine), head)
+        bits = self.let(f"bitcast {self.vector} {scaled} to {self.integers}")
+        odd = self.let(f"trunc {self.integers} {bits} to <{self.lanes} x i1>")
+        following = self.let(f"add {self.integers} {bits}, {self.splat_integer(1)}")
+        select = f"select <{self.lanes} x i1> {odd}, {self.vector}"
+        return (
+            self._signed(self.let(f"{select} {cosine}, {self.vector} {sine}"), bits),
+            self._signed(self.let(f"{select} {sine}, {self.vector} {cosine}"), following),
+        )
+
+    def _polynomial(self, coefficients: Sequence[float], x: str) -> str:
+        result = self.splat(coefficients[-1])
+        for coefficient in reversed(coefficients[:-1]):
+            result = self.arithmetic("fadd", self.arithmetic("fmul", result, x), self.splat(coefficient))
+        return result
+
+    def _signed(self, value: str, quadrant: str) -> str:
+        """The value, with the other sign in quadrants 2 and 3."""
+        shifted = self.let(f"shl {self.integers} {quadrant}, {self.splat_integer(62)}")
+        sign = self.let(f"and {self.integers} {shifted}, {self.splat_integer(-(2**63))}")
+        bits = self.let(f"bitcast {self.vector} {value} to {self.integers}")
+        return self.let(f"bitcast {self.integers} {self.let(f'xor {self.integers} {bits}, {sign}')} to {self.vector}")
+
+    # Rows and columns: rows of an array lie one after the other, lanes want columns. Columns are read and written two
+    # at a time, so that half of the transposition is done by the load and store units.
+
+    def columns_of(self, block: str, width: int) -> list[str]:
+        """The columns of as many rows as lanes, which begin at block."""
+        columns: list[str] = []
+        for column in range(0, width - 1, 2):
+            pairs = [self.load("<2 x double>", block, lane * width + column) for lane in range(self.lanes)]
+            even, odd = self._joined(pairs[0::2]), self._joined(pairs[1::2])
+            columns += [self._interleaved(even, odd, half) for half in (0, 1)]
+        if width % 2:
+            vector = "poison"
+            for lane in range(self.lanes):
+                value = self.load("double", block, lane * width + width - 1)
+                vector = self.let(f"insertelement {self.vector} {vector}, double {value}, i64 {lane}")
+            columns.append(vector)
+        return columns
+
+    def write_columns(self, block: str, width: int, columns: dict[int, str]) -> None:
+        """Some columns of as many rows as lanes, which begin at block."""
+        pending = sorted(columns)
+        while pending:
+            column = pending.pop(0)
+            if pending and pending[0] == column + 1:
+                halves = [
+                    self._interleaved(columns[column], columns[pending.pop(0)], 0),
+                    self._interleaved(columns[column], columns[column + 1], 1),
+                ]
+                for lane in range(self.lanes):
+                    pair = self._shuffle(
+                        halves[lane % 2], halves[lane % 2], self.lanes, [lane // 2 * 2, lane // 2 * 2 + 1]
+                    )
+                    self.store(f"<2 x double> {pair}", block, lane * width + column)
+            else:
+                for lane in range(self.lanes):
+                    value = self.let(f"extractelement {self.vector} {columns[column]}, i64 {lane}")
+                    self.store(f"double {value}", block, lane * width + column)
+
+    def _joined(self, parts: list[str]) -> str:
+        """Short vectors one after the other."""
+        size = 2
+        while len(parts) > 1:
+            parts = [
+                self._shuffle(x, y, size, list(range(2 * size))) for x, y in zip(parts[0::2], parts[1::2], strict=True)
+            ]
+            size *= 2
+        return parts[0]
+
+    def _interleaved(self, x: str, y: str, half: int) -> str:
+        """Even (half 0) or odd (half 1) elements of x and y in turn: x_0 y_0 x_2 y_2 …"""
+        order = [k for pair in range(half, self.lanes, 2) for k in (pair, self.lanes + pair)]
+        return self._shuffle(x, y, self.lanes, order)
+
+    def _shuffle(self, x: str, y: str, size: int, order: list[int]) -> str:
+        indices = ", ".join(f"i32 {k}" for k in order)
+        return self.let(f"shufflevector <{size} x double> {x}, <{size} x double> {y}, <{len(order)} x i32> <{indices}>")
+
+
+def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str]) -> list[str]:
+    """A function whose body, the lines of the code, is done for %row from %first on, as many rows at a time as lanes.
+
+    It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of WATCHES.
+    """
+    entry, phis, stores = [], [], []
+    for place, (kind, value) in enumerate(zip(WATCHES, seen, strict=True)):
+        entry += [
+            f"  %place.{kind} = getelementptr double, ptr %watched, i64 {place * code.lanes}",
+            f"  %start.{kind} = load {code.vector}, ptr %place.{kind}, align 8",
+        ]
+        phis.append(f"  %watch.{kind} = phi {code.vector} [ %start.{kind}, %entry ], [ {value}, %loop ]")
+        stores.append(f"  store {code.vector} {value}, ptr %place.{kind}, align 8")
+    return [
+        f"{header} {{",
+        "entry:",
+        *entry,
+        f"  %final = sub i64 %last, {code.lanes}",
+        "  br label %loop",
+        "loop:",
+        "  %row = phi i64 [ %first, %entry ], [ %next, %loop ]",
+        *phis,
+        *code.lines,
+        f"  %after = add i64 %row, {code.lanes}",
+        "  %short = icmp sgt i64 %after, %final",
+        "  %next = select i1 %short, i64 %final, i64 %after",
+        "  %more = icmp slt i64 %after, %last",
+        "  br i1 %more, label %loop, label %exit",
+        "exit:",
+        *stores,
+        "  fence seq_cst",
+        "  ret void",
+        "}",
+    ]
