@@ -27,6 +27,7 @@ from crosscheck.result import Comparison, QuantityResult, WorstState
 from crosscheck.states import Case, cases
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn.layout import Array
+from graphdyn.projected import singular
 from urdf.cutting import Chain
 
 CHUNK = 250

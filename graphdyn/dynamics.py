@@ -6,8 +6,8 @@ Keywords, where a verb has them:
 base: prescribed motion of the base; the mass matrix does not depend on it
 method: "dense" solves Eq. (111) as it stands, the specification; "projected" eliminates the multipliers with the null
     space of φ_q (NᵀAN a = …) and reads them off the path matrix; "recursive" eliminates body after body, compiled for
-    this robot (graphdyn.kernels). Same answer, each faster than the one before. "auto" is "recursive" for batches and
-    "projected" for a single state, which is not worth compiling for
+    this robot (graphdyn.kernels). Same answer up to rounding, each faster than the one before. "auto" is "recursive"
+    for 1000 samples and more, or with out, and "projected" for fewer, which are not worth compiling for
 threads: how many the recursive method may use, None for as many as there are cores; the answer does not depend on it
 check: refuse NaN and infinity, naming argument and row; with False the recursive method does not look, and only the
     samples that have them come out as NaN

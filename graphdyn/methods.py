@@ -9,6 +9,9 @@ from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
 Method = Literal["auto", "recursive", "projected", "dense"]
+WORTH_COMPILING = 1000
+"""Samples from which "auto" is "recursive": the others take longer for them than compiling, a tenth of a second."""
+
 METHODS: tuple[Method, ...] = ("auto", "recursive", "projected", "dense")
 
 
@@ -21,4 +24,4 @@ def is_recursive(method: str, x: Mapping[str, Array], out: object = None) -> boo
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(METHODS)}")
     if out is not None and method in ("projected", "dense"):
         raise InvalidInput(f"the {method} method makes arrays of its own; leave out away, or use method='recursive'")
-    return method == "recursive" or (method == "auto" and (x["q"].ndim > 1 or out is not None))
+    return method == "recursive" or (method == "auto" and (x["q"][..., 0].size >= WORTH_COMPILING or out is not None))
