@@ -1,4 +1,7 @@
-"""The baseline identifier: the same least squares, with Pinocchio's regressor and with ours, gives the same answer."""
+"""The baseline identifier: the same least squares, with Pinocchio's regressor and with ours, gives the same answer.
+
+PinocchioBodies puts Pinocchio's regressor into a torque model, so that every estimator runs on it unchanged.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,9 @@ import numpy as np
 from crosscheck.pinocchio_model import PinocchioModel
 from crosscheck.states import ACCELERATION_RANGE
 from graphdyn import InvalidInput, RobotModel, joint_torque_regressor
-from graphdyn.identification import base_parameters, ordinary_least_squares
-from graphdyn.layout import BODY_PARAMETERS
+from graphdyn.identification import Samples, base_parameters, ordinary_least_squares
+from graphdyn.identification.terms import RigidBodies
+from graphdyn.layout import BODY_PARAMETERS, Array
 
 STATES_PER_PARAMETER = 4
 """Random states per standard parameter: each gives n equations, far more than the at most 10n unknowns."""
@@ -18,6 +22,22 @@ STATES_PER_PARAMETER = 4
 
 SPEED = 10.0
 """Largest joint speed [rad/s or m/s]: beyond, centrifugal torques drown the rest, and rounding with them."""
+
+
+@dataclass(frozen=True, eq=False)
+class PinocchioBodies(RigidBodies):
+    """The same term with computeJointTorqueRegressor in place of our regressor.
+
+    referee: Pinocchio's reading of the robot of the torque model
+    Raises InvalidInput for samples with a moving base, which Pinocchio's regressor does not have.
+    """
+
+    referee: PinocchioModel
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        if samples.base is not None:
+            raise InvalidInput("Pinocchio's regressor has a fixed base, and the base of these samples moves")
+        return self.referee.torque_regressor(*(np.asarray(x, dtype=float) for x in (samples.q, samples.v, samples.a)))
 
 
 @dataclass(frozen=True)

@@ -125,8 +125,9 @@ class TestWeighted:
         w, torque = dense(noisy)
         noise = []
         for j in range(6):
-            seen = w[:, j, np.any(w[:, j] != 0, axis=0)]
-            seen = seen / np.linalg.norm(seen, axis=0)
+            length = np.linalg.norm(w[:, j], axis=0)
+            counted = length > 1e-9 * length.max()  # a column of rounding is none
+            seen = w[:, j, counted] / length[counted]
             fit, _, rank, _ = np.linalg.lstsq(seen, torque[:, j], rcond=1e-9)
             noise.append(np.sqrt(np.sum((seen @ fit - torque[:, j]) ** 2) / (len(seen) - rank)))
         weights = 1 / np.array(noise)

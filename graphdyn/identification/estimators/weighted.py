@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.base_parameters import RANK
+from graphdyn.identification.base_parameters import DROPPED_COLUMN, RANK
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.estimate import Estimate, base_estimate
 from graphdyn.identification.problem import Problem
@@ -46,7 +46,8 @@ def joint_noise(equations: CompressedEquations) -> Array:
     for g, factor in enumerate(equations.factors):
         w, right = factor[:, :-1], factor[:, -1]
         length = np.linalg.norm(w, axis=0)
-        length[length == 0] = 1.0
-        x, _, used[g], _ = np.linalg.lstsq(w / length, right, rcond=RANK)
-        squares[g] = np.sum((w / length @ x - right) ** 2)
+        seen = length > DROPPED_COLUMN * length.max(initial=0.0)  # the rest is rounding, and stays so if not scaled
+        unit = w[:, seen] / length[seen]
+        x, _, used[g], _ = np.linalg.lstsq(unit, right, rcond=RANK)
+        squares[g] = np.sum((unit @ x - right) ** 2)
     return residual_deviations(equations, squares, used)
