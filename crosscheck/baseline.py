@@ -69,12 +69,15 @@ def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int
     here = joint_torque_regressor(model, q, v, a).reshape(torque.size, -1)
     there = referee.torque_regressor(q, v, a).reshape(torque.size, -1)
     base, base_there = base_parameters(here), base_parameters(there)
+    pi = model.inertial_parameters
+    left_out = base.dependent[~base.regrouping.any(axis=0)]  # too short to be columns (DROPPED_COLUMN), yet not zero
+    torque = torque - there[:, left_out] @ pi[left_out]
     ours = ordinary_least_squares(here[:, base.independent], torque)
     try:
         theirs = ordinary_least_squares(there[:, base.independent], torque).parameters
     except InvalidInput:  # columns that are independent here are not there
         theirs = np.full(base.rank, np.inf)
-    true = base.values(model.inertial_parameters)
+    true = base.values(pi)
     scale = ours.condition_number * np.abs(ours.column_scale * true).max(initial=0.0)
 
     def on_scale(difference: np.ndarray) -> float:

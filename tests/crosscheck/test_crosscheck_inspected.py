@@ -6,6 +6,7 @@ import pytest
 from inspection_cases import CASES, changed
 from shared_data import ARMS, existing
 
+import crosscheck
 import urdf
 from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.quantities import BY_NAME, forward_errors, passive_errors
@@ -77,3 +78,12 @@ def test_makers_arms():
     fit = [path for path in paths if urdf.inspect(path).verdict == "dynamics"]
     assert len(fit) == 16
     assert {path.stem for path in fit if not agrees(path)} == ARMS_REFUSED
+
+
+def test_axes_that_are_almost_parallel(tmp_path):
+    """A right angle cut off: base parameters are small differences of sums a hundred thousand times as large."""
+    path = tmp_path / "arm.urdf"
+    path.write_text(changed(*CASES["rpy-truncated"].changes), encoding="utf-8")
+    identified = crosscheck.compare(path, samples=SAMPLES).quantities["base_parameters"]
+    assert identified.agrees
+    assert identified.max_relative_error > 0
