@@ -6,6 +6,7 @@ line numbers. Everything it would guess is refused here.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 
@@ -40,6 +41,9 @@ _NUMBERS = {
 
 LARGEST = 1e60
 """Of masses, tensors, lengths and angles: products of several stay far below the largest double, 1.8e308."""
+
+SHORTEST_AXIS = 1e-60
+"""Readers that square lengths take a far shorter axis for zero."""
 
 _COMPUTED = ("origin", "mass", "inertia", "axis")
 """What dynamics are computed from; a limit may be the largest double."""
@@ -150,5 +154,7 @@ def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFE
         elif element.tag == "mass" and found[0] < 0:
             problem = f"mass {found[0]} kg is negative"
             yield source.error(InvalidNumber, "negative-mass", element, problem, "give a mass of at least 0")
-        elif element.tag == "axis" and not any(found):
-            yield source.error(InvalidNumber, "zero-axis", element, "the axis is zero", "give a direction")
+        elif element.tag == "axis" and math.hypot(*found) < SHORTEST_AXIS:
+            problem = f"the axis has length {math.hypot(*found):.3g}, and its square is zero"
+            problem = problem if any(found) else "the axis is zero"
+            yield source.error(InvalidNumber, "zero-axis", element, problem, "give a direction")

@@ -529,6 +529,12 @@ CASES = {
         "without effort, velocity; dynamics do not need it. Pinocchio refuses the file",
         "correct it",
     ),
+    "friction-negative": Case(
+        (LIMIT, f'{LIMIT}<dynamics friction="-0.5"/>'),
+        "warning", "<dynamics> of joint 'shoulder'", 23,
+        "the friction -0.5 is negative. Pinocchio refuses the file, yourdfpy loads it",
+        "write the friction",
+    ),
     "reserved-name": Case(
         ('name="shoulder"', 'name="universe"'),
         "warning", "joint 'universe'", 18,
@@ -545,7 +551,7 @@ CASES = {
     "other-encoding": Case(
         ("<robot", '<?xml version="1.0" encoding="ISO-8859-1"?><robot', '"tool"', '"töol"', '"tool"', '"töol"'),
         "warning", None, 1,
-        "the text is encoded in ISO-8859-1. Pinocchio takes it for UTF-8 and reads other names",
+        "the text is encoded in ISO-8859-1. Pinocchio takes it for UTF-8 and reads other names or numbers",
         "save it in UTF-8",
     ),
     "mass-matrix-indefinite": Case(

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from lxml import etree
 
 import urdf
-from urdf.source import describe
+from urdf.source import describe, tag_of
 
 NEW_NAME = "renamed"
 UNLIMITED = {"effort": "1e6", "velocity": "1e6"}
@@ -42,10 +42,14 @@ def _remove(element: etree._Element) -> None:
 
 def _limit(element: etree._Element) -> None:
     """A joint without <limit>, or a <limit> without or with negative numbers."""
-    limit = etree.SubElement(element, "limit") if element.tag == "joint" else element
+    limit = etree.SubElement(element, "limit") if tag_of(element) == "joint" else element
     for name, value in UNLIMITED.items():
         if not limit.get(name) or float(limit.get(name, "0")) < 0:
             limit.set(name, value)
+
+
+def _no_friction(element: etree._Element) -> None:
+    element.set("friction", "0")
 
 
 def _remove_instructions(element: etree._Element) -> None:
@@ -74,6 +78,7 @@ MENDS: dict[str, Callable[[etree._Element], None]] = {
     "limits-missing": _limit,
     "effort-negative": _limit,
     "velocity-negative": _limit,
+    "friction-negative": _no_friction,
     "processing-instruction": _remove_instructions,
     "duplicate-material": _rename_material,
     "urdf-version": _drop_version,

@@ -173,10 +173,19 @@ def test_the_declared_encoding_of_a_text_says_nothing(encoding):
     assert "number-spacing" in report.codes
 
 
+def test_encoding_that_writes_ascii_otherwise(written):
+    """In UTF-7, +- is a plus."""
+    text = '<?xml version="1.0" encoding="utf-7"?>' + changed('value="2.5"', 'value="+2.5"')
+    path = written(text.encode("utf-7"))
+    (message,) = messages(path, "other-encoding")
+    assert message == "the text is encoded in utf-7. Pinocchio takes it for UTF-8 and reads other names or numbers"
+    assert torque_there(path) != pytest.approx(torque_there(written(CLEAN)))
+
+
 def test_encoding_that_pinocchio_takes_for_utf_8(written):
     path = written(encoded("iso-8859-1"))
     (message,) = messages(path, "other-encoding")
-    assert message == "the text is encoded in iso-8859-1. Pinocchio takes it for UTF-8 and reads other names"
+    assert message == "the text is encoded in iso-8859-1. Pinocchio takes it for UTF-8 and reads other names or numbers"
     model = urdf.load(path)
     assert model.frames[0].name == "töol"
     with pytest.raises(PinocchioRefuses, match="Pinocchio has no link 'töol'"):
@@ -226,6 +235,16 @@ class TestNamespaces:
         with pytest.warns(urdf.MissingInertialWarning):
             urdf.update(written(self.PREFIXED), tmp_path / "new.urdf", parameters)
         assert urdf.load(tmp_path / "new.urdf").bodies[0].mass == 2.5
+
+
+def test_an_axis_too_short_for_its_square(written):
+    """Pinocchio leaves it as it is, and the joint does not turn."""
+    path = written(changed('"0 0 1"', '"0 0 1e-170"'))
+    with pytest.raises(
+        urdf.InvalidNumber, match="the axis has length 1e-170, and its square is zero; give a direction"
+    ):
+        urdf.load(path)
+    assert urdf.inspect(path).codes[0] == "zero-axis"
 
 
 def test_attribute_names_beyond_ascii(written, capfd):

@@ -168,6 +168,11 @@ def _rate_limits(joint: etree._Element) -> Iterator[Finding]:
 
 def _dynamics(joint: etree._Element) -> Iterator[Finding]:
     element = joint.find("dynamics")
+    friction = values(element, "friction", 1)
+    if element is not None and friction is not None and friction[0] < 0:
+        yield about(
+            "friction-negative", "warning", element, f"the friction {friction[0]:g} is negative", "write the friction"
+        )
     stated = {name: values(element, name, 1) or [0.0] for name in ("damping", "friction")}
     if element is not None and any(value[0] for value in stated.values()):
         said = ", ".join(f"{name} {value[0]:g}" for name, value in stated.items() if value[0])

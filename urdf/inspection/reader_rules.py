@@ -23,6 +23,9 @@ _VALUE = re.compile(rb"""=\s*("[^"<\t\n\r]*[\t\n\r][^"<]*"|'[^'<\t\n\r]*[\t\n\r]
 _BLANK_BEHIND = re.compile(r"\S\s")
 _KEPT = {b"\t": b"&#9;", b"\n": b"&#10;", b"\r": b"&#10;"}
 
+_IS_UTF_8 = re.compile("UTF-?8$|(US-)?ASCII$", re.IGNORECASE)
+_EXTENDS_ASCII = re.compile(rf"{_IS_UTF_8.pattern}|ISO-?8859|LATIN-?1|(WINDOWS-|CP)125", re.IGNORECASE)
+
 _TRIPLES = ("xyz", "rpy")
 _INERTIAL_NUMBERS = {
     "origin": _TRIPLES,
@@ -82,12 +85,12 @@ def _encoding(document: Document) -> Iterator[Finding]:
             f"the text is encoded in {'UTF-16' if encoding == 'UTF-8' else encoding}. Pinocchio refuses the file",
             "save it in UTF-8",
         )
-    elif encoding.upper() not in ("UTF-8", "ASCII", "US-ASCII") and not document.content.isascii():
+    elif not (_EXTENDS_ASCII if document.content.isascii() else _IS_UTF_8).match(encoding):
         yield of_file(
             "other-encoding",
             "warning",
             1,
-            f"the text is encoded in {encoding}. Pinocchio takes it for UTF-8 and reads other names",
+            f"the text is encoded in {encoding}. Pinocchio takes it for UTF-8 and reads other names or numbers",
             "save it in UTF-8",
         )
 

@@ -23,6 +23,7 @@ ELSEWHERE = {
     "duplicate-name": _PINOCCHIO_REFUSES,
     "effort-negative": _PINOCCHIO_REFUSES,
     "empty-file": _BOTH_REFUSE,
+    "friction-negative": _PINOCCHIO_REFUSES,
     "fused-mass": "Pinocchio does the same",
     "inconsistent-body": _BOTH_LOAD,
     "incomplete-joint-part": "Pinocchio refuses the file",
