@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-import graphdyn
 import urdf
 from crosscheck.arguments import Lock, Robot, check_counts, subject
 from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
@@ -18,14 +17,12 @@ from crosscheck.judging.columns import column_fault
 from crosscheck.judging.diagnosis import diagnose, merged
 from crosscheck.judging.experiments import Trial, observe
 from crosscheck.judging.foreign import ForeignFunction, joint_order
+from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.judging.references import SCALES, foreign_errors, graphdyn_answers, pinocchio_answers
 from crosscheck.mujoco_model import MujocoModel, MujocoRefuses
-from crosscheck.pinocchio_model import PinocchioModel
-from crosscheck.scales import acceleration_scale, by_parameter_type, largest, ratio, relative, term_sizes
-from crosscheck.states import ACCELERATION_RANGE
 from crosscheck.tolerances import FOREIGN
 from crosscheck.verdict import judgement_text
-from graphdyn import InvalidInput, RobotModel
-from graphdyn.kinematics import link_origins
+from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 Foreign = Callable[..., ArrayLike]
@@ -33,22 +30,6 @@ Foreign = Callable[..., ArrayLike]
 
 Progress = Callable[[str], None]
 """Called with what is done next."""
-
-EXPERIMENTS = 6
-"""States at which experiments are made; half of them with whole turns added where joints turn without end."""
-
-TURNED = 10
-"""Judged states with whole turns added, on top of the random ones."""
-
-TURNS = 2
-"""Whole turns either way."""
-
-SCALES = {
-    "inverse_dynamics": "largest entry of the joint wrenches",
-    "forward_dynamics": "cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench)",
-    "mass_matrix": "largest entry of M",
-    "regressor": "largest entry and term of the parameter type (m, m c, I)",
-}
 
 
 class WrongDynamics(AssertionError):
@@ -107,14 +88,14 @@ def judge(
     if not any(body.mass > 0 for body in model.bodies):
         notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):
-        states = _States.draw(model, samples, seed, needs_tau=forward_dynamics is not None)
+        states = JudgedStates.draw(model, samples, seed, needs_tau=forward_dynamics is not None)
         say("asking the referees")
-        references = {"graphdyn": _ours(states, given), "pinocchio": _pinocchio(states)}
+        references = {"graphdyn": graphdyn_answers(states, given), "pinocchio": pinocchio_answers(states)}
         try:
             references["mujoco"] = MujocoModel(model).evaluate(states.q, states.v, states.a, states.tau)
         except MujocoRefuses as refusal:
             notes.append(f"referee 'mujoco' took no part: {refusal}")
-        trial = _trial(states)
+        trial = states.trial
         for function in functions:
             say(f"judging {function.name}")
             answer = function(*states.arguments(function.name))
@@ -148,87 +129,23 @@ def assert_correct(robot: Robot, **options: object) -> Judgement:
     return judgement
 
 
-class _States:
-    """The judged states: q, v, a, tau (N, n)."""
-
-    def __init__(self, model: RobotModel, q: Array, v: Array, a: Array, tau: Array, turn: Array):
-        self.model, self.q, self.v, self.a, self.tau, self.turn = model, q, v, a, tau, turn
-
-    @classmethod
-    def draw(cls, model: RobotModel, samples: int, seed: int, *, needs_tau: bool) -> _States:
-        rng = np.random.default_rng(seed)
-        q, v = model.random_state(rng, samples + TURNED + 1)
-        endless = np.array([_turns_without_end(joint) for joint in model.joints])
-        turn = 2 * np.pi * endless * rng.integers(-TURNS, TURNS + 1, q.shape)
-        turn[:samples] = 0
-        q = q + turn
-        q[-1] = 0  # the zero pose
-        a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
-        tau = graphdyn.inverse_dynamics(model, q, v, a).tau * rng.uniform(0.5, 1.5, q.shape) if needs_tau else 0 * a
-        return cls(model, q, v, a, tau, turn)
-
-    def arguments(self, name: str) -> tuple[Array, ...]:
-        return {
-            "inverse_dynamics": (self.q, self.v, self.a),
-            "forward_dynamics": (self.q, self.v, self.tau),
-            "mass_matrix": (self.q,),
-            "regressor": (self.q, self.v, self.a),
-        }[name]
-
-
-def _turns_without_end(joint: graphdyn.Joint) -> bool:
-    limits = joint.limits
-    return joint.kind == "continuous" or (joint.kind == "revolute" and limits.lower is None and limits.upper is None)
-
-
-def _trial(states: _States) -> Trial:
-    """Generic states for the experiments: random ones, then turned ones."""
-    rows = [*range(EXPERIMENTS // 2), *range(-TURNED, -TURNED + EXPERIMENTS // 2)]
-    rows = [row if row < 0 else row % len(states.q) for row in rows]
-    return Trial(states.q[rows], states.v[rows])
-
-
-def _ours(states: _States, given: Mapping[str, object]) -> dict[str, Array]:
-    model, q, v, a = states.model, states.q, states.v, states.a
-    answers = {
-        "inverse_dynamics": graphdyn.inverse_dynamics(model, q, v, a).tau,
-        "mass_matrix": graphdyn.mass_matrix(model, q),
-    }
-    if given["forward_dynamics"] is not None:
-        answers["forward_dynamics"] = graphdyn.forward_dynamics(model, q, v, states.tau).a
-    if given["regressor"] is not None:
-        answers["regressor"] = graphdyn.joint_torque_regressor(model, q, v, a)
-    return answers
-
-
-def _pinocchio(states: _States) -> dict[str, Array]:
-    no_load = np.zeros((*states.q.shape, 6))
-    values = PinocchioModel.from_model(states.model).evaluate(states.q, states.v, states.a, states.tau, no_load)
-    return {
-        "inverse_dynamics": values.tau,
-        "forward_dynamics": values.a,
-        "mass_matrix": values.mass_matrix,
-        "regressor": values.torque_regressor,
-    }
-
-
 def _verdict(
     function: ForeignFunction,
     answer: Array,
     references: Mapping[str, Mapping[str, Array]],
-    states: _States,
+    states: JudgedStates,
     tolerance: float,
 ) -> JudgedFunction:
     known = {referee: answers[function.name] for referee, answers in references.items() if function.name in answers}
     ours = known["graphdyn"]
-    errors = {referee: _errors(function.name, answer, reference, states) for referee, reference in known.items()}
+    errors = {referee: foreign_errors(function.name, answer, reference, states) for referee, reference in known.items()}
     worst = int(errors["graphdyn"].argmax())
     row = [x[worst] for x in states.arguments(function.name)]
     return JudgedFunction(
         name=function.name,
         errors=errors,
         referees_differ={
-            referee: _errors(function.name, reference, ours, states)
+            referee: foreign_errors(function.name, reference, ours, states)
             for referee, reference in known.items()
             if referee != "graphdyn"
         },
@@ -242,32 +159,12 @@ def _verdict(
     )
 
 
-def _errors(name: str, answer: Array, reference: Array, states: _States) -> Array:
-    """Relative errors (N,) on the scale of the function; what is not finite counts as infinite."""
-    model, q, v, a = states.model, states.q, states.v, states.a
-    dynamics = graphdyn.inverse_dynamics(model, q, v, a)
-    if name == "inverse_dynamics":
-        errors = relative(answer, reference, largest(dynamics.joint_wrenches))
-    elif name == "mass_matrix":
-        errors = relative(answer, reference)
-    elif name == "forward_dynamics":
-        mass = graphdyn.mass_matrix(model, q)
-        wrenches = graphdyn.inverse_dynamics(model, q, v, reference).joint_wrenches
-        errors = ratio(largest(answer - reference), acceleration_scale(mass, reference, states.tau, wrenches))
-    else:
-        state = graphdyn.maximal_state(model, q, v, a)
-        assert state.acceleration is not None
-        size = term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
-        errors = by_parameter_type(answer, reference, size.felt * size.lever, size.felt, size.turn)
-    return np.where(np.isfinite(errors), errors, np.inf)
-
-
 def _diagnoses(
     function: ForeignFunction,
     answer: Array,
     verdict: JudgedFunction,
     ours: Mapping[str, Array],
-    states: _States,
+    states: JudgedStates,
     trial: Trial,
     links: Mapping[str, tuple[int, Array]],
 ) -> list[Diagnosis]:

@@ -1,8 +1,38 @@
 """Fixtures of the cross-check tests."""
 
+import errno
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 from planting import Plant, mixed_tree
 from urdf_text import joint, link, robot_text
+
+import urdf
+from crosscheck import comparing, errata
+from crosscheck.program import main
+
+MY_CODE = """
+import graphdyn, urdf
+
+ur5 = urdf.load("ur5")
+number = 3
+
+def rnea(q, v, a):
+    return graphdyn.inverse_dynamics(ur5, q, v, a).tau
+
+def upside_down(q, v, a):
+    return graphdyn.inverse_dynamics(ur5.with_gravity(-ur5.gravity), q, v, a).tau
+
+def broken(q, v, a):
+    raise RuntimeError("out of ideas")
+"""
+
+PLANTED = 1e-9
+"""Relative error of the fixture wrong_torque."""
 
 SMALL_ARM = robot_text(
     "small",
@@ -46,3 +76,82 @@ def tree():
 @pytest.fixture
 def plant(monkeypatch):
     return Plant(monkeypatch)
+
+
+@pytest.fixture
+def wrong_torque(plant: Plant):
+    plant.referee_value("tau", lambda x: x * (1 + PLANTED))
+
+
+class Outcome:
+    def __init__(self, code, out, err):
+        self.code, self.out, self.err = code, out, err
+
+
+@pytest.fixture
+def program(monkeypatch, capsys):
+    """program("crosscheck", "ur5"): exit code and what was written, through main as the script calls it."""
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["graphdyn", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            main()
+        captured = capsys.readouterr()
+        return Outcome(caught.value.code or 0, captured.out, captured.err)
+
+    return run
+
+
+@pytest.fixture
+def script(tmp_path):
+    """The installed program, in a folder without sources."""
+    path = shutil.which("graphdyn", path=os.path.dirname(sys.executable)) or shutil.which("graphdyn")
+    if path is None:
+        pytest.skip("the program graphdyn is not installed; pip install -e .")
+
+    def run(*arguments, stdout=subprocess.PIPE, env=None):
+        finished = subprocess.run(
+            [path, *map(str, arguments)],
+            cwd=tmp_path,
+            stdout=stdout,
+            stderr=subprocess.PIPE,
+            env={**os.environ, **(env or {})},
+            check=False,
+            encoding="utf-8",
+        )
+        return Outcome(finished.returncode, finished.stdout, finished.stderr)
+
+    return run
+
+
+@pytest.fixture
+def full_disk(monkeypatch):
+    """The disk takes one byte of a file and no more."""
+    original = Path.write_bytes
+
+    def write_bytes(path, content):
+        original(path, content[:1])
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+    monkeypatch.setattr(Path, "write_bytes", write_bytes)
+
+
+@pytest.fixture
+def no_work(monkeypatch):
+    """Comparing anything fails the test."""
+
+    def compare(*_arguments, **_options):
+        raise AssertionError("the work began")
+
+    monkeypatch.setattr(comparing, "compare", compare)
+    monkeypatch.setattr(errata, "measure", compare)
+    monkeypatch.setattr(urdf, "load", compare)
+
+
+@pytest.fixture
+def my_code(tmp_path, monkeypatch):
+    """A folder with foreign code, which is the working folder."""
+    (tmp_path / "my_code.py").write_text(MY_CODE, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "my_code", raising=False)

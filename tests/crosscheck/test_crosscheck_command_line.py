@@ -7,127 +7,23 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
-import numpy as np
 import pytest
 import typer
-from planting import Plant, mixed_tree
+from planting import mixed_tree
 
 import crosscheck
 import urdf
 from crosscheck import comparing, errata
 from crosscheck.errata import EFFECTS, ERRATA, measure
-from crosscheck.pinocchio_model import PinocchioModel
-from crosscheck.program import app, console, main, options
+from crosscheck.program import app, console
 from crosscheck.program.crosscheck import DEFAULT_ROBOTS
 from crosscheck.program.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
 from crosscheck.quantities import BY_NAME
-from crosscheck.report import JSON_FORMAT, versions
-from crosscheck.states import cases
-from graphdyn import __version__, inverse_dynamics
+from crosscheck.report import versions
+from graphdyn import __version__
 
-REPRODUCED = 1e-3
-"""An error of 1e-9, computed a second time from the recorded state: rounding is 1e-15 of the same scale."""
-
-PLANTED = 1e-9
 COMMANDS = ("crosscheck", "judge", "show", "inspect", "paper", "robots", "errata")
-
-
-MY_CODE = """
-import graphdyn, urdf
-
-ur5 = urdf.load("ur5")
-number = 3
-
-def rnea(q, v, a):
-    return graphdyn.inverse_dynamics(ur5, q, v, a).tau
-
-def upside_down(q, v, a):
-    return graphdyn.inverse_dynamics(ur5.with_gravity(-ur5.gravity), q, v, a).tau
-
-def broken(q, v, a):
-    raise RuntimeError("out of ideas")
-"""
-
-
-class Outcome:
-    def __init__(self, code, out, err):
-        self.code, self.out, self.err = code, out, err
-
-
-@pytest.fixture
-def program(monkeypatch, capsys):
-    """program("crosscheck", "ur5"): exit code and what was written, through main as the script calls it."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["graphdyn", *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            main()
-        captured = capsys.readouterr()
-        return Outcome(caught.value.code or 0, captured.out, captured.err)
-
-    return run
-
-
-@pytest.fixture
-def script(tmp_path):
-    """The installed program, in a folder without sources."""
-    path = shutil.which("graphdyn", path=os.path.dirname(sys.executable)) or shutil.which("graphdyn")
-    if path is None:
-        pytest.skip("the program graphdyn is not installed; pip install -e .")
-
-    def run(*arguments, stdout=subprocess.PIPE, env=None):
-        finished = subprocess.run(
-            [path, *map(str, arguments)],
-            cwd=tmp_path,
-            stdout=stdout,
-            stderr=subprocess.PIPE,
-            env={**os.environ, **(env or {})},
-            check=False,
-            encoding="utf-8",
-        )
-        return Outcome(finished.returncode, finished.stdout, finished.stderr)
-
-    return run
-
-
-@pytest.fixture
-def my_code(tmp_path, monkeypatch):
-    """A folder with foreign code, which is the working folder."""
-    (tmp_path / "my_code.py").write_text(MY_CODE, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", [*sys.path])
-    monkeypatch.delitem(sys.modules, "my_code", raising=False)
-
-
-@pytest.fixture
-def wrong_torque(plant: Plant):
-    plant.referee_value("tau", lambda x: x * (1 + PLANTED))
-
-
-@pytest.fixture
-def no_work(monkeypatch):
-    """Comparing anything fails the test."""
-
-    def compare(*_arguments, **_options):
-        raise AssertionError("the work began")
-
-    monkeypatch.setattr(comparing, "compare", compare)
-    monkeypatch.setattr(errata, "measure", compare)
-    monkeypatch.setattr(urdf, "load", compare)
-
-
-@pytest.fixture
-def full_disk(monkeypatch):
-    """The disk takes one byte of a file and no more."""
-    original = Path.write_bytes
-
-    def write_bytes(path, content):
-        original(path, content[:1])
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-
-    monkeypatch.setattr(Path, "write_bytes", write_bytes)
 
 
 class TestExitCodes:
@@ -317,70 +213,6 @@ class TestExamples:
         assert program(command, *first).code == AGREED
 
 
-class TestJudge:
-    """One robot, functions from elsewhere."""
-
-    def test_right(self, program, my_code):
-        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
-        assert done.code == AGREED
-        assert done.out.startswith(
-            "ur5: agrees (6 joints; 2 random states and special ones, seed 0; referees: graphdyn, "
-        )
-
-    def test_wrong(self, program, my_code, tmp_path):
-        done = program(
-            "judge", "ur5", "--inverse-dynamics", "my_code:upside_down", "--samples", 2, "--json", tmp_path / "x.json"
-        )
-        assert done.code == DISAGREED
-        assert "inverse_dynamics: gravity has the opposite sign [gravity]" in done.out
-        record = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
-        assert record["format"] == "graphdyn judge 1"
-        assert record["diagnoses"][0]["kind"] == "gravity"
-        assert record["command"][:3] == ["graphdyn", "judge", "ur5"]
-
-    def test_undecided(self, program, my_code, plant):
-        plant.referee_value("tau", lambda x: 1.01 * x)
-        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
-        assert done.code == DISAGREED
-        assert "UNDECIDED" in done.out
-        assert "the referees disagree among themselves" in done.out
-
-    def test_all_options(self, program, my_code):
-        names = ",".join(urdf.load("ur5").joint_names)
-        options = ("--joint-names", names, "--seed", 3, "--tolerance", "1e-12", "--samples", 1)
-        assert program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", *options).code == AGREED
-
-    def test_lock(self, program, my_code):
-        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--lock", "wrist_3_joint")
-        assert done.code == BAD_INPUT  # the foreign code does not know of the lock
-        assert "inverse_dynamics raised" in done.err
-
-    @pytest.mark.parametrize(
-        ("text", "message"),
-        [
-            ("rnea", "--inverse-dynamics rnea: give FILE.py:FUNCTION or MODULE:FUNCTION"),
-            ("no.py:rnea", "there is no file no.py"),
-            ("my_code.py:number", "number is no function in my_code.py"),
-            ("my_code.py:aba", "aba does not exist in my_code.py"),
-            ("no_such_module:f", "importing no_such_module raised ModuleNotFoundError"),
-        ],
-    )
-    def test_names_that_lead_nowhere(self, program, my_code, text, message):
-        done = program("judge", "ur5", "--inverse-dynamics", text)
-        assert done.code == BAD_INPUT
-        assert message in " ".join(re.sub("[│╭╰─╮╯]", " ", done.err).split())
-
-    def test_no_function(self, program):
-        done = program("judge", "ur5")
-        assert done.code == BAD_INPUT
-        assert "no function to judge; give at least one of" in " ".join(re.sub("[│╭╰─╮╯]", " ", done.err).split())
-
-    def test_foreign_exception(self, program, my_code):
-        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:broken")
-        assert done.code == BAD_INPUT
-        assert done.err.startswith("error: inverse_dynamics raised RuntimeError: out of ideas; at q = [")
-
-
 class TestProgress:
     """On a terminal, with the total; rich takes standard error for one where FORCE_COLOR is set."""
 
@@ -453,140 +285,6 @@ class TestDefaults:
         program("crosscheck", small_arm, "--samples", 3, "--seed", 11, "--json", record)
         (robot,) = json.loads(record.read_text(encoding="utf-8"))["robots"]
         assert (robot["samples"], robot["seed"]) == (3, 11)
-
-
-class TestJson:
-    def test_content(self, program, small_arm, tmp_path):
-        path = tmp_path / "result.json"
-        assert program("crosscheck", small_arm, "--samples", 2, "--json", path).code == AGREED
-        record = json.loads(path.read_text(encoding="utf-8"))
-        assert record["format"] == JSON_FORMAT
-        assert record["versions"] == versions()
-        assert record["command"][:3] == ["graphdyn", "crosscheck", str(small_arm)]
-        assert record["agrees"] is True
-        assert record["failures"] == []
-        (robot,) = record["robots"]
-        assert robot["robot"] == str(small_arm)
-        assert robot["routes"] == ["urdf", "model"]
-        assert set(robot["quantities"]) == set(BY_NAME)
-        for name, result in robot["quantities"].items():
-            tolerance = BY_NAME[name].tolerance
-            assert (result["bound"], result["bound_reason"]) == (tolerance.bound, tolerance.why)
-            assert result["agrees"] is (result["max_relative_error"] <= result["bound"]) is True
-        assert robot["identification"]["rank"] == robot["identification"]["rank_there"]
-
-    def test_worst_state_is_enough_to_reproduce(self, program, small_arm, tmp_path, monkeypatch):
-        """From the file alone: robot, case, q, v, a give the recorded error again."""
-        Plant(monkeypatch).referee_model(
-            lambda model: model.with_inertial_parameters(
-                model.inertial_parameters * np.where(np.arange(30) == 10, 1 + PLANTED, 1.0)
-            )
-        )
-        path = tmp_path / "result.json"
-        assert program("crosscheck", small_arm, "--samples", 3, "--seed", 2, "--json", path).code == DISAGREED
-        (record,) = json.loads(path.read_text(encoding="utf-8"))["robots"]
-        torque = record["quantities"]["torque"]
-        worst = torque["worst"]
-        assert worst["route"] == "model"  # the file itself is right
-        model = urdf.load(record["robot"])
-        case = next(c for c in cases(model, record["samples"], record["seed"]) if c.name == worst["case"])
-        q, v, a = (np.array([worst[name]]) for name in "qva")
-        referee = PinocchioModel.from_model(case.model)
-        reference = referee.evaluate(q, v, a, np.zeros_like(q), np.zeros((*q.shape, 6)))
-        error = np.abs(inverse_dynamics(case.model, q, v, a).tau - reference.tau).max()
-        scale = max(np.abs(reference.tau).max(), np.abs(reference.joint_wrenches).max())
-        assert error / scale == pytest.approx(torque["max_relative_error"], rel=REPRODUCED)
-
-    def test_failures(self, program, small_arm, tmp_path):
-        path = tmp_path / "result.json"
-        assert program("crosscheck", "ur55", small_arm, "--samples", 1, "--json", path).code == BAD_INPUT
-        record = json.loads(path.read_text(encoding="utf-8"))
-        assert record["agrees"] is False
-        (failure,) = record["failures"]
-        assert failure["robot"] == "ur55"
-        assert "neither a file nor a robot" in failure["message"]
-        assert [robot["robot"] for robot in record["robots"]] == [str(small_arm)]
-
-    def test_device_as_file(self, program, small_arm):
-        assert program("crosscheck", small_arm, "--samples", 1, "--json", os.devnull).code == AGREED
-
-    def test_infinite_error_is_null(self, program, small_arm, plant, tmp_path):
-        plant.referee_value("bias", lambda _: np.nan)
-        path = tmp_path / "result.json"
-        assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == DISAGREED
-        result = json.loads(path.read_text(encoding="utf-8"))["robots"][0]["quantities"]["bias_torque"]
-        assert result["max_relative_error"] is None
-        assert result["agrees"] is False
-
-    @pytest.mark.parametrize(
-        "command",
-        [
-            ("crosscheck", "--json"),
-            ("crosscheck", "--html"),
-            ("show", "kr500", "--json"),
-            ("show", "kr500", "--html"),
-            ("errata", "--json"),
-            ("robots", "--json"),
-        ],
-        ids=" ".join,
-    )
-    @pytest.mark.parametrize(("name", "reason"), [("no/such/folder.json", "does not exist"), (".", "is a folder")])
-    def test_unwritable_is_refused_before_the_work(self, program, no_work, tmp_path, command, name, reason):
-        done = program(*command, tmp_path / name)
-        assert done.code == BAD_INPUT
-        assert reason in done.err
-        assert done.out == ""
-        assert list(tmp_path.iterdir()) == []
-
-    @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="the superuser may write everywhere")
-    def test_folder_without_permission_is_refused_before_the_work(self, program, no_work, tmp_path):
-        tmp_path.chmod(0o500)
-        try:
-            done = program("crosscheck", "--json", tmp_path / "result.json")
-        finally:
-            tmp_path.chmod(0o700)
-        assert done.code == BAD_INPUT
-
-    def test_a_file_that_may_not_be_written_is_refused_before_the_work(self, program, no_work, tmp_path, monkeypatch):
-        monkeypatch.setattr(options.os, "access", lambda *_: False)
-        done = program("crosscheck", "--json", tmp_path / "result.json")
-        assert done.code == BAD_INPUT
-        assert "no permission to write there" in done.err
-
-    def test_a_full_disk_leaves_nothing_and_is_no_disagreement(self, program, small_arm, tmp_path, full_disk):
-        folder = tmp_path / "results"
-        folder.mkdir()
-        done = program("crosscheck", small_arm, "--samples", 1, "--json", folder / "result.json")
-        assert done.code == BAD_INPUT
-        assert re.fullmatch(r"error: .*No space left on device.*result\.json.*\n", done.err)
-        assert list(folder.iterdir()) == []
-
-    def test_an_old_file_survives_a_failure(self, program, small_arm, tmp_path, full_disk):
-        path = tmp_path / "result.json"
-        path.write_text("precious", encoding="utf-8")
-        assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == BAD_INPUT
-        assert path.read_text(encoding="utf-8") == "precious"
-
-
-class TestHtml:
-    def test_beside_json(self, program, small_arm, tmp_path, wrong_torque):
-        page, record = tmp_path / "r.html", tmp_path / "r.json"
-        done = program("crosscheck", small_arm, "ur55", "--samples", 1, "--html", page, "--json", record)
-        assert done.code == BAD_INPUT
-        html = page.read_text(encoding="utf-8")
-        assert "small.urdf" in html
-        assert "DISAGREES" in html
-        assert "is neither a file nor a robot" in html
-        assert json.loads(record.read_text(encoding="utf-8"))["agrees"] is False
-
-    @pytest.mark.parametrize("command", [("crosscheck", "--samples", 1), ("show",)], ids=lambda command: command[0])
-    def test_a_full_disk_leaves_nothing(self, program, small_arm, tmp_path, full_disk, command):
-        folder = tmp_path / "results"
-        folder.mkdir()
-        done = program(*command, small_arm, "--html", folder / "r.html")
-        assert done.code == BAD_INPUT
-        assert re.fullmatch(r"error: .*No space left on device.*r\.html.*\n", done.err)
-        assert list(folder.iterdir()) == []
 
 
 class TestOtherCommands:

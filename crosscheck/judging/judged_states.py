@@ -1,0 +1,62 @@
+"""The states at which foreign functions are asked."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import graphdyn
+from crosscheck.judging.experiments import Trial
+from crosscheck.states import ACCELERATION_RANGE
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+EXPERIMENTS = 6
+"""States at which experiments are made; half of them with whole turns added where joints turn without end."""
+
+TURNED = 10
+"""Judged states with whole turns added, on top of the random ones."""
+
+TURNS = 2
+"""Whole turns either way."""
+
+
+class JudgedStates:
+    """The judged states: q, v, a, tau (N, n)."""
+
+    def __init__(self, model: RobotModel, q: Array, v: Array, a: Array, tau: Array, turn: Array):
+        self.model, self.q, self.v, self.a, self.tau, self.turn = model, q, v, a, tau, turn
+
+    @classmethod
+    def draw(cls, model: RobotModel, samples: int, seed: int, *, needs_tau: bool) -> JudgedStates:
+        """Random states, some with whole turns added, and the zero pose."""
+        rng = np.random.default_rng(seed)
+        q, v = model.random_state(rng, samples + TURNED + 1)
+        endless = np.array([_turns_without_end(joint) for joint in model.joints])
+        turn = 2 * np.pi * endless * rng.integers(-TURNS, TURNS + 1, q.shape)
+        turn[:samples] = 0
+        q = q + turn
+        q[-1] = 0  # the zero pose
+        a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
+        tau = graphdyn.inverse_dynamics(model, q, v, a).tau * rng.uniform(0.5, 1.5, q.shape) if needs_tau else 0 * a
+        return cls(model, q, v, a, tau, turn)
+
+    @property
+    def trial(self) -> Trial:
+        """Generic states for the experiments: random ones, then turned ones."""
+        rows = [*range(EXPERIMENTS // 2), *range(-TURNED, -TURNED + EXPERIMENTS // 2)]
+        rows = [row if row < 0 else row % len(self.q) for row in rows]
+        return Trial(self.q[rows], self.v[rows])
+
+    def arguments(self, name: str) -> tuple[Array, ...]:
+        """What the function of this name is asked with."""
+        return {
+            "inverse_dynamics": (self.q, self.v, self.a),
+            "forward_dynamics": (self.q, self.v, self.tau),
+            "mass_matrix": (self.q,),
+            "regressor": (self.q, self.v, self.a),
+        }[name]
+
+
+def _turns_without_end(joint: graphdyn.Joint) -> bool:
+    limits = joint.limits
+    return joint.kind == "continuous" or (joint.kind == "revolute" and limits.lower is None and limits.upper is None)

@@ -1,0 +1,67 @@
+"""What the referees answer, and how far a foreign answer is from theirs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+import graphdyn
+from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.scales import acceleration_scale, by_parameter_type, largest, ratio, relative, term_sizes
+from graphdyn.kinematics import link_origins
+from graphdyn.layout import Array
+
+SCALES = {
+    "inverse_dynamics": "largest entry of the joint wrenches",
+    "forward_dynamics": "cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench)",
+    "mass_matrix": "largest entry of M",
+    "regressor": "largest entry and term of the parameter type (m, m c, I)",
+}
+
+
+def graphdyn_answers(states: JudgedStates, given: Mapping[str, object]) -> dict[str, Array]:
+    """By name of the function; only of those that are given, where they cost time."""
+    model, q, v, a = states.model, states.q, states.v, states.a
+    answers = {
+        "inverse_dynamics": graphdyn.inverse_dynamics(model, q, v, a).tau,
+        "mass_matrix": graphdyn.mass_matrix(model, q),
+    }
+    if given["forward_dynamics"] is not None:
+        answers["forward_dynamics"] = graphdyn.forward_dynamics(model, q, v, states.tau).a
+    if given["regressor"] is not None:
+        answers["regressor"] = graphdyn.joint_torque_regressor(model, q, v, a)
+    return answers
+
+
+def pinocchio_answers(states: JudgedStates) -> dict[str, Array]:
+    """By name of the function."""
+    no_load = np.zeros((*states.q.shape, 6))
+    values = PinocchioModel.from_model(states.model).evaluate(states.q, states.v, states.a, states.tau, no_load)
+    return {
+        "inverse_dynamics": values.tau,
+        "forward_dynamics": values.a,
+        "mass_matrix": values.mass_matrix,
+        "regressor": values.torque_regressor,
+    }
+
+
+def foreign_errors(name: str, answer: Array, reference: Array, states: JudgedStates) -> Array:
+    """Relative errors (N,) on the scale of the function; what is not finite counts as infinite."""
+    model, q, v, a = states.model, states.q, states.v, states.a
+    dynamics = graphdyn.inverse_dynamics(model, q, v, a)
+    if name == "inverse_dynamics":
+        errors = relative(answer, reference, largest(dynamics.joint_wrenches))
+    elif name == "mass_matrix":
+        errors = relative(answer, reference)
+    elif name == "forward_dynamics":
+        mass = graphdyn.mass_matrix(model, q)
+        wrenches = graphdyn.inverse_dynamics(model, q, v, reference).joint_wrenches
+        errors = ratio(largest(answer - reference), acceleration_scale(mass, reference, states.tau, wrenches))
+    else:
+        state = graphdyn.maximal_state(model, q, v, a)
+        assert state.acceleration is not None
+        size = term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
+        errors = by_parameter_type(answer, reference, size.felt * size.lever, size.felt, size.turn)
+    return np.where(np.isfinite(errors), errors, np.inf)

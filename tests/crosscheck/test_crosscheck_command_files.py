@@ -1,0 +1,156 @@
+"""--json and --html of graphdyn crosscheck: what is in them, whole or not at all."""
+
+import json
+import os
+import re
+
+import numpy as np
+import pytest
+from planting import Plant
+
+import urdf
+from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.program import options
+from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.quantities import BY_NAME
+from crosscheck.report import JSON_FORMAT, versions
+from crosscheck.states import cases
+from graphdyn import inverse_dynamics
+
+PLANTED = 1e-9
+REPRODUCED = 1e-3
+"""An error of 1e-9, computed a second time from the recorded state: rounding is 1e-15 of the same scale."""
+
+
+class TestJson:
+    def test_content(self, program, small_arm, tmp_path):
+        path = tmp_path / "result.json"
+        assert program("crosscheck", small_arm, "--samples", 2, "--json", path).code == AGREED
+        record = json.loads(path.read_text(encoding="utf-8"))
+        assert record["format"] == JSON_FORMAT
+        assert record["versions"] == versions()
+        assert record["command"][:3] == ["graphdyn", "crosscheck", str(small_arm)]
+        assert record["agrees"] is True
+        assert record["failures"] == []
+        (robot,) = record["robots"]
+        assert robot["robot"] == str(small_arm)
+        assert robot["routes"] == ["urdf", "model"]
+        assert set(robot["quantities"]) == set(BY_NAME)
+        for name, result in robot["quantities"].items():
+            tolerance = BY_NAME[name].tolerance
+            assert (result["bound"], result["bound_reason"]) == (tolerance.bound, tolerance.why)
+            assert result["agrees"] is (result["max_relative_error"] <= result["bound"]) is True
+        assert robot["identification"]["rank"] == robot["identification"]["rank_there"]
+
+    def test_worst_state_is_enough_to_reproduce(self, program, small_arm, tmp_path, monkeypatch):
+        """From the file alone: robot, case, q, v, a give the recorded error again."""
+        Plant(monkeypatch).referee_model(
+            lambda model: model.with_inertial_parameters(
+                model.inertial_parameters * np.where(np.arange(30) == 10, 1 + PLANTED, 1.0)
+            )
+        )
+        path = tmp_path / "result.json"
+        assert program("crosscheck", small_arm, "--samples", 3, "--seed", 2, "--json", path).code == DISAGREED
+        (record,) = json.loads(path.read_text(encoding="utf-8"))["robots"]
+        torque = record["quantities"]["torque"]
+        worst = torque["worst"]
+        assert worst["route"] == "model"  # the file itself is right
+        model = urdf.load(record["robot"])
+        case = next(c for c in cases(model, record["samples"], record["seed"]) if c.name == worst["case"])
+        q, v, a = (np.array([worst[name]]) for name in "qva")
+        referee = PinocchioModel.from_model(case.model)
+        reference = referee.evaluate(q, v, a, np.zeros_like(q), np.zeros((*q.shape, 6)))
+        error = np.abs(inverse_dynamics(case.model, q, v, a).tau - reference.tau).max()
+        scale = max(np.abs(reference.tau).max(), np.abs(reference.joint_wrenches).max())
+        assert error / scale == pytest.approx(torque["max_relative_error"], rel=REPRODUCED)
+
+    def test_failures(self, program, small_arm, tmp_path):
+        path = tmp_path / "result.json"
+        assert program("crosscheck", "ur55", small_arm, "--samples", 1, "--json", path).code == BAD_INPUT
+        record = json.loads(path.read_text(encoding="utf-8"))
+        assert record["agrees"] is False
+        (failure,) = record["failures"]
+        assert failure["robot"] == "ur55"
+        assert "neither a file nor a robot" in failure["message"]
+        assert [robot["robot"] for robot in record["robots"]] == [str(small_arm)]
+
+    def test_device_as_file(self, program, small_arm):
+        assert program("crosscheck", small_arm, "--samples", 1, "--json", os.devnull).code == AGREED
+
+    def test_infinite_error_is_null(self, program, small_arm, plant, tmp_path):
+        plant.referee_value("bias", lambda _: np.nan)
+        path = tmp_path / "result.json"
+        assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == DISAGREED
+        result = json.loads(path.read_text(encoding="utf-8"))["robots"][0]["quantities"]["bias_torque"]
+        assert result["max_relative_error"] is None
+        assert result["agrees"] is False
+
+    @pytest.mark.parametrize(
+        "command",
+        [
+            ("crosscheck", "--json"),
+            ("crosscheck", "--html"),
+            ("show", "kr500", "--json"),
+            ("show", "kr500", "--html"),
+            ("errata", "--json"),
+            ("robots", "--json"),
+        ],
+        ids=" ".join,
+    )
+    @pytest.mark.parametrize(("name", "reason"), [("no/such/folder.json", "does not exist"), (".", "is a folder")])
+    def test_unwritable_is_refused_before_the_work(self, program, no_work, tmp_path, command, name, reason):
+        done = program(*command, tmp_path / name)
+        assert done.code == BAD_INPUT
+        assert reason in done.err
+        assert done.out == ""
+        assert list(tmp_path.iterdir()) == []
+
+    @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="the superuser may write everywhere")
+    def test_folder_without_permission_is_refused_before_the_work(self, program, no_work, tmp_path):
+        tmp_path.chmod(0o500)
+        try:
+            done = program("crosscheck", "--json", tmp_path / "result.json")
+        finally:
+            tmp_path.chmod(0o700)
+        assert done.code == BAD_INPUT
+
+    def test_a_file_that_may_not_be_written_is_refused_before_the_work(self, program, no_work, tmp_path, monkeypatch):
+        monkeypatch.setattr(options.os, "access", lambda *_: False)
+        done = program("crosscheck", "--json", tmp_path / "result.json")
+        assert done.code == BAD_INPUT
+        assert "no permission to write there" in done.err
+
+    def test_a_full_disk_leaves_nothing_and_is_no_disagreement(self, program, small_arm, tmp_path, full_disk):
+        folder = tmp_path / "results"
+        folder.mkdir()
+        done = program("crosscheck", small_arm, "--samples", 1, "--json", folder / "result.json")
+        assert done.code == BAD_INPUT
+        assert re.fullmatch(r"error: .*No space left on device.*result\.json.*\n", done.err)
+        assert list(folder.iterdir()) == []
+
+    def test_an_old_file_survives_a_failure(self, program, small_arm, tmp_path, full_disk):
+        path = tmp_path / "result.json"
+        path.write_text("precious", encoding="utf-8")
+        assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == BAD_INPUT
+        assert path.read_text(encoding="utf-8") == "precious"
+
+
+class TestHtml:
+    def test_beside_json(self, program, small_arm, tmp_path, wrong_torque):
+        page, record = tmp_path / "r.html", tmp_path / "r.json"
+        done = program("crosscheck", small_arm, "ur55", "--samples", 1, "--html", page, "--json", record)
+        assert done.code == BAD_INPUT
+        html = page.read_text(encoding="utf-8")
+        assert "small.urdf" in html
+        assert "DISAGREES" in html
+        assert "is neither a file nor a robot" in html
+        assert json.loads(record.read_text(encoding="utf-8"))["agrees"] is False
+
+    @pytest.mark.parametrize("command", [("crosscheck", "--samples", 1), ("show",)], ids=lambda command: command[0])
+    def test_a_full_disk_leaves_nothing(self, program, small_arm, tmp_path, full_disk, command):
+        folder = tmp_path / "results"
+        folder.mkdir()
+        done = program(*command, small_arm, "--html", folder / "r.html")
+        assert done.code == BAD_INPUT
+        assert re.fullmatch(r"error: .*No space left on device.*r\.html.*\n", done.err)
+        assert list(folder.iterdir()) == []

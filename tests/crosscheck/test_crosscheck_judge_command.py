@@ -1,0 +1,73 @@
+"""graphdyn judge: foreign code by name, exit codes, output."""
+
+import json
+import re
+
+import pytest
+
+import urdf
+from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED
+
+
+class TestJudge:
+    """One robot, functions from elsewhere."""
+
+    def test_right(self, program, my_code):
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
+        assert done.code == AGREED
+        assert done.out.startswith(
+            "ur5: agrees (6 joints; 2 random states and special ones, seed 0; referees: graphdyn, "
+        )
+
+    def test_wrong(self, program, my_code, tmp_path):
+        done = program(
+            "judge", "ur5", "--inverse-dynamics", "my_code:upside_down", "--samples", 2, "--json", tmp_path / "x.json"
+        )
+        assert done.code == DISAGREED
+        assert "inverse_dynamics: gravity has the opposite sign [gravity]" in done.out
+        record = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+        assert record["format"] == "graphdyn judge 1"
+        assert record["diagnoses"][0]["kind"] == "gravity"
+        assert record["command"][:3] == ["graphdyn", "judge", "ur5"]
+
+    def test_undecided(self, program, my_code, plant):
+        plant.referee_value("tau", lambda x: 1.01 * x)
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
+        assert done.code == DISAGREED
+        assert "UNDECIDED" in done.out
+        assert "the referees disagree among themselves" in done.out
+
+    def test_all_options(self, program, my_code):
+        names = ",".join(urdf.load("ur5").joint_names)
+        options = ("--joint-names", names, "--seed", 3, "--tolerance", "1e-12", "--samples", 1)
+        assert program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", *options).code == AGREED
+
+    def test_lock(self, program, my_code):
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--lock", "wrist_3_joint")
+        assert done.code == BAD_INPUT  # the foreign code does not know of the lock
+        assert "inverse_dynamics raised" in done.err
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("rnea", "--inverse-dynamics rnea: give FILE.py:FUNCTION or MODULE:FUNCTION"),
+            ("no.py:rnea", "there is no file no.py"),
+            ("my_code.py:number", "number is no function in my_code.py"),
+            ("my_code.py:aba", "aba does not exist in my_code.py"),
+            ("no_such_module:f", "importing no_such_module raised ModuleNotFoundError"),
+        ],
+    )
+    def test_names_that_lead_nowhere(self, program, my_code, text, message):
+        done = program("judge", "ur5", "--inverse-dynamics", text)
+        assert done.code == BAD_INPUT
+        assert message in " ".join(re.sub("[│╭╰─╮╯]", " ", done.err).split())
+
+    def test_no_function(self, program):
+        done = program("judge", "ur5")
+        assert done.code == BAD_INPUT
+        assert "no function to judge; give at least one of" in " ".join(re.sub("[│╭╰─╮╯]", " ", done.err).split())
+
+    def test_foreign_exception(self, program, my_code):
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:broken")
+        assert done.code == BAD_INPUT
+        assert done.err.startswith("error: inverse_dynamics raised RuntimeError: out of ideas; at q = [")
