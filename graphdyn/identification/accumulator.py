@@ -10,6 +10,7 @@ sections 5.3 and 6.5.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
@@ -70,6 +71,17 @@ class Accumulator:
         for g, block in enumerate(blocks):
             self._fold(g, block)
             self.counts[g] += len(block)
+
+    def add_gram(self, grams: Sequence[Array], counts: NDArray[np.int64]) -> None:
+        """Fold in [W_g | τ_g]ᵀ [W_g | τ_g] (p + 1, p + 1) of every group, and how many equations each one sums up.
+
+        Raises InvalidInput where the factors are kept by QR.
+        """
+        if self.method != "gram":
+            raise InvalidInput("Gram matrices can be added to an accumulator of method 'gram' only")
+        for g, (columns, gram) in enumerate(zip(self._columns, grams, strict=True)):
+            self._squares[g] += gram[np.ix_(columns, columns)]
+        self.counts += counts
 
     def merge(self, other: Accumulator) -> Accumulator:
         """Both together, as a new accumulator. Raises InvalidInput where they are not of the same kind."""

@@ -6,6 +6,7 @@ block, so that cross-validation is merging all but one; only methods that look a
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,6 +19,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.accumulator import Accumulator, Compression
 from graphdyn.identification.base_parameters import RANK, BaseParameters, base_parameters
 from graphdyn.identification.compressed import CompressedEquations, merged
+from graphdyn.identification.direct_sums import DirectSums
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.structure import Structure, structure
 from graphdyn.identification.torque_model import TorqueModel
@@ -31,6 +33,14 @@ CHUNK = 512
 
 REMEMBERED = 32e6
 """[bytes] Equations of short recordings are kept for the methods that read them many times."""
+
+SUMMED = 32768
+"""Samples whose equations are summed up at once, without ever being in memory; those of friction are, 5 MB of them."""
+
+NOTHING = (
+    "the recording has no sample, or can be read only once and was: give the samples in a list, or an object that "
+    "opens its file in __iter__"
+)
 
 RowFilter = Callable[[Array], Array]
 """(N, k) → (M, k) along time: parallel filtering and decimation of the columns of the regressor and of the torque."""
@@ -114,17 +124,22 @@ class Problem:
     @cached_property
     def recorded(self) -> tuple[CompressedEquations, ...]:
         """Factors of every time block that has samples, in the base parameters of the structure."""
-        blocks: dict[int, Accumulator] = {}
-        support = self.structure.support
-        for rows in self.rows():
-            if rows.block not in blocks:
-                blocks[rows.block] = Accumulator(
-                    support.shape[1], support.shape[0], support=support, method=self.compression
-                )
-            blocks[rows.block].add(rows.matrix, rows.right, kept=rows.kept)
+        blocks: dict[int, Accumulator] = defaultdict(self._accumulator)
+        if self.compression == "gram" and self.row_filter is None:
+            sums = DirectSums(self.torque_model, self.structure)
+            for samples, block in self._cut_samples():
+                kept = np.abs(samples.v) >= self.min_speed
+                blocks[block].add_gram(sums(samples, kept), kept.sum(axis=0))
+        else:
+            for rows in self.rows():
+                blocks[rows.block].add(rows.matrix, rows.right, kept=rows.kept)
         if not blocks:
-            raise InvalidInput("the recording has no sample")
+            raise InvalidInput(NOTHING)
         return tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
+
+    def _accumulator(self) -> Accumulator:
+        n_joints, n_columns = self.structure.support.shape
+        return Accumulator(n_columns, n_joints, support=self.structure.support, method=self.compression)
 
     @cached_property
     def inner(self) -> BaseParameters:
@@ -185,10 +200,7 @@ class Problem:
             few = [*few, rows] if size <= REMEMBERED else []
             yield rows
         if not size:
-            raise InvalidInput(
-                "the recording has no sample, or can be read only once and was: give the samples in a list, or an "
-                "object that opens its file in __iter__"
-            )
+            raise InvalidInput(NOTHING)
         self._memory.extend(few)
 
     def _cut_rows(self) -> Iterator[Rows]:
@@ -203,6 +215,20 @@ class Problem:
                     part = chunk[start : start + self._block_samples - within]
                     yield replace(part, block=block, first=first)
                     first, start, position = False, start + len(part.right), position + len(part.right)
+
+    def _cut_samples(self) -> Iterator[tuple[Samples, int]]:
+        """Pieces of the recording cut at the borders of the time blocks, and the number of their block."""
+        position = 0
+        for piece in self._pieces():
+            start = 0
+            while start < len(piece):
+                block, within = divmod(position + start, self._block_samples)
+                part = piece[start : min(start + self._block_samples - within, start + SUMMED)]
+                if self.progress is not None:
+                    self.progress(len(part))
+                yield part, block
+                start += len(part)
+            position += len(piece)
 
     def _chunks(self, piece: Samples) -> Iterator[Rows]:
         chunks = map(self._equations, piece.pieces(CHUNK))

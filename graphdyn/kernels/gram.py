@@ -20,7 +20,8 @@ from graphdyn.kernels.gram_emitter import STRETCH, emit_gram, products
 from graphdyn.kernels.interpreter import Interpreter, merged
 from graphdyn.kernels.native import host_lanes, machine_code, watch_memory, watches
 from graphdyn.kernels.programs import record_equations
-from graphdyn.kernels.running import chosen_backend, in_threads
+from graphdyn.kernels.running import chosen_backend, in_threads, turned_back
+from graphdyn.kernels.sines import FARTHEST
 from graphdyn.layout import Array
 from graphdyn.model import RobotModel
 
@@ -46,13 +47,32 @@ class TorqueGram:
     _bind: Callable[[Mapping[str, Array]], Callable[[int, int], Sums]]
 
     def __call__(
-        self, q: Array, v: Array, a: Array, tau: Array, extra: Array, threads: int | None = None
+        self,
+        q: Array,
+        v: Array,
+        a: Array,
+        tau: Array,
+        extra: Array,
+        weights: Array | None = None,
+        *,
+        threads: int | None = None,
     ) -> tuple[list[Array], dict[Watch, float]]:
-        """Gram matrices (m_j, m_j), m_j = len(columns[j]) + n_extra + 1, of arrays (N, n); extra (N, n, n_extra)."""
+        """Gram matrices (m_j, m_j), m_j = len(columns[j]) + n_extra + 1, of arrays (N, n); extra (N, n, n_extra).
+
+        weights: of the equations (N, n), for a TorqueGram that is weighted
+        """
         count = len(q)
         arrays = {"q": q, "v": v, "a": a, "tau": tau, "extra": extra.reshape(count, -1)}
+        if weights is not None:
+            arrays["weights"] = weights
         inputs = {name: np.ascontiguousarray(arrays[name], dtype=float) for name in self._program.inputs}
-        bound = self._bind(inputs)
+        matrices, seen = self._sum(inputs, threads)
+        if seen["magnitude"] > FARTHEST:
+            return self._sum({**inputs, "q": turned_back(self.model, inputs["q"])}, threads)
+        return matrices, seen
+
+    def _sum(self, inputs: Mapping[str, Array], threads: int | None) -> Sums:
+        count, bound = len(inputs["q"]), self._bind(inputs)
         portions = [(first, min(first + PORTION, count)) for first in range(0, count, PORTION)]
         parts = in_threads(bound, portions, threads)
         sizes = [len(columns) + self.n_extra + 1 for columns in self.columns]
@@ -63,9 +83,9 @@ class TorqueGram:
         return total, {kind: merged(kind, [seen[kind] for _, seen in parts]) for kind in self._program.watches}
 
 
-def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0) -> TorqueGram:
-    """Gram matrices of the equations of these columns of the joint-torque regressor."""
-    program, used = record_equations(model, columns, n_extra)
+def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0, *, weighted: bool = False) -> TorqueGram:
+    """Gram matrices of the equations of these columns of the joint-torque regressor, weighted if wanted."""
+    program, used = record_equations(model, columns, n_extra, weighted)
     groups = [len(indices) + n_extra + 1 for indices in used]
     backend = InterpretedGram if chosen_backend() == "numpy" else CompiledGram
     return TorqueGram(model, used, n_extra, program, backend(program, groups).bind)

@@ -50,11 +50,12 @@ def record(model: RobotModel, request: Request) -> Program:
 
 
 def record_equations(
-    model: RobotModel, columns: Sequence[int], n_extra: int
+    model: RobotModel, columns: Sequence[int], n_extra: int, weighted: bool = False
 ) -> tuple[Program, tuple[NDArray[np.intp], ...]]:
     """The torque equations of all joints, one after the other: [W_j | C_j | τ_j], and the columns of W_j by position.
 
-    Inputs are q, v, a, tau and extra (n n_extra); the output is gram_emitter.COLUMNS.
+    Inputs are q, v, a, tau, extra (n n_extra) and, if weighted, weights (n), one for each equation; the output is
+    COLUMNS.
     """
     sample = _Sample(model, Request("joint_torque_regressor", ()))
     matrix = joint_torque_regressor(sample.links, sample.ground, sample.q, sample.input("v"), sample.input("a"))[
@@ -63,9 +64,10 @@ def record_equations(
     extra = np.array(sample.input("extra", sample.n * n_extra) if n_extra else [], dtype=object)
     tau = sample.input("tau")
     used = tuple(np.flatnonzero([isinstance(x, Expression) for x in row]) for row in matrix)
+    weights = sample.input("weights") if weighted else [1.0] * sample.n
     equations: list[Any] = []
-    for row, indices, further, torque in zip(matrix, used, extra.reshape(sample.n, n_extra), tau, strict=True):
-        equations += [*row[indices], *further, torque]
+    for j, further in enumerate(extra.reshape(sample.n, n_extra)):
+        equations += [x * weights[j] for x in (*matrix[j, used[j]], *further, tau[j])]
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
     return sample.recorder.program({COLUMNS: equations}, watches), used
 

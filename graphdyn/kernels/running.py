@@ -82,11 +82,15 @@ def run(
     count = len(inputs["q"])
     watches = _in_parallel(ready, inputs, outputs, count, threads)
     if watches.get("magnitude", 0.0) > FARTHEST:
-        q = inputs["q"]
-        turned = np.where(np.abs(q) > FARTHEST, np.arctan2(np.sin(q), np.cos(q)), q)
-        slides = np.array([joint.is_prismatic for joint in model.joints])
-        return _in_parallel(ready, {**inputs, "q": np.where(slides, q, turned)}, outputs, count, threads)
+        return _in_parallel(ready, {**inputs, "q": turned_back(model, inputs["q"])}, outputs, count, threads)
     return watches
+
+
+def turned_back(model: RobotModel, q: Array) -> Array:
+    """Joint positions (N, n) with angles beyond FARTHEST brought back by whole turns."""
+    near = np.where(np.abs(q) > FARTHEST, np.arctan2(np.sin(q), np.cos(q)), q)
+    slides = np.array([joint.is_prismatic for joint in model.joints])
+    return np.where(slides, q, near)
 
 
 def chosen_backend() -> str:
