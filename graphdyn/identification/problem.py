@@ -28,8 +28,8 @@ from graphdyn.layout import Array
 BLOCKS = 10
 """Time blocks of a recording unless told otherwise."""
 
-CHUNK = 512
-"""Samples whose regressor is in memory at once: 2 MB for a six-axis arm."""
+CHUNK = 1024
+"""Samples whose regressor is in memory at once: 4 MB for a six-axis arm, and enough to be worth compiling for."""
 
 REMEMBERED = 32e6
 """[bytes] Equations of short recordings are kept for the methods that read them many times."""

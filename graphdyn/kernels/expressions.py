@@ -7,6 +7,7 @@ products of floats are floats, and 0 x, 1 x, x + 0 leave no operation. What was 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -40,7 +41,7 @@ class Program:
         kind, *operands = self.operations[number]
         return float(operands[0]) if kind == "constant" else None
 
-    @property
+    @cached_property
     def arithmetic(self) -> int:
         """Number of operations that compute something: the cost of a sample."""
         return sum(operation not in ("constant", "input") for operation, *_ in self.operations)
