@@ -94,6 +94,13 @@ class TestTheTrialCanFail:
         path = written(changed('value="2.5"', 'value="2.5 "'))
         self.expect(path, "not explained by ('number-spacing',): {'link_twist'")
 
+    def test_other_number_beside_lost_digits(self, written, monkeypatch):
+        far = ('xyz="0.1 0.2 0.3"', 'xyz="1e8 0.2 0.3"')
+        assert trial(written(changed(*far))).outcome != "unexpected"
+        model = urdf.load(written(changed(*far, 'xyz="0 0 0.4"', 'xyz="0 0 0.400000001"')))
+        monkeypatch.setattr(urdf, "load", lambda path: model)
+        self.expect(written(changed(*far)), "without a finding: {")
+
     def test_refusal_of_pinocchio(self, written, monkeypatch):
         monkeypatch.setattr(inspecting, "reader_findings", lambda document: iter(()))
         self.expect(written(changed('lower="-1"', 'lower="-1 "')), "without a finding: Pinocchio cannot read")
