@@ -50,7 +50,10 @@ def joint_arrays(
         shapes = ", ".join(f"{name} {arrays[name].shape}" for name in arrays)
         shapes += "" if base is None else f", base {(*base.batch, '…')}"
         raise InvalidInput(f"leading dimensions do not broadcast: {shapes}") from error
-    return {name: np.broadcast_to(array, common + array.shape[len(leading[name]) :]) for name, array in arrays.items()}
+    return {
+        name: array if leading[name] == common else np.broadcast_to(array, common + array.shape[len(leading[name]) :])
+        for name, array in arrays.items()
+    }
 
 
 def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:

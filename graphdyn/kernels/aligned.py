@@ -1,5 +1,7 @@
 """Memory that starts with a cache line, so that whole lines can be written past the caches."""
 
+from math import prod
+
 import numpy as np
 
 from graphdyn.layout import Array
@@ -10,7 +12,7 @@ LINE = 64
 
 def aligned(shape: tuple[int, ...]) -> Array:
     """An uninitialised array."""
-    size = int(np.prod(shape))
+    size = prod(shape)
     memory = np.empty(size + LINE // 8)
     start = -memory.ctypes.data % LINE // 8
     return memory[start : start + size].reshape(shape)

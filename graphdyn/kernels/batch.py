@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,7 @@ def evaluate(
     read-only ones, and ones that overlap with an argument or each other. After an error out holds nothing of use.
     """
     batch = x["q"].shape[:-1]
-    count = int(np.prod(batch))
+    count = prod(batch)
     inputs = {name: _as_rows(np.ascontiguousarray(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
@@ -80,7 +81,7 @@ def evaluate(
 
 def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
     """(…, *trailing) seen as (N, width)."""
-    return array.reshape(int(np.prod(batch)), int(np.prod(array.shape[len(batch) :])))
+    return array.reshape(prod(batch), prod(array.shape[len(batch) :]))
 
 
 def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], options: Options) -> NDArray[np.intp]:

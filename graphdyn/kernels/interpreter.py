@@ -82,7 +82,7 @@ class Interpreter:
 def merged(kind: Watch, values: list[float]) -> float:
     """What several watches have seen together."""
     if kind == "finite":
-        return float(np.sum(values))
+        return float(sum(values))
     return max(values, default=0.0) if kind == "magnitude" else min(values, default=np.inf)
 
 
