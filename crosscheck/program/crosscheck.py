@@ -23,8 +23,8 @@ from crosscheck.program.options import (
     command_line,
     locked_joints,
 )
-from crosscheck.program.processes import processors
 from graphdyn import GraphDynError
+from graphdyn.kernels.running import cores
 
 if TYPE_CHECKING:
     from crosscheck.result import Comparison
@@ -82,7 +82,7 @@ def run(
         raise typer.BadParameter("--resume needs --json FILE, from which it takes over")
     check_writable(json=json_file, html=html_file)
     if folder:
-        processes = jobs or processors()
+        processes = jobs or cores()
         raise typer.Exit(sweep(context, robots or [], samples, seed, processes, resume, json_file, html_file))
     choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
     from crosscheck.comparing import compare
