@@ -15,6 +15,10 @@ WIDTH = 120
 """Characters of a line where the output is not a terminal (a log, a file, a pipe)."""
 
 
+SHOWN = 40
+"""Characters of what was just done beside a progress bar; the end of a path tells more than its beginning."""
+
+
 class Output(Console):
     """A console that leaves it to its caller what a reader who left means; rich would exit with code 1."""
 
@@ -64,6 +68,7 @@ def progress(title: str, total: int | None = None) -> Iterator[Callable[[str, in
         task = bar.add_task("", total=total, title=title)
 
         def advance(what: str, steps: int) -> None:
-            bar.update(task, advance=steps, description=what)
+            tail = what if len(what) <= SHOWN else f"…{what[1 - SHOWN :]}"
+            bar.update(task, advance=steps, description=tail)
 
         yield advance

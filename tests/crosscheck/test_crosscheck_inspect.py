@@ -261,7 +261,7 @@ class TestSweep:
         monkeypatch.setattr(console.err, "is_interactive", True)
         few = self.names(many)[:2]
         done = run(*few)
-        assert re.search(r"inspect.* 2/2 ", done.stderr)
+        assert re.search(r"inspect.* 2/2 .*…\S*/many/01\.urdf", done.stderr)
 
 
 def test_worst_findings_come_from_the_worst_severity(folder):
