@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.program import crosscheck, errata, inspect, judge, paper, robots, show
+from crosscheck.program import crosscheck, errata, identify, inspect, judge, paper, robots, show
 from crosscheck.program.exits import AGREED, Program
 
 COMMANDS = (
@@ -14,6 +14,7 @@ COMMANDS = (
     (judge.run, "judge", judge.EPILOG),
     (show.run, "show", show.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),
+    (identify.run, "identify", identify.EPILOG),
     (paper.run, "paper", paper.EPILOG),
     (robots.run, "robots", robots.EPILOG),
     (errata.run, "errata", errata.EPILOG),

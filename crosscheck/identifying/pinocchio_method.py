@@ -1,0 +1,62 @@
+"""Any estimator on Pinocchio's regressor instead of ours: the independent baseline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from crosscheck.baseline import PinocchioBodies
+from crosscheck.pinocchio_model import PinocchioModel
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification import Estimate, Estimator, Problem, TorqueModel
+from graphdyn.identification.terms import RigidBodies
+
+
+@dataclass(frozen=True, eq=False)
+class WithPinocchio:
+    """estimator: what runs on both; referee: Pinocchio's reading of the robot, made from its RobotModel if left out.
+
+    Its estimate carries, as the setting "difference", how far the base parameters are from the estimator's on our
+    regressor: largest difference, in units of the torque they make, relative to the largest such torque.
+    """
+
+    estimator: Estimator
+    referee: PinocchioModel | None = None
+
+    @property
+    def name(self) -> str:
+        return f"{self.estimator.name}, Pinocchio's regressor"
+
+    @property
+    def reference(self) -> str:
+        return f"{self.estimator.reference}; Pinocchio, computeJointTorqueRegressor"
+
+    @property
+    def assumptions(self) -> str:
+        return self.estimator.assumptions
+
+    @property
+    def needs(self) -> str:
+        return f"{self.estimator.needs}; unknown rigid bodies"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Raises EstimationFailed where no body is unknown."""
+        model = problem.torque_model
+        if not any(isinstance(term, RigidBodies) for term in model.terms):
+            raise EstimationFailed("no body is unknown, so there is no regressor of rigid bodies to exchange")
+        bodies = PinocchioBodies(self.referee or PinocchioModel.from_model(model.model))
+        terms = [bodies if isinstance(term, RigidBodies) else term for term in model.terms]
+        there = replace(problem, torque_model=TorqueModel(model.model, terms, model.known))
+        theirs, ours = self.estimator.estimate(there), self.estimator.estimate(problem)
+        scale = np.linalg.norm(problem.equations.factors[..., :-1], axis=(0, 1))
+        x, y = (scale * problem.base.values(estimate.parameters) for estimate in (ours, theirs))
+        difference = float(np.abs(x - y).max() / np.abs(x).max())
+        same = np.array_equal(there.base.independent, problem.base.independent)
+        return replace(
+            theirs,
+            covariance=theirs.covariance if same else None,
+            block_covariance=theirs.block_covariance if same else None,
+            settings={**theirs.settings, "difference": difference},
+            remarks=(*theirs.remarks, f"differs from {self.estimator.name} by {difference:.1e} of the torque"),
+        )

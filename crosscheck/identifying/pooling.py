@@ -1,0 +1,38 @@
+"""Residuals of several trials as if they were of one recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from graphdyn.identification import ResidualSizes, ResidualStatistics
+
+
+def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
+    """Of all rows of all trials. The tests of whiteness are NaN: no two trials have the same parameters."""
+    unknown = np.full(len(parts[0].durbin_watson), np.nan)
+    return ResidualStatistics(
+        pooled_sizes([part.everything for part in parts]),
+        pooled_sizes([part.moving for part in parts]),
+        unknown,
+        unknown,
+    )
+
+
+def pooled_sizes(parts: Sequence[ResidualSizes]) -> ResidualSizes:
+    """NaN where no part has a sample."""
+    counts = np.array([part.count for part in parts])
+    total = counts.sum(axis=0)
+    means, rms, relative = (np.array([getattr(part, name) for part in parts]) for name in ("mean", "rms", "relative"))
+    squares = np.where(counts > 0, counts * rms**2, 0.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        measured = np.where(squares > 0, squares / relative**2, 0.0).sum(axis=0)
+        largest = np.max([np.where(counts[k] > 0, parts[k].largest, -np.inf) for k in range(len(parts))], axis=0)
+        return ResidualSizes(
+            total,
+            np.where(counts > 0, counts * means, 0.0).sum(axis=0) / total,
+            np.sqrt(squares.sum(axis=0) / total),
+            np.where(total > 0, largest, np.nan),
+            np.sqrt(squares.sum(axis=0) / measured),
+        )

@@ -1,0 +1,133 @@
+"""All that an identification has found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from crosscheck.arguments import Subject
+from crosscheck.identifying.holding_out import Division
+from crosscheck.identifying.preparation import Preparation
+from crosscheck.identifying.recommending import Recommendation, mean_error, recommendation
+from crosscheck.records import Record
+from graphdyn.errors import InvalidInput
+from graphdyn.identification import Comparison, MethodResult, Problem, TorqueModel
+from graphdyn.identification.terms import KnownPayload
+from graphdyn.identification.terms.term import CarriesKnownBodies
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Measured and predicted torque of one piece of time.
+
+    t (N,) [s]; measured, predicted (N, n) [N m or N]; velocity (N, n) [rad/s or m/s]
+    """
+
+    t: Array
+    measured: Array
+    predicted: Array
+    velocity: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """Rows that were predicted, with the parameters of every method that has an answer.
+
+    times: of the rows, piece by piece (N_k,) [s]; parameters: by method (p,)
+    """
+
+    problem: Problem
+    times: Sequence[Array]
+    parameters: Mapping[str, Array]
+
+    @classmethod
+    def of(cls, problem: Problem, times: Sequence[Array], comparison: Comparison) -> Trial:
+        found = {result.name: result.estimate.parameters for result in comparison.results if result.estimate}
+        return cls(problem, times, found)
+
+    def curves(self, method: str) -> list[Curve]:
+        """One per piece."""
+        x = self.problem.structure.base.matrix @ self.parameters[method]
+        rows = list(self.problem.rows())
+        measured = np.concatenate([part.measured for part in rows])
+        residual = np.concatenate([part.matrix @ x - part.right for part in rows])
+        velocity = np.concatenate([part.velocity for part in rows])
+        borders = np.cumsum([len(t) for t in self.times])[:-1]
+        pieces = zip(*(np.split(a, borders) for a in (measured, measured + residual, velocity)), strict=True)
+        return [Curve(t, *piece) for t, piece in zip(self.times, pieces, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """subject: the robot; its parameters are the prior
+    records: as they were read; division: what was fitted and predicted
+    fit: the rows of the fit; trials: the rows that were predicted
+    comparison: every method; held-out errors are those of all trials together
+    truth: the true parameters, where the robot is a virtual one  (p,)
+    """
+
+    subject: Subject
+    torque_model: TorqueModel
+    records: tuple[Record, ...]
+    division: Division
+    preparation: Preparation
+    fit: Trial
+    trials: tuple[Trial, ...]
+    comparison: Comparison
+    truth: Array | None = None
+
+    @property
+    def problem(self) -> Problem:
+        """Of the fit."""
+        return self.fit.problem
+
+    @cached_property
+    def recommendation(self) -> Recommendation:
+        """Which method, and why."""
+        return recommendation(self.comparison)
+
+    @property
+    def usable(self) -> bool:
+        return self.recommendation.name is not None
+
+    def shown(self, name: str | None = None) -> MethodResult | None:
+        """The result to look at: the named one, else the recommended one, else the one that predicts best.
+
+        None where no method has an answer. Raises InvalidInput for an unknown method, and for one that failed.
+        """
+        if name is not None:
+            result = self.comparison.of(name)
+            if result.failure is not None:
+                raise InvalidInput(f"{name} has no result: {result.failure}")
+            return result
+        if self.recommendation.name is not None:
+            return self.comparison.of(self.recommendation.name)
+        answered = [result for result in self.comparison.results if result.failure is None]
+        return min(answered, key=mean_error) if answered else None
+
+    @property
+    def prior_base_values(self) -> Array:
+        """Base parameters of the robot as it was given; drives are zero (r,)."""
+        return self.problem.base.values(self.torque_model.prior())
+
+    def fitted_errors(self, result: MethodResult) -> Array:
+        """‖e‖ / ‖τ‖ per joint over the rows that were fitted (n,); the result must have an estimate."""
+        assert result.base_values is not None
+        equations = self.problem.equations
+        return np.asarray(np.sqrt(equations.residual_squares(result.base_values) / equations.measured_squares))
+
+    def body_parameters(self, result: MethodResult) -> Array:
+        """Ten per link (n, 10): unknown or known bodies with an unknown payload; a known payload is left out.
+
+        The result must have an estimate.
+        """
+        assert result.estimate is not None
+        total = self.torque_model.inertial_parameters(result.estimate.parameters)
+        for term in self.torque_model.known:
+            if isinstance(term, KnownPayload) and isinstance(term, CarriesKnownBodies):
+                total = total - term.known_inertial_parameters(self.torque_model.model)
+        return total.reshape(-1, 10)

@@ -1,0 +1,52 @@
+"""What drives add to the torque of the bodies, by the names of the program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from numpy.typing import ArrayLike
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.terms import (
+    AsymmetricCoulomb,
+    AsymmetricViscous,
+    Coulomb,
+    CoupledWrist,
+    Offset,
+    RotorInertia,
+    Stribeck,
+    Term,
+    Viscous,
+)
+
+STRIBECK_VELOCITY = 0.1
+"""[rad/s or m/s] of a gear unless told otherwise."""
+
+STANDARD_TERMS = ("viscous", "coulomb", "offset")
+
+TERMS: dict[str, Callable[[float | None, ArrayLike], Term]] = {
+    "viscous": lambda width, velocity: Viscous(),
+    "asymmetric-viscous": lambda width, velocity: AsymmetricViscous(),
+    "coulomb": lambda width, velocity: Coulomb(width),
+    "asymmetric-coulomb": lambda width, velocity: AsymmetricCoulomb(),
+    "stribeck": lambda width, velocity: Stribeck(velocity, width=width),
+    "offset": lambda width, velocity: Offset(),
+    "rotor": lambda width, velocity: RotorInertia(),
+    "coupled-wrist": lambda width, velocity: CoupledWrist(width=width),
+}
+"""By name: the term, given the width of a smooth sign and the Stribeck velocity."""
+
+
+def friction_terms(
+    names: Sequence[str], *, width: float | None = None, stribeck_velocity: ArrayLike = STRIBECK_VELOCITY
+) -> tuple[Term, ...]:
+    """The terms with these names (TERMS), in their order.
+
+    width: sign(v) becomes tanh(v / width) [rad/s or m/s]. Raises InvalidInput for an unknown or a repeated name.
+    """
+    for k, name in enumerate(names):
+        if name not in TERMS:
+            raise InvalidInput(f"there is no term '{name}'; known: {', '.join(TERMS)}")
+        if name in names[:k]:
+            raise InvalidInput(f"the term '{name}' is given twice; give each once")
+    return tuple(TERMS[name](width, stribeck_velocity) for name in names)

@@ -1,0 +1,149 @@
+"""A robot whose parameters are known, recorded: excitation, friction, noise, and CAD values that are wrong.
+
+Everything that a real recording has, and the truth to compare with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from crosscheck.arguments import Lock, Robot, Subject, subject
+from crosscheck.identifying.preparation import samples_of
+from crosscheck.records import Record, record_of
+from graphdyn import RobotModel
+from graphdyn import record as virtual_experiment
+from graphdyn.errors import InvalidInput
+from graphdyn.identification import TorqueModel
+from graphdyn.identification.terms import RigidBodies, Term
+from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.motion_laws import FourierSeries
+from urdf.cutting import Chain
+
+FREQUENCY, HARMONICS = 0.1, 5
+"""[Hz] of the fundamental; the excitation has no frequency above their product."""
+
+REACH = 0.9
+"""Part of the limits of position and speed that the motion uses."""
+
+LARGEST_SPEED = 3.0
+"""[rad/s or m/s] Where a limit is missing or higher, so that torques stay those of an arm."""
+
+RATE = 250.0
+"""[Hz]"""
+
+ENCODER, TORQUE_NOISE = 2e-5, 0.01
+"""Standard deviation of positions [rad or m], and of torques and wrenches as a part of their root mean square."""
+
+DRIVES = 0.05
+"""Root mean square of what each further parameter makes, as a part of that of the joint's torque."""
+
+CAD_ERROR = 0.2
+"""The masses of the CAD model are wrong by up to this part, and the centers of mass by this part of their distance."""
+
+
+@dataclass(frozen=True, eq=False)
+class VirtualRobot:
+    """subject: the robot with wrong inertial parameters, as CAD has them
+    truth: parameters of the torque model, bodies first     (p,)
+    fitted, held_out: recordings with different motions
+    torque_model: the terms with the wrong bodies as the prior
+    """
+
+    subject: Subject
+    torque_model: TorqueModel
+    truth: Array
+    fitted: Record
+    held_out: Record
+
+
+def virtual_robot(
+    robot: Robot,
+    terms: Sequence[Term],
+    *,
+    seconds: float = 20.0,
+    seed: int = 0,
+    lock: Lock = None,
+    chain: Chain = None,
+    gravity: object = None,
+) -> VirtualRobot:
+    """Record a robot of known parameters twice; the second recording takes half the time.
+
+    terms: what its drives add; rigid bodies come before them
+    Raises InvalidInput for a robot without mass, and for less than one period of the motion.
+    """
+    given = subject(robot, lock, gravity, chain)  # type: ignore[arg-type]
+    if not seconds >= 1 / FREQUENCY:
+        raise InvalidInput(f"{seconds:g} s are less than one period of the excitation; give {1 / FREQUENCY:g} or more")
+    if not any(body.mass > 0 for body in given.model.bodies):
+        raise InvalidInput(f"robot '{given.name}' has no mass: there is nothing to identify")
+    rng = np.random.default_rng(seed)
+    true_model = TorqueModel(given.model, (RigidBodies(), *terms))
+    motions = [_motion(given.model, rng, time) for time in (seconds, seconds / 2)]
+    truth = _truth(true_model, motions[0], rng)
+    records = [_measured(true_model, truth, motion, rng) for motion in motions]
+    wrong = replace(given, model=_as_in_cad(given.model, rng))
+    return VirtualRobot(wrong, TorqueModel(wrong.model, true_model.terms), truth, *records)
+
+
+def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Record:
+    """Exact motion, torques and wrenches of the rigid bodies."""
+    dense = np.linspace(0, 1 / FREQUENCY, 1000)
+    corner = model.random_state(rng, 1000)
+    laws = []
+    for j in range(model.n_bodies):
+        lower, upper = corner[0][:, j].min(), corner[0][:, j].max()
+        speed = min(float(np.abs(corner[1][:, j]).max()), LARGEST_SPEED)
+        a, b = rng.normal(size=(2, HARMONICS))
+        q, v, _ = FourierSeries(FREQUENCY, a, b)(dense)
+        scale = REACH * min((upper - lower) / np.ptp(q), speed / np.abs(v).max())
+        middle = (upper + lower) / 2 - scale * (q.max() + q.min()) / 2
+        laws.append(FourierSeries(FREQUENCY, scale * a, scale * b, middle))
+    times = np.arange(round(seconds * RATE)) / RATE
+    return record_of(virtual_experiment(model, times, laws))
+
+
+def _truth(torque_model: TorqueModel, motion: Record, rng: np.random.Generator) -> Array:
+    """The bodies of the model, and drives as large as DRIVES says, by chance up to half more or less."""
+    samples = samples_of(motion)
+    size = np.sqrt(np.mean(samples.tau**2, axis=0))
+    columns = np.sqrt(np.mean(torque_model.rows(samples) ** 2, axis=0))
+    x = torque_model.prior()
+    for k in range(BODY_PARAMETERS * torque_model.model.n_bodies, len(x)):
+        joint = int(np.argmax(columns[:, k] / size))
+        x[k] = DRIVES * rng.uniform(0.5, 1.5) * size[joint] / columns[joint, k]
+    return x
+
+
+def _measured(torque_model: TorqueModel, truth: Array, motion: Record, rng: np.random.Generator) -> Record:
+    """With friction and noise, as instruments show it: no velocities, no accelerations."""
+    exact = samples_of(motion)
+    tau = torque_model.torque(exact, truth)
+    wrenches = motion.channel("joint_wrenches")
+
+    def noisy(values: Array) -> Array:
+        size = np.sqrt(np.mean(values**2, axis=0))
+        return np.asarray(values + TORQUE_NOISE * size * rng.normal(size=values.shape))
+
+    return replace(
+        motion,
+        q=exact.q + ENCODER * rng.normal(size=exact.q.shape),
+        v=None,
+        a=None,
+        tau=noisy(tau),
+        joint_wrenches=noisy(wrenches),
+        body_accelerations=None,
+    )
+
+
+def _as_in_cad(model: RobotModel, rng: np.random.Generator) -> RobotModel:
+    """Real bodies beside the true ones: other masses, centers of mass moved."""
+    bodies = []
+    for body in model.bodies:
+        factor = rng.uniform(1 - CAD_ERROR, 1 + CAD_ERROR)
+        shift = CAD_ERROR * np.linalg.norm(body.center_of_mass) * rng.uniform(-1, 1, 3) / np.sqrt(3)
+        center = body.center_of_mass + shift
+        bodies.append(replace(body, mass=factor * body.mass, center_of_mass=center, inertia=factor * body.inertia))
+    return replace(model, bodies=tuple(bodies))
