@@ -66,11 +66,9 @@ def recommendation(comparison: Comparison) -> Recommendation:
             f"the best consistent result, {best.name}, predicts with a mean error of {100 * error:.0f} %, no better "
             "than a torque of zero; the torque model or the recording is wrong, or held-out rows are all standstill",
         )
-    others = (
-        "that of the only such result" if len(consistent) == 1 else f"the smallest of {len(consistent)} such results"
-    )
+    others = f"the smallest of {len(consistent)} such results" if len(consistent) > 1 else "the only such result"
     return Recommendation(
         best.name,
-        f"physically consistent in every link and pose, and its held-out error, {100 * error:.1f} % on the mean over "
-        f"the joints, is {others}",
+        f"physically consistent in every link and pose, and its held-out error is {100 * error:.1f} % on the mean over "
+        f"the joints, {others}",
     )
