@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from crosscheck.comparing import Disagreement, assert_agrees, compare
+    from crosscheck.identifying import Identified, identify
     from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement
     from crosscheck.judging.judge import WrongDynamics, assert_correct, judge
     from crosscheck.records import (
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "crosscheck.comparing": ("Disagreement", "assert_agrees", "compare"),
+    "crosscheck.identifying": ("Identified", "identify"),
     "crosscheck.judgement": ("Diagnosis", "JudgedFunction", "Judgement"),
     "crosscheck.judging.judge": ("WrongDynamics", "assert_correct", "judge"),
     "crosscheck.records": (
@@ -60,6 +62,7 @@ __all__ = [
     "Diagnosis",
     "DirtyRecording",
     "Disagreement",
+    "Identified",
     "JudgedFunction",
     "Judgement",
     "QuantityResult",
@@ -71,6 +74,7 @@ __all__ = [
     "concatenated",
     "decimated",
     "differentiated",
+    "identify",
     "inspect_record",
     "judge",
     "load_mapping",

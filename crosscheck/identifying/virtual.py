@@ -12,7 +12,7 @@ import numpy as np
 
 from crosscheck.arguments import Lock, Robot, Subject, subject
 from crosscheck.identifying.preparation import samples_of
-from crosscheck.records import Record, record_of
+from crosscheck.records import Provenance, Record, record_of
 from graphdyn import RobotModel
 from graphdyn import record as virtual_experiment
 from graphdyn.errors import InvalidInput
@@ -83,7 +83,10 @@ def virtual_robot(
     true_model = TorqueModel(given.model, (RigidBodies(), *terms))
     motions = [_motion(given.model, rng, time) for time in (seconds, seconds / 2)]
     truth = _truth(true_model, motions[0], rng)
-    records = [_measured(true_model, truth, motion, rng) for motion in motions]
+    records = [
+        _measured(true_model, truth, motion, rng, f"simulated motion {number} of {given.model.name}")
+        for number, motion in enumerate(motions, start=1)
+    ]
     wrong = replace(given, model=_as_in_cad(given.model, rng))
     return VirtualRobot(wrong, TorqueModel(wrong.model, true_model.terms), truth, *records)
 
@@ -117,7 +120,7 @@ def _truth(torque_model: TorqueModel, motion: Record, rng: np.random.Generator) 
     return x
 
 
-def _measured(torque_model: TorqueModel, truth: Array, motion: Record, rng: np.random.Generator) -> Record:
+def _measured(torque_model: TorqueModel, truth: Array, motion: Record, rng: np.random.Generator, name: str) -> Record:
     """With friction and noise, as instruments show it: no velocities, no accelerations."""
     exact = samples_of(motion)
     tau = torque_model.torque(exact, truth)
@@ -135,6 +138,7 @@ def _measured(torque_model: TorqueModel, truth: Array, motion: Record, rng: np.r
         tau=noisy(tau),
         joint_wrenches=noisy(wrenches),
         body_accelerations=None,
+        provenance=Provenance((name,), "virtual experiment"),
     )
 
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from graphdyn.identification import Estimator, MethodResult
     from graphdyn.identification.terms import Term
 
-EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5
+EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,graph
   graphdyn identify log.csv --robot arm.urdf --cutoff 8 --html found.html --urdf better.urdf
   graphdyn identify a.csv b.csv --validate c.csv --robot arm.urdf --mapping columns.toml --methods all
   graphdyn identify pos.csv cur.csv --mapping tx40.toml --robot tx40.urdf --cutoff 20 --decimate 10,10 --split 0:6 6:9

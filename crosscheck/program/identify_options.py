@@ -191,7 +191,10 @@ def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[Kno
         raise typer.BadParameter(f"--payload {text}: give unknown, unknown@X,Y,Z or M@X,Y,Z [kg, m]")
     if mass == "unknown":
         return [PayloadMass(center, body=link)], []
-    (kilograms,) = numbers("--payload", mass)
+    try:
+        kilograms = float(mass)
+    except ValueError:
+        raise typer.BadParameter(f"--payload {text}: '{mass}' is neither unknown nor a mass in kg") from None
     return [], [KnownPayload(parameters_from_inertia(kilograms, np.array(center), np.zeros((3, 3))), link)]
 
 

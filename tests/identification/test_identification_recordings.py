@@ -21,6 +21,7 @@ from graphdyn.identification.terms import (
     Coulomb,
     CoupledWrist,
     KnownBodies,
+    KnownTorque,
     Offset,
     PayloadMass,
     RigidBodies,
@@ -135,9 +136,11 @@ def test_kr300_payload():
     names = ("q_mot_link_rad", "qd_mot_link_rad_s", "tau_link_Nm")
     measured = (np.stack([record[f"{name}_{k}"] for k in range(1, 7)], axis=-1) for name in names)
     q, v, tau = (low_pass(x, 250.0, 8.0) for x in measured)
-    samples = Samples(q, v, np.gradient(v, 0.004, axis=0), tau)
+    samples = Samples(q + kr300.zero, v, np.gradient(v, 0.004, axis=0), tau)
     terms = (PayloadMass(kr300.payload_center), Viscous(), Coulomb(), Offset())
-    model = TorqueModel(kr300.robot, terms, (KnownBodies(), *kr300.known))
+    counterbalance = KnownTorque(lambda q, v, a: kr300.counterbalance(q[:, 1])[:, None] * np.eye(6)[1])
+    rotors = KnownTorque(lambda q, v, a: kr300.rotor_inertia * a)
+    model = TorqueModel(kr300.robot, terms, (KnownBodies(), counterbalance, rotors))
     problem = Problem(model, samples, min_speed=0.02)
     comparison = compare_methods(problem, [WeightedLeastSquares(), OrdinaryLeastSquares()], poses=POSES)
     for result in comparison.results:

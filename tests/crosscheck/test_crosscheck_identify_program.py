@@ -1,0 +1,299 @@
+"""`graphdyn identify`: options, tables, files and exit codes, on recordings of a simulated arm."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from lxml import etree
+from planting import mixed_tree
+from typer.testing import CliRunner
+
+import urdf
+from crosscheck.identifying import friction_terms, virtual_robot
+from crosscheck.program import app
+
+SCHEMA = Path(__file__).parents[2] / "docs/schemas/identify-1.schema.json"
+
+METHODS = "ols,wls,wls-pinocchio,consistent,graph"
+
+QUICK = ("--poses", "20")
+
+LARGEST = 5_000_000
+"""Characters of a page."""
+
+OWN_CODE = """
+import numpy as np
+from graphdyn.identification import Estimate
+from graphdyn.identification.terms import Offset
+
+def nothing(q, v, a):
+    return 0 * q
+
+def offset():
+    return Offset()
+
+class Prior:
+    name, reference, assumptions, needs = "prior", "none", "CAD is right", "nothing"
+    def estimate(self, problem):
+        return Estimate(problem.torque_model.prior())
+
+def empty():
+    return object()
+"""
+
+
+@pytest.fixture
+def program(tmp_path, monkeypatch):
+    """Runs the command in an empty folder; gives exit code and everything that was printed."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments):
+        done = CliRunner().invoke(app, ["identify", *map(str, arguments)])
+        return done.exit_code, " ".join(done.output.split())
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    """URDF of a small arm with wrong inertials; two recordings as CSV; the same in two files with a mapping."""
+    folder = tmp_path_factory.mktemp("arm")
+    urdf.save(mixed_tree(), folder / "true.urdf")
+    virtual = virtual_robot(folder / "true.urdf", friction_terms(["viscous", "coulomb"]), seconds=10.0)
+    urdf.save(virtual.subject.model, folder / "arm.urdf")
+    names = virtual.fitted.joint_names
+    for name, record in (("one", virtual.fitted), ("two", virtual.held_out)):
+        table = np.column_stack([record.t, record.q, record.tau])
+        head = ",".join(["time_s", *(f"q_{j}" for j in names), *(f"tau_{j}" for j in names)])
+        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=head, comments="")
+        np.savetxt(folder / f"pos_{name}.csv", record.q, delimiter=",", header=",".join(names), comments="")
+        np.savetxt(folder / f"cur_{name}.csv", record.tau, delimiter=",", header=",".join(names), comments="")
+    (folder / "mapping.toml").write_text(
+        f"joints = {json.dumps(names)}\nrate = 250\nprismatic = {json.dumps(list(record.prismatic))}\n"
+        '[q]\nfile = "pos_*.csv"\ncolumns = "{joint}"\n'
+        f"unit = {json.dumps(['m' if slides else 'rad' for slides in record.prismatic])}\n"
+        '[tau]\nfile = "cur_*.csv"\ncolumns = "{joint}"\n'
+        f"unit = {json.dumps(['N' if slides else 'N m' for slides in record.prismatic])}\n",
+        encoding="utf-8",
+    )
+    (folder / "own.py").write_text(OWN_CODE, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def two_files(arm):
+    return arm / "pos_one.csv", arm / "cur_one.csv", "--mapping", arm / "mapping.toml", "--robot", arm / "arm.urdf"
+
+
+class TestFiles:
+    def test_everything_at_once(self, program, two_files, arm, tmp_path):
+        files = {name: tmp_path / f"found.{name}" for name in ("json", "html", "urdf")}
+        written = [text for name, path in files.items() for text in (f"--{name}", path)]
+        code, said = program(
+            *two_files,
+            "--cutoff",
+            10,
+            "--terms",
+            "viscous,coulomb",
+            "--methods",
+            METHODS,
+            "--validate",
+            arm / "pos_two.csv",
+            "--validate",
+            arm / "cur_two.csv",
+            *written,
+            *QUICK,
+        )
+        assert code == 0, said
+        for text in (
+            "Methods",
+            "Errors, held out",
+            "Errors, fitted",
+            "Base parameters by",
+            "Links by",
+            "use consistent",
+        ):
+            assert text in said
+        assert "graph method: failed: the recording has torques about the joint axes alone" in said
+        record = json.loads(files["json"].read_text(encoding="utf-8"))
+        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
+        assert record["usable"]
+        assert record["recommended"] == "consistent"
+        assert record["recording"]["held_out_files"] == [str(arm / "pos_two.csv"), str(arm / "cur_two.csv")]
+        assert record["truth"] is None
+        self.check_urdf(files["urdf"], arm, record)
+        self.check_page(files["html"].read_text(encoding="utf-8"), record)
+
+    def check_urdf(self, path, arm, record):
+        new, true, cad = (urdf.load(p) for p in (path, arm / "true.urdf", arm / "arm.urdf"))
+        wanted = np.array([list(body["identified"].values()) for body in record["shown"]["bodies"]])
+        np.testing.assert_allclose(new.inertial_parameters, wanted.ravel(), rtol=1e-9, atol=1e-12)
+        assert all(consistency.problems == () for consistency in new.physical_consistency())
+        base = [row["name"] for row in record["shown"]["base_parameters"]]
+        assert len(base) == record["rank"]
+        off, wrong = (np.abs(x.inertial_parameters - true.inertial_parameters).sum() for x in (new, cad))
+        assert off < wrong
+
+    def check_page(self, page, record):
+        root = etree.fromstring(page.encode(), etree.HTMLParser(encoding="utf-8"))
+        assert len(page) < LARGEST
+        assert not re.findall(r'(?:src|href)="(?!#)', page)
+        assert len(root.findall(".//svg")) == len(record["joint_names"]) + 3
+        text = " ".join(" ".join(root.itertext()).split())
+        for method in record["methods"]:
+            assert method["name"] in text
+        for joint in record["joint_names"]:
+            assert f"Measured and predicted torque of {joint}; fitted: root mean square error" in page
+        assert "✓ use consistent" in text
+        assert "None" not in text
+        assert "nan" not in text.lower().split()
+
+    def test_nothing_is_written_without_a_real_robot(self, program, two_files, tmp_path):
+        code, said = program(
+            *two_files,
+            "--cutoff",
+            10,
+            "--methods",
+            "ols",
+            "--choose",
+            "ols",
+            "--terms",
+            "viscous",
+            "--urdf",
+            tmp_path / "out.urdf",
+            *QUICK,
+        )
+        assert code == 1
+        assert "no usable model: no result is physically consistent" in said
+        assert "is not written: OLS is not physically consistent" in said
+        assert not (tmp_path / "out.urdf").exists()
+
+    def test_the_folder_must_exist(self, program, two_files):
+        code, said = program(*two_files, "--urdf", "nowhere/out.urdf")
+        assert code == 2
+        assert "--urdf nowhere/out.urdf: folder" in said
+
+
+class TestSimulated:
+    def test_truth_is_shown(self, program, arm, tmp_path):
+        code, said = program(
+            "--robot",
+            arm / "true.urdf",
+            "--seconds",
+            10,
+            "--methods",
+            "consistent,graph",
+            "--json",
+            tmp_path / "x.json",
+            *QUICK,
+        )
+        assert code == 0, said
+        assert "truth" in said
+        assert "held out: all of simulated motion 2 of" in said
+        record = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
+        assert len(record["truth"]) == len(record["parameters"])
+        assert record["methods"][1]["failure"] is None
+
+    def test_options_that_need_a_log(self, program):
+        for option, value in (("--validate", "x.csv"), ("--folds", "3"), ("--payload", "unknown"), ("--rate", "5")):
+            code, said = program("--robot", "kr500", option, value)
+            assert code == 2
+            assert f"{option} needs a LOG; without one the robot is simulated" in said
+
+
+class TestOptions:
+    def test_own_code(self, program, two_files, arm):
+        own = arm / "own.py"
+        code, said = program(
+            *two_files,
+            "--cutoff",
+            "q=10,tau=10",
+            "--terms",
+            "viscous,coulomb",
+            "--term",
+            f"{own}:offset",
+            "--known-torque",
+            f"{own}:nothing",
+            "--methods",
+            f"wls,{own}:Prior",
+            "--split",
+            "0:6",
+            "6:",
+            "--decimate",
+            "5",
+            *QUICK,
+        )
+        assert code in (0, 1), said
+        assert "prior" in said
+        assert "OFF_1" in said
+
+    @pytest.mark.parametrize(
+        ("payload", "expected"), [("unknown@0,0,0.1", "M_L"), ("unknown", "XX_L"), ("1@0,0,0.1", "FV_1")]
+    )
+    def test_payloads(self, program, two_files, payload, expected):
+        code, said = program(
+            *two_files,
+            "--cutoff",
+            10,
+            "--known-bodies",
+            "--payload",
+            payload,
+            "--methods",
+            "wls",
+            "--split-rows",
+            "100:1500",
+            "1600:",
+            "--min-speed",
+            "0.02",
+            *QUICK,
+        )
+        assert code in (0, 1), said
+        assert expected in said
+        assert "/ % of fitted rows" in said
+
+    def test_folds(self, program, two_files):
+        code, said = program(*two_files, "--cutoff", 10, "--methods", "wls", "--folds", 3, *QUICK)
+        assert code in (0, 1), said
+        assert "3 consecutive folds, each from the others" in said
+
+    def test_findings_of_the_files_are_told(self, program, arm):
+        code, said = program(arm / "one.csv", "--robot", arm / "arm.urdf", "--cutoff", 10, "--methods", "wls", *QUICK)
+        assert code == 1, said
+        assert "note: " in said
+        assert "rad is taken; name units in the header [assumed-unit]" in said
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            (["--cutoff", "x"], "--cutoff x: give Hz, CHANNEL=HZ,…, residual or none"),
+            (["--decimate", "x"], "--decimate x: give whole numbers with commas between them"),
+            (["--min-speed", "x"], "--min-speed x: give numbers with commas between them"),
+            (["--split", "0", "1"], "--split 0: give FIRST:LAST, such as 0:6"),
+            (["--folds", "2", "--split", "0:1", "1:2"], "--split and --folds exclude each other"),
+            (["--payload-on", "fore"], "--payload-on fore: say with --payload what it carries"),
+            (["--payload", "x"], "--payload x: give unknown, unknown@X,Y,Z or M@X,Y,Z"),
+            (["--payload", "x@0,0,0"], "--payload x@0,0,0: 'x' is neither unknown nor a mass in kg"),
+            (["--methods", "magic"], "there is no method 'magic'"),
+            (["--methods", "own.py:empty"], "what it makes has no name, reference, assumptions, needs, estimate"),
+            (["--term", "own.py:empty"], "--term own.py:empty: what it makes has no columns, rows"),
+            (["--terms", "magic"], "there is no term 'magic'"),
+            (["--choose", "magic", "--methods", "wls", "--cutoff", "10"], "there is no method 'magic'; known: WLS"),
+            (["--drop", "magic"], "drop has 'magic'; rows can be dropped for"),
+            (["--validate", "pos_two.csv"], "--validate: 1 files, but"),
+        ],
+    )
+    def test_bad_input(self, two_files, arm, monkeypatch, options, message):
+        monkeypatch.chdir(arm)
+        done = CliRunner().invoke(app, ["identify", *map(str, two_files), *options, *QUICK])
+        said = " ".join(re.sub("[│╭╰─╮╯]", " ", done.output).split())
+        assert done.exit_code == 2, said
+        assert message in said
+
+    def test_no_robot(self, program):
+        code, said = program("x.csv")
+        assert code == 2
+        assert "--robot is missing; give a name (`graphdyn robots`) or a URDF file" in said

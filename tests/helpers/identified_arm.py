@@ -1,0 +1,34 @@
+"""A small simulated arm, identified once: cheap enough for every test."""
+
+import functools
+
+from planting import mixed_tree
+
+import crosscheck
+from crosscheck.identifying import OtherRecords, Preparation, friction_terms, virtual_robot
+
+CUTOFF = Preparation(10.0)
+POSES = 20
+
+
+@functools.cache
+def virtual():
+    """Three bodies, a branch and a slide, 10 s at 250 Hz."""
+    return virtual_robot(mixed_tree(), friction_terms(["viscous", "coulomb"], width=0.05), seconds=10.0)
+
+
+def identified(methods=("ols", "wls", "consistent"), **options):
+    arm = virtual()
+    options = {
+        "terms": arm.torque_model.terms,
+        "preparation": CUTOFF,
+        "held_out": OtherRecords((arm.held_out,)),
+        "poses": POSES,
+    } | options
+    return crosscheck.identify(arm.subject.model, arm.fitted, methods=methods, **options)
+
+
+@functools.cache
+def compared():
+    """All methods but the slow ones."""
+    return identified(("ols", "wls", "wls-pinocchio", "gls", "ridge", "consistent", "entropic", "graph"))
