@@ -72,12 +72,13 @@ def run(
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
 ) -> None:
-    """Identify a robot from recordings: which parameters they determine, and which model to trust.
+    """Find a robot's parameters from recordings.
 
-    Methods stand side by side with their errors on rows that they have not seen: over all rows, and per joint over
-    those with |v| > 0.02, because at standstill friction is undetermined. The recommended one has real bodies, a
-    positive definite mass matrix and the smallest held-out error. Held out is the last quarter unless told otherwise.
-    Without a LOG the robot is simulated with friction, noise and wrong CAD values, and the truth is shown.
+    Which ones do they determine, how well does each method predict, and which model can be trusted? Methods stand side
+    by side with their errors on rows that they have not seen: over all rows, and per joint over those with |v| > 0.02,
+    because at standstill friction is undetermined. The recommended one has real bodies, a positive definite mass
+    matrix and the smallest held-out error. Held out is the last quarter unless told otherwise. Without a LOG the robot
+    is simulated with friction, noise and wrong CAD values, and the truth is shown.
 
     Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
     """

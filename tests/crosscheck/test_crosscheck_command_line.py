@@ -23,7 +23,7 @@ from crosscheck.quantities import BY_NAME
 from crosscheck.report import versions
 from graphdyn import __version__
 
-COMMANDS = ("crosscheck", "judge", "show", "inspect", "paper", "robots", "errata")
+COMMANDS = ("crosscheck", "judge", "show", "inspect", "identify", "paper", "robots", "errata")
 
 
 class TestExitCodes:

@@ -61,7 +61,7 @@ def program(tmp_path, monkeypatch):
 def arm(tmp_path_factory):
     """URDF of a small arm with wrong inertials; two recordings as CSV; the same in two files with a mapping."""
     folder = tmp_path_factory.mktemp("arm")
-    urdf.save(mixed_tree(), folder / "true.urdf")
+    urdf.save(mixed_tree().with_gravity([0, 0, -9.81]), folder / "true.urdf")
     virtual = virtual_robot(folder / "true.urdf", friction_terms(["viscous", "coulomb"]), seconds=10.0)
     urdf.save(virtual.subject.model, folder / "arm.urdf")
     names = virtual.fitted.joint_names
