@@ -5,6 +5,8 @@ Constraints, contacts, limits, damping and armature are off: rigid-body dynamics
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -60,6 +62,55 @@ class MujocoModel:
             "forward_dynamics": data.qacc[columns].copy(),
             "mass_matrix": mass[np.ix_(columns, columns)],
         }
+
+    def inverse_loop(self, q: Array, v: Array, a: Array, out: Array) -> Array:
+        """mj_inverse at N states, as a user writes it: torques (N, n) in MuJoCo's order, which is asked to be ours."""
+        mj_inverse, native, data = self._mujoco.mj_inverse, self._native, self._data
+        self._check_order()
+        for k in range(len(q)):
+            data.qpos[:] = q[k]
+            data.qvel[:] = v[k]
+            data.qacc[:] = a[k]
+            mj_inverse(native, data)
+            out[k] = data.qfrc_inverse
+        return out
+
+    def rollout(self, q: Array, v: Array, tau: Array, threads: int) -> Callable[[int], Array]:
+        """run(count): one step from each of the first states, on so many threads; accelerations (count, n).
+
+        The step is a second long, so that velocities change by the accelerations.
+        """
+        from mujoco.rollout import Rollout
+
+        mujoco, native = self._mujoco, copy.copy(self._native)
+        self._check_order()
+        native.opt.timestep = 1.0
+        n, given = native.nv, mujoco.mjtState.mjSTATE_QFRC_APPLIED
+        width = mujoco.mj_stateSize(native, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        start = np.concatenate([np.zeros((len(q), width - 2 * n)), q, v], axis=1)  # the time comes first
+        state, sensors = np.empty((len(q), 1, width)), np.empty((len(q), 1, 0))
+        data = [mujoco.MjData(native) for _ in range(threads)]
+        pool = Rollout(nthread=threads if threads > 1 else 0)
+
+        def run(count: int) -> Array:
+            pool.rollout(
+                native,
+                data,
+                start[:count],
+                tau[:count, None],
+                control_spec=int(given),
+                nstep=1,
+                skip_checks=False,
+                state=state[:count],
+                sensordata=sensors[:count],
+            )
+            return state[:count, 0, -n:] - start[:count, -n:]
+
+        return run
+
+    def _check_order(self) -> None:
+        if not np.array_equal(self._columns, np.arange(self._native.nv)):
+            raise MujocoRefuses("MuJoCo has the joints in another order")
 
 
 def _spec(mujoco: Any, model: RobotModel) -> Any:

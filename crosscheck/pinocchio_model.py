@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.referee_values import CarriedValues, RefereeValues
+from crosscheck.referee_values import BareCalls, CarriedValues, RefereeValues, at_centers
 from crosscheck.standard_error import kept_standard_error
 from graphdyn import BaseMotion, Body, GraphDynError, Placement, RobotModel
-from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array, parameter_columns
+from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from urdf.opening import content_of
 
 VERSION: str = pin.__version__
@@ -197,14 +197,34 @@ class PinocchioModel:
         ]
         return np.array(rows).reshape(*q.shape, BODY_PARAMETERS * q.shape[-1])
 
+    def bare_calls(self) -> BareCalls:
+        """The library's own functions, with nothing of this class around them. Raises PinocchioRefuses.
+
+        They take arrays in Pinocchio's order, which is asked to be that of graphdyn.
+        """
+        native = self._native
+        if native.nq != native.nv or not np.array_equal(self._columns, np.arange(native.nv)):
+            raise PinocchioRefuses(f"robot '{self._model.name}': Pinocchio has other coordinates, or another order")
+        return BareCalls(
+            model=native,
+            data=self._data,
+            rnea=pin.rnea,
+            aba=pin.aba,
+            torque_regressor=pin.computeJointTorqueRegressor,
+            rnea_in_parallel=pin.rneaInParallel,
+            aba_in_parallel=pin.abaInParallel,
+            pool=lambda threads: pin.ModelPool(native, threads),
+        )
+
     def evaluate(self, q: Array, v: Array, a: Array, tau: Array, external_wrenches: Array) -> RefereeValues:
         """Everything that is compared, at N states: q, v, a, tau (N, n), external_wrenches (N, n, 6)."""
         rows = [self._evaluate_one(*state) for state in zip(q, v, a, tau, external_wrenches, strict=True)]
         values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         rotation, velocity = values["rotation"], values["velocity"]
         # raw spatial vectors so far; moved to the centers of mass for all states at once
-        _, forward = self._at_centers(rotation, velocity, values["a_body_accelerations"])
-        values["velocity"], values["acceleration"] = self._at_centers(rotation, velocity, values["acceleration"])
+        centers = self._centers()
+        _, forward = at_centers(centers, rotation, velocity, values["a_body_accelerations"])
+        values["velocity"], values["acceleration"] = at_centers(centers, rotation, velocity, values["acceleration"])
         return RefereeValues(**{**values, "a_body_accelerations": forward})
 
     def _evaluate_one(self, q: Array, v: Array, a: Array, tau: Array, external: Array) -> dict[str, Array]:
@@ -260,30 +280,18 @@ class PinocchioModel:
         """data.v or data.a of the bodies (n, 6), in link axes at the link origins."""
         return np.array([vectors[k].vector for k in self._ids])
 
-    def _at_centers(self, rotation: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
-        """ṙ and ω, r̈ and ω̇ (N, n, 6) from spatial velocities and accelerations at the link origins."""
-        # Pinocchio loses the center of a body without mass or nearly so, for it divides m c by at least eps; ours
-        # stands in, so that the same point is compared
-        center = np.array(
+    def _centers(self) -> Array:
+        """Centers of mass (n, 3) in link axes.
+
+        Pinocchio loses that of a body without mass or nearly so, for it divides m c by at least eps; ours stands in, so
+        that the same point is compared.
+        """
+        inertias = [self._native.inertias[k] for k in self._ids]
+        return np.array(
             [
-                self._native.inertias[k].lever
-                if self._native.inertias[k].mass > np.finfo(float).eps
-                else body.center_of_mass
-                for k, body in zip(self._ids, self._model.bodies, strict=True)
+                inertia.lever if inertia.mass > np.finfo(float).eps else body.center_of_mass
+                for inertia, body in zip(inertias, self._model.bodies, strict=True)
             ]
-        )
-        linear, omega = velocity[..., LINEAR], velocity[..., ANGULAR]
-        alpha = acceleration[..., ANGULAR]
-        at_center = linear + np.cross(omega, center)
-        classical = acceleration[..., LINEAR] + np.cross(omega, linear)
-        classical = classical + np.cross(alpha, center) + np.cross(omega, np.cross(omega, center))
-
-        def in_world(vectors: Array) -> Array:
-            return np.einsum("...ab,...b->...a", rotation, vectors)
-
-        return (
-            np.concatenate([in_world(at_center), omega], axis=-1),
-            np.concatenate([in_world(classical), alpha], axis=-1),
         )
 
     def _there(self, values: Array) -> Array:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.layout import Array
+from graphdyn.layout import ANGULAR, LINEAR, Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,3 +57,39 @@ class CarriedValues:
     tau: Array
     joint_wrenches: Array
     a: Array
+
+
+@dataclass(frozen=True, eq=False)
+class BareCalls:
+    """Pinocchio's functions as a user calls them: function(model, data, q, v, …); in parallel: function(threads,
+    pool(threads), q, v, …, out), arrays (n, N) in columns, which are (N, n) in rows.
+    """
+
+    model: Any
+    data: Any
+    rnea: Callable[..., Array]
+    aba: Callable[..., Array]
+    torque_regressor: Callable[..., Array]
+    rnea_in_parallel: Callable[..., None]
+    aba_in_parallel: Callable[..., None]
+    pool: Callable[[int], Any]
+
+
+def at_centers(centers: Array, rotation: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
+    """ṙ and ω, r̈ and ω̇ (N, n, 6) from spatial velocities and accelerations at the link origins.
+
+    centers: of mass, in link axes (n, 3); rotation: of the links (N, n, 3, 3)
+    """
+    linear, omega = velocity[..., LINEAR], velocity[..., ANGULAR]
+    alpha = acceleration[..., ANGULAR]
+    at_center = linear + np.cross(omega, centers)
+    classical = acceleration[..., LINEAR] + np.cross(omega, linear)
+    classical = classical + np.cross(alpha, centers) + np.cross(omega, np.cross(omega, centers))
+
+    def in_world(vectors: Array) -> Array:
+        return np.einsum("...ab,...b->...a", rotation, vectors)
+
+    return (
+        np.concatenate([in_world(at_center), omega], axis=-1),
+        np.concatenate([in_world(classical), alpha], axis=-1),
+    )

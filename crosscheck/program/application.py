@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.program import crosscheck, errata, identify, inspect, judge, paper, robots, show
+from crosscheck.program import bench, crosscheck, errata, identify, inspect, judge, paper, robots, show
 from crosscheck.program.exits import AGREED, Program
 
 COMMANDS = (
@@ -16,6 +16,7 @@ COMMANDS = (
     (inspect.run, "inspect", inspect.EPILOG),
     (identify.run, "identify", identify.EPILOG),
     (paper.run, "paper", paper.EPILOG),
+    (bench.run, "bench", bench.EPILOG),
     (robots.run, "robots", robots.EPILOG),
     (errata.run, "errata", errata.EPILOG),
 )

@@ -15,6 +15,7 @@ from planting import mixed_tree
 import crosscheck
 import urdf
 from crosscheck import comparing, errata
+from crosscheck.bench.benchmark import Effort
 from crosscheck.errata import EFFECTS, ERRATA, measure
 from crosscheck.program import app, console
 from crosscheck.program.crosscheck import DEFAULT_ROBOTS
@@ -23,7 +24,7 @@ from crosscheck.quantities import BY_NAME
 from crosscheck.report import versions
 from graphdyn import __version__
 
-COMMANDS = ("crosscheck", "judge", "show", "inspect", "identify", "paper", "robots", "errata")
+COMMANDS = ("crosscheck", "judge", "show", "inspect", "identify", "paper", "bench", "robots", "errata")
 
 
 class TestExitCodes:
@@ -207,8 +208,13 @@ class TestExamples:
         context = typer.main.get_command(app).commands[command].make_context(command, list(arguments))
         assert not context.args
 
+    @pytest.fixture
+    def hurry(self, monkeypatch):
+        """The benchmark measures little."""
+        monkeypatch.setattr("crosscheck.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
+
     @pytest.mark.parametrize("command", COMMANDS)
-    def test_the_first_one_runs(self, program, command, my_code):
+    def test_the_first_one_runs(self, program, command, my_code, hurry):
         first = next(arguments for name, arguments in self.EXAMPLES if name == command)
         assert program(command, *first).code == AGREED
 

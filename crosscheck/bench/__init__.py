@@ -1,0 +1,1 @@
+"""How fast graphdyn is beside other libraries, measured side by side in one run."""

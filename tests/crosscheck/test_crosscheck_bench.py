@@ -1,0 +1,401 @@
+"""The benchmark: who takes part, that its numbers fit together, and what it says. Nothing is said about time."""
+
+import json
+import os
+import re
+import shutil
+import sys
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from lxml import etree
+from typer.testing import CliRunner
+
+import graphdyn
+from crosscheck.bench import benchmark, casadi_forms, cold, graphdyn_forms, identification, mujoco_forms, texts
+from crosscheck.bench.benchmark import PARTS, Effort, thread_numbers
+from crosscheck.bench.casadi_forms import CasadiRefuses
+from crosscheck.bench.chains import chain
+from crosscheck.bench.cold import in_fresh_process
+from crosscheck.bench.contender import Entry, Measured
+from crosscheck.bench.curves import Line
+from crosscheck.bench.floor import REQUESTS, floating_point_operations, machine
+from crosscheck.bench.pinocchio_forms import instruction_set
+from crosscheck.bench.record import as_json
+from crosscheck.bench.states import random_states
+from crosscheck.bench.timing import Times, fitting_count, in_turns, ratio
+from crosscheck.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.page.bench import bench_page
+from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.program import app
+from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
+from graphdyn.kernels.expressions import Recorder
+from graphdyn.kernels.programs import record
+
+ROOT = Path(__file__).parents[2]
+SMALL = Effort(duration=1e-3, repeats=3, processes=1, most_loop=300, lengths=(2, 3, 4))
+SAMPLES = 60
+
+ROUNDED = 1e-12
+"""Quotients of times that were written to a file and read again."""
+
+PEERS = 1e-10
+"""Other libraries against Pinocchio on the scales of the works: principal axes and other recursions round more."""
+
+WORKS = ("inverse_dynamics", "forward_dynamics", "everything", "regressor", "single_inverse", "single_forward")
+
+needs_a_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler (cc)")
+
+
+@pytest.fixture(scope="module")
+def found():
+    """A benchmark of one arm, and the steps of its progress."""
+    steps = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(benchmark, "QUICK", SMALL)
+        result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
+    assert sum(steps) == PARTS
+    return result
+
+
+@pytest.fixture
+def program(found, monkeypatch):
+    """The command, which gives what was found without measuring again."""
+
+    def run(*arguments, result=found):
+        monkeypatch.setattr(benchmark, "benchmark", lambda *_: result)
+        return CliRunner().invoke(app, ["bench", *map(str, arguments)])
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def states():
+    return random_states(kr500(), SAMPLES, 1)
+
+
+def by_name(entries):
+    return {(entry["name"], entry["threads"]): entry for entry in entries}
+
+
+class TestNumbers:
+    def test_every_work(self, found):
+        assert tuple(measured.name for measured in found.works) == WORKS
+        assert found.agrees
+
+    def test_who_takes_part(self, found):
+        names = {measured.name: {(entry.name, entry.threads) for entry in measured.entries} for measured in found.works}
+        for work in ("inverse_dynamics", "forward_dynamics"):
+            assert {("graphdyn compiled", 1), ("graphdyn compiled", 2), ("graphdyn NumPy", 1)} <= names[work]
+            assert {("pinocchio loop", 1), ("pinocchio InParallel", 1), ("pinocchio InParallel", 2)} <= names[work]
+            assert ("graphdyn projected", 1) in names[work]
+        assert {("dense NumPy", 1), ("pinocchio loop (aba + rnea)", 1)} <= names["everything"]
+        assert {("graphdyn compiled, streamed", 2), ("pinocchio loop", 1)} <= names["regressor"]
+        assert names["single_forward"] == {
+            (n, 1) for n in ("graphdyn.compile", "graphdyn.compile, in place", "pin.aba")
+        }
+
+    def test_peers_take_part_or_it_is_said_why(self, found):
+        names = {entry.name for measured in found.works for entry in measured.entries}
+        for library, form in (("mujoco", mujoco_forms.ROLLOUT), ("casadi", casadi_forms.NAME)):
+            assert (form in names) == (library in found.peers) == (library not in found.left_out)
+
+    def test_accuracy(self, found):
+        for measured in found.works:
+            for entry in measured.entries:
+                if entry.error is None:
+                    assert (measured.name, entry.name) == ("everything", "pinocchio loop (aba + rnea)")
+                else:
+                    assert 0 <= entry.error <= (measured.bound if entry.name.startswith("graphdyn") else PEERS)
+                    assert entry.judged > 0
+
+    def test_ratios_are_quotients(self, found):
+        for work in as_json(found)["works"]:
+            entries = by_name(work["entries"])
+            assert work["ratios"]
+            for one in work["ratios"]:
+                ours, theirs = entries[one["ours"], one["threads"]], entries[one["theirs"], one["threads"]]
+                assert ours["ours"]
+                assert not theirs["ours"]
+                assert one["ratio"] == pytest.approx(theirs["median"] / ours["median"], rel=ROUNDED)
+                assert one["fastest_ratio"] == pytest.approx(theirs["fastest"] / ours["fastest"], rel=ROUNDED)
+
+    def test_times(self, found):
+        def inspect(value):
+            if isinstance(value, dict):
+                if "seconds" in value and isinstance(value["seconds"], list):
+                    low, high = value["quartiles"]
+                    assert 0 < value["fastest"] <= low <= value["median"] <= high
+                    assert value["fastest"] == min(value["seconds"])
+                for inner in value.values():
+                    inspect(inner)
+            elif isinstance(value, list):
+                for inner in value:
+                    inspect(inner)
+
+        inspect(as_json(found))
+
+    def test_samples(self, found):
+        for measured in found.works:
+            for entry in measured.entries:
+                assert 1 <= entry.samples <= SAMPLES
+                assert entry.samples == SAMPLES or not entry.name.startswith(
+                    ("graphdyn compiled", "pinocchio InParallel")
+                )
+
+    def test_floor(self, found):
+        assert set(found.floors) == set(REQUESTS)
+        limits = found.machine[0]
+        assert limits.threads == 1
+        for floor in found.floors.values():
+            needed = floor.operations / limits.operations, floor.bytes / limits.bandwidth
+            assert floor.seconds == pytest.approx(max(needed), rel=ROUNDED)
+
+    def test_identification(self, found):
+        entries = found.identification.entries
+        assert [(entry.name, entry.threads) for entry in entries] == [
+            (name, threads) for threads in (1, 2) for name in (identification.OURS, identification.THEIRS)
+        ]
+        assert {entry.samples for entry in entries} == {10 * SAMPLES, SMALL.most_loop}
+        assert all(entry.error < PEERS for entry in entries)
+        assert all(entry.extra_bytes is None or entry.extra_bytes >= 0 for entry in entries)
+        for (threads, quotient), ours, theirs in zip(
+            found.identification.comparisons, entries[0::2], entries[1::2], strict=True
+        ):
+            assert threads == ours.threads == theirs.threads
+            assert quotient.median == pytest.approx(theirs.times.median / ours.times.median, rel=ROUNDED)
+
+    def test_once_per_process(self, found):
+        assert set(found.imports) == {"numpy", "graphdyn", "pinocchio"}
+        assert set(found.first_calls) == set(cold.CALLS)
+
+    def test_curves(self, found):
+        assert [curve.name for curve in found.curves] == [
+            "threads", "batch_inverse_dynamics", "batch_forward_dynamics", "bodies", "first_call",
+        ]  # fmt: skip
+        for curve in found.curves:
+            for line in curve.lines:
+                assert len(line.x) == len(line.times) > 0
+                assert all(x < y for x, y in pairwise(line.x))
+        lines = {line.name: line for line in found.curves[3].lines}
+        assert lines["graphdyn compiled"].x == lines["dense NumPy"].x == SMALL.lengths
+        for line in (*found.curves[1].lines, *found.curves[2].lines):
+            assert line.x == (1, 10, 100)[: len(line.x)]
+
+
+class TestSaid:
+    def test_schema(self, program, tmp_path):
+        path = tmp_path / "bench.json"
+        done = program("--json", path)
+        assert done.exit_code == 0
+        written = json.loads(path.read_text(encoding="utf-8"))
+        schema = json.loads((ROOT / "docs/schemas/bench-1.schema.json").read_text(encoding="utf-8"))
+        Draft202012Validator(schema).validate(written)
+
+    def test_terminal(self, program, found):
+        done = program()
+        assert done.exit_code == 0
+        words = " ".join(re.sub("[^\\w.×-]+", " ", done.stdout).split())
+        for measured in found.works:
+            assert measured.title.split(",")[0] in words
+        first = found.works[0].comparisons[0]
+        assert texts.ratio_text(first.ratio.median) in words
+        assert "measured on 300 samples and extrapolated in proportion to 600" in words
+        assert f"kr500 6 bodies {SAMPLES} random states seed 0" in words
+
+    def test_a_disagreement_is_exit_code_1(self, program, found):
+        wrong = replace(found.works[0].entries[0], error=2 * found.works[0].bound)
+        works = (replace(found.works[0], entries=(wrong, *found.works[0].entries[1:])), *found.works[1:])
+        done = program(result=replace(found, works=works))
+        assert done.exit_code == 1
+
+    def test_page(self, program, found, tmp_path):
+        path = tmp_path / "bench.html"
+        assert program("--html", path).exit_code == 0
+        page = path.read_text(encoding="utf-8")
+        root = etree.fromstring(page.encode(), etree.HTMLParser(encoding="utf-8"))
+        ids = [element.get("id") for element in root.iter() if element.get("id")]
+        assert len(set(ids)) == len(ids)
+        assert {*WORKS, *(curve.name for curve in found.curves), "identification", "once"} <= set(ids)
+        assert len(root.findall(".//svg")) == len(found.works) + len(found.curves)
+        assert not re.search(r"""(src|href)=["'](https?:)?//""", page)
+        assert "DISAGREES" not in page
+        assert texts.time_text(found.works[0].entries[0].times.median) in page
+
+    def test_page_of_a_disagreement(self, found):
+        wrong = replace(found.works[0].entries[0], error=float("inf"))
+        works = (replace(found.works[0], entries=(wrong, *found.works[0].entries[1:])), *found.works[1:])
+        assert "DISAGREES" in bench_page(replace(found, works=works), ["graphdyn", "bench"])
+
+    def test_what_could_not_take_part(self, found):
+        there = replace(found, left_out={"mujoco": "it rains"}, backend="numpy", machine=(), peers={})
+        assert list(texts.facts(there))[1:] == [
+            "mujoco left out: it rains",
+            "graphdyn runs on NumPy arrays here: nothing is compiled",
+        ]
+
+    @pytest.mark.parametrize(
+        ("seconds", "said"),
+        [(2.5, "2.5 s"), (1.234e-3, "1.23 ms"), (45e-6, "45 µs"), (17.5e-9, "17.5 ns"), (1e-10, "0.1 ns")],
+    )
+    def test_units(self, seconds, said):
+        assert texts.time_text(seconds) == said
+
+
+class TestRefusals:
+    @pytest.mark.parametrize("option", ["--samples", "--threads"])
+    def test_numbers(self, option):
+        done = CliRunner().invoke(app, ["bench", option, "0"])
+        assert done.exit_code == 2
+        assert f"Invalid value for '{option}'" in done.output
+
+    def test_unknown_robot(self):
+        done = CliRunner().invoke(app, ["bench", "--robot", "ur55"])
+        assert done.exit_code == 2
+        assert "ur55" in done.output
+
+    def test_folder_does_not_exist(self, tmp_path):
+        done = CliRunner().invoke(app, ["bench", "--json", str(tmp_path / "no" / "bench.json")])
+        assert done.exit_code == 2
+        assert "does not exist" in done.output
+
+    def test_threads_of_the_function(self):
+        with pytest.raises(InvalidInput, match="threads is 0; give a number from 1, or None for all cores"):
+            benchmark.benchmark("kr500", kr500(), 10, 0, 0, True, lambda *_: None)
+
+    def test_no_mujoco(self, states, tmp_path, monkeypatch):
+        monkeypatch.setitem(sys.modules, "mujoco", None)
+        peers = benchmark.Peers(states, tmp_path)
+        assert "the package mujoco is not installed" in peers.left_out["mujoco"]
+
+    def test_no_casadi(self, states, tmp_path, monkeypatch):
+        monkeypatch.setitem(sys.modules, "casadi", None)
+        peers = benchmark.Peers(states, tmp_path)
+        found = peers.contenders("inverse_dynamics", (1,))
+        assert casadi_forms.NAME not in {contender.name for contender in found}
+        assert peers.left_out["casadi"] == "the package casadi is not installed: pip install 'graphdyn[peers]'"
+
+    def test_no_c_compiler(self, states, tmp_path, monkeypatch):
+        pytest.importorskip("casadi")
+        monkeypatch.setattr(shutil, "which", lambda _: None)
+        with pytest.raises(CasadiRefuses, match=r"generates C code, and there is no C compiler \(cc\)"):
+            casadi_forms.inverse(states, tmp_path)
+
+    def test_the_c_compiler_fails(self, states, tmp_path, monkeypatch):
+        pytest.importorskip("casadi")
+        failing = tmp_path / "cc"
+        failing.write_text("#!/bin/sh\necho no space left >&2\nexit 1\n", encoding="utf-8")
+        failing.chmod(0o755)
+        monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+        with pytest.raises(CasadiRefuses, match="the C compiler fails on CasADi's code: no space left"):
+            casadi_forms.inverse(states, tmp_path)
+
+    def test_a_process_that_fails(self, tmp_path):
+        with pytest.raises(RuntimeError, match=r"the task first_calls in a process of its own failed.*model\.pickle"):
+            in_fresh_process("first_calls", tmp_path)
+
+    def test_another_order_of_joints(self):
+        """Breadth first here, depth first there."""
+        body = Body("", 1.0, np.zeros(3), np.eye(3))
+        bodies = tuple(replace(body, name=f"b{k}") for k in range(3))
+        joints = tuple(
+            Joint(f"j{k}", "revolute", inside, Placement(), np.eye(3)[2]) for k, inside in enumerate((0, 0, 1))
+        )
+        model = RobotModel("bush", bodies, joints)
+        with pytest.raises(PinocchioRefuses, match="'bush': Pinocchio has other coordinates, or another order"):
+            PinocchioModel.from_model(model).bare_calls()
+        pytest.importorskip("mujoco")
+        with pytest.raises(MujocoRefuses, match="MuJoCo has the joints in another order"):
+            MujocoModel(model).rollout(np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3)), 1)
+
+    def test_instruction_set_is_not_known(self, monkeypatch):
+        assert instruction_set() != "unknown"
+        monkeypatch.setitem(sys.modules, "eigenpy", None)
+        assert instruction_set() == "unknown"
+
+
+class TestParts:
+    def test_in_turns(self):
+        calls = []
+        runs = [lambda: calls.append("a"), lambda: calls.append("b")]
+        rows = in_turns(runs, [1, 1], repeats=3, shortest=0.0)
+        assert [len(row) for row in rows] == [3, 3]
+        assert "".join(calls).endswith("ababab")
+
+    def test_fitting_count(self):
+        asked = []
+        assert fitting_count(asked.append, 1, 5000, 1e9) == 5000
+        assert asked == sorted(asked)
+        assert fitting_count(asked.append, 700, 5000, 0.0) == 700
+        assert fitting_count(asked.append, 1, 5, 1e9) == 5
+
+    def test_ratio(self):
+        found = ratio(Times((1.0, 2.0, 3.0)), Times((10.0, 40.0, 30.0)))
+        assert (found.median, found.fastest, found.spread) == (15.0, 10.0, (10.0, 15.0))
+
+    @pytest.mark.parametrize(("most", "numbers"), [(1, (1,)), (2, (1, 2)), (6, (1, 2, 4, 6)), (8, (1, 2, 4, 8))])
+    def test_thread_numbers(self, most, numbers):
+        assert thread_numbers(most) == numbers
+
+    def test_exponent(self):
+        x = (1, 2, 4, 8, 16)
+        assert Line("", 1, x, tuple(Times((3.0 * k**2,)) for k in x)).exponent == pytest.approx(2.0)
+        assert Line("", 1, (1, 2), (Times((1.0,)), Times((2.0,)))).exponent is None
+
+    def test_operations(self):
+        recorder = Recorder()
+        x, y = recorder.inputs("x", 2)
+        program = recorder.program({"out": [x * y + 3.0, -(1.0 / x)]}, {})
+        assert floating_point_operations(program) == 3
+        angles = recorder.program({"out": [x.sine, x.cosine]}, {})
+        one = floating_point_operations(angles)
+        both = recorder.program({"out": [x.sine, x.cosine, y.cosine]}, {})
+        assert floating_point_operations(both) == 2 * one > 20
+
+    def test_nothing_compiled_no_floor(self, monkeypatch):
+        monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")
+        assert machine(1) is None
+
+    def test_forms_without_a_compiler(self, states, monkeypatch):
+        monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")
+        forms = graphdyn_forms.inverse(states, (1, 2))
+        assert [form.name for form in forms if form.ours] == ["graphdyn NumPy"]
+
+    @pytest.mark.parametrize("before", [None, "numpy"])
+    def test_backend_is_put_back(self, before, monkeypatch):
+        monkeypatch.delenv("GRAPHDYN_BACKEND", raising=False)
+        if before:
+            monkeypatch.setenv("GRAPHDYN_BACKEND", before)
+        with graphdyn_forms.backend("numpy"):
+            assert os.environ["GRAPHDYN_BACKEND"] == "numpy"
+        assert os.environ.get("GRAPHDYN_BACKEND") == before
+
+    def test_chain(self):
+        model = chain(5)
+        q, v = model.random_state(np.random.default_rng(0), 3)
+        tau = PinocchioModel.from_model(model).rnea(q, v, v)
+        assert np.allclose(graphdyn.joint_torques(model, q, v, v), tau, rtol=PEERS, atol=PEERS)
+
+    @needs_a_compiler
+    def test_casadi_function(self, states):
+        casadi = pytest.importorskip("casadi")
+        program = record(states.model, REQUESTS["inverse_dynamics"])
+        function = casadi_forms.casadi_function(casadi, program, "tau", "f")
+        tau = np.array(function(states.q[0], states.v[0], states.a[0])).ravel()
+        assert states.torque_errors(tau[None]).max() < PEERS
+
+    def test_an_error_that_is_not_a_number_is_not_in_bound(self):
+        entry = Entry("graphdyn", 1, True, 1, Times((1.0,)), float("inf"), 1, "")
+        assert not Measured("", "", "", 1.0, (entry,)).agrees
+
+    def test_memory_that_nobody_tells(self, monkeypatch):
+        def absent(*_args, **_options):
+            raise FileNotFoundError
+
+        monkeypatch.setattr(Path, "read_text", absent)
+        assert cold._memory("VmRSS") is None
+        assert identification.free_memory() == 2 * 1024**3
