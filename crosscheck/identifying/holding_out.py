@@ -15,6 +15,9 @@ from graphdyn.errors import InvalidInput
 GUARD = 0.25
 """[s] between fit and prediction where the program chooses the border: neighbours share noise and filter."""
 
+NANOSECONDS = 9
+"""Digits of the time of the first row, which the filter has cut: rows times their step, with rounding."""
+
 
 class Division(NamedTuple):
     """fit: what the parameters come from; trials: pairs of fit and prediction that give the held-out error.
@@ -44,10 +47,10 @@ class ByTime:
 
     def divide(self, records: Sequence[Record]) -> Division:
         record = _only(records, "time")
-        start = float(record.t[0]) - record.rows[0] * _step(record)
+        start = round(float(record.t[0]) - record.rows[0] * _step(record), NANOSECONDS)
         intervals = [(first + start, last + start) for first, last in (self.fit, self.predict)]
         split = split_by_time(record, *intervals)
-        return Division(split.train, [split], f"{self.predict[0]:g}–{self.predict[1]:g} s")
+        return Division(split.train, [split], _told("", self.predict, " s"))
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,7 @@ class ByRows:
 
     def divide(self, records: Sequence[Record]) -> Division:
         split = split_by_rows(_only(records, "rows"), self.fit, self.predict)
-        return Division(split.train, [split], f"rows {self.predict[0]:g} to {self.predict[1]:g}")
+        return Division(split.train, [split], _told("rows ", self.predict))
 
 
 @dataclass(frozen=True)
@@ -108,6 +111,11 @@ def _only(records: Sequence[Record], what: str) -> Record:
     if len(records) != 1:
         raise InvalidInput(f"{len(records)} recordings cannot be divided by {what}; give one, or others to validate")
     return records[0]
+
+
+def _told(what: str, interval: Interval, unit: str = "") -> str:
+    first, last = interval
+    return f"{what}from {first:g}{unit} on" if last == float("inf") else f"{what}{first:g} to {last:g}{unit}"
 
 
 def _step(record: Record) -> float:

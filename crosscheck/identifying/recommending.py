@@ -15,6 +15,9 @@ LEAST_ROWS = 50
 NOTHING = 1.0
 """Relative error of a model that predicts no torque at all."""
 
+TIE = 1e-6
+"""Errors this close, relative, are the same but for rounding; the first method of those is taken."""
+
 
 @dataclass(frozen=True)
 class Recommendation:
@@ -58,7 +61,8 @@ def recommendation(comparison: Comparison) -> Recommendation:
             "no result is physically consistent: every one has a link that no real body can be, or a mass matrix that "
             "is not positive definite in some pose; add the methods consistent, entropic or log-cholesky",
         )
-    best = min(consistent, key=mean_error)
+    smallest = min(map(mean_error, consistent))
+    best = next(result for result in consistent if not mean_error(result) > smallest * (1 + TIE))
     error = mean_error(best)
     if not error < NOTHING:
         return Recommendation(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from markupsafe import Markup
@@ -41,6 +42,7 @@ def identification_page(found: Identified, shown: MethodResult | None, command: 
     return render(
         "identification.html",
         found=found,
+        name=Path(found.subject.name).name,
         comparison=found.comparison,
         shown=shown,
         results=[(result, mean_error(result), real(result)) for result in found.comparison.results],

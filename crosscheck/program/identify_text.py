@@ -121,15 +121,20 @@ def _parameters(found: Identified, shown: MethodResult) -> Iterator[RenderableTy
     table = Table(title=f"\nBase parameters by {shown.name}", title_justify="left", caption_justify="left")
     table.caption = f"σ: {source}, for white noise; CAD: the robot as given, drives zero"
     table.add_column("base parameter", overflow="fold")
-    virtual = found.truth is not None
-    for column in ("CAD", *(["truth"] if virtual else []), "identified", *(["error"] if virtual else []), "σ", "%σ"):
+    rows, virtual = base_rows(found, shown), found.truth is not None
+    blocks = any(np.isfinite(row.block_deviation) for row in rows)
+    if blocks:
+        table.caption += "; σ blocks: allowing for correlation in time"
+    names = {
+        "CAD": True, "truth": virtual, "identified": True, "error": virtual, "σ": True, "σ blocks": blocks, "%σ": True
+    }  # fmt: skip
+    for column in (name for name, there in names.items() if there):
         table.add_column(column, justify="right")
     table.add_column("unit")
-    for row in base_rows(found, shown):
+    for row in rows:
         cells = [row.cad, *([row.truth] if virtual else []), row.value, *([row.error] if virtual else [])]
-        table.add_row(
-            row.name, *map(_number, cells), _number(row.deviation, 2), _number(row.relative_deviation, 2), row.unit
-        )
+        deviations = [row.deviation, *([row.block_deviation] if blocks else []), row.relative_deviation]
+        table.add_row(row.name, *map(_number, cells), *(_number(x, 2) for x in deviations), row.unit)
     yield table
 
 

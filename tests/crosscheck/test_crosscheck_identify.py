@@ -142,12 +142,12 @@ class TestHoldingOut:
             assert fit is split.train
             assert fit.t[-1] == pytest.approx(start + 6, abs=0.005)
             assert split.test.t[0] == pytest.approx(start + 6, abs=0.005)
-            assert words == "6–9 s"
+            assert words == "6 to 9 s"
 
     def test_by_rows_of_the_file(self, record):
         fit, (split,), words = ByRows((100, 1000), (1500, np.inf)).divide([record])
         assert (fit.rows[0], fit.rows[-1], split.test.rows[0]) == (100, 999, 1500)
-        assert words == "rows 1500 to inf"
+        assert words == "rows from 1500 on"
 
     def test_last_part_of_every_recording(self, record):
         fit, (split,), words = LastPart(0.25).divide([record, record])
@@ -244,6 +244,13 @@ class TestRecommendation:
         only = recommendation(replace(found.comparison, results=(best,)))
         assert "the only such result" in only.reason
 
+    def test_equal_but_for_rounding_is_a_tie(self):
+        good = compared().comparison.of("consistent")
+        again = replace(good, name="again", held_out=scaled(good.held_out, 1 - 1e-9))
+        better = replace(good, name="better", held_out=scaled(good.held_out, 1 - 1e-3))
+        answers = [recommendation(replace(compared().comparison, results=(good, x))).name for x in (again, better)]
+        assert answers == ["consistent", "better"]
+
     def test_none_without_a_real_robot(self):
         found = identified(["ols", "wls"])
         assert not found.usable
@@ -311,6 +318,11 @@ class TestParameters:
         smallest = np.linalg.eigvalsh(mass_matrix(robot, q))[:, 0]
         np.testing.assert_allclose(smallest, result.plausibility.mass_matrix_eigenvalues, rtol=1e-6)
         assert all(row.eigenvalue > 0 for row in body_rows(found, result))
+
+
+def scaled(statistics, factor):
+    moving = replace(statistics.moving, relative=factor * statistics.moving.relative)
+    return replace(statistics, moving=moving)
 
 
 def load_parameters(model):

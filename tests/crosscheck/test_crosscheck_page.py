@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import identified_arm
 import numpy as np
 import pytest
 from lxml import etree
@@ -21,6 +22,7 @@ import graphdyn
 import urdf
 from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
 from crosscheck.page import comparison_page, judgement_page, write_page
+from crosscheck.page.identification import identification_page
 from crosscheck.page.rendering import error_text
 from crosscheck.page.snippets import CALLS, worst_state
 from crosscheck.page.spread import Row, spread
@@ -534,6 +536,7 @@ def test_in_a_browser(tmp_path, page, wrong, tree):
         "small.html": page,
         "wrong.html": comparison_page([wrong], COMMAND),
         "judged.html": judgement_page(verdict, COMMAND),
+        "identified.html": identification_page(identified_arm.compared(), identified_arm.compared().shown(), COMMAND),
     }
     frames = ""
     for name, text in pages.items():

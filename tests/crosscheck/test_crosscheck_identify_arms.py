@@ -1,0 +1,170 @@
+"""The worked examples of docs/identification.md on the recordings of three arms; skipped where the data are absent.
+
+The commands are those of the document, with fewer methods and poses; the numbers are those of its tables.
+"""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shared_data import DATA, REPOSITORY, existing
+from typer.testing import CliRunner
+
+import urdf
+from crosscheck.program import app
+
+DOCUMENT = REPOSITORY / "docs" / "identification.md"
+RECORDINGS = {"ur10": DATA / "data" / "ur10", "tx40": DATA / "data" / "tx40", "kr300": DATA / "data" / "kr300"}
+
+UR10_HELD_OUT = [1.6, 3.0, 1.75, 0.45, 0.5]
+"""[N m] joints 1-5, fitted to rows 60-1700, predicted from 1750 on."""
+
+TX40_TRAINING = [5.0, 5.0, 8.0, 8.0, 11.0, 11.0]
+"""[%] over the fitted rows."""
+
+TX40_HELD_OUT = [2.0, 4.4, 1.2, 0.65, 1.2, 1.3]
+"""[N m] fitted to 0-6 s, predicted on 6-9 s."""
+
+PAYLOAD, PAYLOAD_WITHIN = 150.0, 10.0
+"""[kg] on the KR300."""
+
+SAME_REGRESSOR = 1e-10
+"""Pinocchio's against ours, relative to the torque; measured below 3e-14."""
+
+PRINTED = 0.02
+"""Relative difference to the document: solvers and processors differ, conclusions do not."""
+
+POSES = 100
+
+
+def commands(arm):
+    """Every command of the document that reads files of this arm, as arguments."""
+    text = DOCUMENT.read_text(encoding="utf-8")
+    blocks = [block.replace("\\\n", " ") for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL)]
+    lines = [line for block in blocks for line in block.splitlines() if f"docs/recordings/{arm}.toml" in line]
+    return [shlex.split(line)[1:] for line in lines]
+
+
+def table(arm_heading, number=0):
+    """Rows of a table in the section of an arm, by method: numbers, joint by joint."""
+    text = DOCUMENT.read_text(encoding="utf-8").partition(f"### {arm_heading}")[2].partition("\n### ")[0]
+    part = text.split("| method |")[number + 1]
+    rows = {}
+    for line in part.splitlines()[2:]:
+        if not line.startswith("|"):
+            break
+        name, *cells = (cell.strip(" *") for cell in line.strip("|").split("|"))
+        rows[name] = [float(cell) for cell in cells[:6]]
+    return rows
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    """Runs a command of the document among links to the files that it names; answers what --json has."""
+    (tmp_path / "docs").symlink_to(REPOSITORY / "docs")
+    for folder in RECORDINGS.values():
+        for path in existing(folder).iterdir():
+            (tmp_path / path.name).symlink_to(path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def identified(arguments, *more):
+        done = CliRunner().invoke(app, [*arguments, *more, "--poses", str(POSES), "--json", "found.json"])
+        assert done.exit_code == 0, done.output
+        return json.loads(Path("found.json").read_text(encoding="utf-8"))
+
+    return identified
+
+
+def method(record, name):
+    (found,) = [entry for entry in record["methods"] if entry["name"] == name]
+    assert found["failure"] is None
+    return found
+
+
+def as_printed(row, numbers):
+    """The numbers are those of the document but for its last digit and PRINTED."""
+    digit = 0.1 if max(row) >= 5 else 0.01
+    np.testing.assert_allclose(numbers, row, rtol=PRINTED, atol=digit)
+
+
+def test_ur10(run):
+    (command,) = commands("ur10")
+    record = run(command, "--methods", "wls,wls-pinocchio,consistent,graph")
+    assert (record["rank"], record["structural_rank"]) == (60, 60)
+    assert record["recommended"] == "consistent"
+    best = method(record, "consistent")
+    assert np.all(np.array(best["held_out"]["everything"]["rms"][:5]) <= UR10_HELD_OUT)
+    for name in ("WLS", "consistent"):
+        as_printed(table("UR10")[name], method(record, name)["held_out"]["everything"]["rms"])
+    assert not method(record, "WLS")["consistent"]
+    assert method(record, "WLS")["positive_definite"] == 0
+    assert method(record, "WLS, Pinocchio's regressor")["settings"]["difference"] <= SAME_REGRESSOR
+    (graph,) = [entry for entry in record["methods"] if entry["name"] == "graph method"]
+    assert "six components" in graph["failure"]
+    assert not [c for c in urdf.load("ur10_identified.urdf").physical_consistency() if c.problems]
+    assert Path("ur10.html").stat().st_size < 5e6
+
+
+def test_tx40_with_the_settings_of_the_literature(run):
+    training, _ = commands("tx40")
+    record = run(training, "--methods", "wls,consistent", "--folds", "2")  # the fit does not depend on the folds
+    assert (record["rank"], record["structural_rank"]) == (61, 61)
+    for name in ("WLS", "consistent"):
+        assert np.all(100 * np.array(method(record, name)["fitted_relative"]) <= TX40_TRAINING), name
+    assert record["recommended"] == "consistent"
+
+
+def test_tx40_predicts(run):
+    _, prediction = commands("tx40")
+    record = run(prediction, "--methods", "wls,entropic")
+    best = method(record, record["recommended"])
+    assert best["name"] == "consistent, entropic prior"
+    assert np.all(np.array(best["held_out"]["everything"]["rms"]) <= TX40_HELD_OUT)
+    for name in ("WLS", best["name"]):
+        as_printed(table("TX40")[name], method(record, name)["held_out"]["everything"]["rms"])
+
+
+@pytest.fixture
+def kr300(monkeypatch):
+    """The URDF files of the document are made first."""
+    from kr300 import Kr300, published
+
+    monkeypatch.setenv("KR300_JSON", str(existing(RECORDINGS["kr300"] / "kr300.json")))
+    published.cache_clear()
+
+    def make(path, payload):
+        urdf.save(Kr300(RECORDINGS["kr300"] / "kr300.json", payload).robot, path)
+
+    return make
+
+
+def test_kr300_payload(run, kr300):
+    payload, _ = commands("kr300")
+    kr300("kr300.urdf", 0.0)
+    record = run(payload, "--methods", "wls")
+    (mass,) = [row for row in record["shown"]["base_parameters"] if row["name"] == "M_L"]
+    assert mass["value"] == pytest.approx(PAYLOAD, abs=PAYLOAD_WITHIN)
+    assert mass["block_deviation"] > 3 * mass["deviation"]
+    assert record["shown"]["bodies"][5]["identified"]["m"] == pytest.approx(17.78 + mass["value"])
+
+
+def test_kr300_prior_predicts_better(run, kr300):
+    _, everything = commands("kr300")
+    kr300("kr300_150.urdf", 150.0)
+    record = run(everything, "--methods", "wls,pullback")
+    unconstrained, best = method(record, "WLS"), method(record, "consistent, pullback prior")
+    assert record["recommended"] == best["name"]
+    errors = [100 * np.array(found["held_out"]["moving"]["relative"]) for found in (unconstrained, best)]
+    assert errors[1].mean() < errors[0].mean()
+    for name, error in zip(("WLS", best["name"]), errors, strict=True):
+        as_printed(table("KR300")[name], error)
+    assert best["consistent"]
+    assert best["positive_definite"] == POSES > unconstrained["positive_definite"]
+
+
+def test_every_command_of_the_document_is_tested():
+    assert [len(commands(arm)) for arm in RECORDINGS] == [1, 2, 2]
