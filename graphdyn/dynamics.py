@@ -59,7 +59,9 @@ def forward_dynamics(
     if is_recursive(method, x, out):
         options = Options(threads, check)
         return ForwardDynamics(
-            **recursive.forward_dynamics(model, _names(ForwardDynamics), x, base, options, _memory(out))
+            **recursive.forward_dynamics(
+                model, _names(ForwardDynamics), x, base, options, _memory(ForwardDynamics, out)
+            )
         )
     return projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense")
 
@@ -87,7 +89,9 @@ def inverse_dynamics(
     if is_recursive(method, x, out):
         options = Options(threads, check)
         return InverseDynamics(
-            **recursive.inverse_dynamics(model, _names(InverseDynamics), x, base, options, _memory(out))
+            **recursive.inverse_dynamics(
+                model, _names(InverseDynamics), x, base, options, _memory(InverseDynamics, out)
+            )
         )
     return projected.inverse_dynamics(model, _checked(model, x), base, dense=method == "dense")
 
@@ -212,5 +216,10 @@ def _names(answer: type) -> tuple[str, ...]:
     return tuple(field.name for field in fields(answer))
 
 
-def _memory(out: ForwardDynamics | InverseDynamics | None) -> dict[str, Array] | None:
-    return None if out is None else {name: getattr(out, name) for name in _names(type(out))}
+def _memory(answer: type, out: object) -> dict[str, Array] | None:
+    """The arrays of out, an answer whose arrays may be written to. Raises InvalidInput for anything else."""
+    if out is None:
+        return None
+    if not isinstance(out, answer):
+        raise InvalidInput(f"out is {type(out).__name__}; give {answer.__name__} with an array for each of its fields")
+    return {name: getattr(out, name) for name in _names(answer)}

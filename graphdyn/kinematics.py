@@ -15,8 +15,10 @@ from numpy.typing import ArrayLike
 from graphdyn.arrays import as_floats, joint_arrays
 from graphdyn.base_motion import BaseMotion, Ground, ground
 from graphdyn.errors import InconsistentState, InvalidInput
-from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
+from graphdyn.kernels.batch import Options, evaluate
+from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array, stacked_rows
 from graphdyn.linear import solve
+from graphdyn.methods import Method, is_recursive
 from graphdyn.model import RobotModel
 from graphdyn.rotation import cardano_angles, cardano_rate_matrix, rotation_about
 from graphdyn.vertices import Vertices, constraint_values
@@ -96,17 +98,22 @@ def maximal_state(
     a: ArrayLike | None = None,
     *,
     base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
 ) -> MaximalState:
     """Positions, orientations and twists of all bodies, and with a their accelerations.
 
     q, v, a: joint positions, velocities, accelerations     (…, n)  [rad or m, …/s, …/s²]
     A missing v stands for zero; without a the state has no acceleration.
     base: prescribed motion of the base; its leading dimensions broadcast with those of q, v, a
+    method, threads: see graphdyn.dynamics; "projected" and "dense" are state_on here
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
     """
     rest = np.zeros(model.n_bodies)
     x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
+    if is_recursive(method, x):
+        return _recursive_state(model, x, a is not None, base, Options(threads, check=False))
     return state_on(ground(model, base, x["q"].shape[:-1]), model, x["q"], x["v"], None if a is None else x["a"])
 
 
@@ -164,6 +171,21 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
         at_center = linear_acc[..., 1:, :] + np.cross(angular_acc, arms) + np.cross(angular, np.cross(angular, arms))
         acceleration = twist(at_center, angular_acc)
     return MaximalState(model, origin + arms, rotation, velocity, acceleration, vertex_0)
+
+
+def _recursive_state(
+    model: RobotModel, x: dict[str, Array], accelerated: bool, base: BaseMotion | None, options: Options
+) -> MaximalState:
+    """state_on by the recursions of graphdyn.kernels."""
+    n = model.n_bodies
+    acceleration = None
+    if accelerated:
+        shapes: dict[str, tuple[int, ...]] = {"body_accelerations": (n, BODY_FREEDOMS)}
+        acceleration = evaluate(model, "inverse_dynamics", shapes, x, base, options).arrays["body_accelerations"]
+    shapes = {"position": (n, 3), "rotation": (n, 3, 3), "velocity": (n, BODY_FREEDOMS)}
+    state = evaluate(model, "maximal_state", shapes, {"q": x["q"], "v": x["v"]}, base, options).arrays
+    vertex_0 = ground(model, base, x["q"].shape[:-1])
+    return MaximalState(model, state["position"], state["rotation"], state["velocity"], acceleration, vertex_0)
 
 
 def bias_acceleration(model: RobotModel, q: Array, v: Array, on: Ground | None = None) -> Array:

@@ -63,11 +63,11 @@ def evaluate(
     """
     batch = x["q"].shape[:-1]
     count = prod(batch)
-    inputs = {name: _as_rows(np.ascontiguousarray(array), batch) for name, array in x.items()}
+    inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
     shapes = {name: (*batch, *shape) for name, shape in trailing.items()}
-    arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, inputs)
+    arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
     request = Request(verb, tuple(trailing), "external_wrenches" in x, base is not None)
     if count == 0:
         return Evaluation(arrays, np.empty(0, dtype=np.intp))
@@ -77,6 +77,12 @@ def evaluate(
         refuse_non_finite(model, x)
     suspicious = watched.get("minimum", np.inf) < SMALL_PIVOT
     return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else np.empty(0, dtype=np.intp))
+
+
+def _plain(array: Array) -> Array:
+    """The array itself, or a copy where compiled code could not read it."""
+    flags = array.flags
+    return array if flags.c_contiguous and flags.aligned else array.copy()
 
 
 def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
@@ -110,20 +116,21 @@ def _ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...])
 
 
 def _writable(
-    out: Mapping[str, Array], shapes: Mapping[str, tuple[int, ...]], inputs: Mapping[str, Array]
+    out: Mapping[str, Array], shapes: Mapping[str, tuple[int, ...]], x: Mapping[str, Array]
 ) -> dict[str, Array]:
     """The arrays of the caller, if they can take the answer."""
-    taken = list(inputs.items())
+    taken = list(x.items())
     for name, shape in shapes.items():
         array = out[name]
         if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != shape:
             found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
             raise InvalidInput(f"out for {name} is {found}; give a float64 array of shape {shape}")
-        if not array.flags.c_contiguous or not array.flags.writeable:
-            fault = "read-only" if array.flags.c_contiguous else "not C-contiguous"
-            raise InvalidInput(f"out for {name} is {fault}; give a writable, C-contiguous array")
+        if not array.flags.carray:
+            flags = array.flags
+            fault = "not C-contiguous" if not flags.c_contiguous else "not aligned" if flags.writeable else "read-only"
+            raise InvalidInput(f"out for {name} is {fault}; give a writable, aligned, C-contiguous array")
         for other, memory in taken:
-            if np.may_share_memory(array, memory):
+            if np.shares_memory(array, memory):
                 raise InvalidInput(f"out for {name} overlaps with {other}; give memory of its own")
         taken.append((f"out for {name}", array))
     return {name: out[name] for name in shapes}

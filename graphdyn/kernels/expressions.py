@@ -46,6 +46,12 @@ class Program:
         """Number of operations that compute something: the cost of a sample."""
         return sum(operation not in ("constant", "input") for operation, *_ in self.operations)
 
+    @property
+    def length(self) -> int:
+        """Size of its machine code, in operations: the cost of compiling. A column that is written counts as thirty."""
+        columns = sum(self.constant(number) is None for numbers in self.outputs.values() for number in numbers)
+        return self.arithmetic + 30 * columns
+
 
 class Recorder:
     """Numbers every operation that the recursions ask for, each once."""
@@ -175,7 +181,7 @@ class Expression:
 
 
 def _is(scalar: object, value: float) -> bool:
-    return scalar.__class__ is float and scalar == value
+    return isinstance(scalar, float | int) and scalar == value
 
 
 def operands(operation: tuple) -> tuple[int, ...]:

@@ -11,6 +11,7 @@ The unknowns are the accelerations beyond those at a = 0, so that velocity and g
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -115,7 +116,7 @@ def eliminate(prismatic: bool, inertia: Inertia, wrench: Wrench, torque: Any) ->
     force, moment = wrench
     column_f, column_n = (inertia.m[:, 2], inertia.h[2, :]) if prismatic else (inertia.h[:, 2], inertia.j[:, 2])
     own = force[2] if prismatic else moment[2]
-    yielding = 1.0 / (column_f[2] if prismatic else column_n[2])
+    yielding = _reciprocal(column_f[2] if prismatic else column_n[2])
     surplus = torque - own
     f, n = column_f * yielding, column_n * yielding
     left = Inertia(
@@ -131,3 +132,8 @@ def eliminate(prismatic: bool, inertia: Inertia, wrench: Wrench, torque: Any) ->
         left.j[2, :] = left.j[:, 2] = left.h[:, 2] = 0.0
         kept_n[2] = torque
     return Eliminated(left, (kept_f, kept_n), (column_f, column_n), yielding, surplus)
+
+
+def _reciprocal(pivot: Any) -> Any:
+    """1 / d, infinite where d is known to be zero: a joint without inertia, which its pivot then tells."""
+    return math.inf if isinstance(pivot, float | int) and pivot == 0 else 1.0 / pivot

@@ -18,9 +18,9 @@ from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.expressions import COLUMNS, Program, Watch
 from graphdyn.kernels.gram_emitter import STRETCH, emit_gram, products
 from graphdyn.kernels.interpreter import Interpreter, merged
-from graphdyn.kernels.native import host_lanes, machine_code, watch_memory, watches
+from graphdyn.kernels.native import MachineCode, host_lanes, watch_memory, watches
 from graphdyn.kernels.programs import record_equations
-from graphdyn.kernels.running import chosen_backend, in_threads, turned_back
+from graphdyn.kernels.running import LONGEST, chosen_backend, in_threads, turned_back
 from graphdyn.kernels.sines import FARTHEST
 from graphdyn.layout import Array
 from graphdyn.model import RobotModel
@@ -60,12 +60,13 @@ class TorqueGram:
         """Gram matrices (m_j, m_j), m_j = len(columns[j]) + n_extra + 1, of arrays (N, n); extra (N, n, n_extra).
 
         weights: of the equations (N, n), for a TorqueGram that is weighted
+        Also what was watched: "finite" is NaN if any argument is not finite, and then so are the sums.
         """
         count = len(q)
-        arrays = {"q": q, "v": v, "a": a, "tau": tau, "extra": extra.reshape(count, -1)}
+        arrays = {"q": q, "v": v, "a": a, "tau": tau, "extra": extra.reshape(count, self.model.n_bodies * self.n_extra)}
         if weights is not None:
             arrays["weights"] = weights
-        inputs = {name: np.ascontiguousarray(arrays[name], dtype=float) for name in self._program.inputs}
+        inputs = {name: np.require(arrays[name], float, ["C", "ALIGNED"]) for name in self._program.inputs}
         matrices, seen = self._sum(inputs, threads)
         if seen["magnitude"] > FARTHEST:
             return self._sum({**inputs, "q": turned_back(self.model, inputs["q"])}, threads)
@@ -87,8 +88,10 @@ def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0, *, 
     """Gram matrices of the equations of these columns of the joint-torque regressor, weighted if wanted."""
     program, used = record_equations(model, columns, n_extra, weighted)
     groups = [len(indices) + n_extra + 1 for indices in used]
-    backend = InterpretedGram if chosen_backend() == "numpy" else CompiledGram
-    return TorqueGram(model, used, n_extra, program, backend(program, groups).bind)
+    length = program.arithmetic + sum(size * (size + 1) for size in groups)  # a product counts as two operations
+    if chosen_backend() == "numpy" or length > LONGEST:
+        return TorqueGram(model, used, n_extra, program, InterpretedGram(program, groups).bind)
+    return TorqueGram(model, used, n_extra, program, CompiledGram(program, groups).bind)
 
 
 class InterpretedGram:
@@ -117,12 +120,12 @@ class CompiledGram:
     def __init__(self, program: Program, groups: Sequence[int], lanes: int | None = None) -> None:
         self._program, self._groups = program, tuple(groups)
         self.lanes = host_lanes() if lanes is None else lanes
-        self._engine = machine_code(emit_gram(program, groups, self.lanes))
+        self._code = MachineCode(emit_gram(program, groups, self.lanes))
         self._products = np.array(products(groups, self.lanes))
         self._rest = InterpretedGram(program, groups)
         pointers = [ctypes.c_void_p] * (3 + len(program.inputs))
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, *pointers)
-        self._gram = prototype(self._engine.get_function_address("gram"))
+        self._gram = self._code.function("gram", prototype)
 
     def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], Sums]:
         """run(first, last) sums over these rows of C-contiguous arrays (N, width)."""

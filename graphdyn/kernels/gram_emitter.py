@@ -48,13 +48,14 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
         code.store(f"{code.vector} {values[number]}", block, column * lanes)
     seen = [code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCHES]
     inputs = [f"ptr noalias %in.{name}" for name in program.inputs]
+    pieces = _sum_up(groups, width, lanes)
     shared = ", ".join(["i64 %first", "i64 %last", "ptr noalias %scratch", *inputs])
     return "\n".join(
         [
             *code.declarations,
             *loop_over_rows(code, f"define internal void @columns({shared}, ptr %watched)", seen),
-            *_sum_up(groups, width, lanes),
-            *_drive(shared, [argument.replace("noalias ", "") for argument in inputs], lanes),
+            *(line for piece in pieces for line in piece),
+            *_drive(shared, [argument.replace("noalias ", "") for argument in inputs], lanes, len(pieces)),
         ]
     )
 
@@ -63,42 +64,58 @@ def _rows(code: VectorCode, array: str, width: int) -> str:
     return code.let(f"getelementptr double, ptr %in.{array}, i64 {code.let(f'mul i64 %row, {width}')}")
 
 
-def _sum_up(groups: Sequence[int], width: int, lanes: int) -> list[str]:
-    """sum_up(blocks, scratch, sums): a loop over the stretch for each tile."""
-    lines = ["define internal void @sum_up(i64 %blocks, ptr noalias %scratch, ptr noalias %sums) {", "start:"]
-    before, place = "start", 0
-    for number, (left, right) in enumerate(tiles(groups, lanes)):
-        code = VectorCode(lanes, f"t{number}.")
-        pairs = [(x, y) for x in left for y in right if x <= y]
-        code.do(f"%b{number}.next = add i64 %b{number}, 1")
-        block = code.let(f"getelementptr double, ptr %scratch, i64 {code.let(f'mul i64 %b{number}, {width * lanes}')}")
-        column = {k: code.load(code.vector, block, k * lanes) for k in sorted({*left, *right})}
-        sums = [code.call("fma", column[x], column[y], f"%s{number}.{index}") for index, (x, y) in enumerate(pairs)]
-        phis = [
-            f"  %s{number}.{index} = phi {code.vector} [ zeroinitializer, %{before} ], [ {value}, %tile{number} ]"
-            for index, value in enumerate(sums)
-        ]
-        lines += [
-            f"  br label %tile{number}",
-            f"tile{number}:",
-            f"  %b{number} = phi i64 [ 0, %{before} ], [ %b{number}.next, %tile{number} ]",
-            *phis,
-            *code.lines,
-            f"  %more{number} = icmp slt i64 %b{number}.next, %blocks",
-            f"  br i1 %more{number}, label %tile{number}, label %add{number}",
-            f"add{number}:",
-        ]
-        code.lines = []
-        for index, value in enumerate(sums):
-            known = code.load(code.vector, "%sums", (place + index) * lanes)
-            total = code.let(f"fadd {code.vector} {known}, {value}")
-            code.store(f"{code.vector} {total}", "%sums", (place + index) * lanes)
-        lines += code.lines
-        before, place = f"add{number}", place + len(pairs)
-    return [*lines, "  ret void", "}"]
+PIECE = 50
+"""Tiles in one function: the time to compile a function grows faster than its length."""
 
 
-def _drive(shared: str, inputs: Sequence[str], lanes: int) -> list[str]:
+def _sum_up(groups: Sequence[int], width: int, lanes: int) -> list[list[str]]:
+    """Functions sum_up0, sum_up1, … (blocks, scratch, sums): a loop over the stretch for each tile."""
+    everything, place = tiles(groups, lanes), 0
+    functions: list[list[str]] = []
+    for start in range(0, len(everything), PIECE):
+        lines = [
+            f"define internal void @sum_up{len(functions)}(i64 %blocks, ptr noalias %scratch, ptr noalias %sums) {{"
+        ]
+        lines.append("start:")
+        before = "start"
+        for number, (left, right) in enumerate(everything[start : start + PIECE]):
+            pairs = [(x, y) for x in left for y in right if x <= y]
+            lines += _tile(number, pairs, place, before, width, lanes)
+            before, place = f"add{number}", place + len(pairs)
+        functions.append([*lines, "  ret void", "}"])
+    return functions
+
+
+def _tile(number: int, pairs: Sequence[tuple[int, int]], place: int, before: str, width: int, lanes: int) -> list[str]:
+    """Products of these pairs of columns, summed over the stretch and added to the sums from `place` on."""
+    code = VectorCode(lanes, f"t{number}.")
+    code.do(f"%b{number}.next = add i64 %b{number}, 1")
+    block = code.let(f"getelementptr double, ptr %scratch, i64 {code.let(f'mul i64 %b{number}, {width * lanes}')}")
+    column = {k: code.load(code.vector, block, k * lanes) for k in sorted({k for pair in pairs for k in pair})}
+    sums = [code.call("fma", column[x], column[y], f"%s{number}.{index}") for index, (x, y) in enumerate(pairs)]
+    phis = [
+        f"  %s{number}.{index} = phi {code.vector} [ zeroinitializer, %{before} ], [ {value}, %tile{number} ]"
+        for index, value in enumerate(sums)
+    ]
+    lines = [
+        f"  br label %tile{number}",
+        f"tile{number}:",
+        f"  %b{number} = phi i64 [ 0, %{before} ], [ %b{number}.next, %tile{number} ]",
+        *phis,
+        *code.lines,
+        f"  %more{number} = icmp slt i64 %b{number}.next, %blocks",
+        f"  br i1 %more{number}, label %tile{number}, label %add{number}",
+        f"add{number}:",
+    ]
+    code.lines = []
+    for index, value in enumerate(sums):
+        known = code.load(code.vector, "%sums", (place + index) * lanes)
+        total = code.let(f"fadd {code.vector} {known}, {value}")
+        code.store(f"{code.vector} {total}", "%sums", (place + index) * lanes)
+    return lines + code.lines
+
+
+def _drive(shared: str, inputs: Sequence[str], lanes: int, n_pieces: int) -> list[str]:
     """gram: stretch after stretch."""
     passed = ", ".join(inputs)
     return [
@@ -113,7 +130,7 @@ def _drive(shared: str, inputs: Sequence[str], lanes: int) -> list[str]:
         f"  call void @columns(i64 %from, i64 %to, ptr %scratch, {passed}, ptr %watched)",
         "  %count = sub i64 %to, %from",
         f"  %blocks = sdiv i64 %count, {lanes}",
-        "  call void @sum_up(i64 %blocks, ptr %scratch, ptr %sums)",
+        *(f"  call void @sum_up{k}(i64 %blocks, ptr %scratch, ptr %sums)" for k in range(n_pieces)),
         "  %more = icmp slt i64 %to, %last",
         "  br i1 %more, label %loop, label %exit",
         "exit:",

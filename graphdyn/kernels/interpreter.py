@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,10 @@ from graphdyn.kernels.expressions import Program, Watch, operands
 from graphdyn.layout import Array
 
 BLOCK = 2048
-"""Samples at a time: a few hundred live values of 16 kB each fit into the second-level cache."""
+"""Samples at a time, at most: a few hundred live values of 16 kB each fit into the second-level cache."""
+
+LIVE = 1 << 20
+"""Numbers alive at a time, which bounds the block of a program with many outputs: 8 MB."""
 
 _UFUNCS: dict[str, Callable[..., Any]] = {
     "+": np.add,
@@ -40,13 +44,15 @@ class Interpreter:
     def __init__(self, program: Program) -> None:
         self._program = program
         self._last_uses = _last_uses(program)
+        alive = accumulate(1 - len(finished) for finished in self._last_uses)
+        self._block_size = min(BLOCK, LIVE // max(alive, default=1) + 1)
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """The program on arrays (N, width). Non-finite input gives NaN in its own row only."""
 
         def run(first: int, last: int) -> dict[Watch, float]:
-            blocks = range(first, last, BLOCK)
-            seen = [self._block(start, min(start + BLOCK, last), inputs, outputs) for start in blocks]
+            size = self._block_size
+            seen = [self._block(start, min(start + size, last), inputs, outputs) for start in range(first, last, size)]
             return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in self._program.watches}
 
         return run

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import threading
+import weakref
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
@@ -20,7 +22,12 @@ from graphdyn.layout import Array
 CACHE = 1 << 20
 """Bytes of results beyond which they bypass the caches: half of a usual second-level cache."""
 
-_compiling = threading.Lock()
+compiling = threading.RLock()
+"""Held by whoever records programs or uses llvmlite. Nobody does while the process forks: the child would wait for ever
+for a lock, this one or llvmlite's own, whose owner is gone."""
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=compiling.acquire, after_in_parent=compiling.release, after_in_child=compiling.release)
 
 
 class CompiledProgram:
@@ -29,11 +36,13 @@ class CompiledProgram:
     def __init__(self, program: Program, lanes: int | None = None) -> None:
         self._program = program
         self.lanes = host_lanes() if lanes is None else lanes
-        self._engine = machine_code(emit(program, self.lanes))
+        self._code = MachineCode(emit(program, self.lanes))
         self._scratch = scratch(program, self.lanes)
         pointers = [ctypes.c_void_p] * (2 + len(program.inputs) + len(program.outputs))
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, *pointers)
-        self._rows = prototype(self._engine.get_function_address("rows"))
+        self._rows = self._code.function("rows", prototype)
+        # keeps the interpreter lock, whose release would take longer than the work
+        self._single = self._code.function("single", ctypes.PYFUNCTYPE(None, ctypes.c_void_p))
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """run(first, last) for C-contiguous arrays (N, width), as Interpreter.bind gives."""
@@ -56,9 +65,7 @@ class CompiledProgram:
         """
         owned = [self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)]
         table = (ctypes.c_void_p * len(owned))(*(array.ctypes.data for array in owned))
-        # keeps the interpreter lock, whose release would take longer than the work
-        single = ctypes.PYFUNCTYPE(None, ctypes.c_void_p)(self._engine.get_function_address("single"))
-        call = partial(single, ctypes.c_void_p(ctypes.addressof(table)))
+        call = partial(self._single, ctypes.c_void_p(ctypes.addressof(table)))
         call.owned = (self, table, owned)  # type: ignore[attr-defined]  # what the addresses point to lives as long
         return call
 
@@ -93,25 +100,45 @@ def watches(program: Program, watched: Array) -> dict[Watch, float]:
     return {kind: merged(kind, watched[WATCHES.index(kind)].tolist()) for kind in program.watches}
 
 
+class MachineCode:
+    """The functions of a module of LLVM code, as long as this object lives."""
+
+    def __init__(self, code: str) -> None:
+        with compiling:
+            llvm = _binding()
+            target = llvm.Target.from_default_triple().create_target_machine(
+                cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2, jit=True
+            )
+            module = llvm.parse_assembly(code)
+            module.triple, module.data_layout = target.triple, str(target.target_data)
+            module.verify()
+            self._engine = llvm.create_mcjit_compiler(module, target)
+            self._engine.finalize_object()
+        weakref.finalize(self, _dispose, self._engine).atexit = False
+
+    def function(self, name: str, prototype: Any) -> Any:
+        """One of them, as a ctypes function."""
+        with compiling:
+            return prototype(self._engine.get_function_address(name))
+
+
+def _dispose(engine: Any) -> None:
+    with compiling:
+        engine.close()
+
+
 def host_lanes() -> int:
     """Doubles in the widest vector of this processor."""
-    features = _binding().get_host_cpu_features()
+    with compiling:
+        features = _binding().get_host_cpu_features()
     return 8 if features.get("avx512f") else 4 if features.get("avx2") else 2
 
 
-def machine_code(code: str) -> Any:
-    """The engine that owns the machine code of a module; its get_function_address finds the functions."""
-    with _compiling:
-        llvm = _binding()
-        target = llvm.Target.from_default_triple().create_target_machine(
-            cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2, jit=True
-        )
-        module = llvm.parse_assembly(code)
-        module.triple, module.data_layout = target.triple, str(target.target_data)
-        module.verify()
-        engine = llvm.create_mcjit_compiler(module, target)
-        engine.finalize_object()
-        return engine
+def try_out() -> None:
+    """Compile and run something small. Raises whatever goes wrong where llvmlite is missing, too old or forbidden."""
+    code = MachineCode("define void @nothing(ptr %unused) { ret void }")
+    code.function("nothing", ctypes.CFUNCTYPE(None, ctypes.c_void_p))(None)
+    host_lanes()
 
 
 def _binding() -> Any:

@@ -41,7 +41,8 @@ class Request:
 def record(model: RobotModel, request: Request) -> Program:
     """The program of a verb. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
     sample = _Sample(model, request)
-    outputs = VERBS[request.verb](sample)
+    with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia is known now
+        outputs = VERBS[request.verb](sample)
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
     if "pivots" in outputs:
         outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], pivot_scales(model), strict=True)]
@@ -123,20 +124,20 @@ def pivot_scales(model: RobotModel) -> Array:
 
     A pivot of the elimination far below says that the mass matrix may be singular. Slides count as one meter.
     """
-    reach = np.zeros(model.n_bodies)
+    steps = [np.linalg.norm(joint.placement.translation) + joint.is_prismatic for joint in model.joints]
+    masses = np.array([body.mass for body in model.bodies])
+    centers = np.array([np.linalg.norm(body.center_of_mass) for body in model.bodies])
+    tensors = np.array([np.linalg.norm(body.inertia) for body in model.bodies])
     scales = np.zeros(model.n_bodies)
-    for j in reversed(range(model.n_bodies)):
-        reach[:] = 0.0
-        for i in range(j, model.n_bodies):
-            joint, body = model.joints[i], model.bodies[i]
-            if i > j and not model.graph.path_matrix()[j, i]:
-                continue
-            if i > j:
-                reach[i] = reach[joint.inside - 1] + np.linalg.norm(joint.placement.translation) + joint.is_prismatic
-            far = reach[i] + float(np.linalg.norm(body.center_of_mass))
-            scales[j] += (
-                body.mass if model.joints[j].is_prismatic else (body.mass * far**2 + np.linalg.norm(body.inertia))
-            )
+    for j, joint in enumerate(model.joints):
+        reach = {j: 0.0}  # from O_j to the origins of body j and those outside, parents first
+        for i in range(j + 1, model.n_bodies):
+            inside = model.joints[i].inside - 1
+            if inside in reach:
+                reach[i] = reach[inside] + float(steps[i])
+        outside, far = list(reach), np.array(list(reach.values()))
+        turning = masses[outside] * (far + centers[outside]) ** 2 + tensors[outside]
+        scales[j] = (masses[outside] if joint.is_prismatic else turning).sum()
     return np.where(scales > 0, scales, 1.0)
 
 

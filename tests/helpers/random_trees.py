@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from graphdyn import Body, Joint, Placement, RobotModel, kr500
+from graphdyn import BaseMotion, Body, Joint, Placement, RobotModel, kr500
 
 MAX_BODIES = 8
 KINDS = ("revolute", "prismatic")
@@ -63,6 +63,14 @@ def random_state(model, seed, size=()):
 
 def random_wrenches(model, seed, size=()):
     return np.random.default_rng(seed).uniform(-10, 10, (*size, model.n_bodies, 6))
+
+
+def random_base_motion(seed, size=()):
+    """A carriage anywhere that moves and turns."""
+    rng = np.random.default_rng(seed)
+    rotation = Rotation.from_rotvec(rng.normal(size=(int(np.prod(size)), 3))).as_matrix().reshape(*size, 3, 3)
+    translation, velocity, acceleration = (rng.normal(size=(*size, width)) for width in (3, 6, 6))
+    return BaseMotion(rotation, translation, velocity, acceleration)
 
 
 @st.composite

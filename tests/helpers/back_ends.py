@@ -1,0 +1,25 @@
+"""The back ends of the recursive method, chosen for a stretch of a test."""
+
+import os
+from contextlib import ExitStack, contextmanager
+from unittest import mock
+
+from graphdyn.kernels import gram, native, running
+
+COMPILED = ("host", "2 lanes", "4 lanes")
+BACK_ENDS = ("numpy", *COMPILED)
+
+
+@contextmanager
+def on(back_end):
+    """Inside, the recursive method runs on this back end: NumPy, code for the host's vectors, or for shorter ones.
+
+    Programs recorded before are forgotten meanwhile: they belong to another back end.
+    """
+    with ExitStack() as stack:
+        stack.enter_context(mock.patch.dict(os.environ, {running.CHOICE: "numpy" if back_end == "numpy" else "llvm"}))
+        stack.enter_context(mock.patch.object(running, "_prepared", type(running._prepared)()))
+        if back_end in ("2 lanes", "4 lanes"):
+            for module in (native, gram):
+                stack.enter_context(mock.patch.object(module, "host_lanes", return_value=int(back_end[0])))
+        yield

@@ -1,0 +1,258 @@
+"""Which back end runs a program, and that nothing breaks where one is missing."""
+
+import gc
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+import weakref
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from back_ends import on
+from random_trees import NAMED, random_state, random_tree
+
+import graphdyn
+from graphdyn import InvalidInput
+from graphdyn.kernels import gram, running
+from graphdyn.kernels.gram import CompiledGram, InterpretedGram, torque_gram
+from graphdyn.kernels.interpreter import Interpreter
+from graphdyn.kernels.native import CompiledProgram
+from graphdyn.kernels.programs import Request, record
+from graphdyn.methods import WORTH_COMPILING
+
+MODEL = NAMED["one_revolute"]
+X = np.zeros((3, 1))
+
+SUM = 1e-12
+"""Sixty bodies in a chain: the same sums in another order, relative to their largest term; measured 1.1e-14."""
+
+
+def fresh():
+    """A robot that no program has been recorded for."""
+    return replace(MODEL)
+
+
+def back_end_of(model):
+    (ready,) = running._prepared[model].values()
+    return type(ready.backend)
+
+
+def test_an_unknown_choice_is_refused(monkeypatch):
+    monkeypatch.setenv("GRAPHDYN_BACKEND", "cuda")
+    with pytest.raises(
+        InvalidInput, match="the environment variable GRAPHDYN_BACKEND is 'cuda'; use one of llvm, numpy"
+    ):
+        graphdyn.joint_torques(MODEL, X, X, X, method="recursive")
+
+
+@pytest.mark.parametrize(
+    ("choice", "expected"), [("numpy", Interpreter), ("llvm", CompiledProgram), ("", CompiledProgram)]
+)
+def test_the_environment_chooses(monkeypatch, choice, expected):
+    monkeypatch.setenv("GRAPHDYN_BACKEND", choice)
+    model = fresh()
+    graphdyn.joint_torques(model, X, X, X, method="recursive")
+    assert back_end_of(model) is expected
+    assert torque_gram(model, [0], 0)._bind.__self__.__class__ is (
+        InterpretedGram if choice == "numpy" else CompiledGram
+    )
+
+
+def broken():
+    raise ImportError("No module named 'llvmlite'\nwith a second line")
+
+
+def test_without_llvmlite_there_is_one_warning_and_the_same_results(monkeypatch):
+    q, v, a = random_state(MODEL, 1, (5,))
+    expected = graphdyn.joint_torques(MODEL, q, v, a, method="recursive")
+    monkeypatch.setattr("graphdyn.kernels.native._binding", broken)
+    model = fresh()
+    running._can_compile.cache_clear()
+    try:
+        with pytest.warns(
+            RuntimeWarning,
+            match=r"no compiled dynamics \(No module named 'llvmlite'\); the NumPy back end gives the same results, "
+            r".*Install llvmlite 0.45 or newer, or set GRAPHDYN_BACKEND=numpy to silence this",
+        ) as caught:
+            found = graphdyn.joint_torques(model, q, v, a, method="recursive")
+        assert caught[0].filename == __file__
+        graphdyn.joint_torques(model, q, v, a, method="recursive")  # a second warning would be an error here
+        torque_gram(model, [0], 0)
+        assert graphdyn.compile(fresh()).mass_matrix(q[0]).shape == (1, 1)
+    finally:
+        running._can_compile.cache_clear()
+    assert back_end_of(model) is Interpreter
+    assert np.allclose(found, expected, rtol=1e-14, atol=0)
+
+
+def run_alone(code, **environment):
+    """A program in a process of its own, warnings as errors."""
+    command = [sys.executable, "-W", "error", "-c", textwrap.dedent(code)]
+    done = subprocess.run(
+        command, capture_output=True, text=True, timeout=60, env={**os.environ, **environment}, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_llvmlite_is_imported_when_something_is_compiled_and_not_before():
+    run_alone("""
+        import sys
+        import numpy as np
+        import graphdyn
+
+        model = graphdyn.kr500()
+        graphdyn.joint_torques(model, np.zeros(6), np.zeros(6), np.zeros(6))
+        assert "llvmlite" not in sys.modules
+        graphdyn.joint_torques(model, np.zeros((1000, 6)), np.zeros(6), np.zeros(6))
+        assert "llvmlite" in sys.modules
+    """)
+
+
+def test_numpy_needs_no_llvmlite():
+    run_alone(
+        """
+        import sys
+        import numpy as np
+        sys.modules["llvmlite"] = None
+        import graphdyn
+
+        graphdyn.joint_torques(graphdyn.kr500(), np.zeros((1000, 6)), np.zeros(6), np.zeros(6))
+        """,
+        GRAPHDYN_BACKEND="numpy",
+    )
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork on this system")
+def test_after_a_fork_the_child_computes_too():
+    """Threads of the parent are gone, and a thread of the parent may have been compiling."""
+    out = run_alone("""
+        import os, threading, warnings
+        import numpy as np
+        import graphdyn
+        from graphdyn.kernels import running
+
+        warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12 and later: fork beside threads
+        running.WORTH_A_THREAD = 1000
+        model = graphdyn.kr500()
+        x = np.random.default_rng(0).normal(size=(1000, 6))
+        expected = graphdyn.joint_torques(model, x, x, x, threads=3)
+        robots = [graphdyn.kr500() for _ in range(3)]
+        busy = [threading.Thread(target=graphdyn.compile, args=(robot, "joint_accelerations")) for robot in robots]
+        for thread in busy:
+            thread.start()
+        child = os.fork()
+        again = graphdyn.joint_torques(model, x, x, x, threads=3)
+        other = graphdyn.joint_torques(model.with_gravity(np.zeros(3)), x, x, x, threads=2)
+        assert np.array_equal(again, expected)
+        assert not np.array_equal(other, expected)
+        if child == 0:
+            os._exit(0)
+        for thread in busy:
+            thread.join()
+        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+    """)
+    assert out.split() == ["0"]
+
+
+def test_programs_go_with_their_robot():
+    model = fresh()
+    graphdyn.joint_torques(model, X, X, X, method="recursive")
+    single = graphdyn.compile(model).joint_torques
+    before, program = len(running._prepared), weakref.ref(next(iter(running._prepared[model].values())).program)
+    model = weakref.ref(model)
+    gc.collect()
+    assert model() is None
+    assert len(running._prepared) == before - 1
+    single(X[0], X[0], X[0])  # keeps its machine code
+    del single
+    gc.collect()
+    assert program() is None
+
+
+def test_a_program_is_prepared_once(monkeypatch):
+    prepared, original = [], running.record
+    monkeypatch.setattr(running, "record", lambda *a: prepared.append(a[1].verb) or original(*a))
+    model = fresh()
+    with on("host"):
+        callers = [
+            threading.Thread(target=graphdyn.joint_torques, args=(model, X, X, X), kwargs={"method": "recursive"})
+            for _ in range(5)
+        ]
+        for caller in callers:
+            caller.start()
+        for caller in callers:
+            caller.join()
+    assert prepared == ["inverse_dynamics"]
+
+
+def test_the_method_for_many_samples(monkeypatch):
+    """auto: recursive from WORTH_COMPILING samples on, whatever their shape, and with memory for the answer."""
+    used = []
+    monkeypatch.setattr(running, "_backend", lambda program, choice: used.append(program) or Interpreter(program))
+    few, many = np.zeros((WORTH_COMPILING - 1, 1)), np.zeros((10, WORTH_COMPILING // 10, 1))
+    verbs = (graphdyn.forward_dynamics, graphdyn.inverse_dynamics, graphdyn.joint_accelerations, graphdyn.joint_torques)
+    verbs += (graphdyn.joint_torque_regressor, graphdyn.body_regressor, graphdyn.maximal_state)
+    for verb in verbs:
+        model = fresh()
+        verb(model, few, few, few)
+        assert not used
+        verb(model, many, many, many)
+        assert used
+        used.clear()
+    model = fresh()
+    graphdyn.bias_torque(model, few, few)
+    graphdyn.mass_matrix(model, few)
+    assert not used
+    graphdyn.mass_matrix(model, few, out=np.empty((len(few), 1, 1)))
+    graphdyn.bias_torque(model, many, many)
+    assert len(used) == 2
+
+
+# Many bodies
+
+CHAIN = random_tree(1, list(range(60)), ["revolute", "prismatic", "revolute"] * 20)
+STAR = random_tree(2, [0] * 60, ["revolute", "prismatic"] * 30)
+
+
+def test_programs_that_would_take_long_to_compile_are_interpreted():
+    """Above LONGEST; the same chain in one array may still be short enough."""
+    shapes = {"a": 1, "body_accelerations": 1, "multipliers": 1, "joint_wrenches": 1}
+    whole, torques = Request("forward_dynamics", tuple(shapes)), Request("bias_torque", ("bias_torque",))
+    assert record(CHAIN, whole).length > running.LONGEST
+    assert isinstance(running._backend(record(CHAIN, whole), "llvm"), Interpreter)
+    assert record(CHAIN, torques).length < running.LONGEST
+    assert isinstance(running._backend(record(MODEL, torques), "llvm"), CompiledProgram)
+    assert isinstance(torque_gram(STAR, range(600), 0)._bind.__self__, CompiledGram)
+    assert isinstance(torque_gram(CHAIN, range(600), 0)._bind.__self__, InterpretedGram)
+
+
+@pytest.mark.parametrize("model", [CHAIN, STAR], ids=["chain", "star"])
+def test_sixty_bodies(model):
+    q, v, a = random_state(model, 3, (3,))
+    found = graphdyn.inverse_dynamics(model, q, v, a, method="recursive")
+    expected = graphdyn.inverse_dynamics(model, q, v, a, method="projected")
+    size = np.abs(expected.joint_wrenches).max()
+    for name, value in vars(expected).items():
+        scale = np.abs(value).max() if name == "body_accelerations" else size
+        assert np.abs(getattr(found, name) - value).max() < SUM * scale, name
+    mass = graphdyn.mass_matrix(model, q, method="recursive")
+    expected = graphdyn.mass_matrix(model, q, method="projected")
+    assert np.abs(mass - expected).max() < SUM * np.abs(expected).max()
+    solved = graphdyn.joint_accelerations(model, q, v, found.tau, method="recursive")
+    back = graphdyn.joint_torques(model, q, v, solved, method="recursive")
+    assert np.abs(back - found.tau).max() < SUM * size
+
+
+def test_gram_of_interpreted_and_compiled_programs_agree(monkeypatch):
+    """The same sums where a program is too long to be compiled."""
+    model = NAMED["mixed_chain"]
+    arrays = [*random_state(model, 8, (100,)), *random_state(model, 9, (100,))[:1], np.zeros((100, 4, 0))]
+    compiled, _ = torque_gram(model, range(40), 0)(*arrays)
+    monkeypatch.setattr(gram, "LONGEST", 10)
+    interpreted, _ = torque_gram(model, range(40), 0)(*arrays)
+    for x, y in zip(compiled, interpreted, strict=True):
+        assert np.abs(x - y).max() < SUM * np.abs(x).max()
