@@ -11,7 +11,7 @@ from typing import Any
 from graphdyn import RobotModel
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.expressions import Program
-from graphdyn.kernels.native import host_lanes, machine_code
+from graphdyn.kernels.native import MachineCode, host_lanes
 from graphdyn.kernels.programs import Request, record
 from graphdyn.kernels.running import chosen_backend, in_threads
 from graphdyn.kernels.vector_code import VectorCode
@@ -67,9 +67,9 @@ def machine(threads: int) -> Machine | None:
     if chosen_backend() != "llvm":
         return None
     lanes = host_lanes()
-    engine = machine_code(_code(lanes))
-    add = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)(engine.get_function_address("add"))
-    copy = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(engine.get_function_address("copy"))
+    code = MachineCode(_code(lanes))
+    add = code.function("add", ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p))
+    copy = code.function("copy", ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p))
     sums = [aligned((CHAINS, lanes)) for _ in range(threads)]
     streams = [(aligned((STREAM,)), aligned((STREAM,))) for _ in range(threads)]
     for pair in streams:
