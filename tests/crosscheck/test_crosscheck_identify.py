@@ -180,6 +180,14 @@ class TestHoldingOut:
         np.testing.assert_allclose(wls.held_out.everything.relative, relative, rtol=1e-9)
         assert np.all(wls.held_out.everything.rms > wls.training.everything.rms)
 
+    @pytest.mark.parametrize("folds", [0, 3])
+    def test_progress_is_told_as_often_as_promised(self, folds):
+        said = []
+        held_out = {"held_out": Folds(folds)} if folds else {}
+        identified(["ols", "wls"], progress=said.append, **held_out)
+        assert len(said) == 2 + 2 * (1 + folds)
+        assert said[:3] == ["filter", "read", "OLS"]
+
     def test_a_method_that_fails_in_a_fold_fails(self):
         calls = []
 
