@@ -52,12 +52,12 @@ class Trial:
     def curves(self, method: str) -> list[Curve]:
         """One per piece."""
         x = self.problem.structure.base.matrix @ self.parameters[method]
-        rows = list(self.problem.rows())
-        measured = np.concatenate([part.measured for part in rows])
-        residual = np.concatenate([part.matrix @ x - part.right for part in rows])
-        velocity = np.concatenate([part.velocity for part in rows])
+        parts = [  # chunk by chunk: the regressor of a long recording does not fit into memory
+            (rows.measured, rows.measured + rows.matrix @ x - rows.right, rows.velocity) for rows in self.problem.rows()
+        ]
+        whole = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
         borders = np.cumsum([len(t) for t in self.times])[:-1]
-        pieces = zip(*(np.split(a, borders) for a in (measured, measured + residual, velocity)), strict=True)
+        pieces = zip(*(np.split(array, borders) for array in whole), strict=True)
         return [Curve(t, *piece) for t, piece in zip(self.times, pieces, strict=True)]
 
 

@@ -5,10 +5,11 @@ Everything that a real recording has, and the truth to compare with.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from crosscheck.arguments import Lock, Robot, Subject, subject
 from crosscheck.identifying.preparation import samples_of
@@ -40,6 +41,9 @@ ENCODER, TORQUE_NOISE = 2e-5, 0.01
 DRIVES = 0.05
 """Root mean square of what each further parameter makes, as a part of that of the joint's torque."""
 
+ENOUGH, PIECE = 2000, 512
+"""Rows that show how large torques are; rows whose regressor is in memory at once."""
+
 CAD_ERROR = 0.2
 """The masses of the CAD model are wrong by up to this part, and the centers of mass by this part of their distance."""
 
@@ -67,21 +71,28 @@ def virtual_robot(
     seed: int = 0,
     lock: Lock = None,
     chain: Chain = None,
-    gravity: object = None,
+    gravity: ArrayLike | None = None,
+    progress: Callable[[str], None] | None = None,
 ) -> VirtualRobot:
     """Record a robot of known parameters twice; the second recording takes half the time.
 
     terms: what its drives add; rigid bodies come before them
+    lock, chain, gravity: as in urdf.load, for names and paths only
+    progress: called with what is done next, twice
     Raises InvalidInput for a robot without mass, and for less than one period of the motion.
     """
-    given = subject(robot, lock, gravity, chain)  # type: ignore[arg-type]
+    given = subject(robot, lock, gravity, chain)
     if not seconds >= 1 / FREQUENCY:
         raise InvalidInput(f"{seconds:g} s are less than one period of the excitation; give {1 / FREQUENCY:g} or more")
     if not any(body.mass > 0 for body in given.model.bodies):
         raise InvalidInput(f"robot '{given.name}' has no mass: there is nothing to identify")
     rng = np.random.default_rng(seed)
     true_model = TorqueModel(given.model, (RigidBodies(), *terms))
-    motions = [_motion(given.model, rng, time) for time in (seconds, seconds / 2)]
+    say = progress or (lambda what: None)
+    motions = []
+    for number, time in enumerate((seconds, seconds / 2), start=1):
+        say(f"motion {number}")
+        motions.append(_motion(given.model, rng, time))
     truth = _truth(true_model, motions[0], rng)
     records = [
         _measured(true_model, truth, motion, rng, f"simulated motion {number} of {given.model.name}")
@@ -110,7 +121,7 @@ def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Reco
 
 def _truth(torque_model: TorqueModel, motion: Record, rng: np.random.Generator) -> Array:
     """The bodies of the model, and drives as large as DRIVES says, by chance up to half more or less."""
-    samples = samples_of(motion)
+    samples = samples_of(motion.take(slice(None, None, -(-len(motion.t) // ENOUGH))))
     size = np.sqrt(np.mean(samples.tau**2, axis=0))
     columns = np.sqrt(np.mean(torque_model.rows(samples) ** 2, axis=0))
     x = torque_model.prior()
@@ -123,7 +134,7 @@ def _truth(torque_model: TorqueModel, motion: Record, rng: np.random.Generator) 
 def _measured(torque_model: TorqueModel, truth: Array, motion: Record, rng: np.random.Generator, name: str) -> Record:
     """With friction and noise, as instruments show it: no velocities, no accelerations."""
     exact = samples_of(motion)
-    tau = torque_model.torque(exact, truth)
+    tau = np.concatenate([torque_model.torque(piece, truth) for piece in exact.pieces(PIECE)])
     wrenches = motion.channel("joint_wrenches")
 
     def noisy(values: Array) -> Array:

@@ -95,8 +95,10 @@ def run(
         bodies, known_links = options.links(known_bodies)
         with warnings_shown():
             joints = frozen.load(robot).joint_names
-            records = options.recordings("LOG", logs, mapping, joints, rate, drop or [])
-            unseen = options.recordings("--validate", validate or [], mapping, joints, rate, drop or [])
+            with progress("read", len(logs) + len(validate or [])) as advance:
+                columns = (mapping, joints, rate, drop or [], advance)
+                records = options.recordings("LOG", logs, *columns)
+                unseen = options.recordings("--validate", validate or [], *columns)
             show_findings([*records, *unseen])
             found = from_records(
                 robot,
@@ -191,9 +193,17 @@ def simulated(robot: str, drives: Sequence[Term], frozen: Frozen, seconds: float
     """A virtual robot recorded and identified; the truth goes with the result."""
     from crosscheck.identifying import OtherRecords, virtual_robot
 
-    virtual = virtual_robot(
-        robot, drives, seconds=seconds, seed=seed, lock=frozen.lock, chain=frozen.chain, gravity=frozen.gravity
-    )
+    with progress("simulate", 2) as advance:
+        virtual = virtual_robot(
+            robot,
+            drives,
+            seconds=seconds,
+            seed=seed,
+            lock=frozen.lock,
+            chain=frozen.chain,
+            gravity=frozen.gravity,
+            progress=lambda what: advance(what, 1),
+        )
     found = from_records(
         virtual.subject.model,
         [virtual.fitted],
@@ -202,7 +212,7 @@ def simulated(robot: str, drives: Sequence[Term], frozen: Frozen, seconds: float
         held_out=OtherRecords((virtual.held_out,)),
         **how,
     )
-    return replace(found, truth=virtual.truth)
+    return replace(found, subject=virtual.subject, truth=virtual.truth)
 
 
 def write_records(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -253,7 +254,13 @@ def methods_of(text: str | None) -> list[str | Estimator]:
 
 
 def recordings(
-    option: str, logs: list[Path], mapping: Path | None, joints: tuple[str, ...], rate: float | None, drop: list[str]
+    option: str,
+    logs: list[Path],
+    mapping: Path | None,
+    joints: tuple[str, ...],
+    rate: float | None,
+    drop: list[str],
+    advance: Callable[[str, int], None],
 ) -> list[Record]:
     """The records of the files, as many files for each as the mapping names. Raises as crosscheck.load_record."""
     from crosscheck.records import DROPPABLE, load_mapping, load_record
@@ -266,7 +273,12 @@ def recordings(
         )
     groups = [logs[k : k + together] for k in range(0, len(logs), together)]
     codes = DROPPABLE if "all" in drop else drop
-    return [load_record(group, columns, joints=joints, rate=rate, drop=codes) for group in groups]
+    records = []
+    for group in groups:
+        advance(group[0].name, 0)
+        records.append(load_record(group, columns, joints=joints, rate=rate, drop=codes))
+        advance(group[0].name, len(group))
+    return records
 
 
 def files_per_recording(mapping: ColumnMapping | None) -> int:

@@ -168,7 +168,7 @@ def _undetermined(found: Identified) -> Iterator[RenderableType]:
         yield Text(f"\nnot determined by this recording: {_list(comparison.lost)}")
     yield Text(
         f"{len(comparison.undetermined)} of {len(comparison.names)} parameters are determined in combinations only, or "
-        "not at all"
+        f"not at all{': ' + _list(comparison.undetermined) if comparison.undetermined else ''}"
     )
 
 

@@ -196,6 +196,7 @@ class TestSimulated:
         record = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
         Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
         assert len(record["truth"]) == len(record["parameters"])
+        assert (record["robot"], record["file"]) == (str(arm / "true.urdf"), str(arm / "true.urdf"))
         assert record["methods"][1]["failure"] is None
 
     def test_options_that_need_a_log(self, program):
