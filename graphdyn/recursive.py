@@ -73,13 +73,16 @@ def _shapes(model: RobotModel, fields: tuple[str, ...]) -> dict[str, tuple[int, 
 
 def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotion | None) -> None:
     """Refuse samples with a singular mass matrix; solve those that merely have a small pivot by projection."""
+    arrays, single = answer.arrays, x["q"].ndim == 1
+    if single:  # as a batch of one
+        x, arrays = ({name: array[None] for name, array in given.items()} for given in (x, arrays))
     batch = x["q"].shape[:-1]
     index = np.unravel_index(answer.suspects, batch)
-    rows = [tuple(int(k[i]) for k in index) for i in range(answer.suspects.size)]
+    rows = [() if single else tuple(int(k[i]) for k in index) for i in range(answer.suspects.size)]
     chosen = {name: array[index] for name, array in x.items()}
     chosen.setdefault("external_wrenches", np.zeros((len(rows), model.n_bodies, BODY_FREEDOMS)))
     there = None if base is None else base.at(batch, index)
     refuse_singular(model, projected.mass_matrix(model, chosen, there), rows)
     solved = projected.forward_dynamics(model, chosen, there)
-    for name, array in answer.arrays.items():
+    for name, array in arrays.items():
         array[index] = getattr(solved, name)

@@ -8,6 +8,8 @@ from hypothesis import settings
 from random_trees import NAMED
 from shared_data import DATA, existing
 
+from graphdyn import methods
+
 settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=40)
 settings.load_profile("graphdyn")
 
@@ -15,6 +17,27 @@ settings.load_profile("graphdyn")
 @pytest.fixture(params=NAMED)
 def robot(request):
     return NAMED[request.param]
+
+
+BACK_ENDS = {"recursive, NumPy": "numpy", "recursive, compiled": "llvm"}
+
+
+@pytest.fixture(params=["projected", "dense", *BACK_ENDS])
+def method(request, monkeypatch):
+    """Every method on every back end; the recursive one is then also what the verbs use where none is named."""
+    return _recursive(BACK_ENDS[request.param], monkeypatch) if request.param in BACK_ENDS else request.param
+
+
+@pytest.fixture(params=["projected", *BACK_ENDS])
+def default_method(request, monkeypatch):
+    """The same for tests that name no method."""
+    return _recursive(BACK_ENDS[request.param], monkeypatch) if request.param in BACK_ENDS else request.param
+
+
+def _recursive(back_end, monkeypatch):
+    monkeypatch.setenv("GRAPHDYN_BACKEND", back_end)
+    monkeypatch.setattr(methods, "WORTH_COMPILING", 1)
+    return "recursive"
 
 
 @pytest.fixture

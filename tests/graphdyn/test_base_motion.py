@@ -49,6 +49,7 @@ def test_without_motion_nothing_changes(robot):
         assert np.array_equal(still.multipliers, moving.multipliers)
 
 
+@pytest.mark.usefixtures("default_method")
 def test_steady_translation_is_not_felt(robot):
     """Galilei: at constant velocity, anywhere, all forces are those at rest."""
     q, v, a = random_state(robot, 2)
@@ -57,6 +58,7 @@ def test_steady_translation_is_not_felt(robot):
     assert relative_error(there.joint_wrenches, here.joint_wrenches) < SUM
 
 
+@pytest.mark.usefixtures("default_method")
 def test_accelerated_translation_is_felt_as_gravity(robot):
     """Einstein's lift: the base accelerated by b is gravity g - b."""
     q, v, tau = random_state(robot, 3)
@@ -69,6 +71,7 @@ def test_accelerated_translation_is_felt_as_gravity(robot):
     assert relative_error(there.joint_wrenches, here.joint_wrenches) < SUM * size
 
 
+@pytest.mark.usefixtures("default_method")
 def test_turned_base_under_turned_gravity(robot):
     """Only the angle between base and gravity counts."""
     q, v, a = random_state(robot, 4)
@@ -77,6 +80,7 @@ def test_turned_base_under_turned_gravity(robot):
     assert relative_error(there.joint_wrenches, graphdyn.inverse_dynamics(robot, q, v, a).joint_wrenches) < SUM
 
 
+@pytest.mark.usefixtures("default_method")
 @pytest.mark.parametrize("kind", ["revolute", "prismatic"])
 def test_a_moving_base_is_a_joint_that_moves_as_prescribed(robot, kind):
     """The robot behind one more joint, whose position, velocity and acceleration are given."""
@@ -109,6 +113,7 @@ def test_a_moving_base_is_a_joint_that_moves_as_prescribed(robot, kind):
     assert relative_error(found.joint_wrenches, expected.joint_wrenches[1:]) < SUM
 
 
+@pytest.mark.usefixtures("default_method")
 def test_velocities_and_accelerations_are_derivatives(robot):
     """A carriage on a circle that turns as it goes, and joints that move as well."""
     h = 1e-4
@@ -134,6 +139,7 @@ def test_velocities_and_accelerations_are_derivatives(robot):
     assert np.abs(now.constraint_residual()).max() < SUM
 
 
+@pytest.mark.usefixtures("default_method")
 def test_the_66_equations_hold_on_a_moving_base(robot):
     """φ_q q̈ = ζ with ∂²φ/∂t² in ζ, Eq. (108); dense, projected and inverse dynamics agree."""
     rng = np.random.default_rng(8)
@@ -160,6 +166,7 @@ def test_cardano_form_on_a_moving_base(robot):
     assert relative_error(cardano.multipliers, twist.multipliers) < 1e-9  # near lock the Cardano form loses digits
 
 
+@pytest.mark.usefixtures("default_method")
 def test_state_and_back(robot):
     motion = random_motion(np.random.default_rng(11))
     q, v, a = random_state(robot, 12)
@@ -170,6 +177,7 @@ def test_state_and_back(robot):
     assert relative_error(graphdyn.joint_acceleration(robot, state), a, state.acceleration) < SUM
 
 
+@pytest.mark.usefixtures("default_method")
 def test_regressors_on_a_moving_base(robot):
     motion = random_motion(np.random.default_rng(13))
     q, v, a = random_state(robot, 14)
@@ -191,6 +199,7 @@ def test_frames_move_with_the_base():
     np.testing.assert_allclose(moved[1], motion.rotation @ position + motion.translation, rtol=0, atol=SUM)
 
 
+@pytest.mark.usefixtures("default_method")
 def test_leading_dimensions_broadcast():
     """One joint state on many base motions, many joint states on one, and both."""
     model, rng = graphdyn.kr500(), np.random.default_rng(16)

@@ -15,8 +15,6 @@ PERIOD = 1e-9
 """RK4 with 400 steps to the turning point and a straight line for the zero of v: measured 4.3e-11."""
 
 G = 9.81
-METHODS = ("projected", "dense")
-both_methods = pytest.mark.parametrize("method", METHODS)
 
 
 class DoublePendulum:
@@ -90,7 +88,6 @@ states = pytest.mark.parametrize(("q", "v", "x"), STATES)
 
 
 @states
-@both_methods
 def test_double_pendulum_accelerations(pendulum, q, v, x, method):
     expected = np.linalg.solve(pendulum.mass_matrix(q), x - pendulum.bias(q, v))
     f = graphdyn.forward_dynamics(pendulum.model(), q, v, x, method=method)
@@ -98,7 +95,6 @@ def test_double_pendulum_accelerations(pendulum, q, v, x, method):
 
 
 @states
-@both_methods
 def test_double_pendulum_torques_and_mass_matrix(pendulum, q, v, x, method):
     i = graphdyn.inverse_dynamics(pendulum.model(), q, v, x, method=method)
     assert relative_error(i.tau, pendulum.mass_matrix(q) @ x + pendulum.bias(q, v), i.joint_wrenches) < ROUNDING
@@ -106,7 +102,6 @@ def test_double_pendulum_torques_and_mass_matrix(pendulum, q, v, x, method):
 
 
 @states
-@both_methods
 def test_double_pendulum_reactions(pendulum, q, v, x, method):
     """λ: the elbow carries the lower link, the shoulder both; nothing pushes out of the plane."""
     f = graphdyn.forward_dynamics(pendulum.model(), q, v, x, method=method)
@@ -122,7 +117,6 @@ def test_double_pendulum_reactions(pendulum, q, v, x, method):
     assert relative_error(f.joint_wrenches[:, 3:], np.outer(x, [0.0, -1.0, 0.0]), shoulder, elbow) < ROUNDING
 
 
-@both_methods
 @pytest.mark.parametrize("upward", [True, False])
 def test_slide_along_gravity(method, upward):
     """m q̈ = τ ∓ m g, whatever the velocity; the guide carries only the moment of the eccentric center."""
@@ -143,6 +137,7 @@ def test_slide_along_gravity(method, upward):
     assert graphdyn.mass_matrix(model, q)[0, 0] == pytest.approx(mass, rel=ROUNDING)
 
 
+@pytest.mark.usefixtures("default_method")
 def test_slide_on_an_incline():
     """A frictionless carriage on a slope of angle s: q̈ = -g sin s; the guide presses with m g cos s."""
     slope, mass = 0.6, 2.5
@@ -180,7 +175,6 @@ def test_period_of_a_large_swing():
     assert x[0] == pytest.approx(-start, rel=PERIOD)
 
 
-@both_methods
 def test_spinning_disk_on_a_turntable(method):
     """Disk with moments I, J, I spinning with s about its axis on a table that turns with w: gyroscopic moment J w s.
 
@@ -208,6 +202,7 @@ def test_spinning_disk_on_a_turntable(method):
     assert relative_error(f.multipliers[1, 3:], t @ moment) < ROUNDING
 
 
+@pytest.mark.usefixtures("default_method")
 def test_rotor_accelerates_with_torque_over_inertia():
     """A cylinder about its own axis: τ = ½ m R² q̈, from the cylinder of Eq. (21)."""
     mass, radius, tau = 5.0, 0.2, 3.0

@@ -252,6 +252,7 @@ def three_arguments(**changes):
     return {"q": x, "v": x, "tau": x} | changes
 
 
+@pytest.mark.usefixtures("default_method")
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -279,6 +280,7 @@ def spoiled(shape, *indices, value=np.nan):
     return array
 
 
+@pytest.mark.usefixtures("default_method")
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -316,6 +318,7 @@ VERBS = {
 }
 
 
+@pytest.mark.usefixtures("default_method")
 @pytest.mark.parametrize("verb", VERBS)
 def test_every_verb_refuses_bad_arrays(verb):
     with pytest.raises(InvalidInput, match=r"(q|v|a|tau) has shape \(5,\), expected \(…, 6\)"):
@@ -398,7 +401,6 @@ def with_weightless_tip():
     return RobotModel("r", (SOLID, nothing), (hinge("arm"), hinge("tip", inside=1)))
 
 
-@pytest.mark.parametrize("method", ["projected", "dense"])
 def test_singular_mass_matrix_names_the_joint_and_the_bodies(method):
     message = (
         r"mass matrix of robot 'r' is singular in row \(0,\): joint 'tip' moves without inertia, .*"
@@ -409,7 +411,6 @@ def test_singular_mass_matrix_names_the_joint_and_the_bodies(method):
         graphdyn.forward_dynamics(with_weightless_tip(), x, x, x, method=method)
 
 
-@pytest.mark.parametrize("method", ["projected", "dense"])
 def test_point_mass_on_its_own_axis_is_singular_in_one_row_only(method):
     """The tip turns about z a point mass on z: no inertia; mounted off the axis it has one."""
     point = Body("point", 1.0, np.array([0, 0, 0.5]), np.zeros((3, 3)))
@@ -423,6 +424,7 @@ def test_point_mass_on_its_own_axis_is_singular_in_one_row_only(method):
     assert np.all(np.isfinite(graphdyn.forward_dynamics(regular, x, x, x, method=method).a))
 
 
+@pytest.mark.usefixtures("default_method")
 def test_bodies_with_inertia_that_cancels_point_to_physical_consistency():
     """Negative moments are allowed in a model; where they cancel there is no massless body to name."""
     negative = Body("negative", 1.0, np.zeros(3), -np.eye(3))

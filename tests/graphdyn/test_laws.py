@@ -34,8 +34,6 @@ IDENTITY = 1e-13
 ACCELERATION = 10 * EPS
 """Times what one eps of rounding in M, τ and the wrenches does to the accelerations (acceleration_scale)."""
 
-METHODS = ("projected", "dense")
-
 
 def simulate(model, q, v, tau, method, steps, step):
     """Runge-Kutta of fourth order on q̇ = v, v̇ = forward_dynamics; yields every state."""
@@ -54,7 +52,6 @@ def simulate(model, q, v, tau, method, steps, step):
     yield x[:n], x[n:]
 
 
-@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", ["kr500", "mixed_chain"])
 def test_energy_is_conserved_along_a_free_motion(name, method):
     model = NAMED[name]
@@ -73,7 +70,6 @@ def path_of(q, v, a):
     return lambda t: (q + v * t + a * t**2 / 2, v + a * t)
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_power_of_actuators_and_external_wrenches_changes_the_energy(robot, method):
     q, v, tau = random_state(robot, 2)
     wrenches = random_wrenches(robot, 3)
@@ -86,7 +82,6 @@ def test_power_of_actuators_and_external_wrenches_changes_the_energy(robot, meth
     assert relative_error(kinetic + potential, supplied, kinetic, potential, *energy) < DIFFERENCE
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_wrench_in_a_joint_balances_the_momentum_of_everything_outside_it(robot, method):
     """For a root joint this is the reaction of the ground; angular momentum is taken about the world origin."""
     q, v, tau = random_state(robot, 4)
@@ -124,7 +119,6 @@ def free_body(body, gravity):
     return RobotModel("free body", (*nothing, body), tuple(joints), gravity=np.asarray(gravity))
 
 
-@pytest.mark.parametrize("method", METHODS)
 def test_free_body_falls_with_gravity_and_keeps_its_angular_momentum(method):
     body = NAMED["mixed_chain"].bodies[0]
     model = free_body(body, (1.0, -2.0, -9.0))
@@ -142,6 +136,7 @@ def test_free_body_falls_with_gravity_and_keeps_its_angular_momentum(method):
     )
 
 
+@pytest.mark.usefixtures("default_method")
 def test_mass_matrix_is_what_inverse_dynamics_multiplies_the_accelerations_with(robot):
     """Columns from the dense form, which never symmetrises: so M is symmetric by mechanics."""
     q, v, _ = random_state(robot, 7)
@@ -154,6 +149,7 @@ def test_mass_matrix_is_what_inverse_dynamics_multiplies_the_accelerations_with(
     assert relative_error(graphdyn.mass_matrix(robot, q), columns, size) < IDENTITY
 
 
+@pytest.mark.usefixtures("default_method")
 def test_mass_matrix_gives_the_kinetic_energy_and_is_positive_definite(robot):
     q, v, _ = random_state(robot, 8, size=(20,))
     m = graphdyn.mass_matrix(robot, q)
@@ -167,6 +163,7 @@ def mass_matrix_derivatives(model, q):
     return np.stack([derivative(lambda t, e=e: graphdyn.mass_matrix(model, q + t * e)) for e in np.eye(model.n_bodies)])
 
 
+@pytest.mark.usefixtures("default_method")
 def test_bias_torque_is_christoffel_symbols_plus_gradient_of_the_potential(robot):
     q, v, _ = random_state(robot, 9)
     dm = mass_matrix_derivatives(robot, q)
@@ -180,6 +177,7 @@ def test_bias_torque_is_christoffel_symbols_plus_gradient_of_the_potential(robot
     assert relative_error(graphdyn.bias_torque(robot, q, 0 * v), gravity, size, potential_energy(robot, q)) < DIFFERENCE
 
 
+@pytest.mark.usefixtures("default_method")
 def test_mass_matrix_rate_minus_twice_coriolis_is_skew(robot):
     """C from the bias torque by polarisation, Ṁ by differences: neither is skew by construction."""
     q, v, _ = random_state(robot, 10)
@@ -191,6 +189,7 @@ def test_mass_matrix_rate_minus_twice_coriolis_is_skew(robot):
     assert relative_error(difference, -difference.T, m_rate, c, size, graphdyn.mass_matrix(robot, q)) < DIFFERENCE
 
 
+@pytest.mark.usefixtures("default_method")
 def test_torque_is_linear_in_the_inertial_parameters(robot, rng):
     q, v, a = random_state(robot, 11, size=(4,))
     parameters = rng.normal(size=10 * robot.n_bodies)
@@ -201,6 +200,7 @@ def test_torque_is_linear_in_the_inertial_parameters(robot, rng):
     assert relative_error(predicted, i.tau, i.joint_wrenches) < IDENTITY
 
 
+@pytest.mark.usefixtures("default_method")
 def test_body_regressors_sum_to_the_wrenches_in_the_joints(robot):
     q, v, a = random_state(robot, 12)
     y = graphdyn.body_regressor(robot, q, v, a)
@@ -215,6 +215,7 @@ def test_body_regressors_sum_to_the_wrenches_in_the_joints(robot):
         assert relative_error(actual[j - 1], np.concatenate([force, moment]), needed) < IDENTITY
 
 
+@pytest.mark.usefixtures("default_method")
 def test_torques_superpose(robot):
     """Linear in the accelerations, in gravity and in the external wrenches; quadratic in the velocities."""
     q, v, a = random_state(robot, 13)
@@ -241,6 +242,7 @@ def test_torques_superpose(robot):
     assert relative_error(tau(weightless, zero, zero, 2 * w), 2 * tau(weightless, zero, zero, w), *size) < IDENTITY
 
 
+@pytest.mark.usefixtures("default_method")
 def test_base_and_gravity_turned_together_change_nothing_that_the_robot_feels(robot, rng):
     q, v, tau = random_state(robot, 16)
     wrenches, turn = random_wrenches(robot, 17), random_rotation(rng)
@@ -258,6 +260,7 @@ def test_base_and_gravity_turned_together_change_nothing_that_the_robot_feels(ro
         assert relative_error(two.multipliers[j], expected, one.multipliers) < IDENTITY * np.linalg.cond(m)
 
 
+@pytest.mark.usefixtures("default_method")
 @pytest.mark.parametrize("speed", [0.0, 3.0])
 def test_accelerated_base_is_a_change_of_gravity_and_uniform_motion_is_none(robot, rng, speed):
     """The base rides on a slide: acceleration s along d acts as gravity g - s d; a constant speed as nothing."""
@@ -280,6 +283,7 @@ def test_accelerated_base_is_a_change_of_gravity_and_uniform_motion_is_none(robo
     assert relative_error(ridden.multipliers[1:], standing.multipliers, size) < IDENTITY
 
 
+@pytest.mark.usefixtures("default_method")
 def test_actio_and_reactio_cancel_in_the_sum_over_all_bodies(robot):
     """Joint forces are internal: on each body inside joint minus outside joints make the accelerations."""
     q, v, tau = random_state(robot, 19)
@@ -290,6 +294,7 @@ def test_actio_and_reactio_cancel_in_the_sum_over_all_bodies(robot):
     assert relative_error(net, needed, forces) < IDENTITY
 
 
+@pytest.mark.usefixtures("default_method")
 def test_trees_on_the_same_ground_do_not_feel_each_other():
     pair = random_tree(20, [0, 1, 0, 3], ["revolute", "prismatic", "revolute", "revolute"])
     alone = RobotModel("alone", pair.bodies[:2], pair.joints[:2], gravity=pair.gravity, base=pair.base)

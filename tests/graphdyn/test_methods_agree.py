@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from random_trees import NAMED, SEEDS, body_of_points, random_state, random_wrenches, robots
 from witnesses import acceleration_scale, derivative, relative_error
 
@@ -71,7 +71,8 @@ def test_inverse_dynamics_dense_and_projected(model, seed):
     assert np.array_equal(fast.body_accelerations, dense.body_accelerations)
 
 
-@pytest.mark.parametrize("method", ["projected", "dense"])
+@pytest.mark.parametrize("method", ["projected", "dense", "recursive, NumPy"], indirect=True)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])  # one method for all examples
 @given(robots(), SEEDS)
 def test_inverse_dynamics_undoes_forward_dynamics(method, model, seed):
     q, v, tau = random_state(model, seed)
@@ -106,7 +107,6 @@ def with_load(model, j, mass, point):
     return RobotModel(model.name, tuple(bodies), model.joints, gravity=model.gravity, base=model.base)
 
 
-@pytest.mark.parametrize("method", ["projected", "dense"])
 def test_weight_of_a_load_is_an_external_wrench(robot, rng, method):
     q, v, _ = random_state(robot, 52)
     mass, point = 12.0, rng.uniform(-0.5, 0.5, 3)
@@ -136,6 +136,7 @@ def link_jacobian(model, q, name):
     return np.stack(columns, axis=-1)
 
 
+@pytest.mark.usefixtures("default_method")
 def test_external_wrenches_reach_the_joints_through_the_transposed_jacobian(robot):
     q, v, a = random_state(robot, 53)
     wrenches = random_wrenches(robot, 54)
@@ -147,6 +148,7 @@ def test_external_wrenches_reach_the_joints_through_the_transposed_jacobian(robo
     assert relative_error(free.tau - pushed.tau, carried, free.joint_wrenches, pushed.joint_wrenches) < STATICS
 
 
+@pytest.mark.usefixtures("default_method")
 def test_dynamics_do_not_depend_on_where_the_robot_stands(robot):
     """Not by a bit: large positions would cost digits in the differences that give the levers."""
     far = robot.with_base(graphdyn.Placement(robot.base.rotation, [1e5, -3e5, 2e5]))
@@ -248,7 +250,6 @@ def test_joint_angles_come_back_without_full_turns():
     np.testing.assert_allclose(back, np.arctan2(np.sin(q), np.cos(q)), rtol=0, atol=SUM)
 
 
-@pytest.mark.parametrize("method", ["projected", "dense"])
 def test_accelerations_of_the_bodies_are_those_of_the_joints(robot, method):
     q, v, tau = random_state(robot, 59)
     f = graphdyn.forward_dynamics(robot, q, v, tau, method=method)
@@ -299,6 +300,7 @@ def test_a_batch_is_its_rows_one_by_one(robot, size):
             assert relative_error(batch[name][row], value, scale) <= tolerance, name
 
 
+@pytest.mark.usefixtures("default_method")
 def test_an_empty_batch_gives_empty_answers(robot):
     nothing = np.zeros((0, robot.n_bodies))
     alone = verbs(robot, *(nothing[:0].sum(axis=0),) * 3, np.zeros((robot.n_bodies, 6)))
@@ -306,6 +308,7 @@ def test_an_empty_batch_gives_empty_answers(robot):
         assert value.shape == (0, *alone[name].shape), name
 
 
+@pytest.mark.usefixtures("default_method")
 def test_leading_dimensions_broadcast(robot):
     q, _, _ = random_state(robot, 62)
     _, v, tau = random_state(robot, 63, size=(5,))
@@ -324,12 +327,14 @@ def test_leading_dimensions_broadcast(robot):
     assert graphdyn.joint_torque_regressor(robot, q, v, tau).shape == (5, robot.n_bodies, 10 * robot.n_bodies)
 
 
+@pytest.mark.usefixtures("default_method")
 def test_lists_and_integers_are_as_good_as_arrays():
     robot = NAMED["one_revolute"]
     one = graphdyn.forward_dynamics(robot, [1], [2], [3])
     assert np.array_equal(one.a, graphdyn.forward_dynamics(robot, np.array([1.0]), [2.0], [3.0]).a)
 
 
+@pytest.mark.usefixtures("default_method")
 def test_arguments_are_not_changed(robot):
     q, v, tau = random_state(robot, 65, size=(2,))
     wrenches = random_wrenches(robot, 66, size=(2,))

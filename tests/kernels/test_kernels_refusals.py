@@ -305,6 +305,11 @@ def test_negative_inertia_is_solved_by_projection(back_end):
     expected = graphdyn.forward_dynamics(odd, q, v, tau, method="projected")
     for name, value in vars(expected).items():
         assert np.array_equal(getattr(found, name), value), name
+    base = random_base_motion(6)
+    one = graphdyn.forward_dynamics(odd, q[0], v[0], tau[0], base=base, method="recursive")
+    expected = graphdyn.forward_dynamics(odd, q[:1], v[:1], tau[:1], base=base, method="projected")
+    for name, value in vars(expected).items():
+        assert np.array_equal(getattr(one, name), value[0]), name
 
 
 @back_ends
