@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from crosscheck.records import (
         DirtyRecording,
         Record,
+        StreamedRecording,
         concatenated,
         decimated,
         differentiated,
@@ -40,6 +41,7 @@ _HOMES = {
     "crosscheck.records": (
         "DirtyRecording",
         "Record",
+        "StreamedRecording",
         "concatenated",
         "decimated",
         "differentiated",
@@ -67,6 +69,7 @@ __all__ = [
     "Judgement",
     "QuantityResult",
     "Record",
+    "StreamedRecording",
     "WrongDynamics",
     "assert_agrees",
     "assert_correct",

@@ -12,6 +12,7 @@ from crosscheck.records.record import Provenance, Record, concatenated, record_o
 from crosscheck.records.recording_files import load_recording, save_recording
 from crosscheck.records.resampling import resampled, sampling_rate
 from crosscheck.records.splits import Split, fold_numbers, split_by_file, split_by_rows, split_by_time, time_folds
+from crosscheck.records.streaming import StreamedRecording
 
 __all__ = [
     "DROPPABLE",
@@ -25,6 +26,7 @@ __all__ = [
     "Record",
     "ResidualAnalysis",
     "Split",
+    "StreamedRecording",
     "chosen_cutoff",
     "concatenated",
     "decimated",

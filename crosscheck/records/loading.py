@@ -79,7 +79,7 @@ def load_record(
         provenance=Provenance(content.files, content.mapping.source, tuple(steps)),
         findings=tuple(content.findings),
     )
-    return record if joints is None else _reordered(record, joints)
+    return record if joints is None else reordered(record, joints)
 
 
 def inspect_record(
@@ -151,7 +151,7 @@ def _without(count: int, findings: Iterable[Finding]) -> NDArray[np.bool_]:
     return kept
 
 
-def _reordered(record: Record, joints: Sequence[str]) -> Record:
+def reordered(record: Record, joints: Sequence[str]) -> Record:
     """Its joints in this order. Raises BadMapping for others."""
     missing = [joint for joint in joints if joint not in record.joint_names]
     if missing:
