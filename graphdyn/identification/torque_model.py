@@ -56,7 +56,9 @@ class TorqueModel:
         w = np.empty((*samples.q.shape, len(chosen)))
         for term, part in self._parts:
             first, last = np.searchsorted(chosen, (part.start, part.stop))
-            if first < last:
+            if last - first == part.stop - part.start:
+                w[..., first:last] = term.rows(self.model, samples)
+            elif first < last:
                 w[..., first:last] = term.rows(self.model, samples)[..., chosen[first:last] - part.start]
         return w
 
