@@ -10,13 +10,14 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.expressions import COLUMNS, Program, Watch
-from graphdyn.kernels.gram_emitter import STRETCH, emit_gram, products
+from graphdyn.kernels.gram_emitter import STRIDE, emit_gram, products, tiles
 from graphdyn.kernels.interpreter import Interpreter, merged
 from graphdyn.kernels.native import MachineCode, host_lanes, watch_memory, watches
 from graphdyn.kernels.programs import record_equations
@@ -28,8 +29,23 @@ from graphdyn.model import RobotModel
 PORTION = 8192
 """Samples that are summed on their own, whatever the number of threads, so that the sums do not depend on it."""
 
-Sums = tuple[list[Array], dict[Watch, float]]
-"""Gram matrix of every group, and what was watched."""
+TILE = 5
+"""Operations that take as long to compile as the call that sums up a tile."""
+
+WIDEST = 8
+"""Lanes for which the tiles are counted, so that one model is compiled on every machine or on none."""
+
+Seen = dict[Watch, float]
+
+
+class GramBackend(Protocol):
+    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
+        """run(first, last): the sums over these rows of C-contiguous arrays (N, width), one after the other."""
+        ...
+
+    def matrices(self, sums: Array) -> list[Array]:
+        """The Gram matrix of every group."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +60,7 @@ class TorqueGram:
     columns: tuple[NDArray[np.intp], ...]
     n_extra: int
     _program: Program
-    _bind: Callable[[Mapping[str, Array]], Callable[[int, int], Sums]]
+    _backend: GramBackend
 
     def __call__(
         self,
@@ -56,7 +72,7 @@ class TorqueGram:
         weights: Array | None = None,
         *,
         threads: int | None = None,
-    ) -> tuple[list[Array], dict[Watch, float]]:
+    ) -> tuple[list[Array], Seen]:
         """Gram matrices (m_j, m_j), m_j = len(columns[j]) + n_extra + 1, of arrays (N, n); extra (N, n, n_extra).
 
         weights: of the equations (N, n), for a TorqueGram that is weighted
@@ -72,26 +88,23 @@ class TorqueGram:
             return self._sum({**inputs, "q": turned_back(self.model, inputs["q"])}, threads)
         return matrices, seen
 
-    def _sum(self, inputs: Mapping[str, Array], threads: int | None) -> Sums:
-        count, bound = len(inputs["q"]), self._bind(inputs)
-        portions = [(first, min(first + PORTION, count)) for first in range(0, count, PORTION)]
-        parts = in_threads(bound, portions, threads)
-        sizes = [len(columns) + self.n_extra + 1 for columns in self.columns]
-        total = [np.zeros((size, size)) for size in sizes]
-        for matrices, _ in parts:
-            for sum_, matrix in zip(total, matrices, strict=True):
-                sum_ += matrix
-        return total, {kind: merged(kind, [seen[kind] for _, seen in parts]) for kind in self._program.watches}
+    def _sum(self, inputs: Mapping[str, Array], threads: int | None) -> tuple[list[Array], Seen]:
+        count = len(inputs["q"])
+        portions = [(first, min(first + PORTION, count)) for first in range(0, max(count, 1), PORTION)]
+        parts = in_threads(self._backend.bind(inputs), portions, threads)
+        total = np.add.reduce([sums for sums, _ in parts])
+        return self._backend.matrices(total), {
+            kind: merged(kind, [seen[kind] for _, seen in parts]) for kind in self._program.watches
+        }
 
 
 def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0, *, weighted: bool = False) -> TorqueGram:
     """Gram matrices of the equations of these columns of the joint-torque regressor, weighted if wanted."""
     program, used = record_equations(model, columns, n_extra, weighted)
     groups = [len(indices) + n_extra + 1 for indices in used]
-    length = program.arithmetic + sum(size * (size + 1) for size in groups)  # a product counts as two operations
-    if chosen_backend() == "numpy" or length > LONGEST:
-        return TorqueGram(model, used, n_extra, program, InterpretedGram(program, groups).bind)
-    return TorqueGram(model, used, n_extra, program, CompiledGram(program, groups).bind)
+    length = program.arithmetic + TILE * len(tiles(groups, WIDEST))
+    kind = InterpretedGram if chosen_backend() == "numpy" or length > LONGEST else CompiledGram
+    return TorqueGram(model, used, n_extra, program, kind(program, groups))
 
 
 class InterpretedGram:
@@ -99,19 +112,22 @@ class InterpretedGram:
 
     def __init__(self, program: Program, groups: Sequence[int]) -> None:
         self._interpreter = Interpreter(program)
+        self._groups = tuple(groups)
         self._ends = np.cumsum(groups).tolist()
 
-    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], Sums]:
-        """run(first, last) sums over these rows of arrays (N, width)."""
-
-        def run(first: int, last: int) -> Sums:
+    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
+        def run(first: int, last: int) -> tuple[Array, Seen]:
             equations = np.empty((last - first, self._ends[-1]))
             rows = {name: array[first:last] for name, array in inputs.items()}
             seen = self._interpreter.bind(rows, {COLUMNS: equations})(0, last - first)
             blocks = np.split(equations, self._ends[:-1], axis=1)
-            return [block.T @ block for block in blocks], seen
+            return np.concatenate([(block.T @ block).ravel() for block in blocks]), seen
 
         return run
+
+    def matrices(self, sums: Array) -> list[Array]:
+        ends = np.cumsum(np.square(self._groups))[:-1].tolist()
+        return [part.reshape(size, size) for size, part in zip(self._groups, np.split(sums, ends), strict=True)]
 
 
 class CompiledGram:
@@ -127,33 +143,42 @@ class CompiledGram:
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, *pointers)
         self._gram = self._code.function("gram", prototype)
 
-    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], Sums]:
-        """run(first, last) sums over these rows of C-contiguous arrays (N, width)."""
+    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
         addresses = [inputs[name].ctypes.data for name in self._program.inputs]
         rest = self._rest.bind(inputs)
 
-        def run(first: int, last: int) -> Sums:
+        def run(first: int, last: int) -> tuple[Array, Seen]:
             whole = first + (last - first) // self.lanes * self.lanes
-            matrices, seen = self._whole(first, whole, addresses)
+            sums, seen = self._whole(first, whole, addresses)
             if whole < last:
                 more, seen_there = rest(whole, last)
-                matrices = [x + y for x, y in zip(matrices, more, strict=True)]
+                sums = sums + self._spread_out(self._rest.matrices(more))[tuple(self._products.T)]
                 seen = {kind: merged(kind, [seen[kind], seen_there[kind]]) for kind in seen}
-            return matrices, seen
+            return sums, seen
 
         return run
 
-    def _whole(self, first: int, last: int, addresses: Sequence[int]) -> Sums:
+    def matrices(self, sums: Array) -> list[Array]:
         width = sum(self._groups)
-        watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
-        if first < last:
-            scratch = aligned((STRETCH, width, self.lanes))
-            self._gram(first, last, scratch.ctypes.data, *addresses, sums.ctypes.data, watched.ctypes.data)
         everything = np.zeros((width, width))
         left, right = self._products.T
-        everything[left, right] = everything[right, left] = sums.sum(axis=1)
+        everything[left, right] = everything[right, left] = sums
         ends = np.cumsum(self._groups)
-        matrices = [
-            everything[end - size : end, end - size : end] for size, end in zip(self._groups, ends, strict=True)
-        ]
-        return matrices, watches(self._program, watched)
+        return [everything[end - size : end, end - size : end] for size, end in zip(self._groups, ends, strict=True)]
+
+    def _spread_out(self, matrices: Sequence[Array]) -> Array:
+        """The matrices along the diagonal of a large one."""
+        width, end = sum(self._groups), 0
+        everything = np.zeros((width, width))
+        for size, matrix in zip(self._groups, matrices, strict=True):
+            end += size
+            everything[end - size : end, end - size : end] = matrix
+        return everything
+
+    def _whole(self, first: int, last: int, addresses: Sequence[int]) -> tuple[Array, Seen]:
+        """Of as many rows as fill all lanes."""
+        watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
+        if first < last:
+            scratch = aligned((sum(self._groups), STRIDE * self.lanes))
+            self._gram(first, last, scratch.ctypes.data, *addresses, sums.ctypes.data, watched.ctypes.data)
+        return sums.sum(axis=1), watches(self._program, watched)

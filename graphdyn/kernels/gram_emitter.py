@@ -14,6 +14,9 @@ from graphdyn.kernels.vector_code import WATCHES, VectorCode, loop_over_rows
 STRETCH = 16
 """Vectors of a column before they are summed: 130 columns of a six-axis arm take 130 kB."""
 
+STRIDE = STRETCH + 1
+"""Vectors from one column to the next: a power of two would put all columns in the same few sets of the caches."""
+
 
 def tiles(groups: Sequence[int], lanes: int) -> list[tuple[list[int], list[int]]]:
     """Columns of the left and of the right factors of each tile; the groups lie one after the other."""
@@ -34,7 +37,7 @@ def products(groups: Sequence[int], lanes: int) -> list[tuple[int, int]]:
 def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
     """Code of gram(first, last, scratch, inputs…, sums, watched) for a number of rows that is a multiple of the lanes.
 
-    scratch: STRETCH vectors for each column; sums: one vector for each of products, to which is added
+    scratch: STRIDE vectors for each column; sums: one vector for each of products, to which is added
     """
     width = len(program.outputs[COLUMNS])
     assert sum(groups) == width
@@ -42,20 +45,18 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
     values = code.values(
         program, lambda name: code.columns_of(_rows(code, name, program.inputs[name]), program.inputs[name])
     )
-    block = code.let("sub i64 %row, %first")
-    block = code.let(f"getelementptr double, ptr %scratch, i64 {code.let(f'mul i64 {block}, {width}')}")
+    block = code.let(f"getelementptr double, ptr %scratch, i64 {code.let('sub i64 %row, %first')}")
     for column, number in enumerate(program.outputs[COLUMNS]):
-        code.store(f"{code.vector} {values[number]}", block, column * lanes)
+        code.store(f"{code.vector} {values[number]}", block, column * STRIDE * lanes)
     seen = [code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCHES]
     inputs = [f"ptr noalias %in.{name}" for name in program.inputs]
-    pieces = _sum_up(groups, width, lanes)
     shared = ", ".join(["i64 %first", "i64 %last", "ptr noalias %scratch", *inputs])
     return "\n".join(
         [
             *code.declarations,
             *loop_over_rows(code, f"define internal void @columns({shared}, ptr %watched)", seen),
-            *(line for piece in pieces for line in piece),
-            *_drive(shared, [argument.replace("noalias ", "") for argument in inputs], lanes, len(pieces)),
+            *_sum_up(groups, lanes),
+            *_drive(shared, [argument.replace("noalias ", "") for argument in inputs], lanes),
         ]
     )
 
@@ -64,58 +65,67 @@ def _rows(code: VectorCode, array: str, width: int) -> str:
     return code.let(f"getelementptr double, ptr %in.{array}, i64 {code.let(f'mul i64 %row, {width}')}")
 
 
-PIECE = 50
-"""Tiles in one function: the time to compile a function grows faster than its length."""
-
-
-def _sum_up(groups: Sequence[int], width: int, lanes: int) -> list[list[str]]:
-    """Functions sum_up0, sum_up1, … (blocks, scratch, sums): a loop over the stretch for each tile."""
-    everything, place = tiles(groups, lanes), 0
-    functions: list[list[str]] = []
-    for start in range(0, len(everything), PIECE):
-        lines = [
-            f"define internal void @sum_up{len(functions)}(i64 %blocks, ptr noalias %scratch, ptr noalias %sums) {{"
-        ]
-        lines.append("start:")
-        before = "start"
-        for number, (left, right) in enumerate(everything[start : start + PIECE]):
-            pairs = [(x, y) for x in left for y in right if x <= y]
-            lines += _tile(number, pairs, place, before, width, lanes)
-            before, place = f"add{number}", place + len(pairs)
-        functions.append([*lines, "  ret void", "}"])
-    return functions
-
-
-def _tile(number: int, pairs: Sequence[tuple[int, int]], place: int, before: str, width: int, lanes: int) -> list[str]:
-    """Products of these pairs of columns, summed over the stretch and added to the sums from `place` on."""
-    code = VectorCode(lanes, f"t{number}.")
-    code.do(f"%b{number}.next = add i64 %b{number}, 1")
-    block = code.let(f"getelementptr double, ptr %scratch, i64 {code.let(f'mul i64 %b{number}, {width * lanes}')}")
-    column = {k: code.load(code.vector, block, k * lanes) for k in sorted({k for pair in pairs for k in pair})}
-    sums = [code.call("fma", column[x], column[y], f"%s{number}.{index}") for index, (x, y) in enumerate(pairs)]
-    phis = [
-        f"  %s{number}.{index} = phi {code.vector} [ zeroinitializer, %{before} ], [ {value}, %tile{number} ]"
-        for index, value in enumerate(sums)
-    ]
-    lines = [
-        f"  br label %tile{number}",
-        f"tile{number}:",
-        f"  %b{number} = phi i64 [ 0, %{before} ], [ %b{number}.next, %tile{number} ]",
-        *phis,
+def _sum_up(groups: Sequence[int], lanes: int) -> list[str]:
+    """sum_up(blocks, scratch, sums): tile after tile. Tiles of one shape share a function: there are few shapes."""
+    code, place = VectorCode(lanes), 0
+    functions: dict[str, list[str]] = {}
+    for left, right in tiles(groups, lanes):
+        pairs = [(x - left[0], y - right[0]) for x in left for y in right if x <= y]
+        name = f"tile_{len(left)}_{'itself' if left == right else len(right)}"
+        if name not in functions:
+            functions[name] = _tile(name, pairs, len(left), len(right), left == right, lanes)
+        x, y = (code.element("%scratch", first * STRIDE * lanes) for first in (left[0], right[0]))
+        code.do(f"call void @{name}(i64 %blocks, ptr {x}, ptr {y}, ptr {code.element('%sums', place * lanes)})")
+        place += len(pairs)
+    return [
+        *(line for function in functions.values() for line in function),
+        "define internal void @sum_up(i64 %blocks, ptr %scratch, ptr %sums) {",
         *code.lines,
-        f"  %more{number} = icmp slt i64 %b{number}.next, %blocks",
-        f"  br i1 %more{number}, label %tile{number}, label %add{number}",
-        f"add{number}:",
+        "  ret void",
+        "}",
     ]
-    code.lines = []
+
+
+def _tile(
+    name: str, pairs: Sequence[tuple[int, int]], n_left: int, n_right: int, itself: bool, lanes: int
+) -> list[str]:
+    """Products of these pairs of columns, summed over the stretch and added to the sums; itself: left is right."""
+    code = VectorCode(lanes)
+    offset = code.let(f"mul i64 %block, {lanes}")
+
+    def columns(array: str, count: int) -> list[str]:
+        here = code.let(f"getelementptr double, ptr {array}, i64 {offset}")
+        return [code.load(code.vector, here, k * STRIDE * lanes) for k in range(count)]
+
+    left = columns("%left", n_left)
+    right = left if itself else columns("%right", n_right)
+    sums = [code.call("fma", left[x], right[y], f"%sum{index}") for index, (x, y) in enumerate(pairs)]
+    loop, code.lines = code.lines, []
     for index, value in enumerate(sums):
-        known = code.load(code.vector, "%sums", (place + index) * lanes)
-        total = code.let(f"fadd {code.vector} {known}, {value}")
-        code.store(f"{code.vector} {total}", "%sums", (place + index) * lanes)
-    return lines + code.lines
+        known = code.load(code.vector, "%sums", index * lanes)
+        code.store(f"{code.vector} {code.let(f'fadd {code.vector} {known}, {value}')}", "%sums", index * lanes)
+    return [
+        f"define internal void @{name}(i64 %blocks, ptr %left, ptr %right, ptr noalias %sums) noinline {{",
+        "start:",
+        "  br label %loop",
+        "loop:",
+        "  %block = phi i64 [ 0, %start ], [ %next, %loop ]",
+        *(
+            f"  %sum{index} = phi {code.vector} [ zeroinitializer, %start ], [ {value}, %loop ]"
+            for index, value in enumerate(sums)
+        ),
+        *loop,
+        "  %next = add i64 %block, 1",
+        "  %more = icmp slt i64 %next, %blocks",
+        "  br i1 %more, label %loop, label %add",
+        "add:",
+        *code.lines,
+        "  ret void",
+        "}",
+    ]
 
 
-def _drive(shared: str, inputs: Sequence[str], lanes: int, n_pieces: int) -> list[str]:
+def _drive(shared: str, inputs: Sequence[str], lanes: int) -> list[str]:
     """gram: stretch after stretch."""
     passed = ", ".join(inputs)
     return [
@@ -130,7 +140,7 @@ def _drive(shared: str, inputs: Sequence[str], lanes: int, n_pieces: int) -> lis
         f"  call void @columns(i64 %from, i64 %to, ptr %scratch, {passed}, ptr %watched)",
         "  %count = sub i64 %to, %from",
         f"  %blocks = sdiv i64 %count, {lanes}",
-        *(f"  call void @sum_up{k}(i64 %blocks, ptr %scratch, ptr %sums)" for k in range(n_pieces)),
+        "  call void @sum_up(i64 %blocks, ptr %scratch, ptr %sums)",
         "  %more = icmp slt i64 %to, %last",
         "  br i1 %more, label %loop, label %exit",
         "exit:",

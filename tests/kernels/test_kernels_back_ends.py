@@ -56,9 +56,7 @@ def test_the_environment_chooses(monkeypatch, choice, expected):
     model = fresh()
     graphdyn.joint_torques(model, X, X, X, method="recursive")
     assert back_end_of(model) is expected
-    assert torque_gram(model, [0], 0)._bind.__self__.__class__ is (
-        InterpretedGram if choice == "numpy" else CompiledGram
-    )
+    assert torque_gram(model, [0], 0)._backend.__class__ is (InterpretedGram if choice == "numpy" else CompiledGram)
 
 
 def broken():
@@ -225,9 +223,9 @@ def test_programs_that_would_take_long_to_compile_are_interpreted():
     assert short.length < running.LONGEST < long.length
     assert isinstance(running._backend(long, "llvm"), Interpreter)
     assert isinstance(running._backend(record(MODEL, whole), "llvm"), CompiledProgram)
-    twelve = random_tree(4, list(range(12)), ["revolute"] * 12)
-    assert isinstance(torque_gram(MODEL, range(10), 0)._bind.__self__, CompiledGram)
-    assert isinstance(torque_gram(twelve, range(120), 0)._bind.__self__, InterpretedGram)
+    twenty = random_tree(4, list(range(20)), ["revolute"] * 20)
+    assert isinstance(torque_gram(MODEL, range(10), 0)._backend, CompiledGram)
+    assert isinstance(torque_gram(twenty, range(200), 0)._backend, InterpretedGram)
 
 
 @pytest.mark.parametrize("model", [CHAIN, STAR], ids=["chain", "star"])
