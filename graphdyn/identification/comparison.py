@@ -10,6 +10,7 @@ import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.estimate import Estimate, Estimator
+from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.plausibility import POSES, Plausibility, plausibility
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.residual_statistics import ResidualStatistics, residual_statistics
@@ -98,8 +99,6 @@ def compare_methods(
     What a method raises is its result; the others go on. Raises InvalidInput for two methods of the same name, for a
     held-out recording with other parameters, and where the recording itself cannot be used.
     """
-    from threadpoolctl import threadpool_limits  # imported where first used: import graphdyn stays light
-
     names = [estimator.name for estimator in estimators]
     repeated = [name for name in names if names.count(name) > 1]
     if repeated or not names:
@@ -107,7 +106,7 @@ def compare_methods(
         raise InvalidInput(f"{what}; give at least one, each with a name of its own")
     if held_out is not None and held_out.torque_model.columns != problem.torque_model.columns:
         raise InvalidInput("the held-out recording has another torque model; the parameters must be the same")
-    with threadpool_limits(limits=1, user_api="blas"):  # threads only get in each other's way on matrices this small
+    with one_thread():
         _ = problem.equations  # reads and compresses the recording before the clock of the first method starts
         results = [_estimated(problem, estimator, progress) for estimator in estimators]
         return _described(problem, _judged(problem, results, held_out, poses))

@@ -20,6 +20,7 @@ from graphdyn.identification.accumulator import Accumulator, Compression
 from graphdyn.identification.base_parameters import RANK, BaseParameters, base_parameters
 from graphdyn.identification.compressed import CompressedEquations, merged
 from graphdyn.identification.direct_sums import DirectSums
+from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.structure import Structure, structure
 from graphdyn.identification.torque_model import TorqueModel
@@ -167,7 +168,8 @@ class Problem:
     @cached_property
     def equations(self) -> CompressedEquations:
         """Factors of the whole recording, in the base parameters of the recording."""
-        return merged(self.blocks)
+        with one_thread():
+            return merged(self.blocks)
 
     @cached_property
     def condition_number(self) -> float:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import torque_data
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput
@@ -172,6 +173,22 @@ class TestWhatCounts:
         )
         with pytest.raises(InvalidInput, match=r"the row filter answers 3, 4, 5.* rows for different columns"):
             _ = problem.equations
+
+
+class TestThreads:
+    def test_small_matrices_get_one_thread(self, samples):
+        """Several are slower, on a busy machine by far."""
+        seen = []
+
+        def threads():
+            return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
+
+        with threadpool_limits(limits=2, user_api="blas"):
+            before = threads()
+            problem = Problem(torque_data.torque_model(), samples, progress=lambda _: seen.extend(threads()))
+            assert problem.equations.counts.all()
+            assert threads() == before
+        assert set(seen) == {1}
 
 
 class TestBlocks:
