@@ -1,6 +1,7 @@
 """The worked examples of docs/identification.md on the recordings of three arms; skipped where the data are absent.
 
-The commands are those of the document, with fewer methods and poses; the numbers are those of its tables.
+The commands are those of the document, with fewer methods and poses; the numbers are those of its tables. Where the
+document chooses the strength of a prior in every fold, the test takes one strength for all.
 """
 
 import json
@@ -36,6 +37,17 @@ SAME_REGRESSOR = 1e-10
 
 PRINTED = 0.02
 """Relative difference to the document: solvers and processors differ, conclusions do not."""
+
+FIXED_PRIOR = """
+from graphdyn.identification import ConsistentWithPrior
+
+def fixed():
+    return ConsistentWithPrior("pullback", strength=100.0)
+"""
+"""The strength that cross-validation chooses for the whole recording; choosing it in every fold takes a minute."""
+
+NEAR = 0.05
+"""Relative difference of the mean error to that with a strength per fold."""
 
 POSES = 100
 
@@ -155,13 +167,14 @@ def test_kr300_payload(run, kr300):
 def test_kr300_prior_predicts_better(run, kr300):
     _, everything = commands("kr300")
     kr300("kr300_150.urdf", 150.0)
-    record = run(everything, "--methods", "wls,pullback")
+    Path("prior.py").write_text(FIXED_PRIOR, encoding="utf-8")
+    record = run(everything, "--methods", "wls,prior.py:fixed")
     unconstrained, best = method(record, "WLS"), method(record, "consistent, pullback prior")
     assert record["recommended"] == best["name"]
     errors = [100 * np.array(found["held_out"]["moving"]["relative"]) for found in (unconstrained, best)]
     assert errors[1].mean() < errors[0].mean()
-    for name, error in zip(("WLS", best["name"]), errors, strict=True):
-        as_printed(table("KR300")[name], error)
+    as_printed(table("KR300")["WLS"], errors[0])
+    assert errors[1].mean() == pytest.approx(np.mean(table("KR300")[best["name"]]), rel=NEAR)
     assert best["consistent"]
     assert best["positive_definite"] == POSES > unconstrained["positive_definite"]
 
