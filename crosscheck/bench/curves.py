@@ -39,12 +39,12 @@ class Line:
 
     @property
     def exponent(self) -> float | None:
-        """k of a time that grows as x^k, from the upper half of the points; None for fewer than three points."""
+        """k of a time that grows as x^k, from the fastest repeats of the upper half; None for less than three points."""
         if len(self.x) < 3:
             return None
         half = len(self.x) // 2
-        x, y = self.x[half:], [times.median for times in self.times[half:]]
-        return float(np.polyfit(np.log(x), np.log(y), 1)[0]) if len(x) > 1 else None
+        x, y = self.x[half:], [times.fastest for times in self.times[half:]]
+        return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
 @dataclass(frozen=True)
