@@ -8,9 +8,10 @@ method: "dense" solves Eq. (111) as it stands, the specification; "projected" el
     space of φ_q (NᵀAN a = …) and reads them off the path matrix; "recursive" eliminates body after body, compiled for
     this robot (graphdyn.kernels). Same answer up to rounding, each faster than the one before. "auto" is "recursive"
     for 1000 samples and more, or with out, and "projected" for fewer, which are not worth compiling for
-threads: how many the recursive method may use, None for as many as there are cores; the answer does not depend on it
-check: refuse NaN and infinity, naming argument and row; with False the recursive method does not look, and only the
-    samples that have them come out as NaN
+threads: how many the recursive method may use, None for as many as there are cores; the answer does not depend on it,
+    nor on the samples beside one, bit for bit (but where a pivot is so small that the projected method decides)
+check: refuse NaN and infinity, naming argument and row; with False the recursive method does not look, and what depends
+    on them comes out as NaN, in their samples only
 out: memory for the answer, recursive method only: C-contiguous float64 arrays of the shapes of the answer
 """
 

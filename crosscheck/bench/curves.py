@@ -39,7 +39,7 @@ class Line:
 
     @property
     def exponent(self) -> float | None:
-        """k of a time that grows as x^k, from the fastest repeats of the upper half; None for less than three points."""
+        """k of a time that grows as x^k, from the fastest repeats of the upper half; None for fewer than 3 points."""
         if len(self.x) < 3:
             return None
         half = len(self.x) // 2

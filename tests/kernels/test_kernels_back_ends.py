@@ -157,6 +157,7 @@ def test_after_a_fork_the_child_computes_too():
 
 
 def test_programs_go_with_their_robot():
+    gc.collect()  # robots of other tests
     model = fresh()
     graphdyn.joint_torques(model, X, X, X, method="recursive")
     single = graphdyn.compile(model).joint_torques
