@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.quantities import (
     BY_NAME,
     QUANTITIES,
+    RECURSIVE,
     Conditioning,
     forward_errors,
     frame_errors,
@@ -24,9 +26,11 @@ from crosscheck.quantities import (
 from crosscheck.referee_values import RefereeValues
 from crosscheck.report import as_text
 from crosscheck.result import Comparison, QuantityResult, WorstState
-from crosscheck.states import Case, cases
+from crosscheck.states import RANDOM, Case, cases
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
+from graphdyn.kernels.running import interpreted
 from graphdyn.layout import Array
+from graphdyn.methods import WORTH_COMPILING
 from graphdyn.projected import singular
 from urdf.cutting import Chain
 
@@ -58,7 +62,8 @@ def compare(
     """Compare all quantities at random and at awkward states.
 
     robot: name (urdf.robots), path of a URDF (both routes), or RobotModel (route "model" only, and notes say so)
-    samples: random states; the awkward ones come on top
+    samples: random states; the awkward ones come on top. From 1000 on the recursive method is compiled, as it is for
+        batches of that size; with fewer it runs on NumPy
     lock, gravity, chain: as in urdf.load, for names and paths only
 
     Raises InvalidInput for samples or a seed that are no such numbers, or lock, gravity or chain with a RobotModel;
@@ -80,8 +85,10 @@ def compare(
     reason = _why_not_forward(model)
     skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
     singular_states: dict[str, int] = {}
-    with threadpool_limits(limits=1, user_api="blas"):  # threads only get in each other's way on matrices this small
+    compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
+    with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads only hinder on matrices this small
         for case in cases(model, samples, seed):
+            recursive = case.name == RANDOM  # recorded for one model: the awkward cases are of many
             for chunk in _chunks(case):
                 regular = np.zeros(len(chunk.q), dtype=bool) if reason else ~singular(mass_matrix(model, chunk.q))
                 if not reason and not regular.all():
@@ -90,12 +97,13 @@ def compare(
                     turned = referee.turned(chunk.turn, chunk.model.gravity)
                     tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
                     reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
-                    record.add(route, chunk, passive_errors(chunk, reference))
+                    record.add(route, chunk, passive_errors(chunk, reference, recursive=recursive))
                     if route == "urdf" and model.frames:
                         record.add(route, chunk, frame_errors(chunk, turned))
                     if regular.any():
                         at = chunk.rows(regular)
-                        record.add(route, at, _forward_errors(at, tau[regular], reference.rows(regular)))
+                        errors = _forward_errors(at, tau[regular], reference.rows(regular), recursive=recursive)
+                        record.add(route, at, errors)
                 errors, conditioning = rank_errors(chunk, tau, regular)
                 record.add("model", chunk, errors)
                 record.condition(conditioning)
@@ -154,13 +162,13 @@ def _chunks(case: Case) -> Iterable[Case]:
         yield case.rows(slice(start, start + CHUNK))
 
 
-def _forward_errors(case: Case, tau: Array, reference: RefereeValues) -> dict[str, Array]:
+def _forward_errors(case: Case, tau: Array, reference: RefereeValues, *, recursive: bool) -> dict[str, Array]:
     """forward_errors, infinite where a system is exactly singular: the rank quantities then say why."""
     try:
-        return forward_errors(case, tau, reference)
+        return forward_errors(case, tau, reference, recursive=recursive)
     except np.linalg.LinAlgError:
         names = (quantity.name for quantity in QUANTITIES if quantity.forward and quantity.name != "kkt_rank")
-        return {name: np.full(len(case.q), np.inf) for name in names}
+        return {name: np.full(len(case.q), np.inf) for name in names if recursive or not name.endswith(RECURSIVE)}
 
 
 def _why_not_forward(model: RobotModel) -> str | None:

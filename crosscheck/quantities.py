@@ -5,6 +5,7 @@ Every function returns one relative error per sample (N,): ‖x - reference‖�
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,8 @@ from crosscheck.tolerances import (
     Tolerance,
 )
 from graphdyn import (
+    ForwardDynamics,
+    InverseDynamics,
     RobotModel,
     bias_torque,
     body_regressor,
@@ -90,6 +93,11 @@ QUANTITIES = (
     Quantity("bias_torque", "nonLinearEffects", _WRENCH, AGREEMENT),
     Quantity("torque_regressor", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
     Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: felt; of I: turn", AGREEMENT),
+    Quantity("torque_recursive", "rnea", _TORQUE, AGREEMENT),
+    Quantity("joint_wrench_recursive", "rnea, data.f", _BY_PART, AGREEMENT),
+    Quantity("multipliers_recursive", "rnea, data.f", _WRENCH, AGREEMENT),
+    Quantity("mass_matrix_recursive", "crba", "largest entry of a tensor", AGREEMENT),
+    Quantity("torque_regressor_recursive", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
     Quantity("acceleration", "aba; ours from the dense system", _SOLVED, ACCELERATION, forward=True),
     Quantity("acceleration_projected", "aba; ours from the null space", _SOLVED, ACCELERATION, forward=True),
     Quantity("acceleration_external", "aba with fext; dense system", _SOLVED, ACCELERATION, forward=True),
@@ -103,6 +111,28 @@ QUANTITIES = (
         forward=True,
     ),
     Quantity("forward_multipliers", "aba, then rnea; dense system", "force and moment", FORWARD_WRENCH, forward=True),
+    Quantity("acceleration_recursive", "aba; ours body after body", _SOLVED, ACCELERATION, forward=True),
+    Quantity(
+        "forward_body_acceleration_recursive",
+        "aba, then a; ours body after body",
+        _SOLVED_BODIES,
+        ACCELERATION,
+        forward=True,
+    ),
+    Quantity(
+        "forward_joint_wrench_recursive",
+        "aba, then rnea; ours body after body",
+        _BY_PART,
+        FORWARD_WRENCH,
+        forward=True,
+    ),
+    Quantity(
+        "forward_multipliers_recursive",
+        "aba, then rnea; ours body after body",
+        "force and moment",
+        FORWARD_WRENCH,
+        forward=True,
+    ),
     Quantity("round_trip", "inverse(forward(τ)) = τ", "τ, joint wrenches, ‖M‖ ‖a‖", ROUND_TRIP, forward=True),
     Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", "only the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
     Quantity("constraint_residual", "φ_q q̈ = ζ", "only q̈ and the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
@@ -110,6 +140,9 @@ QUANTITIES = (
     Quantity("kkt_rank", "Eq. (111) has rank 11n", "full rank", RANK, forward=True),
     Quantity("base_parameters", "same least squares with Pinocchio's regressor", _BASE, IDENTIFICATION),
 )
+RECURSIVE = "_recursive"
+"""End of the names of what the recursive method computes; compared at random states only (crosscheck.comparing)."""
+
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 
 
@@ -128,8 +161,8 @@ class Conditioning:
         return Conditioning(*((min(a[0], b[0]), max(a[1], b[1])) for a, b in pairs))
 
 
-def passive_errors(case: Case, ref: RefereeValues) -> dict[str, Array]:
-    """Errors of everything that does not need a regular mass matrix."""
+def passive_errors(case: Case, ref: RefereeValues, *, recursive: bool = False) -> dict[str, Array]:
+    """Errors of everything that does not need a regular mass matrix; recursive: of that method too."""
     model, q, v, a, external = case.model, case.q, case.v, case.a, case.external_wrenches
     state = maximal_state(model, q, v, a)
     assert state.acceleration is not None
@@ -140,28 +173,48 @@ def passive_errors(case: Case, ref: RefereeValues) -> dict[str, Array]:
     with_load = size.loaded(external)
     multipliers = multipliers_of(model, ref.rotation, ref.joint_wrenches)
     offset, tensor = (np.full(len(q), size) for size in (center_offset(model), largest_tensor(model)))
-    return {
+
+    def inverse_errors(found: InverseDynamics) -> dict[str, Array]:
+        return {
+            "torque": relative(found.tau, ref.tau, largest(ref.joint_wrenches), size.spin),
+            "joint_wrench": by_part(found.joint_wrenches, ref.joint_wrenches, size.force, size.moment),
+            "multipliers": relative(found.multipliers, multipliers, largest(ref.joint_wrenches)),
+        }
+
+    def matrix_errors(mass: Array, regressor: Array) -> dict[str, Array]:
+        by_type = size.felt * size.lever, size.felt, size.turn
+        return {
+            "mass_matrix": relative(mass, ref.mass_matrix, tensor),
+            "torque_regressor": by_parameter_type(regressor, ref.torque_regressor, *by_type),
+        }
+
+    errors = {
         "link_placement": np.maximum(
             largest(state.rotation - ref.rotation), relative(link_origins(state), ref.position, offset)
         ),
         "link_twist": by_part(state.velocity, ref.velocity, size.velocity, 0 * size.velocity),
         "body_acceleration": by_part(state.acceleration, ref.acceleration, size.acceleration, size.turn),
-        "torque": relative(ours.tau, ref.tau, largest(ref.joint_wrenches), size.spin),
-        "joint_wrench": by_part(ours.joint_wrenches, ref.joint_wrenches, size.force, size.moment),
-        "multipliers": relative(ours.multipliers, multipliers, largest(ref.joint_wrenches)),
+        **inverse_errors(ours),
         "torque_external": relative(loaded.tau, ref.tau_external, largest(ref.joint_wrenches_external), size.spin),
         "joint_wrench_external": by_part(
             loaded.joint_wrenches, ref.joint_wrenches_external, with_load.force, with_load.moment
         ),
-        "mass_matrix": relative(mass_matrix(model, q), ref.mass_matrix, tensor),
+        **matrix_errors(mass_matrix(model, q), joint_torque_regressor(model, q, v, a)),
         "bias_torque": relative(bias_torque(model, q, v), ref.bias, largest(at_rest)),
-        "torque_regressor": by_parameter_type(
-            joint_torque_regressor(model, q, v, a), ref.torque_regressor, size.felt * size.lever, size.felt, size.turn
-        ),
         "body_regressor": by_parameter_type(
             body_regressor(model, q, v, a), ref.body_regressor, size.felt, size.felt, size.turn
         ),
     }
+    if recursive:
+        mass = mass_matrix(model, q, method="recursive")
+        regressor = joint_torque_regressor(model, q, v, a, method="recursive")
+        errors |= _of_recursive(inverse_errors(inverse_dynamics(model, q, v, a, method="recursive")))
+        errors |= _of_recursive(matrix_errors(mass, regressor))
+    return errors
+
+
+def _of_recursive(errors: Mapping[str, Array]) -> dict[str, Array]:
+    return {f"{name}{RECURSIVE}": error for name, error in errors.items()}
 
 
 def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
@@ -177,8 +230,8 @@ def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
     return {"frame_placement": np.maximum(turned, shifted)}
 
 
-def forward_errors(case: Case, tau: Array, ref: RefereeValues) -> dict[str, Array]:
-    """Errors of everything that solves for accelerations."""
+def forward_errors(case: Case, tau: Array, ref: RefereeValues, *, recursive: bool = False) -> dict[str, Array]:
+    """Errors of everything that solves for accelerations; recursive: of that method too."""
     model, q, v, external = case.model, case.q, case.v, case.external_wrenches
     dense = forward_dynamics(model, q, v, tau, method="dense")
     projected = forward_dynamics(model, q, v, tau)
@@ -194,22 +247,32 @@ def forward_errors(case: Case, tau: Array, ref: RefereeValues) -> dict[str, Arra
     body_bound = model.n_bodies * np.maximum(1.0, size.lever) * bound + largest(ref.a_body_accelerations)
     inertial = np.abs(ref.mass_matrix).sum(axis=-1).max(axis=-1) * largest(ref.a)
     multipliers = multipliers_of(model, ref.rotation, ref.a_wrenches)
-    return {
-        "acceleration": ratio(largest(dense.a - ref.a), bound),
+
+    def solved_errors(found: ForwardDynamics) -> dict[str, Array]:
+        moving = largest(found.body_accelerations - ref.a_body_accelerations)
+        return {
+            "acceleration": ratio(largest(found.a - ref.a), bound),
+            "forward_body_acceleration": ratio(moving, body_bound),
+            "forward_joint_wrench": by_part(found.joint_wrenches, ref.a_wrenches, size.force, size.moment),
+            "forward_multipliers": relative(found.multipliers, multipliers, size.force, size.moment),
+        }
+
+    errors = {
+        **solved_errors(dense),
         "acceleration_projected": ratio(largest(projected.a - ref.a), bound),
         "acceleration_external": ratio(largest(loaded.a - ref.a_external), bound_loaded),
-        "forward_body_acceleration": ratio(largest(dense.body_accelerations - ref.a_body_accelerations), body_bound),
-        "forward_joint_wrench": by_part(dense.joint_wrenches, ref.a_wrenches, size.force, size.moment),
         "forward_joint_wrench_external": by_part(
             loaded.joint_wrenches, ref.a_wrenches_external, with_load.force, with_load.moment
         ),
-        "forward_multipliers": relative(dense.multipliers, multipliers, size.force, size.moment),
         "round_trip": ratio(
             largest(back.tau - tau), np.maximum.reduce([largest(tau), largest(back.joint_wrenches), inertial])
         ),
         "dynamics_residual": solution.dynamics_residual(),
         "constraint_residual": solution.constraint_residual(),
     }
+    if recursive:
+        errors |= _of_recursive(solved_errors(forward_dynamics(model, q, v, tau, method="recursive")))
+    return errors
 
 
 def rank_errors(case: Case, tau: Array, regular: NDArray[np.bool_]) -> tuple[dict[str, Array], Conditioning]:

@@ -20,6 +20,9 @@ FAST = 10.0
 LOAD = 0.1
 """Size of the external forces [N] and moments [N m], as a part of the robot's weight in standard gravity."""
 
+RANDOM = "random"
+"""Name of the first case."""
+
 AWKWARD = 50
 """States of each awkward kind that is not bound to one body."""
 
@@ -62,7 +65,7 @@ def cases(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
         q, v = model.random_state(rng, size)
         return q, v, rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
 
-    yield case("random", *draw(samples))
+    yield case(RANDOM, *draw(samples))
     few = min(samples, AWKWARD)
     q, v, a = draw(few)
     rest = np.zeros_like(q)

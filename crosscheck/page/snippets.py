@@ -23,6 +23,9 @@ _INVERSE_LOADED = "graphdyn.inverse_dynamics(model, q, v, a, external_wrenches)"
 _FORWARD = 'graphdyn.forward_dynamics(model, q, v, tau, method="dense")'
 _FORWARD_LOADED = 'graphdyn.forward_dynamics(model, q, v, tau, external_wrenches, method="dense")'
 _PROJECTED = "graphdyn.forward_dynamics(model, q, v, tau)"
+_RECURSIVE = 'method="recursive"'
+_INVERSE_RECURSIVE = f"graphdyn.inverse_dynamics(model, q, v, a, {_RECURSIVE})"
+_FORWARD_RECURSIVE = f"graphdyn.forward_dynamics(model, q, v, tau, {_RECURSIVE})"
 _SYSTEM = "graphdyn.kkt_system(model, q, v, tau)"
 
 _FRAMES = "[frame.name for frame in model.frames]"
@@ -58,6 +61,19 @@ CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "forward_joint_wrench_external": ((f"{_FORWARD_LOADED}.joint_wrenches", "reference.a_wrenches_external[0]"),),
     "forward_multipliers": ((f"{_FORWARD}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
     "round_trip": ((f"graphdyn.inverse_dynamics(model, q, v, {_PROJECTED}.a).tau", "tau"),),
+    "torque_recursive": ((f"{_INVERSE_RECURSIVE}.tau", "reference.tau[0]"),),
+    "joint_wrench_recursive": ((f"{_INVERSE_RECURSIVE}.joint_wrenches", "reference.joint_wrenches[0]"),),
+    "multipliers_recursive": ((f"{_INVERSE_RECURSIVE}.multipliers", _MULTIPLIERS.format("joint_wrenches")),),
+    "mass_matrix_recursive": ((f"graphdyn.mass_matrix(model, q, {_RECURSIVE})", "reference.mass_matrix[0]"),),
+    "torque_regressor_recursive": (
+        (f"graphdyn.joint_torque_regressor(model, q, v, a, {_RECURSIVE})", "reference.torque_regressor[0]"),
+    ),
+    "acceleration_recursive": ((f"{_FORWARD_RECURSIVE}.a", "reference.a[0]"),),
+    "forward_body_acceleration_recursive": (
+        (f"{_FORWARD_RECURSIVE}.body_accelerations", "reference.a_body_accelerations[0]"),
+    ),
+    "forward_joint_wrench_recursive": ((f"{_FORWARD_RECURSIVE}.joint_wrenches", "reference.a_wrenches[0]"),),
+    "forward_multipliers_recursive": ((f"{_FORWARD_RECURSIVE}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
     "dynamics_residual": ((f"{_SYSTEM}.solve().dynamics_residual()", "0.0"),),
     "constraint_residual": ((f"{_SYSTEM}.solve().constraint_residual()", "0.0"),),
     "constraint_rank": ((f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),),

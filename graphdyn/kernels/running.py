@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from itertools import pairwise
 from typing import Protocol, TypeVar
@@ -54,6 +56,7 @@ class Prepared:
 
 
 _prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str], Prepared]] = WeakKeyDictionary()
+_forced: ContextVar[str | None] = ContextVar("_forced", default=None)
 
 
 def prepared(model: RobotModel, request: Request) -> Prepared:
@@ -97,14 +100,27 @@ def turned_back(model: RobotModel, q: Array) -> Array:
 
 
 def chosen_backend() -> str:
-    """What the environment asks for, or "llvm" where llvmlite is there. Raises InvalidInput for an unknown choice."""
-    choice = os.environ.get(CHOICE) or "llvm"
+    """What the environment asks for, or "llvm" where llvmlite is there; "numpy" inside interpreted.
+
+    Raises InvalidInput for an unknown choice.
+    """
+    choice = _forced.get() or os.environ.get(CHOICE) or "llvm"
     if choice not in BACKENDS:
         raise InvalidInput(f"the environment variable {CHOICE} is '{choice}'; use one of {', '.join(BACKENDS)}")
     if choice == "llvm":
         with compiling:
             return "llvm" if _can_compile() else "numpy"
     return choice
+
+
+@contextmanager
+def interpreted() -> Iterator[None]:
+    """Inside, in this thread, the recursive method runs on NumPy: for so few samples that compiling is not worth it."""
+    token = _forced.set("numpy")
+    try:
+        yield
+    finally:
+        _forced.reset(token)
 
 
 def cores() -> int:

@@ -39,16 +39,18 @@ class TestExitCodes:
     def test_disagreement(self, program, small_arm, wrong_torque):
         done = program("crosscheck", small_arm, "--samples", 2)
         assert done.code == DISAGREED == 1
-        (row,) = [line for line in done.out.splitlines() if line.startswith("│") and "DISAGREES" in line]
-        assert row.split("│")[1].strip() == "torque"
+        rows = [line for line in done.out.splitlines() if line.startswith("│") and "DISAGREES" in line]
+        assert [row.split("│")[1].strip() for row in rows] == ["torque", "torque_recursive"]
 
     def test_one_of_several_disagrees(self, program, small_arm, wrong_torque):
         """The plant strikes the first robot only; the verdict is of all."""
         done = program("crosscheck", small_arm, "kr500", "--samples", 2)
         assert done.code == DISAGREED
         assert re.search(r"│ verdict +│ +│ +DISAGREES │ +agrees │", done.out)
-        (row,) = [line for line in done.out.splitlines() if "✗" in line]
-        assert re.fullmatch(r"│ torque +│ +[\d.e-]+ │ +[\d.e-]+ ✗ │ +[\d.e-]+ │", row)
+        for name, row in zip(
+            ("torque", "torque_recursive"), (line for line in done.out.splitlines() if "✗" in line), strict=True
+        ):
+            assert re.fullmatch(rf"│ {name} +│ +[\d.e-]+ │ +[\d.e-]+ ✗ │ +[\d.e-]+ │", row)
 
     def test_bad_file_is_one_line_and_the_others_go_on(self, program, small_arm, tmp_path):
         broken = tmp_path / "broken.urdf"

@@ -142,7 +142,9 @@ class TestOutcomes:
         done = program(good_folder, "--samples", 1)
         assert done.code == DISAGREED
         row = done.row("good.urdf")
-        assert (row[1], row[3], row[6]) == ("DISAGREES", "torque", "beyond the bound: torque")
+        assert row[1] == "DISAGREES"
+        assert row[3] in ("torque", "torque_recursive")  # the same wrong number, up to rounding
+        assert row[6] == "beyond the bound: torque, torque_recursive"
         assert "agrees 0, DISAGREES 1, kinematics only 1, refused 0" in done.out
 
     def test_not_finite_is_nearest(self, program, here, good_folder, plant: Plant):

@@ -82,12 +82,19 @@ class Plant:
         self._patch.setattr(PinocchioModel, "torque_regressor", lambda *arguments: change(original(*arguments)))
 
     def projected_accelerations(self, factor: float) -> None:
-        """Our forward dynamics in the null space are off; the dense ones are right."""
+        """Our forward dynamics in the null space are off; the others are right."""
+        self._accelerations("projected", factor)
+
+    def recursive_accelerations(self, factor: float) -> None:
+        """Those by recursion are off."""
+        self._accelerations("recursive", factor)
+
+    def _accelerations(self, wrong: str, factor: float) -> None:
         original = quantities.forward_dynamics
 
         def forward_dynamics(*arguments, method="projected"):
             answer = original(*arguments, method=method)
-            return dataclasses.replace(answer, a=answer.a * factor) if method == "projected" else answer
+            return dataclasses.replace(answer, a=answer.a * factor) if method == wrong else answer
 
         self._patch.setattr(quantities, "forward_dynamics", forward_dynamics)
 

@@ -253,3 +253,17 @@ def test_gram_of_interpreted_and_compiled_programs_agree(monkeypatch):
     interpreted, _ = torque_gram(model, range(40), 0)(*arrays)
     for x, y in zip(compiled, interpreted, strict=True):
         assert np.abs(x - y).max() < SUM * np.abs(x).max()
+
+
+def test_interpreted_for_a_while(monkeypatch):
+    """In this thread, whatever the environment says, and not afterwards."""
+    monkeypatch.setenv("GRAPHDYN_BACKEND", "llvm")
+    others = []
+    with running.interpreted():
+        model = fresh()
+        graphdyn.joint_torques(model, X, X, X, method="recursive")
+        assert back_end_of(model) is Interpreter
+        other = threading.Thread(target=lambda: others.append(running.chosen_backend()))
+        other.start()
+        other.join()
+    assert [*others, running.chosen_backend()] == ["llvm", "llvm"]
