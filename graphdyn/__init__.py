@@ -14,6 +14,7 @@ from graphdyn.dynamics import (
     joint_torques,
     kkt_system,
     mass_matrix,
+    solve_kkt,
 )
 from graphdyn.errors import (
     GimbalLock,
@@ -80,4 +81,5 @@ __all__ = [
     "mass_matrix",
     "maximal_state",
     "record",
+    "solve_kkt",
 ]

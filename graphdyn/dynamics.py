@@ -34,6 +34,9 @@ from graphdyn.layout import Array
 from graphdyn.methods import Method, is_recursive
 from graphdyn.model import RobotModel
 
+UNKNOWNS = ("body_accelerations", "multipliers")
+"""Of Eq. (111), as ForwardDynamics calls them."""
+
 
 def forward_dynamics(
     model: RobotModel,
@@ -95,6 +98,34 @@ def inverse_dynamics(
             )
         )
     return projected.inverse_dynamics(model, _checked(model, x), base, dense=method == "dense")
+
+
+def solve_kkt(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: tuple[Array, Array] | None = None,
+) -> tuple[Array, Array]:
+    """The unknowns of Eq. (111), and nothing else: body_accelerations (…, n, 6) and multipliers (…, n, 5).
+
+    As in forward_dynamics, for any number of states; kkt_system shows the equations of one.
+    """
+    x = _arguments(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
+    if is_recursive(method, x, out):
+        if out is not None and (not isinstance(out, tuple) or len(out) != len(UNKNOWNS)):
+            raise InvalidInput(f"out is {type(out).__name__}; give a pair of arrays, for {' and '.join(UNKNOWNS)}")
+        given = None if out is None else dict(zip(UNKNOWNS, out, strict=True))
+        arrays = recursive.forward_dynamics(model, UNKNOWNS, x, base, Options(threads, check), given)
+        return arrays["body_accelerations"], arrays["multipliers"]
+    answer = projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense")
+    return answer.body_accelerations, answer.multipliers
 
 
 def joint_accelerations(

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from crosscheck.bench.timing import Ratio, Times, fitting_count, in_turns, linear_algebra_threads, ratio
+from crosscheck.bench.timing import STEADY, Ratio, Times, fitting_count, in_turns, linear_algebra_threads, ratio
 from graphdyn.layout import Array
 
 ALL = sys.maxsize
@@ -117,7 +117,7 @@ def measure(work: Work, samples: int, duration: float, repeats: int) -> Measured
             counts.append(fitting_count(contender.run, min(contender.least, most), most, duration))
     errors = [_largest_error(contender, count) for contender, count in zip(work.contenders, counts, strict=True)]
     runs = [partial(c.run, count) for c, count in zip(work.contenders, counts, strict=True)]
-    rows = in_turns(runs, [contender.threads for contender in work.contenders], repeats)
+    rows = in_turns(runs, [contender.threads for contender in work.contenders], repeats, STEADY)
     entries = tuple(
         Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
         for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)

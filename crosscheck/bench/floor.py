@@ -31,7 +31,7 @@ TRIES = 5
 REQUESTS = {
     "inverse_dynamics": Request("inverse_dynamics", ("tau",)),
     "forward_dynamics": Request("forward_dynamics", ("a",)),
-    "everything": Request("forward_dynamics", ("a", "body_accelerations", "multipliers", "joint_wrenches")),
+    "everything": Request("forward_dynamics", ("body_accelerations", "multipliers")),
     "regressor": Request("joint_torque_regressor", ("joint_torque_regressor",)),
 }
 """Program of each work."""

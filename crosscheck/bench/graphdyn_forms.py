@@ -15,7 +15,7 @@ import graphdyn
 from crosscheck import scales
 from crosscheck.bench.contender import ALL, AMORTISED, Contender
 from crosscheck.bench.states import States
-from graphdyn import ForwardDynamics, RobotModel
+from graphdyn import RobotModel
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.structure import structure
 from graphdyn.identification.terms import RigidBodies
@@ -23,6 +23,7 @@ from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.gram import TorqueGram, torque_gram
 from graphdyn.kernels.running import CHOICE, chosen_backend
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
+from graphdyn.methods import Method
 
 COMPILED, RECURSIVE, PROJECTED, DENSE = "graphdyn compiled", "graphdyn NumPy", "graphdyn projected", "dense NumPy"
 
@@ -85,22 +86,24 @@ def forward(states: States, threads: Sequence[int]) -> list[Contender]:
 
 
 def everything(states: States, threads: Sequence[int]) -> list[Contender]:
-    """All accelerations and all multipliers. Judged by the joint wrenches, of which the multipliers are parts."""
-    out = answer_memory(states.model, len(states))
+    """All accelerations and all multipliers. Judged by the multipliers."""
+    n = states.model.n_bodies
+    out = aligned((len(states), n, BODY_FREEDOMS)), aligned((len(states), n, JOINT_CONSTRAINTS))
 
-    def run(count: int, method: str, **options: Any) -> Array:
-        rows = (x[:count] for x in (states.q, states.v, states.tau))
-        return graphdyn.forward_dynamics(states.model, *rows, method=method, **options).joint_wrenches  # type: ignore[arg-type]
+    def run(count: int, method: Method, **options: Any) -> Array:
+        q, v, tau = (x[:count] for x in (states.q, states.v, states.tau))
+        _, multipliers = graphdyn.solve_kkt(states.model, q, v, tau, method=method, **options)
+        return multipliers
 
     def into(count: int, used: int) -> Array:
-        return run(count, "recursive", threads=used, out=first_rows(out, count))
+        return run(count, "recursive", threads=used, out=(out[0][:count], out[1][:count]))
 
     size = (BODY_FREEDOMS + JOINT_CONSTRAINTS) * states.model.n_bodies
     dense = f"the {size}×{size} system of Eq. (111) solved for each sample"
     return [
-        *_recursive(into, threads, states.wrench_errors),
-        _projected(lambda count: run(count, "projected"), states.wrench_errors),
-        Contender(DENSE, 1, lambda count: run(count, "dense"), states.wrench_errors, f"{dense}; {MADE}"),
+        *_recursive(into, threads, states.multiplier_errors),
+        _projected(lambda count: run(count, "projected"), states.multiplier_errors),
+        Contender(DENSE, 1, lambda count: run(count, "dense"), states.multiplier_errors, f"{dense}; {MADE}"),
     ]
 
 
@@ -120,23 +123,6 @@ def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
         *_streamed(states, threads),
         _projected(lambda count: run(count, method="projected"), states.regressor_errors),
     ]
-
-
-def answer_memory(model: RobotModel, samples: int) -> ForwardDynamics:
-    n = model.n_bodies
-    shapes = {
-        "a": (n,),
-        "body_accelerations": (n, BODY_FREEDOMS),
-        "multipliers": (n, JOINT_CONSTRAINTS),
-        "joint_wrenches": (n, BODY_FREEDOMS),
-    }
-    return ForwardDynamics(**{name: aligned((samples, *shape)) for name, shape in shapes.items()})
-
-
-def first_rows(answer: ForwardDynamics, count: int) -> ForwardDynamics:
-    return ForwardDynamics(
-        answer.a[:count], answer.body_accelerations[:count], answer.multipliers[:count], answer.joint_wrenches[:count]
-    )
 
 
 def _recursive(

@@ -9,6 +9,7 @@ import numpy as np
 
 from crosscheck import scales
 from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.quantities import multipliers_of
 from crosscheck.referee_values import BareCalls, RefereeValues
 from crosscheck.states import cases
 from graphdyn import RobotModel, inverse_dynamics, mass_matrix
@@ -88,10 +89,11 @@ class States:
         count = len(a)
         return scales.ratio(scales.largest(a - self.acceleration[:count]), self.acceleration_size[:count])
 
-    def wrench_errors(self, wrenches: Array) -> Array:
-        """Of joint wrenches at the accelerations of tau (N, n, 6), relative to the sample's largest; FEW at most."""
-        reference = self.values.a_wrenches[: len(wrenches)]
-        return scales.relative(wrenches[: len(reference)], reference)
+    def multiplier_errors(self, multipliers: Array) -> Array:
+        """Of multipliers at tau (N, n, 5), relative to the sample's largest joint wrench; FEW at most."""
+        wrenches = self.values.a_wrenches[: len(multipliers)]
+        reference = multipliers_of(self.model, self.values.rotation[: len(wrenches)], wrenches)
+        return scales.relative(multipliers[: len(reference)], reference, scales.largest(wrenches))
 
     def regressor_errors(self, w: Array) -> Array:
         """Of (N, n, 10n), relative to the largest entry of the type of parameter in the sample; FEW at most."""

@@ -18,6 +18,10 @@ FIRST = 16
 SHORTEST = 2e-3
 """[s] Shorter runs are repeated in a row until they take this long: the clock and what is called first weigh less."""
 
+STEADY = 5e-2
+"""[s] The same where throughput is measured. A processor that has just done something else takes some ten milliseconds
+to be at full speed with wide vectors; whoever evaluates millions of samples is past that."""
+
 
 @dataclass(frozen=True)
 class Times:

@@ -35,7 +35,7 @@ DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
     "forward_dynamics": ("forward dynamics", ACCELERATED, ACCELERATION.bound),
     "everything": (
         "all accelerations and multipliers",
-        "largest joint wrench; joint wrenches are judged",
+        "largest joint wrench; multipliers are judged",
         FORWARD_WRENCH.bound,
     ),
     "regressor": (

@@ -29,8 +29,8 @@ def joint_torque_regressor(
     links: Sequence[Link], ground: Ground, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
 ) -> Scalars:
     """W (n, 10 n): row j, columns of body i: the wrench of body i along joint j, if j is between it and the ground."""
-    bodies = body_regressors(links, ground, q, v, a)
     at = places(links, q)
+    moving = motions(links, at, ground, v, a)
     matrix = zeros(len(links), BODY_PARAMETERS * len(links))
     screws: list[dict[int, tuple[Scalars, Scalars]]] = []
     for i, (link, place) in enumerate(zip(links, at, strict=True)):
@@ -38,9 +38,10 @@ def joint_torque_regressor(
         screws.append({j: _outwards(place, *screw) for j, screw in carried.items()})
         screws[i][i] = (E_Z, zeros(3)) if link.prismatic else (zeros(3), E_Z)
         columns = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
+        body = _body_regressor(_in_link_axes(link, moving[i]))
         for j, (linear, angular) in screws[i].items():
             screw = np.concatenate([link.link_axes @ linear, link.link_axes @ angular])
-            matrix[j, columns] = screw @ bodies[i]
+            matrix[j, columns] = screw @ body
     return matrix
 
 

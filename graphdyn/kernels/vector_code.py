@@ -73,12 +73,21 @@ class VectorCode:
 
     # Programs
 
-    def values(self, program: Program, columns: Callable[[str], Sequence[str]]) -> list[str]:
-        """The value of every operation; columns gives those of an input array."""
+    def values(
+        self,
+        program: Program,
+        columns: Callable[[str], Sequence[str]],
+        computed: Callable[[int, Sequence[str]], None] = lambda number, values: None,
+    ) -> list[str]:
+        """The value of every operation; columns gives those of an input array.
+
+        computed: called with the number of each operation and all values so far: what is stored at once need not be
+        kept in registers
+        """
         values: list[str] = []
         turns: dict[int, tuple[str, str]] = {}
         rows: dict[str, Sequence[str]] = {}
-        for kind, *arguments in program.operations:
+        for number, (kind, *arguments) in enumerate(program.operations):
             if kind == "constant":
                 values.append(self.splat(arguments[0]))
             elif kind == "input":
@@ -95,6 +104,7 @@ class VectorCode:
                 if angle not in turns:
                     turns[angle] = self.sine_and_cosine(values[angle])
                 values.append(turns[angle][kind == "cosine"])
+            computed(number, values)
         return values
 
     def watch(self, kind: Watch, values: Sequence[str], seen: str) -> str:

@@ -58,6 +58,12 @@ def test_answers_are_written_where_they_are_wanted(back_end):
         for name, value in vars(fresh).items():
             assert getattr(there, name) is getattr(out, name)
             assert np.array_equal(getattr(out, name), value)
+    pair = np.full((N, 4, 6), np.nan), np.full((N, 4, 5), np.nan)
+    there = graphdyn.solve_kkt(ROBOT, q, v, x, wrenches, out=pair)
+    fresh_pair = graphdyn.solve_kkt(ROBOT, q, v, x, wrenches, method="recursive")
+    for here, memory_, value in zip(there, pair, fresh_pair, strict=True):
+        assert here is memory_
+        assert np.array_equal(here, value)
     single = {
         "joint_accelerations": ((q, v, x), (4,)),
         "joint_torques": ((q, v, x), (4,)),
@@ -70,6 +76,21 @@ def test_answers_are_written_where_they_are_wanted(back_end):
         verb, out = getattr(graphdyn, name), np.full((N, *shape), np.nan)
         assert verb(ROBOT, *given, out=out) is out
         assert np.array_equal(out, verb(ROBOT, *given, method="recursive"))
+
+
+@pytest.mark.parametrize("out", [np.zeros((N, 4, 6)), (np.zeros((N, 4, 6)),)])
+def test_memory_for_the_unknowns_is_a_pair(out):
+    with pytest.raises(InvalidInput, match="give a pair of arrays, for body_accelerations and multipliers"):
+        graphdyn.solve_kkt(ROBOT, *arguments()[:3], out=out)
+
+
+@pytest.mark.parametrize("method", ["dense", "projected"])
+def test_unknowns_are_those_of_forward_dynamics(method):
+    q, v, x, wrenches = arguments()
+    accelerations, multipliers = graphdyn.solve_kkt(ROBOT, q, v, x, wrenches, method=method)
+    everything = graphdyn.forward_dynamics(ROBOT, q, v, x, wrenches, method=method)
+    assert np.array_equal(accelerations, everything.body_accelerations)
+    assert np.array_equal(multipliers, everything.multipliers)
 
 
 def read_only(shape):
