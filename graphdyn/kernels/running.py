@@ -161,11 +161,20 @@ def _in_parallel(
 
 
 def in_threads(work: Callable[[int, int], T], ranges: Sequence[tuple[int, int]], threads: int | None) -> list[T]:
-    """work(first, last) on every range, in their order."""
-    count = min(len(ranges), cores() if threads is None else threads)
-    if count <= 1:
-        return [work(*one) for one in ranges]
-    return list(_pool(count).map(work, *zip(*ranges, strict=True)))
+    """work(first, last) on every range, in their order. Who is free takes the next one, this thread included."""
+    answers: dict[int, T] = {}
+    pending = iter(range(len(ranges)))
+
+    def take() -> None:
+        for k in pending:
+            answers[k] = work(*ranges[k])
+
+    helpers = min(len(ranges), cores() if threads is None else threads) - 1
+    helping = [_pool(helpers).submit(take) for _ in range(helpers)]
+    take()
+    for helper in helping:
+        helper.result()
+    return [answers[k] for k in range(len(ranges))]
 
 
 @cache
