@@ -20,7 +20,7 @@ import numpy as np
 
 from graphdyn.kernels.mechanism import Link
 from graphdyn.kernels.motion import Ground, Motion, Place, inertial_wrench, motions, places
-from graphdyn.kernels.reactions import Wrench, added, answers, inwards
+from graphdyn.kernels.reactions import Wrench, added, answers, inwards, unloaded
 from graphdyn.kernels.vectors import E_Z, Scalars, cross, scalars, skew, symmetric, zeros
 
 
@@ -79,9 +79,7 @@ def forward_dynamics(
     at = places(links, q)
     at_rest = motions(links, at, ground, v, [0.0] * len(links))
     inertias = [Inertia.of(link) for link in links]
-    wrenches = [inertial_wrench(link, motion) for link, motion in zip(links, at_rest, strict=True)]
-    if external is not None:
-        wrenches = [(f - fx, n - nx) for (f, n), (fx, nx) in zip(wrenches, external, strict=True)]
+    wrenches = unloaded([inertial_wrench(*pair) for pair in zip(links, at_rest, strict=True)], external)
     pivots: list[Any] = [None] * len(links)
     leaves: dict[int, Eliminated] = {}
     for j in reversed(range(len(links))):

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -135,6 +136,7 @@ class CompiledGram:
 
     def __init__(self, program: Program, groups: Sequence[int], lanes: int | None = None) -> None:
         self._program, self._groups = program, tuple(groups)
+        self._blocks = [slice(first, last) for first, last in pairwise(np.cumsum([0, *groups]).tolist())]
         self.lanes = host_lanes() if lanes is None else lanes
         self._code = MachineCode(emit_gram(program, groups, self.lanes))
         self._products = np.array(products(groups, self.lanes))
@@ -163,16 +165,14 @@ class CompiledGram:
         everything = np.zeros((width, width))
         left, right = self._products.T
         everything[left, right] = everything[right, left] = sums
-        ends = np.cumsum(self._groups)
-        return [everything[end - size : end, end - size : end] for size, end in zip(self._groups, ends, strict=True)]
+        return [everything[block, block] for block in self._blocks]
 
     def _spread_out(self, matrices: Sequence[Array]) -> Array:
         """The matrices along the diagonal of a large one."""
-        width, end = sum(self._groups), 0
+        width = sum(self._groups)
         everything = np.zeros((width, width))
-        for size, matrix in zip(self._groups, matrices, strict=True):
-            end += size
-            everything[end - size : end, end - size : end] = matrix
+        for block, matrix in zip(self._blocks, matrices, strict=True):
+            everything[block, block] = matrix
         return everything
 
     def _whole(self, first: int, last: int, addresses: Sequence[int]) -> tuple[Array, Seen]:

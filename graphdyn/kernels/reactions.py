@@ -19,7 +19,7 @@ def transmitted(
     links: Sequence[Link], at: Sequence[Place], needed: Sequence[Wrench], external: Sequence[Wrench] | None
 ) -> list[Wrench]:
     """Wrench of the inside body on body j: what body j needs, less what acts on it, and what it passes on."""
-    wrenches = list(needed) if external is None else [_difference(*pair) for pair in zip(needed, external, strict=True)]
+    wrenches = unloaded(needed, external)
     for j in reversed(range(len(links))):
         i = links[j].inside
         if i >= 0:
@@ -37,8 +37,11 @@ def added(x: Wrench, y: Wrench) -> Wrench:
     return x[0] + y[0], x[1] + y[1]
 
 
-def _difference(x: Wrench, y: Wrench) -> Wrench:
-    return x[0] - y[0], x[1] - y[1]
+def unloaded(needed: Sequence[Wrench], external: Sequence[Wrench] | None) -> list[Wrench]:
+    """What is left to the joints when external wrenches act on the bodies."""
+    if external is None:
+        return list(needed)
+    return [(f - fx, n - nx) for (f, n), (fx, nx) in zip(needed, external, strict=True)]
 
 
 def answers(
