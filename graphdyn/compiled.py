@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.errors import InvalidInput
-from graphdyn.kernels.programs import Request
+from graphdyn.kernels.programs import Request, output_shapes
 from graphdyn.kernels.running import prepared
-from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.layout import Array
 from graphdyn.model import RobotModel
 
 VERBS = ("joint_torques", "joint_accelerations", "mass_matrix", "bias_torque", "joint_torque_regressor")
@@ -25,8 +25,9 @@ class SingleState:
     Raises InvalidInput for wrong shapes, and another number of arguments.
     """
 
-    def __init__(self, model: RobotModel, request: Request, names: tuple[str, ...], shape: tuple[int, ...]) -> None:
+    def __init__(self, model: RobotModel, request: Request, names: tuple[str, ...]) -> None:
         n, (output,) = model.n_bodies, request.outputs
+        shape = output_shapes(n)[output]
         backend = prepared(model, request).backend
         memory = {name: np.zeros((backend.lanes, n)) for name in names}
         answer = np.zeros((backend.lanes, int(np.prod(shape))))
@@ -81,7 +82,7 @@ class CompiledModel:
     @cached_property
     def mass_matrix(self) -> SingleState:
         """mass_matrix(q) → M (n, n)"""
-        return self._single("mass_matrix", "mass_matrix", ("q",), (self.model.n_bodies,))
+        return self._single("mass_matrix", "mass_matrix", ("q",))
 
     @cached_property
     def bias_torque(self) -> SingleState:
@@ -91,11 +92,10 @@ class CompiledModel:
     @cached_property
     def joint_torque_regressor(self) -> SingleState:
         """joint_torque_regressor(q, v, a) → W (n, 10 n)"""
-        columns = (BODY_PARAMETERS * self.model.n_bodies,)
-        return self._single("joint_torque_regressor", "joint_torque_regressor", ("q", "v", "a"), columns)
+        return self._single("joint_torque_regressor", "joint_torque_regressor", ("q", "v", "a"))
 
-    def _single(self, program: str, output: str, names: tuple[str, ...], more: tuple[int, ...] = ()) -> SingleState:
-        return SingleState(self.model, Request(program, (output,)), names, (self.model.n_bodies, *more))
+    def _single(self, program: str, output: str, names: tuple[str, ...]) -> SingleState:
+        return SingleState(self.model, Request(program, (output,)), names)
 
 
 def compile(model: RobotModel, *verbs: str) -> CompiledModel:

@@ -63,8 +63,8 @@ def forward_dynamics(
     if is_recursive(method, x, out):
         options = Options(threads, check)
         return ForwardDynamics(
-            **recursive.forward_dynamics(
-                model, _names(ForwardDynamics), x, base, options, _memory(ForwardDynamics, out)
+            **recursive.answers(
+                model, "forward_dynamics", _names(ForwardDynamics), x, base, options, _memory(ForwardDynamics, out)
             )
         )
     return projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense")
@@ -93,8 +93,8 @@ def inverse_dynamics(
     if is_recursive(method, x, out):
         options = Options(threads, check)
         return InverseDynamics(
-            **recursive.inverse_dynamics(
-                model, _names(InverseDynamics), x, base, options, _memory(InverseDynamics, out)
+            **recursive.answers(
+                model, "inverse_dynamics", _names(InverseDynamics), x, base, options, _memory(InverseDynamics, out)
             )
         )
     return projected.inverse_dynamics(model, _checked(model, x), base, dense=method == "dense")
@@ -122,7 +122,7 @@ def solve_kkt(
         if out is not None and (not isinstance(out, tuple) or len(out) != len(UNKNOWNS)):
             raise InvalidInput(f"out is {type(out).__name__}; give a pair of arrays, for {' and '.join(UNKNOWNS)}")
         given = None if out is None else dict(zip(UNKNOWNS, out, strict=True))
-        arrays = recursive.forward_dynamics(model, UNKNOWNS, x, base, Options(threads, check), given)
+        arrays = recursive.answers(model, "forward_dynamics", UNKNOWNS, x, base, Options(threads, check), given)
         return arrays["body_accelerations"], arrays["multipliers"]
     answer = projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense")
     return answer.body_accelerations, answer.multipliers
@@ -145,7 +145,7 @@ def joint_accelerations(
     x = _arguments(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
     if is_recursive(method, x, out):
         given = None if out is None else {"a": out}
-        return recursive.forward_dynamics(model, ("a",), x, base, Options(threads, check), given)["a"]
+        return recursive.answers(model, "forward_dynamics", ("a",), x, base, Options(threads, check), given)["a"]
     return projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense").a
 
 
@@ -166,7 +166,7 @@ def joint_torques(
     x = _arguments(model, base, q=q, v=v, a=a, external_wrenches=external_wrenches)
     if is_recursive(method, x, out):
         given = None if out is None else {"tau": out}
-        return recursive.inverse_dynamics(model, ("tau",), x, base, Options(threads, check), given)["tau"]
+        return recursive.answers(model, "inverse_dynamics", ("tau",), x, base, Options(threads, check), given)["tau"]
     return projected.inverse_dynamics(model, _checked(model, x), base, dense=method == "dense").tau
 
 
@@ -182,9 +182,8 @@ def mass_matrix(
 ) -> Array:
     """M = NᵀAN (…, n, n) [kg m², kg m, kg]. The motion of a base does not change it; all verbs take the keyword."""
     x = _arguments(model, base, q=q)
-    n = model.n_bodies
     if is_recursive(method, x, out):
-        return recursive.single_array(model, "mass_matrix", (n, n), x, None, Options(threads, check), out)
+        return recursive.single_array(model, "mass_matrix", x, None, Options(threads, check), out)
     return projected.mass_matrix(model, _checked(model, x), base)
 
 
@@ -202,7 +201,7 @@ def bias_torque(
     """h (…, n): τ = M a + h without external wrenches: velocity, gravity and base motion [N m or N]."""
     x = _arguments(model, base, q=q, v=v)
     if is_recursive(method, x, out):
-        return recursive.single_array(model, "bias_torque", (model.n_bodies,), x, base, Options(threads, check), out)
+        return recursive.single_array(model, "bias_torque", x, base, Options(threads, check), out)
     return inverse_dynamics(model, q, v, np.zeros(model.n_bodies), base=base, method=method).tau
 
 

@@ -16,7 +16,7 @@ from graphdyn.arrays import as_floats, joint_arrays
 from graphdyn.base_motion import BaseMotion, Ground, ground
 from graphdyn.errors import InconsistentState, InvalidInput
 from graphdyn.kernels.batch import Options, evaluate
-from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array, stacked_rows
+from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
 from graphdyn.linear import solve
 from graphdyn.methods import Method, is_recursive
 from graphdyn.model import RobotModel
@@ -177,13 +177,13 @@ def _recursive_state(
     model: RobotModel, x: dict[str, Array], accelerated: bool, base: BaseMotion | None, options: Options
 ) -> MaximalState:
     """state_on by the recursions of graphdyn.kernels."""
-    n = model.n_bodies
     acceleration = None
     if accelerated:
-        shapes: dict[str, tuple[int, ...]] = {"body_accelerations": (n, BODY_FREEDOMS)}
-        acceleration = evaluate(model, "inverse_dynamics", shapes, x, base, options).arrays["body_accelerations"]
-    shapes = {"position": (n, 3), "rotation": (n, 3, 3), "velocity": (n, BODY_FREEDOMS)}
-    state = evaluate(model, "maximal_state", shapes, {"q": x["q"], "v": x["v"]}, base, options).arrays
+        there = evaluate(model, "inverse_dynamics", ("body_accelerations",), x, base, options)
+        acceleration = there.arrays["body_accelerations"]
+    state = evaluate(
+        model, "maximal_state", ("position", "rotation", "velocity"), {"q": x["q"], "v": x["v"]}, base, options
+    ).arrays
     vertex_0 = ground(model, base, x["q"].shape[:-1])
     return MaximalState(model, state["position"], state["rotation"], state["velocity"], acceleration, vertex_0)
 

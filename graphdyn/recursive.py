@@ -13,62 +13,33 @@ import numpy as np
 from graphdyn import projected
 from graphdyn.base_motion import BaseMotion
 from graphdyn.kernels.batch import Evaluation, Options, evaluate
-from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
+from graphdyn.layout import BODY_FREEDOMS, Array
 from graphdyn.model import RobotModel
 from graphdyn.projected import Arguments, refuse_singular
 
 
-def forward_dynamics(
+def answers(
     model: RobotModel,
+    verb: str,
     fields: tuple[str, ...],
     x: Arguments,
     base: BaseMotion | None,
     options: Options,
     out: Mapping[str, Array] | None,
 ) -> dict[str, Array]:
-    """These fields of graphdyn.ForwardDynamics. Raises SingularMassMatrix."""
-    answer = evaluate(model, "forward_dynamics", _shapes(model, fields), x, base, options, out)
+    """These fields of what "forward_dynamics" or "inverse_dynamics" answers. Raises SingularMassMatrix."""
+    answer = evaluate(model, verb, fields, x, base, options, out)
     if answer.suspects.size:
         _decide(model, answer, x, base)
     return answer.arrays
 
 
-def inverse_dynamics(
-    model: RobotModel,
-    fields: tuple[str, ...],
-    x: Arguments,
-    base: BaseMotion | None,
-    options: Options,
-    out: Mapping[str, Array] | None,
-) -> dict[str, Array]:
-    """These fields of graphdyn.InverseDynamics."""
-    return evaluate(model, "inverse_dynamics", _shapes(model, fields), x, base, options, out).arrays
-
-
 def single_array(
-    model: RobotModel,
-    name: str,
-    trailing: tuple[int, ...],
-    x: Arguments,
-    base: BaseMotion | None,
-    options: Options,
-    out: Array | None,
+    model: RobotModel, name: str, x: Arguments, base: BaseMotion | None, options: Options, out: Array | None
 ) -> Array:
     """The answer of a verb that has one array of the verb's name."""
     given = None if out is None else {name: out}
-    return evaluate(model, name, {name: trailing}, x, base, options, given).arrays[name]
-
-
-def _shapes(model: RobotModel, fields: tuple[str, ...]) -> dict[str, tuple[int, ...]]:
-    n = model.n_bodies
-    shapes = {
-        "a": (n,),
-        "tau": (n,),
-        "body_accelerations": (n, BODY_FREEDOMS),
-        "multipliers": (n, JOINT_CONSTRAINTS),
-        "joint_wrenches": (n, BODY_FREEDOMS),
-    }
-    return {name: shapes[name] for name in fields}
+    return evaluate(model, name, (name,), x, base, options, given).arrays[name]
 
 
 def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotion | None) -> None:

@@ -36,8 +36,7 @@ def body_regressor(
     """
     x = joint_arrays(model, base, check=False, q=q, v=v, a=a)
     if is_recursive(method, x, out):
-        shape = (model.n_bodies, BODY_FREEDOMS, BODY_PARAMETERS)
-        return single_array(model, "body_regressor", shape, x, base, Options(threads, check), out)
+        return single_array(model, "body_regressor", x, base, Options(threads, check), out)
     refuse_non_finite(model, x)
     return _body_regressor(_skeleton_state(model, base, x))
 
@@ -62,11 +61,10 @@ def joint_torque_regressor(
     Raises InvalidInput.
     """
     x = joint_arrays(model, base, check=False, q=q, v=v, a=a)
-    n = model.n_bodies
     if is_recursive(method, x, out):
-        shape = (n, BODY_PARAMETERS * n)
-        return single_array(model, "joint_torque_regressor", shape, x, base, Options(threads, check), out)
+        return single_array(model, "joint_torque_regressor", x, base, Options(threads, check), out)
     refuse_non_finite(model, x)
+    n = model.n_bodies
     state = _skeleton_state(model, base, x)
     columns = null_space(state).reshape(*x["q"].shape[:-1], n, BODY_FREEDOMS, n)
     columns[..., LINEAR, :] = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])

@@ -13,7 +13,7 @@ from graphdyn.arrays import refuse_non_finite
 from graphdyn.base_motion import BaseMotion, ground
 from graphdyn.errors import InvalidInput
 from graphdyn.kernels.aligned import aligned
-from graphdyn.kernels.programs import GROUND, Request
+from graphdyn.kernels.programs import GROUND, Request, output_shapes
 from graphdyn.kernels.running import run
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model import RobotModel
@@ -50,13 +50,13 @@ class Evaluation:
 def evaluate(
     model: RobotModel,
     verb: str,
-    trailing: Mapping[str, tuple[int, ...]],
+    fields: tuple[str, ...],
     x: Mapping[str, Array],
     base: BaseMotion | None,
     options: Options,
     out: Mapping[str, Array] | None = None,
 ) -> Evaluation:
-    """A verb of kernels.programs on arrays of one leading shape: outputs with these trailing shapes, into out if given.
+    """A verb of kernels.programs on arrays of one leading shape: these of its outputs, into out if given.
 
     Raises InvalidInput for NaN and infinity, unless told not to look; for outputs of the wrong shape, type or layout,
     read-only ones, and ones that overlap with an argument or each other. After an error out holds nothing of use.
@@ -66,9 +66,10 @@ def evaluate(
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
-    shapes = {name: (*batch, *shape) for name, shape in trailing.items()}
+    known = output_shapes(model.n_bodies)
+    shapes = {name: (*batch, *known[name]) for name in fields}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
-    request = Request(verb, tuple(trailing), "external_wrenches" in x, base is not None)
+    request = Request(verb, fields, "external_wrenches" in x, base is not None)
     if count == 0:
         return Evaluation(arrays, np.empty(0, dtype=np.intp))
     outputs = {name: _as_rows(array, batch) for name, array in arrays.items()}

@@ -19,7 +19,7 @@ from graphdyn.kernels.positions import maximal_state
 from graphdyn.kernels.reactions import Wrench, in_joint_axes
 from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
 from graphdyn.kernels.vectors import Scalars, scalars, zeros
-from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
 from graphdyn.model import RobotModel
 
 GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "felt": (3,)}
@@ -36,6 +36,24 @@ class Request:
     outputs: tuple[str, ...]
     external: bool = False
     moving_base: bool = False
+
+
+def output_shapes(n: int) -> dict[str, tuple[int, ...]]:
+    """Of all verbs, by name, for one sample of n bodies."""
+    return {
+        "a": (n,),
+        "tau": (n,),
+        "body_accelerations": (n, BODY_FREEDOMS),
+        "multipliers": (n, JOINT_CONSTRAINTS),
+        "joint_wrenches": (n, BODY_FREEDOMS),
+        "bias_torque": (n,),
+        "mass_matrix": (n, n),
+        "joint_torque_regressor": (n, BODY_PARAMETERS * n),
+        "body_regressor": (n, BODY_FREEDOMS, BODY_PARAMETERS),
+        "position": (n, 3),
+        "rotation": (n, 3, 3),
+        "velocity": (n, BODY_FREEDOMS),
+    }
 
 
 def record(model: RobotModel, request: Request) -> Program:
