@@ -1,103 +1,14 @@
 """graphdyn against Pinocchio, number by number. Needs `pin`; the only package that does.
 
-The names below are imported when they are first used: the command line and the pytest fixture start without Pinocchio.
+The public names are listed in __init__.pyi and imported when first used: the command line and the pytest fixture start
+without Pinocchio. The rooms below are not public.
 """
 
-from __future__ import annotations
-
-from importlib import import_module
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from crosscheck.comparing import Disagreement, assert_agrees, compare
-    from crosscheck.identifying import Identified, identify
-    from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement
-    from crosscheck.judging.judge import WrongDynamics, assert_correct, judge
-    from crosscheck.records import (
-        DirtyRecording,
-        Record,
-        StreamedRecording,
-        concatenated,
-        decimated,
-        differentiated,
-        inspect_record,
-        load_mapping,
-        load_record,
-        load_recording,
-        record_of,
-        save_recording,
-        split_by_file,
-        split_by_rows,
-        split_by_time,
-        time_folds,
-    )
-    from crosscheck.result import Comparison, QuantityResult
+import lazy_loader
 
-_HOMES = {
-    "crosscheck.comparing": ("Disagreement", "assert_agrees", "compare"),
-    "crosscheck.identifying": ("Identified", "identify"),
-    "crosscheck.judgement": ("Diagnosis", "JudgedFunction", "Judgement"),
-    "crosscheck.judging.judge": ("WrongDynamics", "assert_correct", "judge"),
-    "crosscheck.records": (
-        "DirtyRecording",
-        "Record",
-        "StreamedRecording",
-        "concatenated",
-        "decimated",
-        "differentiated",
-        "inspect_record",
-        "load_mapping",
-        "load_record",
-        "load_recording",
-        "record_of",
-        "save_recording",
-        "split_by_file",
-        "split_by_rows",
-        "split_by_time",
-        "time_folds",
-    ),
-    "crosscheck.result": ("Comparison", "QuantityResult"),
-}
+if TYPE_CHECKING:  # the same edges as __init__.pyi, for the import contract
+    from crosscheck import assertions, identifying, judging, recordings, referee  # noqa: F401
 
-__all__ = [
-    "Comparison",
-    "Diagnosis",
-    "DirtyRecording",
-    "Disagreement",
-    "Identified",
-    "JudgedFunction",
-    "Judgement",
-    "QuantityResult",
-    "Record",
-    "StreamedRecording",
-    "WrongDynamics",
-    "assert_agrees",
-    "assert_correct",
-    "compare",
-    "concatenated",
-    "decimated",
-    "differentiated",
-    "identify",
-    "inspect_record",
-    "judge",
-    "load_mapping",
-    "load_record",
-    "load_recording",
-    "record_of",
-    "save_recording",
-    "split_by_file",
-    "split_by_rows",
-    "split_by_time",
-    "time_folds",
-]
-
-
-def __getattr__(name: str) -> object:
-    for module, names in _HOMES.items():
-        if name in names:
-            return getattr(import_module(module), name)
-    raise AttributeError(f"module 'crosscheck' has no attribute '{name}'")
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

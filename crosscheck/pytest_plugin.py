@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from crosscheck.judgement import Judgement
+    from crosscheck.judging.judgement import Judgement
 
 
 @pytest.fixture(scope="session")
 def judge_dynamics() -> Callable[..., Judgement]:
     """crosscheck.assert_correct: fails with a table and the diagnoses where a function is wrong."""
-    from crosscheck.judging.judge import assert_correct  # Pinocchio takes half a second, and not every suite needs it
+    from crosscheck.assertions import assert_correct  # Pinocchio takes half a second, and not every suite needs it
 
     return assert_correct

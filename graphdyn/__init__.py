@@ -3,10 +3,10 @@
 The names below are the public interface; docs/notation.md relates them to the paper.
 """
 
-from graphdyn.answers import ForwardDynamics, InverseDynamics
-from graphdyn.base_motion import BaseMotion
-from graphdyn.compiled import CompiledModel, compile
-from graphdyn.dynamics import (
+from graphdyn._answers import ForwardDynamics, InverseDynamics
+from graphdyn._base_motion import BaseMotion
+from graphdyn._compiled import CompiledModel, compile
+from graphdyn._dynamics import (
     bias_torque,
     forward_dynamics,
     inverse_dynamics,
@@ -16,7 +16,8 @@ from graphdyn.dynamics import (
     mass_matrix,
     solve_kkt,
 )
-from graphdyn.errors import (
+from graphdyn._errors import (
+    EstimationFailed,
     GimbalLock,
     GraphDynError,
     InconsistentState,
@@ -26,16 +27,16 @@ from graphdyn.errors import (
     SingularMassMatrix,
     UnknownFrame,
 )
-from graphdyn.experiment import record
-from graphdyn.graph import Graph
-from graphdyn.inertia import Consistency
-from graphdyn.kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
-from graphdyn.kkt import KKTSolution, KKTSystem
-from graphdyn.kr500 import kr500, kr500_experiment
-from graphdyn.model import Body, Frame, Joint, JointLimits, RobotModel
-from graphdyn.placement import Placement
-from graphdyn.recording import Recording
-from graphdyn.regressors import body_regressor, joint_torque_regressor
+from graphdyn._experiment import record
+from graphdyn._graph import Graph
+from graphdyn._inertia import Consistency
+from graphdyn._kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
+from graphdyn._kkt import KKTSolution, KKTSystem
+from graphdyn._kr500 import kr500, kr500_experiment
+from graphdyn._model import Body, Frame, Joint, JointLimits, RobotModel
+from graphdyn._placement import Placement
+from graphdyn._regressors import body_regressor, joint_torque_regressor
+from graphdyn._virtual_recording import VirtualRecording
 
 __version__ = "0.1.0"
 
@@ -44,6 +45,7 @@ __all__ = [
     "Body",
     "CompiledModel",
     "Consistency",
+    "EstimationFailed",
     "ForwardDynamics",
     "Frame",
     "GimbalLock",
@@ -60,10 +62,10 @@ __all__ = [
     "MaximalState",
     "Placement",
     "RankDeficientConstraints",
-    "Recording",
     "RobotModel",
     "SingularMassMatrix",
     "UnknownFrame",
+    "VirtualRecording",
     "bias_torque",
     "body_regressor",
     "compile",

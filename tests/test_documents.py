@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from crosscheck.errata import ERRATA
-from crosscheck.quantities import BY_NAME
-from crosscheck.tolerances import EPS
+from crosscheck.referee.quantities import BY_NAME
+from crosscheck.referee.tolerances import EPS
+from crosscheck.studies.errata import ERRATA
 from graphdyn import __version__
 
 ROOT = Path(__file__).parents[1]

@@ -3,8 +3,8 @@
 Strict where parsers guess: what would have to be filled in is refused with file, line, element and remedy.
 """
 
-from urdf.catalogue import RobotEntry, robots
-from urdf.errors import (
+from urdf._catalogue import RobotEntry, robots
+from urdf._errors import (
     AxisNotNormalizedWarning,
     CannotSave,
     CannotUpdate,
@@ -31,11 +31,11 @@ from urdf.errors import (
     XacroNotInstalled,
     XacroWarning,
 )
+from urdf._loading import fused_links, load
+from urdf._opening import Xacro
+from urdf._saving import save
+from urdf._updating import Update, update
 from urdf.inspection import Finding, Report, inspect
-from urdf.loading import fused_links, load
-from urdf.opening import Xacro
-from urdf.saving import save
-from urdf.updating import Update, update
 
 __all__ = [
     "AxisNotNormalizedWarning",

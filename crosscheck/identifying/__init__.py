@@ -1,12 +1,12 @@
 """From recordings and a robot to a model that predicts: preparation, methods side by side, recommendation."""
 
-from crosscheck.identifying.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecords
+from crosscheck.identifying.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.identify import identify
 from crosscheck.identifying.methods import METHODS, STANDARD_METHODS, method_named
 from crosscheck.identifying.pinocchio_method import WithPinocchio
 from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.recommending import Recommendation, recommendation
-from crosscheck.identifying.result import Curve, Identified
+from crosscheck.identifying.result import Identified, TorqueCurve
 from crosscheck.identifying.torque_terms import TERMS, friction_terms
 from crosscheck.identifying.virtual import VirtualRobot, virtual_robot
 from crosscheck.identifying.wrench_method import FromWrenches
@@ -17,15 +17,15 @@ __all__ = [
     "TERMS",
     "ByRows",
     "ByTime",
-    "Curve",
     "Folds",
     "FromWrenches",
     "HeldOut",
     "Identified",
     "LastPart",
-    "OtherRecords",
+    "OtherRecordings",
     "Preparation",
     "Recommendation",
+    "TorqueCurve",
     "VirtualRobot",
     "WithPinocchio",
     "friction_terms",

@@ -8,9 +8,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from crosscheck.records import Record, Split, concatenated, split_by_rows, split_by_time, time_folds
-from crosscheck.records.splits import Interval
-from graphdyn.errors import InvalidInput
+from crosscheck.recordings import Recording, Split, concatenated, split_by_rows, split_by_time, time_folds
+from crosscheck.recordings.splits import Interval
+from graphdyn import InvalidInput
 
 GUARD = 0.25
 """[s] between fit and prediction where the program chooses the border: neighbours share noise and filter."""
@@ -25,15 +25,15 @@ class Division(NamedTuple):
     words: what is held out
     """
 
-    fit: Record
+    fit: Recording
     trials: list[Split]
     words: str
 
 
 class HeldOut(Protocol):
-    """A way to hold out rows of differentiated records."""
+    """A way to hold out rows of differentiated recordings."""
 
-    def divide(self, records: Sequence[Record]) -> Division:
+    def divide(self, recordings: Sequence[Recording]) -> Division:
         """Raises InvalidInput where nothing is left to fit or to predict."""
         ...
 
@@ -45,11 +45,11 @@ class ByTime:
     fit: Interval
     predict: Interval
 
-    def divide(self, records: Sequence[Record]) -> Division:
-        record = _only(records, "time")
-        start = round(float(record.t[0]) - record.rows[0] * _step(record), NANOSECONDS)
+    def divide(self, recordings: Sequence[Recording]) -> Division:
+        recording = _only(recordings, "time")
+        start = round(float(recording.t[0]) - recording.rows[0] * _step(recording), NANOSECONDS)
         intervals = [(first + start, last + start) for first, last in (self.fit, self.predict)]
-        split = split_by_time(record, *intervals)
+        split = split_by_time(recording, *intervals)
         return Division(split.train, [split], _told("", self.predict, " s"))
 
 
@@ -60,19 +60,19 @@ class ByRows:
     fit: Interval
     predict: Interval
 
-    def divide(self, records: Sequence[Record]) -> Division:
-        split = split_by_rows(_only(records, "rows"), self.fit, self.predict)
+    def divide(self, recordings: Sequence[Recording]) -> Division:
+        split = split_by_rows(_only(recordings, "rows"), self.fit, self.predict)
         return Division(split.train, [split], _told("rows ", self.predict))
 
 
 @dataclass(frozen=True)
-class OtherRecords:
-    """records: differentiated like those of the fit, and predicted."""
+class OtherRecordings:
+    """recordings: differentiated like those of the fit, and predicted."""
 
-    records: tuple[Record, ...]
+    recordings: tuple[Recording, ...]
 
-    def divide(self, records: Sequence[Record]) -> Division:
-        fit, test = concatenated(records), concatenated(self.records)
+    def divide(self, recordings: Sequence[Recording]) -> Division:
+        fit, test = concatenated(recordings), concatenated(self.recordings)
         return Division(fit, [Split(fit, test)], f"all of {', '.join(test.provenance.files)}")
 
 
@@ -82,14 +82,14 @@ class LastPart:
 
     part: float = 0.25
 
-    def divide(self, records: Sequence[Record]) -> Division:
+    def divide(self, recordings: Sequence[Recording]) -> Division:
         if not 0 < self.part < 1:
             raise InvalidInput(f"the part to hold out is {self.part:g}; choose one between 0 and 1")
         splits = []
-        for record in records:
-            border = float(record.t[int(len(record.t) * (1 - self.part))])
-            ahead = (border, float(np.nextafter(record.t[-1], np.inf)))
-            splits.append(split_by_time(record, (float(record.t[0]), border - GUARD), ahead))
+        for recording in recordings:
+            border = float(recording.t[int(len(recording.t) * (1 - self.part))])
+            ahead = (border, float(np.nextafter(recording.t[-1], np.inf)))
+            splits.append(split_by_time(recording, (float(recording.t[0]), border - GUARD), ahead))
         both = Split(*(concatenated([split[k] for split in splits]) for k in range(2)))
         return Division(both.train, [both], f"the last {100 * self.part:g} % of every recording")
 
@@ -100,17 +100,17 @@ class Folds:
 
     folds: int = 5
 
-    def divide(self, records: Sequence[Record]) -> Division:
-        record = concatenated(records)
+    def divide(self, recordings: Sequence[Recording]) -> Division:
+        recording = concatenated(recordings)
         return Division(
-            record, time_folds(record, self.folds, GUARD), f"{self.folds} consecutive folds, each from the others"
+            recording, time_folds(recording, self.folds, GUARD), f"{self.folds} consecutive folds, each from the others"
         )
 
 
-def _only(records: Sequence[Record], what: str) -> Record:
-    if len(records) != 1:
-        raise InvalidInput(f"{len(records)} recordings cannot be divided by {what}; give one, or others to validate")
-    return records[0]
+def _only(recordings: Sequence[Recording], what: str) -> Recording:
+    if len(recordings) != 1:
+        raise InvalidInput(f"{len(recordings)} recordings cannot be divided by {what}; give one, or others to validate")
+    return recordings[0]
 
 
 def _told(what: str, interval: Interval, unit: str = "") -> str:
@@ -118,8 +118,8 @@ def _told(what: str, interval: Interval, unit: str = "") -> str:
     return f"{what}from {first:g}{unit} on" if last == float("inf") else f"{what}{first:g} to {last:g}{unit}"
 
 
-def _step(record: Record) -> float:
+def _step(recording: Recording) -> float:
     """Seconds per row of the file."""
-    rows = np.diff(record.rows)
-    steps = np.diff(record.t)[rows > 0] / rows[rows > 0]
+    rows = np.diff(recording.rows)
+    steps = np.diff(recording.t)[rows > 0] / rows[rows > 0]
     return float(np.median(steps)) if steps.size else 0.0

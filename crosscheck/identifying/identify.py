@@ -8,22 +8,22 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
-from crosscheck.arguments import Lock, Robot, Subject, subject
-from crosscheck.identifying.holding_out import Division, HeldOut, LastPart, OtherRecords
+from crosscheck.identifying.holding_out import Division, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.methods import STANDARD_METHODS, method_named
 from crosscheck.identifying.pinocchio_method import WithPinocchio
 from crosscheck.identifying.pooling import pooled
 from crosscheck.identifying.preparation import Preparation
-from crosscheck.identifying.result import Identified, Trial
+from crosscheck.identifying.result import HeldOutPrediction, Identified
 from crosscheck.identifying.torque_terms import STANDARD_TERMS, friction_terms
 from crosscheck.identifying.wrench_method import FromWrenches
-from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.records import Record
-from graphdyn.errors import InvalidInput
-from graphdyn.identification import Comparison, Estimator, TorqueModel, compare_methods
+from crosscheck.recordings import Recording
+from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.referee.subject import Lock, Robot, Subject, subject
+from graphdyn import InvalidInput
+from graphdyn.identification import Estimator, MethodComparison, TorqueModel, compare_methods
 from graphdyn.identification.plausibility import POSES
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
-from urdf.cutting import Chain
+from urdf._cutting import Chain
 
 TRIAL_POSES = 1
 """The mass matrix is tested for the final fit; a trial only predicts."""
@@ -31,7 +31,7 @@ TRIAL_POSES = 1
 
 def identify(
     robot: Robot,
-    records: Record | Sequence[Record],
+    recordings: Recording | Sequence[Recording],
     *,
     terms: Sequence[Term] | None = None,
     known: Sequence[KnownTerm] = (),
@@ -47,7 +47,7 @@ def identify(
     """Identify a robot from recordings with several methods, and say which result to trust.
 
     robot: name, path of a URDF, or RobotModel; its inertial parameters are the prior
-    records: with torques; several are fitted together
+    recordings: with torques; several are fitted together
     terms: unknown parts of the torque: rigid bodies, viscous and Coulomb friction and offset if left out
     known: known parts; they are subtracted
     methods: names (METHODS) or estimators
@@ -57,11 +57,11 @@ def identify(
     poses: random poses in which the mass matrix is tested
     progress: called with what is done next: twice plus once for every method of the fit and of every trial
 
-    Raises InvalidInput for records of other joints or without torque, for a division that leaves nothing to fit or to
-    predict, for unknown or repeated methods; urdf's errors.
+    Raises InvalidInput for recordings of other joints or without torque, for a division that leaves nothing to fit or
+    to predict, for unknown or repeated methods; urdf's errors.
     """
     compared = subject(robot, lock, gravity, chain)
-    records = [records] if isinstance(records, Record) else list(records)
+    recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
     preparation = preparation or Preparation()
     say = progress or (lambda what: None)
     terms = (RigidBodies(), *friction_terms(STANDARD_TERMS)) if terms is None else terms
@@ -69,11 +69,13 @@ def identify(
     estimators = [method_named(method) if isinstance(method, str) else method for method in methods]
 
     say("filter")
-    prepared = [preparation.differentiated(_of_robot(record, compared.model.joint_names)) for record in records]
+    prepared = [
+        preparation.differentiated(_of_robot(recording, compared.model.joint_names)) for recording in recordings
+    ]
     held_out = held_out or LastPart()
-    if isinstance(held_out, OtherRecords):
-        others = [_of_robot(record, compared.model.joint_names) for record in held_out.records]
-        held_out = OtherRecords(tuple(preparation.differentiated(record) for record in others))
+    if isinstance(held_out, OtherRecordings):
+        others = [_of_robot(recording, compared.model.joint_names) for recording in held_out.recordings]
+        held_out = OtherRecordings(tuple(preparation.differentiated(recording) for recording in others))
     division = held_out.divide(prepared)
     say("read")
     fit = preparation.problem(torque_model, division.fit)
@@ -82,17 +84,19 @@ def identify(
     if len(division.trials) == 1 and division.trials[0].train is division.fit:
         test = preparation.problem(torque_model, division.trials[0].test)
         comparison = compare_methods(fit, own, test, poses=poses, progress=say)
-        trials: tuple[Trial, ...] = (Trial.of(test, preparation.times(division.trials[0].test), comparison),)
+        trials: tuple[HeldOutPrediction, ...] = (
+            HeldOutPrediction.of(test, preparation.times(division.trials[0].test), comparison),
+        )
     else:
         comparison = compare_methods(fit, own, poses=poses, progress=say)
         trials, comparison = _trials(preparation, torque_model, division, estimators, comparison, say)
     return Identified(
         subject=compared,
         torque_model=torque_model,
-        records=tuple(records),
+        recordings=tuple(recordings),
         division=division,
         preparation=preparation,
-        fit=Trial.of(fit, preparation.times(division.fit), comparison),
+        fit=HeldOutPrediction.of(fit, preparation.times(division.fit), comparison),
         trials=trials,
         comparison=comparison,
     )
@@ -103,15 +107,15 @@ def _trials(
     torque_model: TorqueModel,
     division: Division,
     estimators: Sequence[Estimator],
-    comparison: Comparison,
+    comparison: MethodComparison,
     say: Callable[[str], None],
-) -> tuple[tuple[Trial, ...], Comparison]:
+) -> tuple[tuple[HeldOutPrediction, ...], MethodComparison]:
     """Every trial by itself; the comparison with the held-out errors of all trials together."""
     trials, found = [], []
     for split in division.trials:
-        train, test = (preparation.problem(torque_model, record) for record in split)
+        train, test = (preparation.problem(torque_model, recording) for recording in split)
         found.append(compare_methods(train, _fitted_to(estimators, split.train), test, poses=TRIAL_POSES, progress=say))
-        trials.append(Trial.of(test, preparation.times(split.test), found[-1]))
+        trials.append(HeldOutPrediction.of(test, preparation.times(split.test), found[-1]))
     results = []
     for result in comparison.results:
         parts = [trial.of(result.name) for trial in found]
@@ -124,10 +128,12 @@ def _trials(
     return tuple(trials), replace(comparison, results=tuple(results))
 
 
-def _fitted_to(estimators: Sequence[Estimator], record: Record) -> list[Estimator]:
+def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Estimator]:
     """The estimators; those that need wrenches get them."""
     return [
-        replace(estimator, record=record) if isinstance(estimator, FromWrenches) and not estimator.record else estimator
+        replace(estimator, recording=recording)
+        if isinstance(estimator, FromWrenches) and not estimator.recording
+        else estimator
         for estimator in estimators
     ]
 
@@ -144,10 +150,10 @@ def _with_referee(estimators: Sequence[Estimator], robot: Subject, cut: bool) ->
     return [replace(estimator, referee=referee) if estimator in wanting else estimator for estimator in estimators]
 
 
-def _of_robot(record: Record, joint_names: tuple[str, ...]) -> Record:
-    if record.joint_names != joint_names:
+def _of_robot(recording: Recording, joint_names: tuple[str, ...]) -> Recording:
+    if recording.joint_names != joint_names:
         raise InvalidInput(
-            f"{', '.join(record.provenance.files)} has the joints {', '.join(record.joint_names)}, the robot has "
+            f"{', '.join(recording.provenance.files)} has the joints {', '.join(recording.joint_names)}, the robot has "
             f"{', '.join(joint_names)}; load it with joints=model.joint_names"
         )
-    return record
+    return recording

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from crosscheck.identifying.pinocchio_method import WithPinocchio
 from crosscheck.identifying.wrench_method import FromWrenches
-from graphdyn.errors import InvalidInput
+from graphdyn import InvalidInput
 from graphdyn.identification import (
     ConsistentLeastSquares,
     ConsistentWithPrior,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.identifying.result import Identified
+from graphdyn._inertia import pseudo_inertia_from_parameters
 from graphdyn.identification import MethodResult
-from graphdyn.inertia import pseudo_inertia_from_parameters
 from graphdyn.layout import Array
 
 ROUNDING = 1e-13

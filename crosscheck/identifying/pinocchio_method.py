@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosscheck.baseline import PinocchioBodies
-from crosscheck.pinocchio_model import PinocchioModel
-from graphdyn.errors import EstimationFailed
+from crosscheck.referee.baseline import PinocchioBodies
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from graphdyn import EstimationFailed
 from graphdyn.identification import Estimate, Estimator, Problem, TorqueModel
 from graphdyn.identification.terms import RigidBodies
 

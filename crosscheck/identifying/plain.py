@@ -10,8 +10,8 @@ import numpy as np
 from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
 from crosscheck.identifying.recommending import mean_error
 from crosscheck.identifying.result import Identified
+from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn.identification import MethodResult, ResidualSizes, ResidualStatistics
-from graphdyn.inertia import PARAMETER_NAMES
 
 FORMAT = "graphdyn identify 1"
 
@@ -63,9 +63,9 @@ def _recording(found: Identified) -> dict[str, Any]:
         "min_speed": found.preparation.min_speed,
         "fitted_rows": sum(len(t) for t in found.fit.times),
         "held_out": found.division.words,
-        "held_out_files": list(dict.fromkeys(name for record in test for name in record.provenance.files)),
+        "held_out_files": list(dict.fromkeys(name for recording in test for name in recording.provenance.files)),
         "held_out_rows": sum(len(t) for trial in found.trials for t in trial.times),
-        "findings": [asdict(finding) for record in found.records for finding in record.findings],
+        "findings": [asdict(finding) for recording in found.recordings for finding in recording.findings],
     }
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification import Comparison, MethodResult, ResidualStatistics
+from graphdyn.identification import MethodComparison, MethodResult, ResidualStatistics
 from graphdyn.layout import Array
 
 LEAST_ROWS = 50
@@ -49,7 +49,7 @@ def real(result: MethodResult) -> bool:
     )
 
 
-def recommendation(comparison: Comparison) -> Recommendation:
+def recommendation(comparison: MethodComparison) -> Recommendation:
     """The physically consistent result with the smallest mean held-out error."""
     answered = [result for result in comparison.results if result.failure is None]
     if not answered:

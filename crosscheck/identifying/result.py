@@ -8,20 +8,20 @@ from functools import cached_property
 
 import numpy as np
 
-from crosscheck.arguments import Subject
 from crosscheck.identifying.holding_out import Division
 from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.recommending import Recommendation, mean_error, recommendation
-from crosscheck.records import Record
-from graphdyn.errors import InvalidInput
-from graphdyn.identification import Comparison, MethodResult, Problem, TorqueModel
+from crosscheck.recordings import Recording
+from crosscheck.referee.subject import Subject
+from graphdyn import InvalidInput
+from graphdyn.identification import MethodComparison, MethodResult, Problem, TorqueModel
 from graphdyn.identification.terms import KnownPayload
 from graphdyn.identification.terms.term import CarriesKnownBodies
 from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class TorqueCurve:
     """Measured and predicted torque of one piece of time.
 
     t (N,) [s]; measured, predicted (N, n) [N m or N]; velocity (N, n) [rad/s or m/s]
@@ -34,7 +34,7 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class HeldOutPrediction:
     """Rows that were predicted, with the parameters of every method that has an answer.
 
     times: of the rows, piece by piece (N_k,) [s]; parameters: by method (p,)
@@ -45,11 +45,11 @@ class Trial:
     parameters: Mapping[str, Array]
 
     @classmethod
-    def of(cls, problem: Problem, times: Sequence[Array], comparison: Comparison) -> Trial:
+    def of(cls, problem: Problem, times: Sequence[Array], comparison: MethodComparison) -> HeldOutPrediction:
         found = {result.name: result.estimate.parameters for result in comparison.results if result.estimate}
         return cls(problem, times, found)
 
-    def curves(self, method: str) -> list[Curve]:
+    def curves(self, method: str) -> list[TorqueCurve]:
         """One per piece."""
         x = self.problem.structure.base.matrix @ self.parameters[method]
         parts = [  # chunk by chunk: the regressor of a long recording does not fit into memory
@@ -58,13 +58,13 @@ class Trial:
         whole = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
         borders = np.cumsum([len(t) for t in self.times])[:-1]
         pieces = zip(*(np.split(array, borders) for array in whole), strict=True)
-        return [Curve(t, *piece) for t, piece in zip(self.times, pieces, strict=True)]
+        return [TorqueCurve(t, *piece) for t, piece in zip(self.times, pieces, strict=True)]
 
 
 @dataclass(frozen=True, eq=False)
 class Identified:
     """subject: the robot; its parameters are the prior
-    records: as they were read; division: what was fitted and predicted
+    recordings: as they were read; division: what was fitted and predicted
     fit: the rows of the fit; trials: the rows that were predicted
     comparison: every method; held-out errors are those of all trials together
     truth: the true parameters, where the robot is a virtual one  (p,)
@@ -72,12 +72,12 @@ class Identified:
 
     subject: Subject
     torque_model: TorqueModel
-    records: tuple[Record, ...]
+    recordings: tuple[Recording, ...]
     division: Division
     preparation: Preparation
-    fit: Trial
-    trials: tuple[Trial, ...]
-    comparison: Comparison
+    fit: HeldOutPrediction
+    trials: tuple[HeldOutPrediction, ...]
+    comparison: MethodComparison
     truth: Array | None = None
 
     @property

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from numpy.typing import ArrayLike
 
-from graphdyn.errors import InvalidInput
+from graphdyn import InvalidInput
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,

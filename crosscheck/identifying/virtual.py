@@ -11,17 +11,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.arguments import Lock, Robot, Subject, subject
 from crosscheck.identifying.preparation import samples_of
-from crosscheck.records import Provenance, Record, record_of
-from graphdyn import RobotModel
+from crosscheck.recordings import Provenance, Recording, recording_of
+from crosscheck.referee.subject import Lock, Robot, Subject, subject
+from graphdyn import InvalidInput, RobotModel
 from graphdyn import record as virtual_experiment
-from graphdyn.errors import InvalidInput
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.motion_laws import FourierSeries
-from urdf.cutting import Chain
+from urdf._cutting import Chain
 
 FREQUENCY, HARMONICS = 0.1, 5
 """[Hz] of the fundamental; the excitation has no frequency above their product."""
@@ -59,8 +58,8 @@ class VirtualRobot:
     subject: Subject
     torque_model: TorqueModel
     truth: Array
-    fitted: Record
-    held_out: Record
+    fitted: Recording
+    held_out: Recording
 
 
 def virtual_robot(
@@ -74,7 +73,7 @@ def virtual_robot(
     gravity: ArrayLike | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> VirtualRobot:
-    """Record a robot of known parameters twice; the second recording takes half the time.
+    """Recording a robot of known parameters twice; the second recording takes half the time.
 
     terms: what its drives add; rigid bodies come before them
     lock, chain, gravity: as in urdf.load, for names and paths only
@@ -94,15 +93,15 @@ def virtual_robot(
         say(f"motion {number}")
         motions.append(_motion(given.model, rng, time))
     truth = _truth(true_model, motions[0], rng)
-    records = [
+    recordings = [
         _measured(true_model, truth, motion, rng, f"simulated motion {number} of {given.model.name}")
         for number, motion in enumerate(motions, start=1)
     ]
     wrong = replace(given, model=_as_in_cad(given.model, rng))
-    return VirtualRobot(wrong, TorqueModel(wrong.model, true_model.terms), truth, *records)
+    return VirtualRobot(wrong, TorqueModel(wrong.model, true_model.terms), truth, *recordings)
 
 
-def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Record:
+def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Recording:
     """Exact motion, torques and wrenches of the rigid bodies."""
     dense = np.linspace(0, 1 / FREQUENCY, 1000)
     corner = model.random_state(rng, 1000)
@@ -116,10 +115,10 @@ def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Reco
         middle = (upper + lower) / 2 - scale * (q.max() + q.min()) / 2
         laws.append(FourierSeries(FREQUENCY, scale * a, scale * b, middle))
     times = np.arange(round(seconds * RATE)) / RATE
-    return record_of(virtual_experiment(model, times, laws))
+    return recording_of(virtual_experiment(model, times, laws))
 
 
-def _truth(torque_model: TorqueModel, motion: Record, rng: np.random.Generator) -> Array:
+def _truth(torque_model: TorqueModel, motion: Recording, rng: np.random.Generator) -> Array:
     """The bodies of the model, and drives as large as DRIVES says, by chance up to half more or less."""
     samples = samples_of(motion.take(slice(None, None, -(-len(motion.t) // ENOUGH))))
     size = np.sqrt(np.mean(samples.tau**2, axis=0))
@@ -131,7 +130,9 @@ def _truth(torque_model: TorqueModel, motion: Record, rng: np.random.Generator) 
     return x
 
 
-def _measured(torque_model: TorqueModel, truth: Array, motion: Record, rng: np.random.Generator, name: str) -> Record:
+def _measured(
+    torque_model: TorqueModel, truth: Array, motion: Recording, rng: np.random.Generator, name: str
+) -> Recording:
     """With friction and noise, as instruments show it: no velocities, no accelerations."""
     exact = samples_of(motion)
     tau = np.concatenate([torque_model.torque(piece, truth) for piece in exact.pieces(PIECE)])

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.records import Record
-from graphdyn import RobotModel, maximal_state
-from graphdyn.errors import EstimationFailed
+from crosscheck.recordings import Recording
+from graphdyn import EstimationFailed, RobotModel, maximal_state
 from graphdyn.identification import Estimate, Problem, identify_inertial_parameters, model_prior
 from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.terms import RigidBodies
@@ -28,9 +27,9 @@ RANK = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class FromWrenches:
-    """record: the rows of the fit, with joint wrenches; None where only torques were measured."""
+    """recording: the rows of the fit, with joint wrenches; None where only torques were measured."""
 
-    record: Record | None = None
+    recording: Recording | None = None
     name: str = "graph method"
     reference: str = "Applied Sciences 2021, 11(22), 10988, Eq. (53)-(64)"
     assumptions: str = "noise white and alike in the forces, and in the moments, of all joints; q, v, a without error"
@@ -38,7 +37,7 @@ class FromWrenches:
 
     def estimate(self, problem: Problem) -> Estimate:
         """Raises EstimationFailed without wrenches, and where no body is unknown."""
-        if self.record is None or self.record.joint_wrenches is None:
+        if self.recording is None or self.recording.joint_wrenches is None:
             raise EstimationFailed(
                 "the recording has torques about the joint axes alone; the method needs all six components of force "
                 "and moment in every joint, as a virtual experiment has them (identify without a recording)"
@@ -47,7 +46,7 @@ class FromWrenches:
         columns = problem.torque_model.slice_of(RigidBodies)
         if columns is None:
             raise EstimationFailed("no body is unknown")
-        found = identify_inertial_parameters(model, WrenchRows.of(model, self.record)).values.ravel()
+        found = identify_inertial_parameters(model, WrenchRows.of(model, self.recording)).values.ravel()
         x = np.full(len(problem.torque_model.columns), np.nan)
         x[columns] = found
         seen = np.isfinite(x)
@@ -65,7 +64,7 @@ class FromWrenches:
 
 @dataclass(frozen=True, eq=False)
 class WrenchRows:
-    """Some rows of a record as the identification from wrenches takes them: rotations, and vectors in world axes.
+    """Some rows of a recording as the identification from wrenches takes them: rotations, and vectors in world axes.
 
     joint_names (n,); q, v, a (N, n); rotation (N, n, 3, 3); joint_forces, joint_moments (N, n, 3) [N, N m]
     acceleration, angular_velocity, angular_acceleration: not read for ten parameters   (N, n, 3)
@@ -83,14 +82,14 @@ class WrenchRows:
     joint_moments: Array
 
     @classmethod
-    def of(cls, model: RobotModel, record: Record) -> WrenchRows:
-        every = slice(None, None, -(-len(record.t) // MOST_ROWS))
-        q, v, a = (record.channel(name)[every] for name in ("q", "v", "a"))
-        wrenches = record.channel("joint_wrenches")[every]
+    def of(cls, model: RobotModel, recording: Recording) -> WrenchRows:
+        every = slice(None, None, -(-len(recording.t) // MOST_ROWS))
+        q, v, a = (recording.channel(name)[every] for name in ("q", "v", "a"))
+        wrenches = recording.channel("joint_wrenches")[every]
         rotation = maximal_state(model, q).rotation
         force, moment = (np.einsum("...ab,...b->...a", rotation, wrenches[..., part]) for part in (LINEAR, ANGULAR))
         unread = np.zeros(force.shape)
-        return cls(record.joint_names, q, v, a, rotation, unread, unread, unread, force, moment)
+        return cls(recording.joint_names, q, v, a, rotation, unread, unread, unread, force, moment)
 
 
 def _completed(problem: Problem, x: Array, noise: Array) -> Array:

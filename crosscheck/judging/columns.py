@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.judging.fits import ROUND, Finding
-from graphdyn.inertia import PARAMETER_NAMES
+from crosscheck.judging.fits import ROUND, FittedFault
+from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 ALIKE = 1e-6
 """A column is another one, times a factor, if less than this part of it is left."""
 
 
-def column_fault(answer: Array, ours: Array) -> Finding | None:
+def column_fault(answer: Array, ours: Array) -> FittedFault | None:
     """Columns that are ours in another order or scale; None where they are not. answer, ours: (N, n, 10n)."""
     there, here = (_by_parameter(regressor) for regressor in (answer, ours))
     places, factors, left = [], [], 0.0
@@ -38,9 +38,9 @@ def column_fault(answer: Array, ours: Array) -> Finding | None:
         named = ", ".join(PARAMETER_NAMES[place] for place in places)
         scaled = f", scaled: {', '.join(wrong)}" if wrong else ""
         message = f"the ten columns of each body are in the order {named}{scaled}"
-        return Finding("parameter_order", message, remedy, left)
+        return FittedFault("parameter_order", message, remedy, left)
     if wrong:
-        return Finding("parameter_order", f"columns are scaled: {', '.join(wrong)}", remedy, left)
+        return FittedFault("parameter_order", f"columns are scaled: {', '.join(wrong)}", remedy, left)
     return None
 
 

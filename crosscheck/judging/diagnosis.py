@@ -8,17 +8,17 @@ from itertools import chain
 
 import numpy as np
 
-from crosscheck.judgement import Diagnosis
-from crosscheck.judging.experiments import PARTS, Parts, Trial, deviations, scales, split, torques
+from crosscheck.judging.experiments import PARTS, Parts, TrialStates, deviations, scales, split, torques
 from crosscheck.judging.faults import faults
 from crosscheck.judging.fits import (
-    Finding,
+    FittedFault,
     ParameterFits,
     friction,
     gravity_vector,
     rotor_inertia,
     velocity_factors,
 )
+from crosscheck.judging.judgement import Diagnosis
 from crosscheck.judging.orders import order_faults
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -39,7 +39,7 @@ MOST_ALTERNATIVES = 4
 
 
 def diagnose(
-    function: str, observed: Parts, model: RobotModel, trial: Trial, links: Mapping[str, tuple[int, Array]]
+    function: str, observed: Parts, model: RobotModel, trial: TrialStates, links: Mapping[str, tuple[int, Array]]
 ) -> list[Diagnosis]:
     """What is wrong, from the experiments on one function; empty if all of them agree."""
     own = split(torques(model), trial)
@@ -52,7 +52,7 @@ def diagnose(
     if not np.isfinite(list(before.values())).all():
         return [_unknown(function, "the answers are not finite", evidence)]
 
-    def explained(findings: Iterator[Finding], size: float) -> list[Finding]:
+    def explained(findings: Iterator[FittedFault], size: float) -> list[FittedFault]:
         good = [found for found in findings if found.left <= max(NOISE, EXPLAINED * size)]
         least = min((found.left for found in good), default=0.0)
         return [found for found in good if found.left <= max(NOISE, AS_GOOD * least)]
@@ -79,8 +79,8 @@ def diagnose(
 
 
 def _of_part(
-    part: str, model: RobotModel, trial: Trial, observed: Parts, own: Parts, scale: dict[str, float]
-) -> Iterator[Finding]:
+    part: str, model: RobotModel, trial: TrialStates, observed: Parts, own: Parts, scale: dict[str, float]
+) -> Iterator[FittedFault]:
     """Faults with a free number that touch one part alone."""
     if part == "gravity":
         yield gravity_vector(model, trial, observed, scale)
@@ -96,8 +96,12 @@ def _of_part(
 
 
 def _of_all(
-    model: RobotModel, trial: Trial, observed: Parts, scale: dict[str, float], links: Mapping[str, tuple[int, Array]]
-) -> Iterator[Finding]:
+    model: RobotModel,
+    trial: TrialStates,
+    observed: Parts,
+    scale: dict[str, float],
+    links: Mapping[str, tuple[int, Array]],
+) -> Iterator[FittedFault]:
     """Faults that touch several parts at once, the likelier first."""
     answer = None
     if observed.gravity is not None and observed.velocity is not None:
@@ -105,14 +109,14 @@ def _of_all(
     columns = None if observed.inertia is None else np.swapaxes(observed.inertia[0], -1, -2)
     for fault in (*faults(model, links), *order_faults(model, trial.q[0], trial.v[0], answer, columns)):
         left = max(deviations(observed, split(fault.torque, trial), scale).values())
-        yield Finding(fault.kind, fault.message, fault.remedy, left)
+        yield FittedFault(fault.kind, fault.message, fault.remedy, left)
 
 
 def _difference(x: Parts, y: Parts) -> Parts:
     return Parts(*(getattr(x, part) - getattr(y, part) if part in x.known() else None for part in PARTS))
 
 
-def _diagnosis(function: str, findings: list[Finding], evidence: str) -> Diagnosis:
+def _diagnosis(function: str, findings: list[FittedFault], evidence: str) -> Diagnosis:
     first, *others = findings
     also = tuple(dict.fromkeys(other.message for other in others if other.message != first.message))
     return Diagnosis(function, first.kind, first.message, evidence, first.remedy, first.left, also[:MOST_ALTERNATIVES])

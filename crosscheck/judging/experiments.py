@@ -29,7 +29,7 @@ WEAK_VELOCITY = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class TrialStates:
     """The states of the experiments: q, v (N, n)."""
 
     q: Array
@@ -58,7 +58,7 @@ def torques(model: RobotModel) -> Function:
     return lambda q, v, a: inverse_dynamics(model, q, v, a).tau
 
 
-def split(function: Function, trial: Trial) -> Parts:
+def split(function: Function, trial: TrialStates) -> Parts:
     """All experiments with one call of the function."""
     size, n = trial.q.shape
     zero, unit = np.zeros_like(trial.q), np.eye(n)
@@ -70,7 +70,7 @@ def split(function: Function, trial: Trial) -> Parts:
     return Parts(rest, columns - rest[:, None], moving - rest, fast - rest)
 
 
-def observe(foreign: ForeignFunction, model: RobotModel, trial: Trial, torque: Array) -> Parts:
+def observe(foreign: ForeignFunction, model: RobotModel, trial: TrialStates, torque: Array) -> Parts:
     """The experiments with a foreign function.
 
     torque: usual size per joint (n,), for forward dynamics, which is asked for M⁻¹ and turned into the same terms
@@ -102,7 +102,7 @@ def observe(foreign: ForeignFunction, model: RobotModel, trial: Trial, torque: A
     )
 
 
-def scales(model: RobotModel, trial: Trial, *all_parts: Parts) -> dict[str, float]:
+def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str, float]:
     """What each part is judged on: its largest entry, and for differences of torques the joint wrenches."""
     wrench = float(np.abs(inverse_dynamics(model, trial.q, trial.v, 0 * trial.v).joint_wrenches).max())
     floor = {"gravity": wrench, "inertia": 0.0, "velocity": WEAK_VELOCITY * wrench}

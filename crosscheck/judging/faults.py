@@ -11,10 +11,10 @@ import numpy as np
 
 from crosscheck.judging.experiments import Function, torques
 from graphdyn import Body, Joint, Placement, RobotModel
-from graphdyn.inertia import parameters_from_inertia
+from graphdyn._inertia import parameters_from_inertia
+from graphdyn._rotation import rotation_about
 from graphdyn.layout import Array, parameter_columns
-from graphdyn.rotation import rotation_about
-from urdf.rpy import rpy_from_rotation
+from urdf._rpy import rpy_from_rotation
 
 MOST_SUBSETS = 7
 """Up to this many joints, every set of reversed axes is tried (2^n); beyond, single ones and all."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.judging.experiments import Parts, Trial, split, stacked, torques
+from crosscheck.judging.experiments import Parts, TrialStates, split, stacked, torques
 from crosscheck.judging.velocity_terms import velocity_terms
 from graphdyn import RobotModel, joint_torque_regressor
-from graphdyn.inertia import parallel_axis, parameters_from_inertia
+from graphdyn._inertia import parallel_axis, parameters_from_inertia
 from graphdyn.layout import Array, parameter_columns
 
 ROUND = 1e-4
@@ -21,7 +21,7 @@ SETTLED = 1e-6
 
 
 @dataclass(frozen=True)
-class Finding:
+class FittedFault:
     """What a fit says: kind, message, remedy, and the relative error that it leaves."""
 
     kind: str
@@ -38,7 +38,7 @@ def fit(columns: Array, target: Array) -> tuple[Array, float]:
     return factors, float(np.abs(columns @ factors - target).max())
 
 
-def gravity_vector(model: RobotModel, trial: Trial, observed: Parts, scale: dict[str, float]) -> Finding:
+def gravity_vector(model: RobotModel, trial: TrialStates, observed: Parts, scale: dict[str, float]) -> FittedFault:
     """The gravity vector that gives the torques at rest: g is linear in it."""
     assert observed.gravity is not None
     zero = np.zeros_like(trial.q)
@@ -58,12 +58,12 @@ def gravity_vector(model: RobotModel, trial: Trial, observed: Parts, scale: dict
     else:
         message = f"gravity acts along ({shown}), not ({here}) m/s², or the base is turned"
     unsettled = "" if settled else " (the torques of this robot do not settle all three components)"
-    return Finding(
+    return FittedFault(
         "gravity", message + unsettled, f"use the gravity vector ({here}) m/s² in the axes of the base", left
     )
 
 
-def friction(trial: Trial, deviation: Array, scale: float) -> Finding:
+def friction(trial: TrialStates, deviation: Array, scale: float) -> FittedFault:
     """Torques proportional to v_j, or to its sign, in the row of joint j alone."""
     viscous, dry, left = [], [], 0.0
     for k in range(trial.v.shape[1]):
@@ -80,7 +80,7 @@ def friction(trial: Trial, deviation: Array, scale: float) -> Finding:
         )
         if np.abs(values).max() > SETTLED * scale
     ]
-    return Finding(
+    return FittedFault(
         "friction",
         f"{' and '.join(said) or 'friction'} per joint is included",
         "the dynamics of rigid bodies have no friction; switch it off for the comparison",
@@ -88,12 +88,12 @@ def friction(trial: Trial, deviation: Array, scale: float) -> Finding:
     )
 
 
-def rotor_inertia(deviation: Array, scale: float) -> Finding:
+def rotor_inertia(deviation: Array, scale: float) -> FittedFault:
     """A constant diagonal added to M (N, n, n)."""
     diagonal = np.diagonal(deviation, axis1=-2, axis2=-1)
     rotors = diagonal.mean(axis=0)
     left = float(np.abs(deviation - np.diag(rotors)).max()) / scale
-    return Finding(
+    return FittedFault(
         "rotor_inertia",
         f"a constant diagonal ({', '.join(f'{x:.4g}' for x in rotors)}) is added to the mass matrix",
         "rotor inertia (armature) belongs to the drives; switch it off for the comparison",
@@ -101,11 +101,11 @@ def rotor_inertia(deviation: Array, scale: float) -> Finding:
     )
 
 
-def velocity_factors(model: RobotModel, trial: Trial, observed: Parts, scale: dict[str, float]) -> Finding:
+def velocity_factors(model: RobotModel, trial: TrialStates, observed: Parts, scale: dict[str, float]) -> FittedFault:
     """Wrong factors on the pieces of c(q, v), in the first way of writing it that leaves least."""
     assert observed.velocity is not None
     target = observed.velocity.ravel() / scale["velocity"]
-    findings = [Finding("coriolis", "velocity terms appear where there are none", "compare with a = 0", np.inf)]
+    findings = [FittedFault("coriolis", "velocity terms appear where there are none", "compare with a = 0", np.inf)]
     for terms in velocity_terms(model, trial):
         weak = SETTLED * max(np.abs(torque).max() for torque in terms.values())
         present = {name: torque for name, torque in terms.items() if np.abs(torque).max() > weak}
@@ -116,7 +116,7 @@ def velocity_factors(model: RobotModel, trial: Trial, observed: Parts, scale: di
         wrong = {name: x for name, x in zip(present, factors, strict=True) if abs(x - 1) > ROUND}
         message = "; ".join(_factor_said(name, factor) for name, factor in wrong.items())
         findings.append(
-            Finding("coriolis", message, "check that term in the recursion of velocities and accelerations", left)
+            FittedFault("coriolis", message, "check that term in the recursion of velocities and accelerations", left)
         )
         if left <= SETTLED:
             break
@@ -140,36 +140,36 @@ class ParameterFits:
     target: the deviations
     """
 
-    def __init__(self, model: RobotModel, trial: Trial, target: Parts, scale: dict[str, float]):
+    def __init__(self, model: RobotModel, trial: TrialStates, target: Parts, scale: dict[str, float]):
         known = target.known()
         parts = split(lambda q, v, a: joint_torque_regressor(model, q, v, a), trial)
         self._model, self._deviation = model, stacked(target, known, scale)
         self._regressor = stacked(parts, known, scale)
 
-    def named(self) -> Iterator[Finding]:
+    def named(self) -> Iterator[FittedFault]:
         """A factor that has a name, on a piece of the parameters: of every body together, then of one at a time."""
         yield from (finding for finding, has_name in self._factors() if has_name)
 
-    def unnamed(self) -> Iterator[Finding]:
+    def unnamed(self) -> Iterator[FittedFault]:
         """Any factors on the pieces; any ten parameters of one body; any parameters of all bodies."""
         yield from (finding for finding, has_name in self._factors() if not has_name)
         for k, name in enumerate(self._model.body_names, start=1):
             _, left = fit(self._regressor[:, parameter_columns(k)], self._deviation)
-            yield Finding(
+            yield FittedFault(
                 "inertial_parameters",
                 f"other inertial parameters of body '{name}' alone explain all numbers",
                 f"compare mass, centre of mass and tensor of '{name}', and the fixed links it carries",
                 left,
             )
         _, left = fit(self._regressor, self._deviation)
-        yield Finding(
+        yield FittedFault(
             "inertial_parameters",
             "other inertial parameters of several bodies explain all numbers; the geometry of the joints is right",
             "compare masses, centres of mass and tensors body by body",
             left,
         )
 
-    def _factors(self) -> Iterator[tuple[Finding, bool]]:
+    def _factors(self) -> Iterator[tuple[FittedFault, bool]]:
         blocks = {
             f"body '{body.name}'": self._regressor[:, parameter_columns(k)]
             @ _pieces(body.mass, body.center_of_mass, body.inertia).T
@@ -179,11 +179,11 @@ class ParameterFits:
             extra, left = fit(block, self._deviation)
             factors = [_rounded(1 + x) for x in extra]
             if named := _interpreted(who, *factors):
-                yield Finding(*named, left), True
+                yield FittedFault(*named, left), True
             elif any(x != 1 for x in factors):
                 wrong = ", ".join(f"{name} × {x:.4g}" for name, x in zip(PIECES, factors, strict=True) if x != 1)
                 message = f"inertial parameters of {who} are wrong: {wrong}"
-                yield Finding("inertial_parameters", message, "compare them one by one", left), False
+                yield FittedFault("inertial_parameters", message, "compare them one by one", left), False
 
 
 def _pieces(mass: float, center: Array, tensor: Array) -> Array:

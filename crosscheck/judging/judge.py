@@ -11,17 +11,16 @@ from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 import urdf
-from crosscheck.arguments import Lock, Robot, check_counts, subject
-from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
 from crosscheck.judging.columns import column_fault
 from crosscheck.judging.diagnosis import diagnose, merged
-from crosscheck.judging.experiments import Trial, observe
+from crosscheck.judging.experiments import TrialStates, observe
 from crosscheck.judging.foreign import ForeignFunction, joint_order
 from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
 from crosscheck.judging.references import SCALES, foreign_errors, graphdyn_answers, pinocchio_answers
-from crosscheck.mujoco_model import MujocoModel, MujocoRefuses
-from crosscheck.tolerances import FOREIGN
-from crosscheck.verdict import judgement_text
+from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.referee.subject import Lock, Robot, check_counts, subject
+from crosscheck.referee.tolerances import FOREIGN
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
@@ -30,14 +29,6 @@ Foreign = Callable[..., ArrayLike]
 
 Progress = Callable[[str], None]
 """Called with what is done next."""
-
-
-class WrongDynamics(AssertionError):
-    """Raised by assert_correct; prints verdict and diagnoses. judgement: all numbers."""
-
-    def __init__(self, judgement: Judgement):
-        self.judgement = judgement
-        super().__init__(judgement_text(judgement))
 
 
 def judge(
@@ -121,14 +112,6 @@ def judge(
     return replace(judgement, notes=tuple(notes))
 
 
-def assert_correct(robot: Robot, **options: object) -> Judgement:
-    """judge, for test suites: returns the Judgement, or raises WrongDynamics (an AssertionError) with the diagnoses."""
-    judgement = judge(robot, **options)  # type: ignore[arg-type]
-    if not (judgement.agrees and judgement.decided):
-        raise WrongDynamics(judgement)
-    return judgement
-
-
 def _verdict(
     function: ForeignFunction,
     answer: Array,
@@ -165,7 +148,7 @@ def _diagnoses(
     verdict: JudgedFunction,
     ours: Mapping[str, Array],
     states: JudgedStates,
-    trial: Trial,
+    trial: TrialStates,
     links: Mapping[str, tuple[int, Array]],
 ) -> list[Diagnosis]:
     name, model = function.name, states.model

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import graphdyn
-from crosscheck.judging.experiments import Trial
-from crosscheck.states import ACCELERATION_RANGE
+from crosscheck.judging.experiments import TrialStates
+from crosscheck.referee.states import ACCELERATION_RANGE
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
@@ -41,11 +41,11 @@ class JudgedStates:
         return cls(model, q, v, a, tau, turn)
 
     @property
-    def trial(self) -> Trial:
+    def trial(self) -> TrialStates:
         """Generic states for the experiments: random ones, then turned ones."""
         rows = [*range(EXPERIMENTS // 2), *range(-TURNED, -TURNED + EXPERIMENTS // 2)]
         rows = [row if row < 0 else row % len(self.q) for row in rows]
-        return Trial(self.q[rows], self.v[rows])
+        return TrialStates(self.q[rows], self.v[rows])
 
     def arguments(self, name: str) -> tuple[Array, ...]:
         """What the function of this name is asked with."""

@@ -8,9 +8,9 @@ import numpy as np
 
 import graphdyn
 from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.pinocchio_model import PinocchioModel
-from crosscheck.scales import acceleration_scale, by_parameter_type, largest, ratio, relative, term_sizes
-from graphdyn.kinematics import link_origins
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.referee.scales import acceleration_scale, by_parameter_type, largest, ratio, relative, term_sizes
+from graphdyn._kinematics import link_origins
 from graphdyn.layout import Array
 
 SCALES = {

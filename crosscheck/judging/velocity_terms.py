@@ -7,17 +7,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.judging.experiments import Trial, torques
+from crosscheck.judging.experiments import TrialStates, torques
 from graphdyn import MaximalState, RobotModel, maximal_state
-from graphdyn.kinematics import bias_acceleration, joint_axes, link_origins, null_space
+from graphdyn._kinematics import bias_acceleration, joint_axes, link_origins, null_space
+from graphdyn._linear import apply
 from graphdyn.layout import ANGULAR, LINEAR, Array
-from graphdyn.linear import apply
 
 Terms = dict[str, Array]
 """By name: torques (N, n) that sum to c."""
 
 
-def velocity_terms(model: RobotModel, trial: Trial) -> tuple[Terms, ...]:
+def velocity_terms(model: RobotModel, trial: TrialStates) -> tuple[Terms, ...]:
     """The same c(q, v), as a whole and in four ways of writing it."""
     whole = _velocity_torque(model, trial.q, trial.v)
     return (
@@ -33,7 +33,7 @@ def _velocity_torque(model: RobotModel, q: Array, v: Array) -> Array:
     return own(q, v, np.zeros_like(v))
 
 
-def _newton_euler(model: RobotModel, trial: Trial) -> Terms:
+def _newton_euler(model: RobotModel, trial: TrialStates) -> Terms:
     """ω × (ω × r), ω × q̇ p in ω̇, ω × I ω, and 2 ω × ṡ of sliding joints: r̈ summed along the path to each body."""
     state = maximal_state(model, trial.q, trial.v)
     omega, alpha = (
@@ -68,7 +68,7 @@ def _newton_euler(model: RobotModel, trial: Trial) -> Terms:
     }
 
 
-def _spatial(model: RobotModel, trial: Trial, whole: Array) -> Terms:
+def _spatial(model: RobotModel, trial: TrialStates, whole: Array) -> Terms:
     """v ×* I v of every body, with the twist at the link origin, and the rest, from v × S q̇ in the accelerations."""
     state = maximal_state(model, trial.q, trial.v)
     omega = state.velocity[..., ANGULAR]
@@ -84,7 +84,7 @@ def _spatial(model: RobotModel, trial: Trial, whole: Array) -> Terms:
     return {"the bias wrenches v ×* I v": bias, "the terms v × S q̇ in the accelerations": whole - bias}
 
 
-def _christoffel(model: RobotModel, trial: Trial) -> tuple[Terms, Terms]:
+def _christoffel(model: RobotModel, trial: TrialStates) -> tuple[Terms, Terms]:
     """Ṁ v and the gradient of the kinetic energy; squares and products of the joint velocities.
 
     c_i = Σ Γ_ijk v_j v_k, from c at unit velocities and their sums: exact, since c is quadratic.

@@ -3,7 +3,7 @@
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.base_parameters import BaseParameters, base_parameters
 from graphdyn.identification.body_wrenches import WrenchData, body_wrenches, link_wrenches
-from graphdyn.identification.comparison import Comparison, MethodResult, compare_methods
+from graphdyn.identification.comparison import MethodComparison, MethodResult, compare_methods
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.estimate import Estimate, Estimator
@@ -47,7 +47,6 @@ __all__ = [
     "PRINCIPAL_PARAMETER_NAMES",
     "Accumulator",
     "BaseParameters",
-    "Comparison",
     "CompressedEquations",
     "ConsistentLeastSquares",
     "ConsistentWithPrior",
@@ -59,6 +58,7 @@ __all__ = [
     "IdentifiedInertia",
     "LeastSquares",
     "LogCholesky",
+    "MethodComparison",
     "MethodResult",
     "OrdinaryLeastSquares",
     "ParameterEstimate",

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.triangles import square_triangle
 from graphdyn.layout import Array

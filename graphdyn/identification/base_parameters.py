@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from graphdyn.arrays import as_floats
-from graphdyn.errors import InvalidInput
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
 from graphdyn.identification.sums import sum_in_words
 from graphdyn.identification.triangles import triangle
 from graphdyn.layout import Array

@@ -6,10 +6,10 @@ from typing import Protocol
 
 import numpy as np
 
-from graphdyn.arrays import as_floats
-from graphdyn.errors import InvalidInput
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
+from graphdyn._model import RobotModel
 from graphdyn.layout import Array
-from graphdyn.model import RobotModel
 
 _TRAILING = {
     "q": (),

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn._errors import EstimationFailed, InvalidInput
 from graphdyn.identification.estimate import Estimate, Estimator
 from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.plausibility import POSES, Plausibility, plausibility
@@ -52,7 +52,7 @@ class MethodResult:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class MethodComparison:
     """What the recording determines, whatever the method, and the methods in the order given.
 
     names, units: of the p parameters of the torque model; base_names, base_units: of the r base parameters
@@ -89,7 +89,7 @@ def compare_methods(
     *,
     poses: int = POSES,
     progress: Callable[[str], None] | None = None,
-) -> Comparison:
+) -> MethodComparison:
     """Estimate with every method, predict both recordings, test the bodies and the mass matrix.
 
     held_out: another recording with the same torque model; none if left out
@@ -162,12 +162,12 @@ def _deviations(covariance: Array | None) -> Array | None:
     return None if covariance is None else np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
 
-def _described(problem: Problem, results: tuple[MethodResult, ...]) -> Comparison:
+def _described(problem: Problem, results: tuple[MethodResult, ...]) -> MethodComparison:
     columns, base, structural = problem.torque_model.columns, problem.base, problem.structure.base
     symbols = [column.symbol for column in columns]
     determined = set(base.names(symbols))
     alone = set(base.alone.tolist())
-    return Comparison(
+    return MethodComparison(
         names=tuple(column.name for column in columns),
         units=tuple(column.unit for column in columns),
         base_names=base.names(symbols),

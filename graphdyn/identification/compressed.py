@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
 from graphdyn.identification.triangles import triangle
 from graphdyn.layout import Array
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.errors import EstimationFailed
+from graphdyn._errors import EstimationFailed
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.problem import Problem
 from graphdyn.layout import Array

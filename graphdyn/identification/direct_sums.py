@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.arrays import refuse_non_finite
+from graphdyn._arrays import refuse_non_finite
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.structure import Structure
 from graphdyn.identification.terms import RigidBodies

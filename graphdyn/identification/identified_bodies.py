@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
 from graphdyn.identification.rank_revealing import ParameterEstimate
 from graphdyn.layout import ANGULAR, LINEAR, Array
 

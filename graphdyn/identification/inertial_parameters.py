@@ -12,17 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.base_motion import BaseMotion
-from graphdyn.errors import InvalidInput
+from graphdyn._base_motion import BaseMotion
+from graphdyn._errors import InvalidInput
+from graphdyn._inertia import PARAMETER_NAMES
+from graphdyn._kinematics import link_origins, maximal_state
+from graphdyn._linear import apply
+from graphdyn._model import RobotModel
+from graphdyn._regressors import body_regressor
 from graphdyn.identification.body_wrenches import WrenchData, fitting_data, link_wrenches
 from graphdyn.identification.identified_bodies import IdentifiedBodies
 from graphdyn.identification.wrench_equations import WrenchEquations
-from graphdyn.inertia import PARAMETER_NAMES
-from graphdyn.kinematics import link_origins, maximal_state
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array
-from graphdyn.linear import apply
-from graphdyn.model import RobotModel
-from graphdyn.regressors import body_regressor
 
 _KINDS = (0, 1, 1, 1, 2, 2, 2, 2, 2, 2)
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.arrays import as_floats
-from graphdyn.errors import InvalidInput
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
 from graphdyn.layout import Array
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn._inertia import pseudo_inertia_from_parameters
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.torque_model import TorqueModel
-from graphdyn.inertia import pseudo_inertia_from_parameters
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 POSES = 10_000

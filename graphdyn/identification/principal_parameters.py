@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn._model import RobotModel
 from graphdyn.identification.body_wrenches import WrenchData, body_wrenches, fitting_data
 from graphdyn.identification.identified_bodies import IdentifiedBodies
 from graphdyn.identification.wrench_equations import WrenchEquations
 from graphdyn.layout import ANGULAR, LINEAR, Array
-from graphdyn.model import RobotModel
 
 PRINCIPAL_PARAMETER_NAMES = ("m(e_1)", "m(e_2)", "m(e_3)", "J_11", "J_22", "J_33")
 """X_i of Eq. (51): the mass as each world direction shows it, then the moments of inertia about the body axes."""

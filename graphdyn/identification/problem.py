@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from graphdyn.arrays import as_floats
-from graphdyn.errors import InvalidInput
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
 from graphdyn.identification.accumulator import Accumulator, Compression
 from graphdyn.identification.base_parameters import RANK, BaseParameters, base_parameters
 from graphdyn.identification.compressed import CompressedEquations, merged

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
 from graphdyn.identification.base_parameters import RANK
 from graphdyn.identification.sums import sum_in_words
 from graphdyn.layout import Array

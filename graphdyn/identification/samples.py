@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.base_motion import BaseMotion
-from graphdyn.errors import InvalidInput
+from graphdyn._base_motion import BaseMotion
+from graphdyn._errors import InvalidInput
 from graphdyn.layout import Array
 
 

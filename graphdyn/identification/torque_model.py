@@ -12,12 +12,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
+from graphdyn._model import RobotModel
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms import Column, Coulomb, KnownTerm, Offset, RigidBodies, Term, Viscous
 from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.model import RobotModel
 
 STANDARD_TERMS: tuple[Term, ...] = (RigidBodies(), Viscous(), Coulomb(), Offset())
 

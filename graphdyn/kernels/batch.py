@@ -9,18 +9,18 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.arrays import refuse_non_finite
-from graphdyn.base_motion import BaseMotion, ground
-from graphdyn.errors import InvalidInput
+from graphdyn._arrays import refuse_non_finite
+from graphdyn._base_motion import BaseMotion, ground
+from graphdyn._errors import InvalidInput
+from graphdyn._model import RobotModel
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.programs import GROUND, Request, output_shapes
 from graphdyn.kernels.running import run
 from graphdyn.layout import ANGULAR, LINEAR, Array
-from graphdyn.model import RobotModel
 
 SMALL_PIVOT = 1e-9
 """A pivot below this part of what the inertia about its joint can be: the mass matrix may be singular. Six digits more
-cautious than the test that decides (graphdyn.projected.singular)."""
+cautious than the test that decides (graphdyn._projected.singular)."""
 
 
 @dataclass(frozen=True)

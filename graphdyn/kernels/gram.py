@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn._model import RobotModel
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.expressions import COLUMNS, Program, Watch
 from graphdyn.kernels.gram_emitter import STRIDE, emit_gram, products, tiles
@@ -25,7 +26,6 @@ from graphdyn.kernels.programs import record_equations
 from graphdyn.kernels.running import LONGEST, chosen_backend, in_threads, turned_back
 from graphdyn.kernels.sines import FARTHEST
 from graphdyn.layout import Array
-from graphdyn.model import RobotModel
 
 PORTION = 8192
 """Samples that are summed on their own, whatever the number of threads, so that the sums do not depend on it."""

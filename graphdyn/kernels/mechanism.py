@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.inertia import parallel_axis
+from graphdyn._inertia import parallel_axis
+from graphdyn._model import RobotModel
 from graphdyn.kernels.vectors import Scalars, scalars
 from graphdyn.layout import Array
-from graphdyn.model import RobotModel
 
 ROUNDING = 4 * float(np.finfo(float).eps)
 """Entries of a rotation this close to 0 or ±1 are that: a product of three rotations leaves so much. Nearly right

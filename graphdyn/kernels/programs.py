@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn._model import RobotModel
 from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
@@ -20,7 +21,6 @@ from graphdyn.kernels.reactions import Wrench, in_joint_axes
 from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
 from graphdyn.kernels.vectors import Scalars, scalars, zeros
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
-from graphdyn.model import RobotModel
 
 GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "felt": (3,)}
 """The input ground of a base that moves, column after column: the fields of motion.Ground that are not constant."""

@@ -15,14 +15,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
+from graphdyn._model import RobotModel
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.interpreter import Interpreter, Run, merged
 from graphdyn.kernels.native import CompiledProgram, compiling, try_out
 from graphdyn.kernels.programs import Request, record
 from graphdyn.kernels.sines import FARTHEST
 from graphdyn.layout import Array
-from graphdyn.model import RobotModel
 
 T = TypeVar("T")
 

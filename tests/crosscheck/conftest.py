@@ -12,8 +12,9 @@ from planting import Plant, mixed_tree
 from urdf_text import joint, link, robot_text
 
 import urdf
-from crosscheck import comparing, errata
-from crosscheck.program import main
+from crosscheck.cli import main
+from crosscheck.referee import compare as comparing
+from crosscheck.studies import errata
 
 MY_CODE = """
 import graphdyn, urdf

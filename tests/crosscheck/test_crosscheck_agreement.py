@@ -14,11 +14,11 @@ from shared_data import ARMS
 
 import crosscheck
 import urdf
-from crosscheck.program.crosscheck import DEFAULT_ROBOTS
-from crosscheck.quantities import BY_NAME, RECURSIVE
-from crosscheck.states import RANDOM, cases
+from crosscheck.cli.crosscheck import DEFAULT_ROBOTS
+from crosscheck.referee.quantities import BY_NAME, RECURSIVE
+from crosscheck.referee.states import RANDOM, cases
 from graphdyn import Body, Joint, Placement, RobotModel, kr500
-from graphdyn.model import JOINT_KINDS
+from graphdyn._model import JOINT_KINDS
 
 SAMPLES = 20
 TREE_SAMPLES = 5

@@ -16,22 +16,22 @@ from lxml import etree
 from typer.testing import CliRunner
 
 import graphdyn
-from crosscheck.bench import benchmark, casadi_forms, cold, graphdyn_forms, identification, mujoco_forms, texts
-from crosscheck.bench.benchmark import PARTS, Effort, thread_numbers
-from crosscheck.bench.casadi_forms import CasadiRefuses
-from crosscheck.bench.chains import chain
-from crosscheck.bench.cold import in_fresh_process
-from crosscheck.bench.contender import Entry, Measured
-from crosscheck.bench.curves import Line
-from crosscheck.bench.floor import REQUESTS, floating_point_operations, machine
-from crosscheck.bench.pinocchio_forms import instruction_set
-from crosscheck.bench.record import as_json
-from crosscheck.bench.states import random_states
-from crosscheck.bench.timing import Times, fitting_count, in_turns, ratio
-from crosscheck.mujoco_model import MujocoModel, MujocoRefuses
-from crosscheck.page.bench import bench_page
-from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.program import app
+from crosscheck.cli import app
+from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.report.pages.bench import bench_page
+from crosscheck.studies.bench import benchmark, casadi_forms, cold, graphdyn_forms, identification, mujoco_forms, texts
+from crosscheck.studies.bench.benchmark import PARTS, Effort, thread_numbers
+from crosscheck.studies.bench.casadi_forms import CasadiRefuses
+from crosscheck.studies.bench.chains import chain
+from crosscheck.studies.bench.cold import in_fresh_process
+from crosscheck.studies.bench.contender import Entry, Measured
+from crosscheck.studies.bench.curves import Line
+from crosscheck.studies.bench.floor import REQUESTS, floating_point_operations, machine
+from crosscheck.studies.bench.pinocchio_forms import instruction_set
+from crosscheck.studies.bench.record import as_json
+from crosscheck.studies.bench.states import random_states
+from crosscheck.studies.bench.timing import Times, fitting_count, in_turns, ratio
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
 from graphdyn.kernels.expressions import Recorder
 from graphdyn.kernels.programs import record

@@ -9,19 +9,19 @@ import pytest
 from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
 
 import crosscheck
-from crosscheck import comparing
-from crosscheck.pinocchio_model import PinocchioModel
-from crosscheck.printed_forms import world_axis_rows
-from crosscheck.program import main
-from crosscheck.program.exits import DISAGREED
-from crosscheck.quantities import BY_NAME, QUANTITIES, RECURSIVE
-from crosscheck.referee_values import RefereeValues
-from crosscheck.report import as_json
-from crosscheck.states import cases
+from crosscheck.cli import main
+from crosscheck.cli.exits import DISAGREED
+from crosscheck.referee import compare as comparing
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.referee.quantities import BY_NAME, QUANTITIES, RECURSIVE
+from crosscheck.referee.reference_values import RefereeValues
+from crosscheck.referee.states import cases
+from crosscheck.report.comparisons import as_json
+from crosscheck.studies.printed_forms import world_axis_rows
 from graphdyn import Placement, inverse_dynamics, kr500
-from graphdyn.constraints import constraints
-from graphdyn.rotation import rotation_about
-from graphdyn.unconstrained import mass_terms
+from graphdyn._constraints import constraints
+from graphdyn._rotation import rotation_about
+from graphdyn._unconstrained import mass_terms
 
 PLANTED = 1e-11
 """Relative error planted in one entry: ten times the widest bound without a condition number."""

@@ -12,12 +12,12 @@ from urdf_text import joint, link, robot_text
 
 import crosscheck
 import urdf
-from crosscheck import report
-from crosscheck.page import comparison_page
-from crosscheck.pinocchio_model import PinocchioModel
-from crosscheck.program import app
+from crosscheck.cli import app
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.report import comparisons as report
+from crosscheck.report.pages import comparison_page
 from graphdyn import InvalidInput, kr500
-from urdf.catalogue import locate
+from urdf._catalogue import locate
 
 SAMPLES = 10
 TORSO = ("torso_2_link", "gripper_left_base_link")

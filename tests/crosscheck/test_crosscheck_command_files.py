@@ -9,12 +9,12 @@ import pytest
 from planting import Plant
 
 import urdf
-from crosscheck.pinocchio_model import PinocchioModel
-from crosscheck.program import options
-from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.quantities import BY_NAME
-from crosscheck.report import JSON_FORMAT, versions
-from crosscheck.states import cases
+from crosscheck.cli import options
+from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.referee.quantities import BY_NAME
+from crosscheck.referee.states import cases
+from crosscheck.report.comparisons import JSON_FORMAT, versions
 from graphdyn import inverse_dynamics
 
 PLANTED = 1e-9

@@ -14,14 +14,15 @@ from planting import mixed_tree
 
 import crosscheck
 import urdf
-from crosscheck import comparing, errata
-from crosscheck.bench.benchmark import Effort
-from crosscheck.errata import EFFECTS, ERRATA, measure
-from crosscheck.program import app, console
-from crosscheck.program.crosscheck import DEFAULT_ROBOTS
-from crosscheck.program.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
-from crosscheck.quantities import BY_NAME
-from crosscheck.report import versions
+from crosscheck.cli import app, console
+from crosscheck.cli.crosscheck import DEFAULT_ROBOTS
+from crosscheck.cli.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
+from crosscheck.referee import compare as comparing
+from crosscheck.referee.quantities import BY_NAME
+from crosscheck.report.comparisons import versions
+from crosscheck.studies import errata
+from crosscheck.studies.bench.benchmark import Effort
+from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 from graphdyn import __version__
 
 COMMANDS = ("crosscheck", "judge", "show", "inspect", "identify", "paper", "bench", "robots", "errata")
@@ -184,8 +185,8 @@ class TestCompletion:
         code = """
 import sys
 import crosscheck.pytest_plugin
-from crosscheck.program import app
-from crosscheck.program.options import robot_names
+from crosscheck.cli import app
+from crosscheck.cli.options import robot_names
 assert "ur5" in robot_names("ur")
 print(*{"pinocchio", "yourdfpy", "scipy", "matplotlib"} & set(sys.modules))
 """
@@ -213,7 +214,7 @@ class TestExamples:
     @pytest.fixture
     def hurry(self, monkeypatch):
         """The benchmark measures little."""
-        monkeypatch.setattr("crosscheck.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
+        monkeypatch.setattr("crosscheck.studies.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
 
     @pytest.mark.parametrize("command", COMMANDS)
     def test_the_first_one_runs(self, program, command, my_code, hurry):

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import urdf
-from crosscheck.errata import COSINES, ERRATA, measure
-from crosscheck.printed_forms import with_unit_d33, without_d_transposed, world_axis_rows
+from crosscheck.studies.errata import COSINES, ERRATA, measure
+from crosscheck.studies.printed_forms import with_unit_d33, without_d_transposed, world_axis_rows
 from graphdyn import kkt_system, kr500, maximal_state
-from graphdyn.cardano import cardano_form
-from graphdyn.constraints import constraints
-from graphdyn.kinematics import null_space
+from graphdyn._cardano import cardano_form
+from graphdyn._constraints import constraints
+from graphdyn._kinematics import null_space
 
 SAMPLES = 20
 

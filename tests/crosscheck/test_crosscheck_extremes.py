@@ -7,7 +7,7 @@ import pytest
 from planting import flagged, with_body, with_joint
 
 import crosscheck
-from crosscheck.quantities import BY_NAME
+from crosscheck.referee.quantities import BY_NAME
 from graphdyn import Body, InvalidInput, Joint, JointLimits, Placement, RobotModel, kr500
 
 SAMPLES = 5

@@ -18,7 +18,7 @@ from crosscheck.identifying import (
     Folds,
     FromWrenches,
     LastPart,
-    OtherRecords,
+    OtherRecordings,
     Preparation,
     WithPinocchio,
     friction_terms,
@@ -29,10 +29,9 @@ from crosscheck.identifying import (
 from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
 from crosscheck.identifying.pooling import pooled_sizes
 from crosscheck.identifying.recommending import joint_errors, mean_error
-from crosscheck.pinocchio_model import PinocchioModel
-from crosscheck.records import Record, concatenated
-from graphdyn import InvalidInput, mass_matrix
-from graphdyn.errors import EstimationFailed
+from crosscheck.recordings import Recording, concatenated
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from graphdyn import EstimationFailed, InvalidInput, mass_matrix
 from graphdyn.identification import ResidualSizes, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
 
@@ -64,9 +63,9 @@ class TestVirtualRobot:
     def test_motion_stays_within_its_limits(self):
         robot = urdf.load("ur5")
         arm = virtual_robot(robot, (), seconds=10.0)
-        for record in (arm.fitted, arm.held_out):
-            v = np.abs(np.diff(record.q, axis=0)).max(axis=0) * 250
-            for joint, q, speed in zip(robot.joints, record.q.T, v, strict=True):
+        for recording in (arm.fitted, arm.held_out):
+            v = np.abs(np.diff(recording.q, axis=0)).max(axis=0) * 250
+            for joint, q, speed in zip(robot.joints, recording.q.T, v, strict=True):
                 assert joint.limits.lower <= q.min() <= q.max() <= joint.limits.upper, joint.name
                 assert speed < joint.limits.velocity, joint.name
         assert not np.allclose(virtual().fitted.q[: len(virtual().held_out.t)], virtual().held_out.q, atol=0.01)
@@ -121,52 +120,52 @@ class TestBaselines:
         assert found.comparison.of("WLS").failure is None
 
 
-def identified_from(record, methods):
+def identified_from(recording, methods):
     """With the last quarter held out."""
     arm = virtual()
     return crosscheck.identify(
-        arm.subject.model, record, methods=methods, preparation=CUTOFF, terms=arm.torque_model.terms, poses=POSES
+        arm.subject.model, recording, methods=methods, preparation=CUTOFF, terms=arm.torque_model.terms, poses=POSES
     )
 
 
 class TestHoldingOut:
     @pytest.fixture(scope="class")
     @staticmethod
-    def record():
+    def recording():
         return CUTOFF.differentiated(virtual().fitted)
 
-    def test_by_time_since_the_first_row(self, record):
-        late = replace(record, t=record.t + 1e9)
-        for given, start in ((record, 0.0), (late, 1e9)):
+    def test_by_time_since_the_first_row(self, recording):
+        late = replace(recording, t=recording.t + 1e9)
+        for given, start in ((recording, 0.0), (late, 1e9)):
             fit, (split,), words = ByTime((0, 6), (6, 9)).divide([given])
             assert fit is split.train
             assert fit.t[-1] == pytest.approx(start + 6, abs=0.005)
             assert split.test.t[0] == pytest.approx(start + 6, abs=0.005)
             assert words == "6 to 9 s"
 
-    def test_by_rows_of_the_file(self, record):
-        fit, (split,), words = ByRows((100, 1000), (1500, np.inf)).divide([record])
+    def test_by_rows_of_the_file(self, recording):
+        fit, (split,), words = ByRows((100, 1000), (1500, np.inf)).divide([recording])
         assert (fit.rows[0], fit.rows[-1], split.test.rows[0]) == (100, 999, 1500)
         assert words == "rows from 1500 on"
 
-    def test_last_part_of_every_recording(self, record):
-        fit, (split,), words = LastPart(0.25).divide([record, record])
-        assert len(split.test.t) == pytest.approx(0.5 * len(record.t), abs=2)
+    def test_last_part_of_every_recording(self, recording):
+        fit, (split,), words = LastPart(0.25).divide([recording, recording])
+        assert len(split.test.t) == pytest.approx(0.5 * len(recording.t), abs=2)
         assert split.test.t[0] - fit.t[fit.t < split.test.t[0]].max() >= 0.25
         assert words == "the last 25 % of every recording"
         with pytest.raises(InvalidInput, match=r"the part to hold out is 1; choose one between 0 and 1"):
-            LastPart(1.0).divide([record])
+            LastPart(1.0).divide([recording])
 
-    def test_folds_fit_everything(self, record):
-        fit, splits, words = Folds(4).divide([record])
-        assert len(fit.t) == len(record.t) == sum(len(split.test.t) for split in splits)
+    def test_folds_fit_everything(self, recording):
+        fit, splits, words = Folds(4).divide([recording])
+        assert len(fit.t) == len(recording.t) == sum(len(split.test.t) for split in splits)
         assert words == "4 consecutive folds, each from the others"
 
-    def test_several_recordings_have_no_common_time(self, record):
+    def test_several_recordings_have_no_common_time(self, recording):
         with pytest.raises(InvalidInput, match="2 recordings cannot be divided by time; give one, or others"):
-            ByTime((0, 1), (1, 2)).divide([record, record])
+            ByTime((0, 1), (1, 2)).divide([recording, recording])
         with pytest.raises(InvalidInput, match="2 recordings cannot be divided by rows"):
-            ByRows((0, 1), (1, 2)).divide([record, record])
+            ByRows((0, 1), (1, 2)).divide([recording, recording])
 
     def test_folds_pool_their_errors(self):
         found = identified(["wls", "graph"], held_out=Folds(3))
@@ -237,7 +236,7 @@ class TestPreparation:
             identified_from(other, ["wls"])
 
     def test_a_record_without_torque(self):
-        with pytest.raises(InvalidInput, match="has no tau; record it, or map its columns"):
+        with pytest.raises(InvalidInput, match="has no tau; recording it, or map its columns"):
             identified_from(replace(virtual().fitted, tau=None), ["wls"])
 
 
@@ -374,6 +373,8 @@ class TestNames:
 def test_other_records_are_prepared_alike():
     found = identified(["wls"])
     assert [split.test.provenance.steps for split in found.division.trials] == [found.division.fit.provenance.steps]
-    assert isinstance(concatenated([virtual().fitted]), Record)
-    assert OtherRecords((virtual().held_out,)).divide([virtual().fitted]).words.startswith("all of simulated motion 2")
-    assert FromWrenches().record is None
+    assert isinstance(concatenated([virtual().fitted]), Recording)
+    assert (
+        OtherRecordings((virtual().held_out,)).divide([virtual().fitted]).words.startswith("all of simulated motion 2")
+    )
+    assert FromWrenches().recording is None

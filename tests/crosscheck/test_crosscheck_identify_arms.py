@@ -15,7 +15,7 @@ from shared_data import DATA, REPOSITORY, existing
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.program import app
+from crosscheck.cli import app
 
 DOCUMENT = REPOSITORY / "docs" / "identification.md"
 RECORDINGS = {"ur10": DATA / "data" / "ur10", "tx40": DATA / "data" / "tx40", "kr300": DATA / "data" / "kr300"}
@@ -91,8 +91,8 @@ def run(tmp_path, monkeypatch):
     return identified
 
 
-def method(record, name):
-    (found,) = [entry for entry in record["methods"] if entry["name"] == name]
+def method(recording, name):
+    (found,) = [entry for entry in recording["methods"] if entry["name"] == name]
     assert found["failure"] is None
     return found
 
@@ -105,17 +105,17 @@ def as_printed(row, numbers):
 
 def test_ur10(run):
     (command,) = commands("ur10")
-    record = run(command, "--methods", "wls,wls-pinocchio,consistent,graph")
-    assert (record["rank"], record["structural_rank"]) == (60, 60)
-    assert record["recommended"] == "consistent"
-    best = method(record, "consistent")
+    recording = run(command, "--methods", "wls,wls-pinocchio,consistent,graph")
+    assert (recording["rank"], recording["structural_rank"]) == (60, 60)
+    assert recording["recommended"] == "consistent"
+    best = method(recording, "consistent")
     assert np.all(np.array(best["held_out"]["everything"]["rms"][:5]) <= UR10_HELD_OUT)
     for name in ("WLS", "consistent"):
-        as_printed(table("UR10")[name], method(record, name)["held_out"]["everything"]["rms"])
-    assert not method(record, "WLS")["consistent"]
-    assert method(record, "WLS")["positive_definite"] == 0
-    assert method(record, "WLS, Pinocchio's regressor")["settings"]["difference"] <= SAME_REGRESSOR
-    (graph,) = [entry for entry in record["methods"] if entry["name"] == "graph method"]
+        as_printed(table("UR10")[name], method(recording, name)["held_out"]["everything"]["rms"])
+    assert not method(recording, "WLS")["consistent"]
+    assert method(recording, "WLS")["positive_definite"] == 0
+    assert method(recording, "WLS, Pinocchio's regressor")["settings"]["difference"] <= SAME_REGRESSOR
+    (graph,) = [entry for entry in recording["methods"] if entry["name"] == "graph method"]
     assert "six components" in graph["failure"]
     assert not [c for c in urdf.load("ur10_identified.urdf").physical_consistency() if c.problems]
     assert Path("ur10.html").stat().st_size < 5e6
@@ -123,21 +123,21 @@ def test_ur10(run):
 
 def test_tx40_with_the_settings_of_the_literature(run):
     training, _ = commands("tx40")
-    record = run(training, "--methods", "wls,consistent", "--folds", "2")  # the fit does not depend on the folds
-    assert (record["rank"], record["structural_rank"]) == (61, 61)
+    recording = run(training, "--methods", "wls,consistent", "--folds", "2")  # the fit does not depend on the folds
+    assert (recording["rank"], recording["structural_rank"]) == (61, 61)
     for name in ("WLS", "consistent"):
-        assert np.all(100 * np.array(method(record, name)["fitted_relative"]) <= TX40_TRAINING), name
-    assert record["recommended"] == "consistent"
+        assert np.all(100 * np.array(method(recording, name)["fitted_relative"]) <= TX40_TRAINING), name
+    assert recording["recommended"] == "consistent"
 
 
 def test_tx40_predicts(run):
     _, prediction = commands("tx40")
-    record = run(prediction, "--methods", "wls,entropic")
-    best = method(record, record["recommended"])
+    recording = run(prediction, "--methods", "wls,entropic")
+    best = method(recording, recording["recommended"])
     assert best["name"] == "consistent, entropic prior"
     assert np.all(np.array(best["held_out"]["everything"]["rms"]) <= TX40_HELD_OUT)
     for name in ("WLS", best["name"]):
-        as_printed(table("TX40")[name], method(record, name)["held_out"]["everything"]["rms"])
+        as_printed(table("TX40")[name], method(recording, name)["held_out"]["everything"]["rms"])
 
 
 @pytest.fixture
@@ -157,20 +157,20 @@ def kr300(monkeypatch):
 def test_kr300_payload(run, kr300):
     payload, _ = commands("kr300")
     kr300("kr300.urdf", 0.0)
-    record = run(payload, "--methods", "wls")
-    (mass,) = [row for row in record["shown"]["base_parameters"] if row["name"] == "M_L"]
+    recording = run(payload, "--methods", "wls")
+    (mass,) = [row for row in recording["shown"]["base_parameters"] if row["name"] == "M_L"]
     assert mass["value"] == pytest.approx(PAYLOAD, abs=PAYLOAD_WITHIN)
     assert mass["block_deviation"] > 3 * mass["deviation"]
-    assert record["shown"]["bodies"][5]["identified"]["m"] == pytest.approx(17.78 + mass["value"])
+    assert recording["shown"]["bodies"][5]["identified"]["m"] == pytest.approx(17.78 + mass["value"])
 
 
 def test_kr300_prior_predicts_better(run, kr300):
     _, everything = commands("kr300")
     kr300("kr300_150.urdf", 150.0)
     Path("prior.py").write_text(FIXED_PRIOR, encoding="utf-8")
-    record = run(everything, "--methods", "wls,prior.py:fixed")
-    unconstrained, best = method(record, "WLS"), method(record, "consistent, pullback prior")
-    assert record["recommended"] == best["name"]
+    recording = run(everything, "--methods", "wls,prior.py:fixed")
+    unconstrained, best = method(recording, "WLS"), method(recording, "consistent, pullback prior")
+    assert recording["recommended"] == best["name"]
     errors = [100 * np.array(found["held_out"]["moving"]["relative"]) for found in (unconstrained, best)]
     assert errors[1].mean() < errors[0].mean()
     as_printed(table("KR300")["WLS"], errors[0])

@@ -12,8 +12,8 @@ from planting import mixed_tree
 from typer.testing import CliRunner
 
 import urdf
+from crosscheck.cli import app
 from crosscheck.identifying import friction_terms, virtual_robot
-from crosscheck.program import app
 
 SCHEMA = Path(__file__).parents[2] / "docs/schemas/identify-1.schema.json"
 
@@ -65,18 +65,18 @@ def arm(tmp_path_factory):
     virtual = virtual_robot(folder / "true.urdf", friction_terms(["viscous", "coulomb"]), seconds=10.0)
     urdf.save(virtual.subject.model, folder / "arm.urdf")
     names = virtual.fitted.joint_names
-    for name, record in (("one", virtual.fitted), ("two", virtual.held_out)):
-        table = np.column_stack([record.t, record.q, record.tau])
+    for name, recording in (("one", virtual.fitted), ("two", virtual.held_out)):
+        table = np.column_stack([recording.t, recording.q, recording.tau])
         head = ",".join(["time_s", *(f"q_{j}" for j in names), *(f"tau_{j}" for j in names)])
         np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=head, comments="")
-        np.savetxt(folder / f"pos_{name}.csv", record.q, delimiter=",", header=",".join(names), comments="")
-        np.savetxt(folder / f"cur_{name}.csv", record.tau, delimiter=",", header=",".join(names), comments="")
+        np.savetxt(folder / f"pos_{name}.csv", recording.q, delimiter=",", header=",".join(names), comments="")
+        np.savetxt(folder / f"cur_{name}.csv", recording.tau, delimiter=",", header=",".join(names), comments="")
     (folder / "mapping.toml").write_text(
-        f"joints = {json.dumps(names)}\nrate = 250\nprismatic = {json.dumps(list(record.prismatic))}\n"
+        f"joints = {json.dumps(names)}\nrate = 250\nprismatic = {json.dumps(list(recording.prismatic))}\n"
         '[q]\nfile = "pos_*.csv"\ncolumns = "{joint}"\n'
-        f"unit = {json.dumps(['m' if slides else 'rad' for slides in record.prismatic])}\n"
+        f"unit = {json.dumps(['m' if slides else 'rad' for slides in recording.prismatic])}\n"
         '[tau]\nfile = "cur_*.csv"\ncolumns = "{joint}"\n'
-        f"unit = {json.dumps(['N' if slides else 'N m' for slides in record.prismatic])}\n",
+        f"unit = {json.dumps(['N' if slides else 'N m' for slides in recording.prismatic])}\n",
         encoding="utf-8",
     )
     (folder / "own.py").write_text(OWN_CODE, encoding="utf-8")
@@ -118,34 +118,34 @@ class TestFiles:
         ):
             assert text in said
         assert "graph method: failed: the recording has torques about the joint axes alone" in said
-        record = json.loads(files["json"].read_text(encoding="utf-8"))
-        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
-        assert record["usable"]
-        assert record["recommended"] == "consistent"
-        assert record["recording"]["held_out_files"] == [str(arm / "pos_two.csv"), str(arm / "cur_two.csv")]
-        assert record["truth"] is None
-        self.check_urdf(files["urdf"], arm, record)
-        self.check_page(files["html"].read_text(encoding="utf-8"), record)
+        recording = json.loads(files["json"].read_text(encoding="utf-8"))
+        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(recording)
+        assert recording["usable"]
+        assert recording["recommended"] == "consistent"
+        assert recording["recording"]["held_out_files"] == [str(arm / "pos_two.csv"), str(arm / "cur_two.csv")]
+        assert recording["truth"] is None
+        self.check_urdf(files["urdf"], arm, recording)
+        self.check_page(files["html"].read_text(encoding="utf-8"), recording)
 
-    def check_urdf(self, path, arm, record):
+    def check_urdf(self, path, arm, recording):
         new, true, cad = (urdf.load(p) for p in (path, arm / "true.urdf", arm / "arm.urdf"))
-        wanted = np.array([list(body["identified"].values()) for body in record["shown"]["bodies"]])
+        wanted = np.array([list(body["identified"].values()) for body in recording["shown"]["bodies"]])
         np.testing.assert_allclose(new.inertial_parameters, wanted.ravel(), rtol=1e-9, atol=1e-12)
         assert all(consistency.problems == () for consistency in new.physical_consistency())
-        base = [row["name"] for row in record["shown"]["base_parameters"]]
-        assert len(base) == record["rank"]
+        base = [row["name"] for row in recording["shown"]["base_parameters"]]
+        assert len(base) == recording["rank"]
         off, wrong = (np.abs(x.inertial_parameters - true.inertial_parameters).sum() for x in (new, cad))
         assert off < wrong
 
-    def check_page(self, page, record):
+    def check_page(self, page, recording):
         root = etree.fromstring(page.encode(), etree.HTMLParser(encoding="utf-8"))
         assert len(page) < LARGEST
         assert not re.findall(r'(?:src|href)="(?!#)', page)
-        assert len(root.findall(".//svg")) == len(record["joint_names"]) + 3
+        assert len(root.findall(".//svg")) == len(recording["joint_names"]) + 3
         text = " ".join(" ".join(root.itertext()).split())
-        for method in record["methods"]:
+        for method in recording["methods"]:
             assert method["name"] in text
-        for joint in record["joint_names"]:
+        for joint in recording["joint_names"]:
             assert f"Measured and predicted torque of {joint}; fitted: root mean square error" in page
         assert "✓ use consistent" in text
         assert "None" not in text
@@ -193,11 +193,11 @@ class TestSimulated:
         assert code == 0, said
         assert "truth" in said
         assert "held out: all of simulated motion 2 of" in said
-        record = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
-        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
-        assert len(record["truth"]) == len(record["parameters"])
-        assert (record["robot"], record["file"]) == (str(arm / "true.urdf"), str(arm / "true.urdf"))
-        assert record["methods"][1]["failure"] is None
+        recording = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(recording)
+        assert len(recording["truth"]) == len(recording["parameters"])
+        assert (recording["robot"], recording["file"]) == (str(arm / "true.urdf"), str(arm / "true.urdf"))
+        assert recording["methods"][1]["failure"] is None
 
     def test_options_that_need_a_log(self, program):
         for option, value in (("--validate", "x.csv"), ("--folds", "3"), ("--payload", "unknown"), ("--rate", "5")):

@@ -13,12 +13,12 @@ from lxml import etree
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.page.inspection import inspection_page
-from crosscheck.program import app, console
-from crosscheck.program import inspect as command
-from crosscheck.program import sweep as sweeping
-from crosscheck.program.inspect_text import worst
-from crosscheck.program.sweep import FEW, sweep
+from crosscheck.cli import app, console
+from crosscheck.cli import inspect as command
+from crosscheck.cli import inspect_many as sweeping
+from crosscheck.cli.inspect_many import FEW, sweep
+from crosscheck.cli.inspect_text import worst
+from crosscheck.report.pages.inspection import inspection_page
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs/schemas/inspect-1.schema.json").read_text(encoding="utf-8"))
 NARROW = 80

@@ -8,9 +8,9 @@ from shared_data import ARMS, existing
 
 import crosscheck
 import urdf
-from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.quantities import BY_NAME, forward_errors, passive_errors
-from crosscheck.states import cases
+from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.referee.quantities import BY_NAME, forward_errors, passive_errors
+from crosscheck.referee.states import cases
 
 SAMPLES = 5
 

@@ -12,9 +12,9 @@ from textbook import TextbookArm
 
 import crosscheck
 import urdf
-from crosscheck import verdict
 from crosscheck.judging.foreign import ForeignFailure
-from crosscheck.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.report import judgements as verdict
 from graphdyn import InvalidInput, SingularMassMatrix, inverse_dynamics, joint_torque_regressor, kr500
 
 pytest_plugins = ["pytester"]

@@ -6,7 +6,7 @@ import re
 import pytest
 
 import urdf
-from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 
 
 class TestJudge:

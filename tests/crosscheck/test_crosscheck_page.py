@@ -20,17 +20,17 @@ from urdf_text import joint, link, robot_text
 import crosscheck
 import graphdyn
 import urdf
-from crosscheck.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
-from crosscheck.page import comparison_page, judgement_page, write_page
-from crosscheck.page.identification import identification_page
-from crosscheck.page.rendering import error_text
-from crosscheck.page.snippets import CALLS, worst_state
-from crosscheck.page.spread import Row, spread
-from crosscheck.page.stick_figure import BENT, pose, pose_text, stick_figure
-from crosscheck.quantities import BY_NAME
-from crosscheck.report import as_json, versions
-from crosscheck.result import QUANTILES, WorstState
-from crosscheck.states import cases
+from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
+from crosscheck.referee.comparison import QUANTILES, WorstState
+from crosscheck.referee.quantities import BY_NAME
+from crosscheck.referee.states import cases
+from crosscheck.report.comparisons import as_json, versions
+from crosscheck.report.pages import comparison_page, judgement_page, write_page
+from crosscheck.report.pages.identification import identification_page
+from crosscheck.report.pages.rendering import error_text
+from crosscheck.report.pages.snippets import CALLS, worst_state
+from crosscheck.report.pages.spread import Row, spread
+from crosscheck.report.pages.stick_figure import BENT, pose, pose_text, stick_figure
 from graphdyn import Joint, Placement
 
 COMMAND = ["graphdyn", "crosscheck", "my arm.urdf", "--html", "page.html"]
@@ -308,13 +308,13 @@ class TestForm:
         assert len(list(tmp_path.iterdir())) == 1
 
     def test_templates_are_installed(self):
-        folder = Path(crosscheck.__file__).parent / "page" / "templates"
+        folder = Path(crosscheck.__file__).parent / "report" / "pages" / "templates"
         assert {"base.html", "comparison.html", "judgement.html", "parts.html", "style.css"} <= {
             path.name for path in folder.iterdir()
         }
 
     def test_matplotlib_is_not_imported_early(self):
-        code = "import sys, crosscheck, crosscheck.page; sys.exit('matplotlib' in sys.modules)"
+        code = "import sys, crosscheck, crosscheck.report.pages; sys.exit('matplotlib' in sys.modules)"
         assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -14,19 +14,19 @@ from jsonschema import Draft202012Validator
 from lxml import etree
 from typer.testing import CliRunner
 
-from crosscheck.errata import ERRATA
-from crosscheck.page import write_page
-from crosscheck.page.paper import paper_page
-from crosscheck.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
-from crosscheck.paper.identification import SEEDS
-from crosscheck.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
-from crosscheck.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4, Printed
-from crosscheck.paper.record import PAPER_FORMAT, as_json
-from crosscheck.paper.reproduction import PARTS, reproduce
-from crosscheck.paper.texts import error_text, printed_text, value_text
-from crosscheck.program import app, console
-from crosscheck.program.paper_text import text
-from crosscheck.report import finite, versions
+from crosscheck.cli import app, console
+from crosscheck.cli.paper_text import text
+from crosscheck.report.comparisons import finite, versions
+from crosscheck.report.pages import write_page
+from crosscheck.report.pages.paper import paper_page
+from crosscheck.studies.errata import ERRATA
+from crosscheck.studies.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
+from crosscheck.studies.paper.identification import SEEDS
+from crosscheck.studies.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
+from crosscheck.studies.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4, Printed
+from crosscheck.studies.paper.record import PAPER_FORMAT, as_json
+from crosscheck.studies.paper.reproduction import PARTS, reproduce
+from crosscheck.studies.paper.texts import error_text, printed_text, value_text
 from graphdyn import kr500
 
 ROOT = Path(__file__).parents[2]
@@ -315,7 +315,7 @@ class TestCommand:
 
     def test_failure_is_exit_code_1(self, found, monkeypatch):
         broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
-        monkeypatch.setattr("crosscheck.paper.reproduction.reproduce", lambda *_: broken)
+        monkeypatch.setattr("crosscheck.studies.paper.reproduction.reproduce", lambda *_: broken)
         assert paper().exit_code == 1
 
     def test_bad_input(self, tmp_path):

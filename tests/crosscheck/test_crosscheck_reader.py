@@ -7,7 +7,7 @@ import pytest
 from inspection_cases import CLEAN, changed
 
 import crosscheck
-from crosscheck.standard_error import kept_standard_error
+from crosscheck.referee.standard_error import kept_standard_error
 
 MASS = changed('value="2.5"', 'value="2.5 "')
 REFUSED = changed('lower="-1"', 'lower="-1 "')

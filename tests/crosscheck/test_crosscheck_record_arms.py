@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from shared_data import DATA, REPOSITORY, existing
 
-from crosscheck.records import (
+from crosscheck.recordings import (
     AmbiguousColumns,
     chosen_cutoff,
     decimated,
     differentiated,
     load_mapping,
-    load_record,
+    load_recording,
     sampling_rate,
     split_by_rows,
     split_by_time,
@@ -25,7 +25,7 @@ FILES = {
 
 
 def arm(name):
-    return load_record([existing(DATA / "data" / name / file) for file in FILES[name]], MAPPINGS / f"{name}.toml")
+    return load_recording([existing(DATA / "data" / name / file) for file in FILES[name]], MAPPINGS / f"{name}.toml")
 
 
 def columns(name, file, prefix):
@@ -46,53 +46,55 @@ def test_every_published_mapping_can_be_read(name):
     [("ur10", 2408, 125, True), ("tx40", 45_000, 5000, False), ("kr300", 2501, 250, True)],
 )
 def test_the_arms_are_read_whole(name, rows, rate, has_v):
-    record = arm(name)
-    assert record.q.shape == record.tau.shape == (rows, 6)
-    assert sampling_rate(record) == pytest.approx(rate, rel=1e-9)
-    assert (record.v is not None) == has_v
-    assert len(record.block_slices) == 1
-    assert record.findings == ()
-    assert record.provenance.steps == ()
-    assert np.abs(record.q).max() < 2 * np.pi
+    recording = arm(name)
+    assert recording.q.shape == recording.tau.shape == (rows, 6)
+    assert sampling_rate(recording) == pytest.approx(rate, rel=1e-9)
+    assert (recording.v is not None) == has_v
+    assert len(recording.block_slices) == 1
+    assert recording.findings == ()
+    assert recording.provenance.steps == ()
+    assert np.abs(recording.q).max() < 2 * np.pi
 
 
 def test_names_alone_do_not_tell_which_encoder_or_clock():
     with pytest.raises(AmbiguousColumns, match=r"2 candidates for time: bag_t_s; stamp_s"):
-        load_record(existing(DATA / "data" / "ur10" / "ur10_free_motion.csv"))
+        load_recording(existing(DATA / "data" / "ur10" / "ur10_free_motion.csv"))
     with pytest.raises(
         AmbiguousColumns, match=r"for q: q_mot_link_rad_1 … q_mot_link_rad_6; q_secenc_rad_1 … q_secenc_rad"
     ):
-        load_record(existing(DATA / "data" / "kr300" / "kr300_A.csv"))
+        load_recording(existing(DATA / "data" / "kr300" / "kr300_A.csv"))
 
 
 def test_ur10_is_taken_as_it_is():
-    record = arm("ur10")
+    recording = arm("ur10")
     for name, prefix in (("q", "q_"), ("v", "qd_"), ("tau", "effort_")):
-        assert np.array_equal(getattr(record, name), columns("ur10", "ur10_free_motion.csv", prefix))
+        assert np.array_equal(getattr(recording, name), columns("ur10", "ur10_free_motion.csv", prefix))
 
 
 def test_tx40_behind_its_coupled_transmission():
-    record = arm("tx40")
+    recording = arm("tx40")
     motor = columns("tx40", "pos_read_data.csv", "Joint")
     torque = columns("tx40", "curr_data.csv", "Joint")
     ratios = np.array([32, 32, 45, -48, 45, 32])
     q = motor / ratios
     q[:, 5] = (motor[:, 5] - 32 * q[:, 4]) / 32
     q += np.deg2rad([0, -90, 90, 0, 0, 0])
-    np.testing.assert_allclose(record.q, q, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(recording.q, q, rtol=0, atol=1e-13)
     tau = torque * ratios
     tau[:, 4] += 32 * torque[:, 5]
-    np.testing.assert_allclose(record.tau, tau, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(recording.tau, tau, rtol=0, atol=1e-12)
 
 
 def test_kr300_torques_behind_the_gears_are_the_published_ones():
-    record = arm("kr300")
+    recording = arm("kr300")
     link = columns("kr300", "kr300_A.csv", "tau_link_Nm")
     printed = 1e-8 * np.abs(link).max(axis=0)
     """Nine digits are printed of the motor torques."""
-    assert np.all(np.abs(record.tau - link) <= printed)
+    assert np.all(np.abs(recording.tau - link) <= printed)
     measured = columns("kr300", "kr300_A.csv", "q_mot_link_rad")
-    np.testing.assert_allclose(record.q - measured, np.broadcast_to(np.deg2rad([0, -90, 90, 0, 0, 0]), measured.shape))
+    np.testing.assert_allclose(
+        recording.q - measured, np.broadcast_to(np.deg2rad([0, -90, 90, 0, 0, 0]), measured.shape)
+    )
 
 
 def test_settings_of_the_literature():
@@ -111,5 +113,5 @@ def test_settings_of_the_literature():
 
 @pytest.mark.parametrize("name", sorted(FILES))
 def test_a_cutoff_is_found_in_each(name):
-    record = arm(name)
-    assert 4 < chosen_cutoff(record) < sampling_rate(record) / 4
+    recording = arm(name)
+    assert 4 < chosen_cutoff(recording) < sampling_rate(recording) / 4

@@ -3,9 +3,16 @@
 import numpy as np
 import pytest
 
-from crosscheck.records import DROPPABLE, BadRecordingFile, DirtyRecording, inspect_record, load_record, mapping_of
-from crosscheck.records.clock import increasing
-from crosscheck.records.findings import spans
+from crosscheck.recordings import (
+    DROPPABLE,
+    BadRecordingFile,
+    DirtyRecording,
+    inspect_recording,
+    load_recording,
+    mapping_of,
+)
+from crosscheck.recordings.clock import increasing
+from crosscheck.recordings.findings import spans
 from graphdyn import InvalidInput
 
 N = 60
@@ -34,16 +41,16 @@ def changed(folder, change):
 
 def only(path, code, **options):
     """The one finding of the file, which has this code."""
-    (finding,) = inspect_record(path, **options)
+    (finding,) = inspect_recording(path, **options)
     assert finding.code == code
     return finding
 
 
 def test_a_good_file_has_no_findings(tmp_path):
-    record = load_record(written(tmp_path, lines_of(GOOD)))
-    assert record.findings == ()
-    assert record.provenance.steps == ()
-    assert np.array_equal(record.block, np.zeros(N))
+    recording = load_recording(written(tmp_path, lines_of(GOOD)))
+    assert recording.findings == ()
+    assert recording.provenance.steps == ()
+    assert np.array_equal(recording.block, np.zeros(N))
 
 
 def test_wrong_column_counts(tmp_path):
@@ -57,12 +64,12 @@ def test_wrong_column_counts(tmp_path):
         f"{path}, {rows}: 2, 6 cells instead of 4; repair the lines, or drop them [wrong-column-count]"
     )
     with pytest.raises(DirtyRecording, match=r"rows 7–8, 30 \(lines 9–10, 32\): 2, 6 cells") as refusal:
-        load_record(path)
+        load_recording(path)
     assert refusal.value.findings == (finding,)
-    record = load_record(path, drop=["wrong-column-count"])
-    assert record.rows.tolist() == [row for row in range(N) if row not in (7, 8, 30)]
-    assert np.array_equal(record.q[:, 0], GOOD[record.rows, 1])
-    assert record.provenance.steps == (f"dropped wrong-column-count: rows 7–8, 30 of {path}",)
+    recording = load_recording(path, drop=["wrong-column-count"])
+    assert recording.rows.tolist() == [row for row in range(N) if row not in (7, 8, 30)]
+    assert np.array_equal(recording.q[:, 0], GOOD[recording.rows, 1])
+    assert recording.provenance.steps == (f"dropped wrong-column-count: rows 7–8, 30 of {path}",)
 
 
 @pytest.mark.parametrize(("end", "last"), [("", "0.59,1"), ("\n", "0.59,1"), ("", "0.59,1,2,"), ("", "0.59,1,2,1e-")])
@@ -73,9 +80,9 @@ def test_a_truncated_last_line_does_no_harm(tmp_path, end, last):
     assert finding.rows == (N - 1,)
     assert "breaks off" in finding.message
     assert finding.remedy == "the line is left out"
-    record = load_record(path)
-    assert len(record.t) == N - 1
-    assert record.provenance.steps == (f"dropped truncated-last-line: rows 59 of {path}",)
+    recording = load_recording(path)
+    assert len(recording.t) == N - 1
+    assert recording.provenance.steps == (f"dropped truncated-last-line: rows 59 of {path}",)
 
 
 def test_a_last_line_without_an_end_stays_unless_asked(tmp_path):
@@ -85,8 +92,8 @@ def test_a_last_line_without_an_end_stays_unless_asked(tmp_path):
         f"{path}, row 59 (line 61): the last line has no end, so its last number may be cut off; "
         "drop it if it is [unterminated-last-line]"
     )
-    assert len(load_record(path).t) == N
-    assert len(load_record(path, drop=["unterminated-last-line"]).t) == N - 1
+    assert len(load_recording(path).t) == N
+    assert len(load_recording(path, drop=["unterminated-last-line"]).t) == N - 1
 
 
 def test_empty_lines_do_no_harm(tmp_path):
@@ -95,7 +102,7 @@ def test_empty_lines_do_no_harm(tmp_path):
     path = written(tmp_path, [*lines, ""])
     finding = only(path, "blank-line")
     assert finding.text == f"{path}, rows 10, 61 (lines 12, 63): an empty line; it is left out [blank-line]"
-    assert np.array_equal(load_record(path).t, T)
+    assert np.array_equal(load_recording(path).t, T)
 
 
 def test_no_header(tmp_path):
@@ -107,7 +114,7 @@ def test_no_header(tmp_path):
         f"{path}: the first line holds numbers, so the columns have no names; "
         "they can be mapped by number only [no-header]"
     )
-    assert np.array_equal(load_record(path, mapping).q[:, 0], GOOD[:, 1])
+    assert np.array_equal(load_recording(path, mapping).q[:, 0], GOOD[:, 1])
 
 
 @pytest.mark.parametrize(
@@ -125,14 +132,14 @@ def test_cells_without_a_number(tmp_path, cells, message):
         lines[k] = ",".join([str(T[k]), cell, *lines[k].split(",")[2:]])
     path = written(tmp_path, lines)
     with pytest.raises(DirtyRecording, match=message):
-        load_record(path)
+        load_recording(path)
     assert only(path, "not-a-number").rows == tuple(range(20, 20 + len(cells)))
-    assert len(load_record(path, drop=["not-a-number"]).t) == N - len(cells)
+    assert len(load_recording(path, drop=["not-a-number"]).t) == N - len(cells)
 
 
 def test_columns_that_are_not_mapped_may_hold_anything(tmp_path):
     path = written(tmp_path, [line + ",x" for line in lines_of(GOOD)], header=HEADER + ",comment")
-    assert inspect_record(path) == ()
+    assert inspect_recording(path) == ()
 
 
 @pytest.mark.parametrize(
@@ -151,8 +158,8 @@ def test_misframed_rows(tmp_path, column, value, message):
     path = changed(tmp_path, change)
     assert only(path, "implausible-value").rows == (33, 40)
     with pytest.raises(DirtyRecording, match=rf"rows 33, 40 \(lines 35, 42\): {message}.*; check"):
-        load_record(path)
-    assert load_record(path, drop=["implausible-value"]).rows.tolist() == [r for r in range(N) if r not in (33, 40)]
+        load_recording(path)
+    assert load_recording(path, drop=["implausible-value"]).rows.tolist() == [r for r in range(N) if r not in (33, 40)]
 
 
 def test_repeated_and_backward_stamps(tmp_path):
@@ -162,7 +169,7 @@ def test_repeated_and_backward_stamps(tmp_path):
         table[30, 0] = 7.0
 
     path = changed(tmp_path, change)
-    repeated, backward = inspect_record(path)
+    repeated, backward = inspect_recording(path)
     assert repeated.text == (
         f"{path}, row 10 (line 12): a stamp that was there before; "
         "drop the rows: the first of each stays [repeated-stamp]"
@@ -172,9 +179,9 @@ def test_repeated_and_backward_stamps(tmp_path):
         "its clock was set back [backward-stamp]"
     )
     with pytest.raises(DirtyRecording, match=r"(?s)a stamp out of order"):
-        load_record(path, drop=["repeated-stamp"])
-    record = load_record(path, drop=["repeated-stamp", "backward-stamp"])
-    assert record.rows.tolist() == [row for row in range(N) if row not in (10, 20, 30)]
+        load_recording(path, drop=["repeated-stamp"])
+    recording = load_recording(path, drop=["repeated-stamp", "backward-stamp"])
+    assert recording.rows.tolist() == [row for row in range(N) if row not in (10, 20, 30)]
 
 
 def test_the_fewest_rows_are_dropped():
@@ -196,18 +203,20 @@ def test_gaps_missing_samples_and_jitter(tmp_path):
         table[:, 2] = 5 * np.cos(5 * table[:, 0])
 
     path = changed(tmp_path, change)
-    found = {finding.code: finding for finding in inspect_record(path)}
+    found = {finding.code: finding for finding in inspect_recording(path)}
     assert {code: finding.rows for code, finding in found.items()} == {
         "gap": (40,),
         "missing-samples": (20,),
         "jitter": (30, 31),
     }
-    assert "a gap before it, up to 1.01 s, where the period is 0.01 s; the record is divided there" in found["gap"].text
+    assert (
+        "a gap before it, up to 1.01 s, where the period is 0.01 s; the recording is divided there" in found["gap"].text
+    )
     assert "samples are missing before it; resampling interpolates there" in found["missing-samples"].text
     assert "steps differ from the period of 0.01 s by up to 20%; resampling makes them even" in found["jitter"].text
-    record = load_record(path)
-    assert record.block.tolist() == [0] * 40 + [1] * 20
-    assert [(rows.start, rows.stop) for rows in record.block_slices] == [(0, 40), (40, 60)]
+    recording = load_recording(path)
+    assert recording.block.tolist() == [0] * 40 + [1] * 20
+    assert [(rows.start, rows.stop) for rows in recording.block_slices] == [(0, 40), (40, 60)]
 
 
 def test_a_rate_that_contradicts_the_stamps(tmp_path):
@@ -224,7 +233,7 @@ def test_channels_that_say_nothing(tmp_path):
         table[:, 2] = 0.0
 
     path = changed(tmp_path, change)
-    constant, zero = inspect_record(path)
+    constant, zero = inspect_recording(path)
     assert (constant.code, zero.code) == ("constant-channel", "all-zero-channel")
     assert constant.text.startswith(
         f"{path}, column 'q_1_rad': 0.5 in all rows; its joint is not excited, or its sensor"
@@ -232,7 +241,7 @@ def test_channels_that_say_nothing(tmp_path):
     assert zero.text.startswith(
         f"{path}, column 'v_1_rad_s': zero in all rows; leave the channel out of the mapping if"
     )
-    assert len(load_record(path).t) == N
+    assert len(load_recording(path).t) == N
 
 
 def test_saturation(tmp_path):
@@ -243,10 +252,10 @@ def test_saturation(tmp_path):
     finding = only(path, "saturation")
     assert finding.rows == tuple(np.flatnonzero(np.cos(9 * T) <= -0.8))
     assert finding.message == "held at -0.8, the end of its range, for 5 rows or more"
-    assert finding.remedy == "the drive or the sensor is saturated; drop the rows, or record slower motion"
+    assert finding.remedy == "the drive or the sensor is saturated; drop the rows, or recording slower motion"
     assert finding.severity == "warning"
-    assert len(load_record(path).t) == N
-    assert len(load_record(path, drop=["saturation"]).t) == N - len(finding.rows)
+    assert len(load_recording(path).t) == N
+    assert len(load_recording(path, drop=["saturation"]).t) == N - len(finding.rows)
 
 
 def test_velocities_of_another_unit(tmp_path):
@@ -272,8 +281,8 @@ def test_rows_for_unknown_reasons_are_not_dropped(tmp_path):
     with pytest.raises(
         InvalidInput, match=r"drop has 'gap'; rows can be dropped for: truncated-last-line, blank-line, "
     ):
-        load_record(path, drop=["gap"])
-    assert len(load_record(path, drop=DROPPABLE).t) == N
+        load_recording(path, drop=["gap"])
+    assert len(load_recording(path, drop=DROPPABLE).t) == N
 
 
 def test_files_without_lines(tmp_path):
@@ -290,15 +299,15 @@ def test_files_without_lines(tmp_path):
 
 
 def test_a_single_row(tmp_path):
-    record = load_record(written(tmp_path, lines_of(GOOD[:1])))
-    assert record.findings == ()
-    assert len(record.t) == 1
+    recording = load_recording(written(tmp_path, lines_of(GOOD[:1])))
+    assert recording.findings == ()
+    assert len(recording.t) == 1
 
 
 def test_no_row_left(tmp_path):
     path = written(tmp_path, ["0,nan,1,1", "1,nan,1,1"])
     with pytest.raises(BadRecordingFile, match=r"r.csv: no row is left; repair the file instead of dropping rows"):
-        load_record(path, drop=["not-a-number"])
+        load_recording(path, drop=["not-a-number"])
 
 
 def test_spans_of_rows():

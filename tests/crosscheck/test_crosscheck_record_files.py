@@ -11,7 +11,14 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 from scipy.io import savemat
 
-from crosscheck.records import AmbiguousColumns, BadMapping, BadRecordingFile, inspect_record, load_record, mapping_of
+from crosscheck.recordings import (
+    AmbiguousColumns,
+    BadMapping,
+    BadRecordingFile,
+    inspect_recording,
+    load_recording,
+    mapping_of,
+)
 
 N = 40
 T = np.arange(N) * 0.01
@@ -22,12 +29,12 @@ NAMES = ["time [s]", "q_1 [rad]", "q_2 [rad]", "v_1 [rad/s]", "v_2 [rad/s]", "ta
 TABLE = np.column_stack([T, Q, V, TAU])
 
 
-def assert_whole(record, tolerance=0.0):
-    assert record.joint_names == ("joint_1", "joint_2")
+def assert_whole(recording, tolerance=0.0):
+    assert recording.joint_names == ("joint_1", "joint_2")
     for name, values in {"t": T, "q": Q, "v": V, "tau": TAU}.items():
-        np.testing.assert_allclose(getattr(record, name), values, rtol=tolerance, atol=tolerance)
-    assert record.a is None
-    assert record.rows.tolist() == list(range(N))
+        np.testing.assert_allclose(getattr(recording, name), values, rtol=tolerance, atol=tolerance)
+    assert recording.a is None
+    assert recording.rows.tolist() == list(range(N))
 
 
 def text(delimiter, header=NAMES, table=TABLE):
@@ -40,27 +47,27 @@ def text(delimiter, header=NAMES, table=TABLE):
 def test_delimited_text(tmp_path, delimiter, end):
     path = tmp_path / "r.csv"
     path.write_bytes(b"\xef\xbb\xbf" + text(delimiter).replace("\n", end).encode())
-    assert_whole(load_record(path))
-    assert inspect_record(path) == ()
+    assert_whole(load_recording(path))
+    assert inspect_recording(path) == ()
 
 
 def test_text_with_many_spaces(tmp_path):
     path = tmp_path / "r.txt"
     path.write_text(text("   ", header=["t", "q1", "q2", "v1", "v2", "tau1", "tau2"]))
-    assert_whole(load_record(path))
+    assert_whole(load_recording(path))
 
 
 def test_names_in_the_comment_above_as_numpy_writes_them(tmp_path):
     path = tmp_path / "r.dat"
     np.savetxt(path, TABLE, header="made by hand\nt q1 q2 v1 v2 tau1 tau2", fmt="%.17g")
-    assert_whole(load_record(path))
+    assert_whole(load_recording(path))
 
 
 def test_decimal_commas(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text(text(";").replace(".", ","))
-    assert_whole(load_record(path))
-    (finding,) = inspect_record(path)
+    assert_whole(load_recording(path))
+    (finding,) = inspect_recording(path)
     assert finding.text == f"{path}: the numbers have decimal commas; they are read as such [decimal-comma]"
 
 
@@ -69,15 +76,15 @@ def test_calendar_times_become_seconds(tmp_path):
     path.write_text(
         "time [s],q_1 [rad]\n2024-02-29 23:59:59.5,0.1\n2024-03-01 00:00:00.5,0.2\n2024-03-01 00:00:01.5,0.4\n"
     )
-    assert load_record(path).t.tolist() == [0.0, 1.0, 2.0]
+    assert load_recording(path).t.tolist() == [0.0, 1.0, 2.0]
 
 
 def test_a_single_column_and_numbers_with_a_plus(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text("q_1 [rad]\n+1.5\nx\n2\n3\n4\n")
     with pytest.raises(BadRecordingFile, match=r"row 1 \(line 3\): 'x' is not a finite number; repair"):
-        load_record(path, rate=10)
-    assert load_record(path, rate=10, drop=["not-a-number"]).q[:, 0].tolist() == [1.5, 2.0, 3.0, 4.0]
+        load_recording(path, rate=10)
+    assert load_recording(path, rate=10, drop=["not-a-number"]).q[:, 0].tolist() == [1.5, 2.0, 3.0, 4.0]
 
 
 def test_text_after_the_first_megabyte(tmp_path):
@@ -85,12 +92,12 @@ def test_text_after_the_first_megabyte(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text("t,q1\n" + "".join(f"{k},0.{k:020}\n" for k in range(60_000)) + "60000,broken\n")
     with pytest.raises(BadRecordingFile, match=r"'q1', row 60000 \(line 60002\): 'broken' is not a finite number"):
-        load_record(path)
+        load_recording(path)
 
 
 def test_quoted_cells(tmp_path):
     (tmp_path / "r.csv").write_text('"t","q 1"\n"0","0.5"\n"1","0.25"\n')
-    assert load_record(tmp_path / "r.csv").q.tolist() == [[0.5], [0.25]]
+    assert load_recording(tmp_path / "r.csv").q.tolist() == [[0.5], [0.25]]
 
 
 @pytest.mark.parametrize(
@@ -110,28 +117,28 @@ def test_quoted_cells(tmp_path):
 def test_what_is_no_table_of_text_is_refused(tmp_path, content, message):
     (tmp_path / "r.csv").write_bytes(content)
     with pytest.raises(BadRecordingFile, match=message):
-        load_record(tmp_path / "r.csv")
+        load_recording(tmp_path / "r.csv")
 
 
 def test_a_delimiter_from_the_mapping(tmp_path):
     (tmp_path / "r.csv").write_text(text("|"))
     mapping = {"joints": ["a", "b"], "delimiter": "|", "time": {"column": 1}, "q": {"columns": [2, 3]}}
-    assert np.array_equal(load_record(tmp_path / "r.csv", mapping_of(mapping, "m")).q, Q)
+    assert np.array_equal(load_recording(tmp_path / "r.csv", mapping_of(mapping, "m")).q, Q)
 
 
 def test_parquet(tmp_path):
     path = tmp_path / "r.parquet"
     parquet.write_table(pa.table({name: TABLE[:, k] for k, name in enumerate(NAMES)}), path)
-    assert_whole(load_record(path))
+    assert_whole(load_recording(path))
     wide = {"t": pa.array(T), "q": pa.array(Q.tolist()), "v": pa.array(V.tolist()), "tau": pa.array(TAU.tolist())}
     parquet.write_table(pa.table(wide), path)
-    assert_whole(load_record(path))
+    assert_whole(load_recording(path))
     stamps = pa.array((T * 1e6).astype(int), pa.timestamp("us"))
     parquet.write_table(pa.table(wide | {"t": stamps}), path)
-    assert_whole(load_record(path), tolerance=1e-15)
+    assert_whole(load_recording(path), tolerance=1e-15)
     path.write_bytes(b"PAR1")
     with pytest.raises(BadRecordingFile, match=r"r.parquet: not a readable Parquet file \(.*\); save it again"):
-        load_record(path)
+        load_recording(path)
 
 
 def test_lists_of_different_lengths_are_no_columns(tmp_path):
@@ -139,15 +146,15 @@ def test_lists_of_different_lengths_are_no_columns(tmp_path):
     parquet.write_table(pa.table({"t": [0.0, 1.0], "q": [[1.0], [1.0, 2.0]]}), path)
     mapping = mapping_of({"joints": ["a"], "time": {"column": "t"}, "q": {"columns": ["q"]}}, "m")
     with pytest.raises(BadMapping, match=r"m, \[q\]: 'q' of .* is no column: lists of different lengths"):
-        load_record(path, mapping)
+        load_recording(path, mapping)
 
 
 def test_npz(tmp_path):
     path = tmp_path / "r.npz"
     np.savez(path, t=T, q=Q, v=V.T, tau=TAU, note="a text", limits=np.ones(3), cube=np.ones((2, 2, 2)))
-    assert_whole(load_record(path))
+    assert_whole(load_recording(path))
     text = f"{path}: v with one column per time; turned, so that rows are times [turned-array]"
-    assert text in [finding.text for finding in inspect_record(path)]
+    assert text in [finding.text for finding in inspect_recording(path)]
     for name, reason in {
         "note": "it holds no numbers",
         "limits": r"its shape is \(3,\), most others have 40 rows",
@@ -155,32 +162,32 @@ def test_npz(tmp_path):
     }.items():
         mapping = mapping_of({"joints": ["a"], "time": {"column": "t"}, "q": {"columns": [name]}}, "m")
         with pytest.raises(BadMapping, match=rf"'{name}' of .* is no column: {reason}"):
-            load_record(path, mapping)
+            load_recording(path, mapping)
 
 
 def test_archives_without_arrays_are_refused(tmp_path):
     path = tmp_path / "r.npz"
     np.savez(path, q=np.array([{}], dtype=object))
     with pytest.raises(BadRecordingFile, match=r"'q' is no array of numbers; save it as one"):
-        load_record(path)
+        load_recording(path)
     np.savez(path, q="text")
     with pytest.raises(BadRecordingFile, match=r"r.npz: no arrays with one row per time; save t \(N,\) and q, tau"):
-        load_record(path)
+        load_recording(path)
     path.write_bytes(b"PK nothing")
     with pytest.raises(BadRecordingFile, match=r"r.npz: not a readable .npz file \(.*\); save it with numpy.savez"):
-        load_record(path)
+        load_recording(path)
 
 
 def test_matlab(tmp_path):
     path = tmp_path / "r.mat"
     savemat(path, {"t": T, "q": Q, "v": V, "tau": TAU, "comment": "text"})
-    assert_whole(load_record(path))
+    assert_whole(load_recording(path))
     savemat(path, {"log": {"t": T, "joints": {"q": Q}}})
     mapping = {"joints": ["a", "b"], "time": {"column": "log.t"}, "q": {"columns": "log.joints.q_{number}"}}
-    assert np.array_equal(load_record(path, mapping_of(mapping, "m")).q, Q)
+    assert np.array_equal(load_recording(path, mapping_of(mapping, "m")).q, Q)
     path.write_bytes(b"no MATLAB")
     with pytest.raises(BadRecordingFile, match=r"r.mat: not a readable .mat file \(.*\); save it with save\('-v7'\)"):
-        load_record(path)
+        load_recording(path)
 
 
 def write_mat73(path):
@@ -199,13 +206,13 @@ def test_matlab_7_3_needs_its_extra(tmp_path, monkeypatch):
     write_mat73(path)
     mapping = {"joints": ["joint_1", "joint_2"], "time": {"column": "log.t"}}
     mapping |= {name: {"columns": f"log.{name}_{{number}}"} for name in ("q", "v", "tau")}
-    assert_whole(load_record(path, mapping_of(mapping, "m")))
+    assert_whole(load_recording(path, mapping_of(mapping, "m")))
     path.write_bytes(path.read_bytes()[:600])
     with pytest.raises(BadRecordingFile, match=r"r.mat: not a readable .mat file \(.*\); save it"):
-        load_record(path)
+        load_recording(path)
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(BadRecordingFile, match=r"of MATLAB version 7.3; save it with save\('-v7'\), or .* 'mat73'"):
-        load_record(path)
+        load_recording(path)
 
 
 def write_bag(folder, topics, storage=StoragePlugin.MCAP, stamped=True):
@@ -236,11 +243,11 @@ BY_STAMP = 1e-9
 @pytest.mark.parametrize("storage", list(StoragePlugin))
 def test_bags_with_one_topic(tmp_path, storage):
     folder = write_bag(tmp_path / "bag", {"/joint_states": ARM}, storage)
-    record = load_record(folder, joints=["joint_1", "joint_2"])
-    assert_whole(record, BY_STAMP)
+    recording = load_recording(folder, joints=["joint_1", "joint_2"])
+    assert_whole(recording, BY_STAMP)
     (file,) = [path for path in folder.iterdir() if path.suffix in (".mcap", ".db3")]
-    assert_whole(load_record(file, joints=["joint_1", "joint_2"]), BY_STAMP)
-    assert load_record(file).joint_names == ("joint_2", "joint_1")
+    assert_whole(load_recording(file, joints=["joint_1", "joint_2"]), BY_STAMP)
+    assert load_recording(file).joint_names == ("joint_2", "joint_1")
 
 
 def test_messages_of_other_joints_on_the_same_topic(tmp_path):
@@ -249,51 +256,51 @@ def test_messages_of_other_joints_on_the_same_topic(tmp_path):
     with pytest.raises(
         AmbiguousColumns, match=r"on /joint_states name different joints: joint_1, joint_2; finger; say"
     ):
-        load_record(folder)
-    record = load_record(folder, joints=["joint_1", "joint_2"])
-    assert len(record.t) == 3
+        load_recording(folder)
+    recording = load_recording(folder, joints=["joint_1", "joint_2"])
+    assert len(recording.t) == 3
     text = f"{folder}: 3 messages on /joint_states without all of joint_1, joint_2; they are left out [other-joints]"
-    assert text in [finding.text for finding in record.findings]
+    assert text in [finding.text for finding in recording.findings]
     with pytest.raises(
         BadRecordingFile, match=r"no message on /joint_states has all of elbow; there are: finger, joint_1"
     ):
-        load_record(folder, joints=["elbow"])
+        load_recording(folder, joints=["elbow"])
 
 
 def test_several_topics_need_a_choice(tmp_path):
     folder = write_bag(tmp_path / "bag", {"/arm": ARM, "/hand": GRIPPER})
     with pytest.raises(AmbiguousColumns, match=r"joint states on 2 topics: /arm, /hand; name one in a mapping: topic"):
-        load_record(folder)
+        load_recording(folder)
     mapping = {"joints": ["joint_1", "joint_2"], "topic": "/arm", "time": {"column": "receive_time"}}
     mapping |= {"q": {"columns": "position.{joint}"}}
-    assert np.array_equal(load_record(folder, mapping_of(mapping, "m")).q, Q)
+    assert np.array_equal(load_recording(folder, mapping_of(mapping, "m")).q, Q)
     mapping["topic"] = "/leg"
     with pytest.raises(
         BadRecordingFile, match=r"no sensor_msgs/msg/JointState on the topic '/leg'; there are: /arm, /h"
     ):
-        load_record(folder, mapping_of(mapping, "m"))
+        load_recording(folder, mapping_of(mapping, "m"))
 
 
 def test_bags_without_stamps_without_efforts_without_joint_states(tmp_path, monkeypatch):
     folder = write_bag(tmp_path / "a", {"/joint_states": [(names, q, [], []) for names, q, *_ in ARM]}, stamped=False)
-    record = load_record(folder, joints=["joint_1", "joint_2"])
-    assert record.v is None
-    assert record.tau is None
-    np.testing.assert_allclose(record.t, T, atol=BY_STAMP)
+    recording = load_recording(folder, joints=["joint_1", "joint_2"])
+    assert recording.v is None
+    assert recording.tau is None
+    np.testing.assert_allclose(recording.t, T, atol=BY_STAMP)
     message = "column 'time': the messages on /joint_states have no header stamps; times of receiving are taken"
-    assert f"{folder}, {message} [no-stamps]" in [finding.text for finding in record.findings]
+    assert f"{folder}, {message} [no-stamps]" in [finding.text for finding in recording.findings]
     with pytest.raises(BadRecordingFile, match=r"no topic of type sensor_msgs/msg/JointState; record the joint states"):
-        load_record(write_bag(tmp_path / "b", {}))
+        load_recording(write_bag(tmp_path / "b", {}))
     with pytest.raises(BadRecordingFile, match=r"no messages on /arm; record at least one"):
-        load_record(write_bag(tmp_path / "c", {"/arm": []}))
+        load_recording(write_bag(tmp_path / "c", {"/arm": []}))
     (tmp_path / "d.mcap").write_bytes(b"no bag")
     with pytest.raises(
-        BadRecordingFile, match=r"d.mcap: not a readable bag \(.*\); record it again, or give the whole"
+        BadRecordingFile, match=r"d.mcap: not a readable bag \(.*\); recording it again, or give the whole"
     ):
-        load_record(tmp_path / "d.mcap")
+        load_recording(tmp_path / "d.mcap")
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     with pytest.raises(BadRecordingFile, match=r"to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"):
-        load_record(folder)
+        load_recording(folder)
 
 
 def test_other_files_are_refused(tmp_path):
@@ -301,7 +308,7 @@ def test_other_files_are_refused(tmp_path):
     with pytest.raises(
         BadRecordingFile, match=r"r.xlsx: no recordings are read from '.xlsx' files; convert it to one of"
     ):
-        load_record(tmp_path / "r.xlsx")
+        load_recording(tmp_path / "r.xlsx")
     for suffix in (".csv", ".npz", ".mat", ".parquet", ".mcap"):
         with pytest.raises(OSError, match=rf"no such file: .*missing{suffix}"):
-            load_record(tmp_path / f"missing{suffix}")
+            load_recording(tmp_path / f"missing{suffix}")

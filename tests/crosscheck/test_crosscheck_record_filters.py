@@ -7,8 +7,8 @@ import pytest
 from scipy.signal import butter, decimate, sosfreqz
 
 import graphdyn
-from crosscheck.records import (
-    Record,
+from crosscheck.recordings import (
+    Recording,
     chosen_cutoff,
     concatenated,
     decimated,
@@ -16,13 +16,13 @@ from crosscheck.records import (
     derivative,
     differentiated,
     lowpass,
-    record_of,
+    recording_of,
     resampled,
     residual_analysis,
     sampling_rate,
 )
-from crosscheck.records.decimation import PADDING, rows_needed
-from crosscheck.records.filtering import BORDER_DECAY, border
+from crosscheck.recordings.decimation import PADDING, rows_needed
+from crosscheck.recordings.filtering import BORDER_DECAY, border
 from graphdyn import InvalidInput
 
 RATE = 500.0
@@ -39,7 +39,7 @@ def motion(t):
 def record(t, noise=0.0, **channels):
     q, _, _ = motion(t)
     q = q + noise * np.random.default_rng(0).normal(size=q.shape)
-    return Record(("a", "b"), t, q, tau=np.cos(np.outer(t, SLOW)), **channels)
+    return Recording(("a", "b"), t, q, tau=np.cos(np.outer(t, SLOW)), **channels)
 
 
 T = np.arange(3000) / RATE
@@ -190,7 +190,7 @@ def test_less_noise_allows_a_higher_cutoff():
 def test_cutoffs_that_cannot_be_chosen():
     with pytest.raises(InvalidInput, match=r"20 rows are too few to choose a cutoff from; give the cutoff"):
         residual_analysis(np.arange(20.0), RATE)
-    still = Record(("a",), T, np.ones((len(T), 1)))
+    still = Recording(("a",), T, np.ones((len(T), 1)))
     with pytest.raises(InvalidInput, match=r"no joint moves, so no cutoff can be chosen; give the cutoff"):
         chosen_cutoff(still)
 
@@ -217,11 +217,11 @@ def test_resampling_block_by_block():
         "resampled to 1000 Hz by cubic splines, without the blocks 1 of fewer than 4 rows",
     )
     assert [rows.stop - rows.start for rows in even.block_slices] == [199, 199]
-    with pytest.raises(InvalidInput, match=r"rate is 100 Hz, the record has 500 Hz; use decimated to lower it"):
+    with pytest.raises(InvalidInput, match=r"rate is 100 Hz, the recording has 500 Hz; use decimated to lower it"):
         resampled(record(t, block=block), 100)
-    with pytest.raises(InvalidInput, match=r"no block of the record has 4 rows; nothing can be resampled"):
+    with pytest.raises(InvalidInput, match=r"no block of the recording has 4 rows; nothing can be resampled"):
         resampled(record(T[:3]))
-    with pytest.raises(InvalidInput, match=r"every block of the record is one row; a sampling rate needs two"):
+    with pytest.raises(InvalidInput, match=r"every block of the recording is one row; a sampling rate needs two"):
         sampling_rate(record(T[:1]))
 
 
@@ -267,28 +267,33 @@ def test_a_record_refuses_what_is_none():
         ({"tau": np.full_like(good.q, np.nan)}, r"tau is nan in row 0; leave out the rows without numbers"),
         ({"prismatic": (True,)}, r"prismatic has 1 entries for 2 joints"),
         ({"t": T[::-1]}, r"time 5.996 s in row 1 does not increase inside its block"),
-        ({"block": np.arange(3000)[::-1]}, r"the blocks of a record are not in order; number them in the order of the"),
+        (
+            {"block": np.arange(3000)[::-1]},
+            r"the blocks of a recording are not in order; number them in the order of the",
+        ),
     ]:
         with pytest.raises(InvalidInput, match=message):
             dataclasses.replace(good, **changed)
-    with pytest.raises(InvalidInput, match=r"a record without rows; nothing is left to identify from"):
+    with pytest.raises(InvalidInput, match=r"a recording without rows; nothing is left to identify from"):
         good.take([])
-    with pytest.raises(InvalidInput, match=r"the record has no a; derive it with crosscheck.differentiated"):
+    with pytest.raises(InvalidInput, match=r"the recording has no a; derive it with crosscheck.differentiated"):
         good.channel("a")
-    with pytest.raises(InvalidInput, match=r"has no joint_wrenches; record it, or map its columns"):
+    with pytest.raises(InvalidInput, match=r"has no joint_wrenches; recording it, or map its columns"):
         good.channel("joint_wrenches")
     with pytest.raises(ValueError, match="read-only"):
         good.q[0] = 1
 
 
 def test_records_one_after_another():
-    experiment = record_of(graphdyn.kr500_experiment())
+    experiment = recording_of(graphdyn.kr500_experiment())
     both = concatenated([experiment, experiment.take(slice(None, None, 2))])
     assert both.block_slices[1].start == len(experiment.t)
     assert np.unique(both.file).tolist() == [0, 1]
     assert both.joint_wrenches.shape[0] == len(both.t)
     assert concatenated([record(T), dataclasses.replace(record(T), tau=None)]).tau is None
-    with pytest.raises(InvalidInput, match=r"no records to put one after another; give at least one"):
+    with pytest.raises(InvalidInput, match=r"no recordings to put one after another; give at least one"):
         concatenated([])
-    with pytest.raises(InvalidInput, match=r" has the joints a, b, .* O1, O2, .*; put only alike records together"):
+    with pytest.raises(
+        InvalidInput, match=r" has the joints a, b, .* O1, O2, .*; only recordings of the same joints go together"
+    ):
         concatenated([experiment, record(T)])

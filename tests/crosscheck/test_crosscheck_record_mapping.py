@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 
 import graphdyn
-from crosscheck.records import (
+from crosscheck.recordings import (
     AmbiguousColumns,
     BadMapping,
     BadRecordingFile,
-    inspect_record,
+    inspect_recording,
     load_mapping,
-    load_record,
+    load_recording,
     mapping_of,
-    record_of,
-    save_recording,
+    recording_of,
+    save_virtual_recording,
 )
-from crosscheck.records.column_names import meaning
-from crosscheck.records.units import SLIDING_UNITS, TIME_UNITS, TURNING_UNITS, unit_of
+from crosscheck.recordings.column_names import meaning
+from crosscheck.recordings.units import SLIDING_UNITS, TIME_UNITS, TURNING_UNITS, unit_of
 from graphdyn import InvalidInput
 
 ROWS = np.random.default_rng(0).uniform(-1, 1, (30, 12)).cumsum(axis=0) / 10
@@ -71,21 +71,21 @@ def test_names_that_say_nothing(name):
 
 def test_columns_in_any_order_come_in_that_of_the_joints(tmp_path):
     path = columns(tmp_path, ["q_elbow [deg]", "tau_shoulder [N mm]", "q_shoulder [deg]", "tau_elbow [N mm]", "x"])
-    record = load_record(path, joints=["shoulder", "elbow"])
-    assert record.joint_names == ("shoulder", "elbow")
-    np.testing.assert_allclose(record.q, np.deg2rad(ROWS[:, [2, 0]]), rtol=1e-15)
-    np.testing.assert_allclose(record.tau, ROWS[:, [1, 3]] * 1e-3, rtol=1e-15)
-    assert record.units["tau"] == ("N m", "N m")
-    assert record.provenance.mapping == "by name"
-    assert inspect_record(path) == ()
+    recording = load_recording(path, joints=["shoulder", "elbow"])
+    assert recording.joint_names == ("shoulder", "elbow")
+    np.testing.assert_allclose(recording.q, np.deg2rad(ROWS[:, [2, 0]]), rtol=1e-15)
+    np.testing.assert_allclose(recording.tau, ROWS[:, [1, 3]] * 1e-3, rtol=1e-15)
+    assert recording.units["tau"] == ("N m", "N m")
+    assert recording.provenance.mapping == "by name"
+    assert inspect_recording(path) == ()
 
 
 def test_numbers_go_in_their_order_and_take_the_names_of_the_robot(tmp_path):
     names = [f"q_{k}_rad" for k in (10, 2, 1)]
-    record = load_record(columns(tmp_path, names), joints=["base", "elbow", "wrist"])
-    assert record.joint_names == ("base", "elbow", "wrist")
-    assert np.array_equal(record.q, ROWS[:, [2, 1, 0]])
-    (finding,) = record.findings
+    recording = load_recording(columns(tmp_path, names), joints=["base", "elbow", "wrist"])
+    assert recording.joint_names == ("base", "elbow", "wrist")
+    assert np.array_equal(recording.q, ROWS[:, [2, 1, 0]])
+    (finding,) = recording.findings
     assert finding.text.endswith(
         "the columns have numbers, the joints names (base, elbow, wrist); "
         "they are taken in this order [numbered-joints]"
@@ -95,7 +95,7 @@ def test_numbers_go_in_their_order_and_take_the_names_of_the_robot(tmp_path):
 def test_what_is_assumed_is_said(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text("time,q1,i1\n" + "".join(f"{k},{0.1 * k},{k}\n" for k in range(5)))
-    assert [finding.text for finding in inspect_record(path)] == [
+    assert [finding.text for finding in inspect_recording(path)] == [
         f"{path}: q in columns without units (q1); rad is taken; name units in the header [assumed-unit]",
         f"{path}: no torques, but currents (i1); give their gains in a mapping [current-without-gain]",
         f"{path}: time in a column without unit (time); s is taken; name the unit in the header [assumed-unit]",
@@ -120,7 +120,7 @@ def test_what_is_assumed_is_said(tmp_path):
 )
 def test_ambiguous_names_are_refused_with_the_candidates(tmp_path, names, joints, message):
     with pytest.raises(AmbiguousColumns, match=rf"r.csv: {message}"):
-        load_record(columns(tmp_path, names), joints=joints)
+        load_recording(columns(tmp_path, names), joints=joints)
 
 
 @pytest.mark.parametrize(
@@ -136,29 +136,29 @@ def test_ambiguous_names_are_refused_with_the_candidates(tmp_path, names, joints
 )
 def test_names_that_do_not_fit_are_refused(tmp_path, names, joints, message):
     with pytest.raises(BadMapping, match=message):
-        load_record(columns(tmp_path, names), joints=joints)
+        load_recording(columns(tmp_path, names), joints=joints)
 
 
 def test_without_time_or_names(tmp_path):
     with pytest.raises(BadMapping, match=r"no column of time \(t, time_s, stamp, …\); give the rate, or a mapping"):
-        load_record(columns(tmp_path, ["q_1"], clock=False))
-    assert load_record(columns(tmp_path, ["q_1"], clock=False), rate=50).t[:3].tolist() == [0, 0.02, 0.04]
+        load_recording(columns(tmp_path, ["q_1"], clock=False))
+    assert load_recording(columns(tmp_path, ["q_1"], clock=False), rate=50).t[:3].tolist() == [0, 0.02, 0.04]
     with pytest.raises(InvalidInput, match=r"rate is -1; give samples per second"):
-        load_record(tmp_path / "r.csv", rate=-1)
+        load_recording(tmp_path / "r.csv", rate=-1)
     (tmp_path / "r.csv").write_text("0,1\n1,2\n")
     with pytest.raises(BadMapping, match=r"the columns have no names; give a mapping with their numbers"):
-        load_record(tmp_path / "r.csv")
+        load_recording(tmp_path / "r.csv")
 
 
 def test_a_virtual_experiment_comes_back_as_a_record(tmp_path):
     recording = graphdyn.kr500_experiment()
-    save_recording(recording, tmp_path / "r.csv")
-    record, direct = load_record(tmp_path / "r.csv"), record_of(recording)
-    assert record.joint_names == recording.joint_names == direct.joint_names
+    save_virtual_recording(recording, tmp_path / "r.csv")
+    recording, direct = load_recording(tmp_path / "r.csv"), recording_of(recording)
+    assert recording.joint_names == recording.joint_names == direct.joint_names
     for name in ("t", "q", "v", "a", "tau"):
-        assert np.array_equal(getattr(record, name), getattr(direct, name))
+        assert np.array_equal(getattr(recording, name), getattr(direct, name))
     model = graphdyn.kr500()
-    assert direct.joint_wrenches.shape == direct.body_accelerations.shape == (len(record.t), model.n_bodies, 6)
+    assert direct.joint_wrenches.shape == direct.body_accelerations.shape == (len(recording.t), model.n_bodies, 6)
 
 
 def test_wrenches_of_a_virtual_experiment_are_those_of_inverse_dynamics():
@@ -167,13 +167,13 @@ def test_wrenches_of_a_virtual_experiment_are_those_of_inverse_dynamics():
     q, v = model.random_state(rng, 20)
     a = rng.uniform(-1, 1, q.shape)
     laws = [lambda times, k=k: (q[:, k], v[:, k], a[:, k]) for k in range(model.n_bodies)]
-    record = record_of(graphdyn.record(model, np.arange(20.0), laws))
+    recording = recording_of(graphdyn.record(model, np.arange(20.0), laws))
     dynamics = graphdyn.inverse_dynamics(model, q, v, a)
     scale = np.abs(dynamics.joint_wrenches).max()
-    np.testing.assert_allclose(record.joint_wrenches, dynamics.joint_wrenches, rtol=0, atol=1e-12 * scale)
+    np.testing.assert_allclose(recording.joint_wrenches, dynamics.joint_wrenches, rtol=0, atol=1e-12 * scale)
     forward = graphdyn.forward_dynamics(model, q, v, dynamics.tau)
     scale = np.abs(forward.body_accelerations).max()
-    np.testing.assert_allclose(record.body_accelerations, forward.body_accelerations, rtol=0, atol=1e-10 * scale)
+    np.testing.assert_allclose(recording.body_accelerations, forward.body_accelerations, rtol=0, atol=1e-10 * scale)
 
 
 FULL = """
@@ -207,17 +207,17 @@ def test_everything_that_a_mapping_can_say(tmp_path):
     rows[:, 0] = 10 * np.arange(30)
     path = written(tmp_path, names, rows=rows, clock=False)
     (tmp_path / "map.toml").write_text(FULL)
-    record = load_record(path, tmp_path / "map.toml")
-    assert record.provenance.mapping == str(tmp_path / "map.toml")
+    recording = load_recording(path, tmp_path / "map.toml")
+    assert recording.provenance.mapping == str(tmp_path / "map.toml")
     ratio = np.array([[100.0, 0], [20, -80]])
     motor = np.deg2rad(rows[:, 1:3] * [1, -1])
-    np.testing.assert_allclose(record.t, np.arange(30) / 100, rtol=1e-14)
-    np.testing.assert_allclose((record.q - [0, np.pi / 2]) @ ratio.T, motor, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(record.v, np.column_stack([rows[:, 4] * 2 * np.pi / 60, rows[:, 3]]), rtol=1e-14)
+    np.testing.assert_allclose(recording.t, np.arange(30) / 100, rtol=1e-14)
+    np.testing.assert_allclose((recording.q - [0, np.pi / 2]) @ ratio.T, motor, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(recording.v, np.column_stack([rows[:, 4] * 2 * np.pi / 60, rows[:, 3]]), rtol=1e-14)
     currents = rows[:, 5:7] * 1e-3 * [10, 20]
-    np.testing.assert_allclose(record.tau, currents @ ratio, rtol=1e-14)
+    np.testing.assert_allclose(recording.tau, currents @ ratio, rtol=1e-14)
     speed = np.random.default_rng(2).normal(size=(30, 2))
-    powers = (record.tau * speed).sum(axis=1), (currents * (speed @ ratio.T)).sum(axis=1)
+    powers = (recording.tau * speed).sum(axis=1), (currents * (speed @ ratio.T)).sum(axis=1)
     np.testing.assert_allclose(*powers, rtol=1e-10)
 
 
@@ -225,18 +225,18 @@ def test_joints_of_a_mapping_are_brought_into_the_order_of_the_robot(tmp_path):
     path = columns(tmp_path, ["x", "y", "z", "w"])
     mapping = {"joints": ["a", "b"], "time": {"column": 1}, "q": {"columns": ["x", "y"], "unit": ["rad", "m"]}}
     mapping |= {"tau": {"columns": ["z", "w"], "unit": ["N m", "N"]}}
-    record = load_record(path, mapping_of(mapping, "m"), joints=["b", "a"])
-    assert record.prismatic == (True, False)
-    assert np.array_equal(record.q, ROWS[:, [1, 0]])
-    assert np.array_equal(record.tau, ROWS[:, [3, 2]])
-    assert record.provenance.steps == ("joints in the order b, a",)
+    recording = load_recording(path, mapping_of(mapping, "m"), joints=["b", "a"])
+    assert recording.prismatic == (True, False)
+    assert np.array_equal(recording.q, ROWS[:, [1, 0]])
+    assert np.array_equal(recording.tau, ROWS[:, [3, 2]])
+    assert recording.provenance.steps == ("joints in the order b, a",)
     with pytest.raises(BadMapping, match=r"m: no joint 'c' among a, b; name the joints as the robot does"):
-        load_record(path, mapping_of(mapping, "m"), joints=["a", "c"])
+        load_recording(path, mapping_of(mapping, "m"), joints=["a", "c"])
     mapping["prismatic"] = [False, False]
     with pytest.raises(
         BadMapping, match=r"m, \[q\]: 'b' turns, its unit is one of a joint that slides; correct the unit"
     ):
-        load_record(path, mapping_of(mapping, "m"))
+        load_recording(path, mapping_of(mapping, "m"))
 
 
 def test_several_files_with_the_same_rows(tmp_path):
@@ -244,25 +244,25 @@ def test_several_files_with_the_same_rows(tmp_path):
     b = written(tmp_path, ["x"], "torque.csv", ROWS[:, 1:2], clock=False)
     mapping = {"joints": ["j"], "rate": 100, "q": {"columns": ["x"], "file": "pos*"}}
     mapping |= {"tau": {"columns": ["x"], "file": "tor*"}}
-    record = load_record([b, a], mapping_of(mapping, "m"))
-    assert np.array_equal(np.column_stack([record.q, record.tau]), ROWS[:, :2])
-    assert record.provenance.files == (str(b), str(a))
+    recording = load_recording([b, a], mapping_of(mapping, "m"))
+    assert np.array_equal(np.column_stack([recording.q, recording.tau]), ROWS[:, :2])
+    assert recording.provenance.files == (str(b), str(a))
     with pytest.raises(
         BadMapping, match=r"m, \[tau\]: 0 of the files \(.*pos.csv\) match file = \"tor\*\"; exactly one m"
     ):
-        load_record(a, mapping_of(mapping, "m"))
+        load_recording(a, mapping_of(mapping, "m"))
     with pytest.raises(BadMapping, match=r"2 files without a mapping; say in one which file has which columns"):
-        load_record([a, b])
+        load_recording([a, b])
     short = written(tmp_path, ["x"], "torque.csv", ROWS[:29, 1:2], clock=False)
     with pytest.raises(
         BadRecordingFile, match=r"not have the same rows \(.*pos.csv 30, .*torque.csv 29\); cut them to"
     ):
-        load_record([a, short], mapping_of(mapping, "m"))
+        load_recording([a, short], mapping_of(mapping, "m"))
     del mapping["tau"]
     with pytest.raises(
         BadMapping, match=r"m: nothing is taken from .*torque.csv; leave the file out, or map its columns"
     ):
-        load_record([a, short], mapping_of(mapping, "m"))
+        load_recording([a, short], mapping_of(mapping, "m"))
 
 
 @pytest.mark.parametrize(
@@ -276,11 +276,11 @@ def test_several_files_with_the_same_rows(tmp_path):
 def test_columns_that_a_file_does_not_have(tmp_path, column, message):
     mapping = {"joints": ["j"], "time": {"column": "t_s"}, "q": {"columns": [column]}}
     with pytest.raises(BadMapping, match=rf"m, \[q\]: .*r.csv {message}"):
-        load_record(columns(tmp_path, ["x", "x", "y"]), mapping_of(mapping, "m"))
+        load_recording(columns(tmp_path, ["x", "x", "y"]), mapping_of(mapping, "m"))
     (tmp_path / "r.csv").write_text("0,1\n1,2\n")
     mapping["q"]["columns"] = ["x"]
     with pytest.raises(BadMapping, match=r"r.csv has no column 'x'; it has 2 columns without names; give numbers"):
-        load_record(tmp_path / "r.csv", mapping_of(mapping | {"time": {"column": 1}}, "m"))
+        load_recording(tmp_path / "r.csv", mapping_of(mapping | {"time": {"column": 1}}, "m"))
 
 
 GOOD = {"joints": ["a", "b"], "rate": 10, "q": {"columns": [1, 2]}}
@@ -350,9 +350,9 @@ def test_a_torque_matrix_of_its_own_and_a_rate_of_the_call(tmp_path):
     matrices = {"matrix": [[2]], "torque_matrix": [[3]]}
     mapping = {"joints": ["a"], "rate": 10, "q": {"columns": ["x"]}, "transmission": matrices}
     mapping |= {"tau": {"columns": ["y"], "side": "motor"}}
-    record = load_record(path, mapping_of(mapping, "m"), rate=20)
-    assert record.t[1] == 1 / 20
-    np.testing.assert_allclose(record.tau, 3 * ROWS[:, 1:2], rtol=1e-15)
+    recording = load_recording(path, mapping_of(mapping, "m"), rate=20)
+    assert recording.t[1] == 1 / 20
+    np.testing.assert_allclose(recording.tau, 3 * ROWS[:, 1:2], rtol=1e-15)
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from crosscheck.records import (
+from crosscheck.recordings import (
     Provenance,
-    Record,
+    Recording,
     concatenated,
     fold_numbers,
     split_by_file,
@@ -18,7 +18,7 @@ from graphdyn import InvalidInput
 
 def record(name="a.csv", count=100, first=0):
     t = np.arange(count) / 10
-    return Record(("j",), t, t[:, None], rows=np.arange(count) + first, provenance=Provenance((name,)))
+    return Recording(("j",), t, t[:, None], rows=np.arange(count) + first, provenance=Provenance((name,)))
 
 
 def test_by_time():
@@ -41,17 +41,19 @@ def test_by_file():
     assert np.unique(split.train.file).tolist() == [0, 2]
     assert np.unique(split.test.file).tolist() == [1]
     assert len(split.train.block_slices) == 2
-    with pytest.raises(InvalidInput, match=r"'d.csv' is no file of the record; it has a.csv, b.csv, c.csv"):
+    with pytest.raises(InvalidInput, match=r"'d.csv' is no file of the recording; it has a.csv, b.csv, c.csv"):
         split_by_file(both, test=["d.csv"])
     with pytest.raises(InvalidInput, match=r"no file is named; it has a.csv"):
         split_by_file(both, test=[])
-    with pytest.raises(InvalidInput, match=r"all files of the record are for the test; leave one to fit"):
+    with pytest.raises(InvalidInput, match=r"all files of the recording are for the test; leave one to fit"):
         split_by_file(record(), test=["a.csv"])
     with pytest.raises(
-        InvalidInput, match=r"the time of the record starts over, as several files do; split it by file"
+        InvalidInput, match=r"the time of the recording starts over, as several files do; split it by file"
     ):
         split_by_time(both, (0, 1), (1, 2))
-    with pytest.raises(InvalidInput, match=r"the record has several files, so its rows start over; split it by file"):
+    with pytest.raises(
+        InvalidInput, match=r"the recording has several files, so its rows start over; split it by file"
+    ):
         split_by_rows(both, (0, 1), (1, 2))
 
 
@@ -60,9 +62,9 @@ def test_intervals_that_cannot_be():
         InvalidInput, match=r"time: train \(0, 6\) and test \(5, 9\) overlap; a test of fitted rows says"
     ):
         split_by_time(record(), (0, 6), (5, 9))
-    with pytest.raises(InvalidInput, match=r"time: no row for the test from 12 to 15 s; the record has 0 to 9.9 s"):
+    with pytest.raises(InvalidInput, match=r"time: no row for the test from 12 to 15 s; the recording has 0 to 9.9 s"):
         split_by_time(record(), (0, 6), (12, 15))
-    with pytest.raises(InvalidInput, match=r"rows: no row for the fit from -5 to 0; the record has 0 to 99"):
+    with pytest.raises(InvalidInput, match=r"rows: no row for the fit from -5 to 0; the recording has 0 to 99"):
         split_by_rows(record(), (-5, 0), (12, 15))
 
 

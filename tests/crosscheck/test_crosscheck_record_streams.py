@@ -7,7 +7,7 @@ from identified_arm import virtual
 from pyarrow import parquet
 
 from crosscheck.identifying.preparation import samples_of
-from crosscheck.records import BadRecordingFile, StreamedRecording, differentiated, load_record, lowpass
+from crosscheck.recordings import BadRecordingFile, StreamedRecording, differentiated, load_recording, lowpass
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, WeightedLeastSquares
 
@@ -20,10 +20,10 @@ FORGOTTEN = 1e-4
 @pytest.fixture(scope="module")
 def columns():
     """2500 rows of the small arm."""
-    record = virtual().fitted
-    n = record.n_joints
+    recording = virtual().fitted
+    n = recording.n_joints
     names = ["time_s", *(f"q_{k}" for k in range(1, n + 1)), *(f"tau_{k}" for k in range(1, n + 1))]
-    return dict(zip(names, np.column_stack([record.t, record.q, record.tau]).T, strict=True))
+    return dict(zip(names, np.column_stack([recording.t, recording.q, recording.tau]).T, strict=True))
 
 
 @pytest.fixture
@@ -36,8 +36,8 @@ def files(tmp_path, columns):
 
 @pytest.mark.parametrize("name", ["log.parquet", "log.csv"])
 def test_pieces_are_those_of_the_whole_file(files, name, monkeypatch):
-    monkeypatch.setattr("crosscheck.records.streaming.AT_ONCE", 20_000)  # a CSV file is parsed in many parts too
-    whole = differentiated(load_record(files / name), CUTOFF)
+    monkeypatch.setattr("crosscheck.recordings.streaming.AT_ONCE", 20_000)  # a CSV file is parsed in many parts too
+    whole = differentiated(load_recording(files / name), CUTOFF)
     streamed = StreamedRecording(files / name, cutoff=CUTOFF, window=WINDOW)
     for _ in range(2):
         pieces = list(streamed)
@@ -52,7 +52,7 @@ def test_pieces_are_those_of_the_whole_file(files, name, monkeypatch):
 def test_same_estimate(files):
     arm = virtual()
     names = arm.subject.model.joint_names
-    whole = differentiated(load_record(files / "log.parquet", joints=names), CUTOFF)
+    whole = differentiated(load_recording(files / "log.parquet", joints=names), CUTOFF)
     data = StreamedRecording(files / "log.parquet", joints=names, cutoff=CUTOFF, window=WINDOW)
     here, there = (Problem(arm.torque_model, x) for x in (samples_of(whole), data))
     x, y = (problem.base.values(WeightedLeastSquares().estimate(problem).parameters) for problem in (here, there))
@@ -79,7 +79,7 @@ class TestRefusals:
         return StreamedRecording(tmp_path / "bad.parquet", cutoff=CUTOFF, window=WINDOW)
 
     def test_not_a_number(self, tmp_path, columns):
-        with pytest.raises(InvalidInput, match=r"bad.parquet, row 1234: not a number; load_record drops such rows"):
+        with pytest.raises(InvalidInput, match=r"bad.parquet, row 1234: not a number; load_recording drops such rows"):
             list(self.changed(tmp_path, columns, 1234, q_1=np.nan))
 
     def test_backward(self, tmp_path, columns):
@@ -105,7 +105,7 @@ class TestRefusals:
         parquet.write_table(pa.table(columns)[:0], tmp_path / "empty.parquet")
         with pytest.raises(BadRecordingFile, match=r"only .parquet and .csv files are streamed; convert it to one"):
             list(StreamedRecording(tmp_path / "log.mat"))
-        with pytest.raises(BadRecordingFile, match=r"log.csv: .*load_record says more, or repair the file"):
+        with pytest.raises(BadRecordingFile, match=r"log.csv: .*load_recording says more, or repair the file"):
             list(StreamedRecording(tmp_path / "log.csv"))
         with pytest.raises(BadRecordingFile, match=r"empty.parquet: no rows; record at least one"):
             list(StreamedRecording(tmp_path / "empty.parquet"))

@@ -13,10 +13,10 @@ from pyarrow import parquet
 from random_trees import random_tree
 
 import graphdyn
-from crosscheck.records import BadRecordingFile, load_recording, save_recording
-from graphdyn import InvalidInput, Recording
+from crosscheck.recordings import BadRecordingFile, load_virtual_recording, save_virtual_recording
+from graphdyn import InvalidInput, VirtualRecording
+from graphdyn._virtual_recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
 from graphdyn.motion_laws import ConstantAcceleration, Rail
-from graphdyn.recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
 
 SUFFIXES = [".csv", ".parquet"]
 
@@ -37,16 +37,16 @@ def assert_same(x, y):
 
 @pytest.mark.parametrize("suffix", [*SUFFIXES, ".CSV"])
 def test_a_recording_comes_back_bit_for_bit(recording, tmp_path, suffix):
-    save_recording(recording, tmp_path / f"r{suffix}")
-    assert_same(load_recording(tmp_path / f"r{suffix}"), recording)
+    save_virtual_recording(recording, tmp_path / f"r{suffix}")
+    assert_same(load_virtual_recording(tmp_path / f"r{suffix}"), recording)
     assert [path.name for path in tmp_path.iterdir()] == [f"r{suffix}"]
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_the_paper_s_experiment_comes_back(tmp_path, suffix):
     paper = graphdyn.kr500_experiment()
-    save_recording(paper, tmp_path / f"kr500{suffix}")
-    assert_same(load_recording(str(tmp_path / f"kr500{suffix}")), paper)
+    save_virtual_recording(paper, tmp_path / f"kr500{suffix}")
+    assert_same(load_virtual_recording(str(tmp_path / f"kr500{suffix}")), paper)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -58,14 +58,14 @@ def test_any_doubles_and_names_come_back(tmp_path_factory, suffix, data):
     numbers = np.array(numbers)
     channels = {name: numbers[k].reshape(1, 1) for k, name in enumerate(JOINT_CHANNELS)}
     channels |= {name: numbers[4 + 3 * k : 7 + 3 * k].reshape(1, 1, 3) for k, name in enumerate(BODY_CHANNELS)}
-    x = Recording(robot, (joint,), (body,), (data.draw(st.booleans()),), numbers[:1], **channels)
+    x = VirtualRecording(robot, (joint,), (body,), (data.draw(st.booleans()),), numbers[:1], **channels)
     path = tmp_path_factory.getbasetemp() / f"any{suffix}"
-    save_recording(x, path)
-    assert_same(load_recording(path), x)
+    save_virtual_recording(x, path)
+    assert_same(load_virtual_recording(path), x)
 
 
 def test_units_stand_in_the_header(recording, tmp_path):
-    save_recording(recording, tmp_path / "r.csv")
+    save_virtual_recording(recording, tmp_path / "r.csv")
     with open(tmp_path / "r.csv", encoding="utf-8") as file:
         header = next(csv.reader(file))
     assert header[:2] == ["robot", "time [s]"]
@@ -80,18 +80,18 @@ def test_units_stand_in_the_header(recording, tmp_path):
 
 
 def test_other_programs_order_columns_and_space_cells_as_they_like(recording, tmp_path):
-    save_recording(recording, tmp_path / "r.csv")
+    save_virtual_recording(recording, tmp_path / "r.csv")
     with open(tmp_path / "r.csv", encoding="utf-8") as file:
         rows = list(csv.reader(file))
     spaced = "\r\n".join(", ".join([*row[5:], *row[:5]]) for row in rows)
     (tmp_path / "r.csv").write_bytes(b"\xef\xbb\xbf" + spaced.encode())
-    assert_same(load_recording(tmp_path / "r.csv"), recording)
+    assert_same(load_virtual_recording(tmp_path / "r.csv"), recording)
 
 
 def edited(recording, folder, change):
     """The path of the CSV file after a change of its cells: lines, header first, of lists of texts."""
     path = folder / "r.csv"
-    save_recording(recording, path)
+    save_virtual_recording(recording, path)
     with open(path, encoding="utf-8") as file:
         rows = list(csv.reader(file))
     change(rows)
@@ -129,7 +129,7 @@ def drop_body(rows):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (drop_column, r"r.csv, header: without column 'joint1.a \[rad/s\^2\]'; record every channel of every joint"),
+        (drop_column, r"r.csv, header: without column 'joint1.a \[rad/s\^2\]'; recording every channel of every joint"),
         (lambda rows: rows[0].__setitem__(1, "t"), r"header, column 2 't': not a column of a recording; remove it"),
         (add_column, r"r.csv, header, column 78 'weight \[kg\]': not a column of a recording; remove it"),
         (repeat_column, r"r.csv, header, column 78 'joint1.v \[rad/s\]': 'joint1.v' occurs twice; keep one"),
@@ -165,20 +165,23 @@ def drop_body(rows):
             lambda rows: rows.insert(1, []),
             r"r.csv, line 2, column 2 'time \[s\]': '' is not a finite number; repair it, or leave out the line",
         ),
-        (lambda rows: rows.__delitem__(slice(1, None)), r"r.csv: no line below the header; record at least one time"),
-        (lambda rows: rows.clear(), r"r.csv: Empty CSV file; write files with save_recording"),
+        (
+            lambda rows: rows.__delitem__(slice(1, None)),
+            r"r.csv: no line below the header; record at least one time",
+        ),
+        (lambda rows: rows.clear(), r"r.csv: Empty CSV file; write files with save_virtual_recording"),
     ],
 )
 def test_defects_of_csv_files(recording, tmp_path, change, message):
     with pytest.raises(BadRecordingFile, match=message):
-        load_recording(edited(recording, tmp_path, change))
+        load_virtual_recording(edited(recording, tmp_path, change))
 
 
 def test_a_csv_file_in_another_encoding_is_refused(recording, tmp_path):
     path = edited(recording, tmp_path, set_cell(3, 1, "tree7"))
     path.write_bytes(path.read_bytes() + "müll".encode("latin-1"))
     with pytest.raises(BadRecordingFile, match=r"r.csv, line 5: not UTF-8 text; save the file as CSV in UTF-8"):
-        load_recording(path)
+        load_virtual_recording(path)
 
 
 def with_column(table, number, values):
@@ -206,31 +209,31 @@ def with_column(table, number, values):
 )
 def test_defects_of_parquet_files(recording, tmp_path, change, message):
     path = tmp_path / "r.parquet"
-    save_recording(recording, path)
+    save_virtual_recording(recording, path)
     parquet.write_table(change(parquet.read_table(path)), path)
     with pytest.raises(BadRecordingFile, match=message):
-        load_recording(path)
+        load_virtual_recording(path)
 
 
 def test_what_is_no_parquet_file_is_refused(tmp_path):
     (tmp_path / "r.parquet").write_text("robot", encoding="utf-8")
     with pytest.raises(BadRecordingFile, match=r"r.parquet: not a readable Parquet file \(.*\); save it again"):
-        load_recording(tmp_path / "r.parquet")
+        load_virtual_recording(tmp_path / "r.parquet")
 
 
 def test_other_suffixes_are_refused(recording, tmp_path):
     message = r"r.txt: a recording is kept as .csv or .parquet, not as '.txt'; rename the file"
     with pytest.raises(InvalidInput, match=message):
-        save_recording(recording, tmp_path / "r.txt")
+        save_virtual_recording(recording, tmp_path / "r.txt")
     with pytest.raises(InvalidInput, match=message):
-        load_recording(tmp_path / "r.txt")
+        load_virtual_recording(tmp_path / "r.txt")
     with pytest.raises(FileNotFoundError):
-        load_recording(tmp_path / "missing.csv")
+        load_virtual_recording(tmp_path / "missing.csv")
 
 
 @pytest.mark.parametrize("name", [" B1", "B\n1"])
 def test_names_that_no_header_keeps_are_refused(recording, tmp_path, name):
     renamed = dataclasses.replace(recording, body_names=("body1", name, "body3"))
     with pytest.raises(InvalidInput, match=re.escape(f"r.csv: the name {name!r} would not come back from a header")):
-        save_recording(renamed, tmp_path / "r.csv")
+        save_virtual_recording(renamed, tmp_path / "r.csv")
     assert not list(tmp_path.iterdir())

@@ -14,8 +14,8 @@ from rich.cells import cell_len
 from rich.console import Console
 
 import crosscheck
-from crosscheck import report
-from crosscheck.quantities import BY_NAME
+from crosscheck.referee.quantities import BY_NAME
+from crosscheck.report import comparisons as report
 from graphdyn import Body
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from planting import mixed_tree
 
-from crosscheck.scales import (
+from crosscheck.referee.scales import (
     SHORTEST_LEVER,
     acceleration_scale,
     by_parameter_type,
@@ -14,7 +14,7 @@ from crosscheck.scales import (
     term_sizes,
 )
 from graphdyn import Body, Joint, Placement, RobotModel, inverse_dynamics, maximal_state
-from graphdyn.kinematics import link_origins
+from graphdyn._kinematics import link_origins
 
 ERROR = 1e-9
 

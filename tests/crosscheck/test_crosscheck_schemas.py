@@ -11,8 +11,8 @@ from planting import mixed_tree
 from typer.testing import CliRunner
 
 import crosscheck
-from crosscheck.program import app
-from crosscheck.report import as_json
+from crosscheck.cli import app
+from crosscheck.report.comparisons import as_json
 
 ROOT = Path(__file__).parents[2]
 SCHEMAS = {path.name: json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "docs/schemas").glob("*.json")}

@@ -11,15 +11,15 @@ from planting import mixed_tree
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.describing import describe
-from crosscheck.description import SHOW_FORMAT, as_json
-from crosscheck.page.show import show_page
-from crosscheck.plain_text import matrix_lines, vector_text
-from crosscheck.program import app, console
-from crosscheck.program.pattern import BRAILLE, HALF_BLOCKS, picture
-from crosscheck.program.show_text import text
+from crosscheck.cli import app, console
+from crosscheck.cli.pattern import BRAILLE, HALF_BLOCKS, picture
+from crosscheck.cli.show_text import text
+from crosscheck.report.pages.show import show_page
+from crosscheck.report.plain_text import matrix_lines, vector_text
+from crosscheck.studies.describing import describe
+from crosscheck.studies.description import SHOW_FORMAT, as_json
 from graphdyn import kkt_system, kr500
-from graphdyn.rotation import rotation_about
+from graphdyn._rotation import rotation_about
 
 NARROW = 80
 

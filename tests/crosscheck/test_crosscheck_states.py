@@ -8,10 +8,10 @@ from planting import mixed_tree
 from random_trees import random_placement
 
 import urdf
-from crosscheck.states import ACCELERATION_RANGE, AWKWARD, FAST, cases, turned, unit_turn
+from crosscheck.referee.states import ACCELERATION_RANGE, AWKWARD, FAST, cases, turned, unit_turn
 from graphdyn import inverse_dynamics, kr500, maximal_state
-from graphdyn.kinematics import joint_axes
-from graphdyn.rotation import cos_beta
+from graphdyn._kinematics import joint_axes
+from graphdyn._rotation import cos_beta
 
 ALIGNED = 1e-14
 """The world is turned by one product of rotations: some eps. Cosines of angles that should be right."""

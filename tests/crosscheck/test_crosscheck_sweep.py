@@ -14,12 +14,15 @@ from jsonschema import Draft202012Validator
 from planting import Plant
 from shared_data import ARMS, REPOSITORY, existing
 
-from crosscheck import comparing, report, summary, sweeping
-from crosscheck.arguments import content_sha256
-from crosscheck.page import summary as page
-from crosscheck.program import main, processes
-from crosscheck.program.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
-from crosscheck.program.sweep_file import SweepFile
+from crosscheck.cli import crosscheck_worker as sweeping
+from crosscheck.cli import main, processes
+from crosscheck.cli.crosscheck_folder_file import SweepFile
+from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
+from crosscheck.referee import compare as comparing
+from crosscheck.referee.subject import content_sha256
+from crosscheck.report import comparisons as report
+from crosscheck.report import summary
+from crosscheck.report.pages import summary as page
 
 SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-1.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
@@ -316,9 +319,9 @@ class TestResume:
 
     def test_writing_takes_little_of_the_time(self, tmp_path, monkeypatch):
         file, writes = SweepFile(tmp_path / "r.json", [], [], []), []
-        monkeypatch.setattr("crosscheck.program.sweep_file.write_json", lambda *_: writes.append(clock.pop()))
+        monkeypatch.setattr("crosscheck.cli.crosscheck_folder_file.write_json", lambda *_: writes.append(clock.pop()))
         clock = [1000.0, 11.0, 1.0]
-        monkeypatch.setattr("crosscheck.program.sweep_file.time.monotonic", lambda: times.pop(0))
+        monkeypatch.setattr("crosscheck.cli.crosscheck_folder_file.time.monotonic", lambda: times.pop(0))
         times = [0.0, 1.0, 9.9, 10.1, 10.2, 10.3, 10.4]
         file.write()
         file.write()

@@ -10,6 +10,7 @@ import graphdyn
 from graphdyn import (
     Body,
     Frame,
+    GimbalLock,
     GraphDynError,
     InconsistentState,
     InvalidInput,
@@ -23,7 +24,6 @@ from graphdyn import (
     SingularMassMatrix,
     UnknownFrame,
 )
-from graphdyn.errors import GimbalLock
 
 ROBOT = NAMED["branched"]
 """Six joints, called joint1 … joint6."""

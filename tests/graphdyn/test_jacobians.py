@@ -22,10 +22,9 @@ from witnesses import (
 
 import graphdyn
 from graphdyn import MaximalState
-from graphdyn.constraints import constraints
-from graphdyn.kinematics import bias_acceleration, link_origins, null_space
-from graphdyn.layout import constraint_row_names
-from graphdyn.rotation import (
+from graphdyn._constraints import constraints
+from graphdyn._kinematics import bias_acceleration, link_origins, null_space
+from graphdyn._rotation import (
     cardano_angles,
     cardano_matrix,
     cardano_rate_matrix,
@@ -34,6 +33,7 @@ from graphdyn.rotation import (
     rotation_about,
     skew,
 )
+from graphdyn.layout import constraint_row_names
 
 EPS = np.finfo(float).eps
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graphdyn import InvalidInput, Recording
-from graphdyn.recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
-from graphdyn.rotation import cardano_matrix
+from graphdyn import InvalidInput, VirtualRecording
+from graphdyn._rotation import cardano_matrix
+from graphdyn._virtual_recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
 
 N_TIMES = 5
 
@@ -19,7 +19,7 @@ def recording(n_times=N_TIMES, **changed):
     channels = {name: rng.normal(size=(n_times, 2)) for name in JOINT_CHANNELS}
     channels |= {name: rng.normal(size=(n_times, 2, 3)) for name in BODY_CHANNELS}
     names = {"robot": "pair", "joint_names": ["O1", "O2"], "body_names": ["B1", "B2"], "prismatic": [False, True]}
-    return Recording(**(names | {"time": np.arange(n_times) * 0.1} | channels | changed))
+    return VirtualRecording(**(names | {"time": np.arange(n_times) * 0.1} | channels | changed))
 
 
 def with_value(name, value):

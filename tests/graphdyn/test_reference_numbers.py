@@ -7,10 +7,10 @@ from witnesses import relative_error
 
 import graphdyn
 from graphdyn import Body, Frame, Joint, Placement, RobotModel
-from graphdyn.constraints import constraints
-from graphdyn.kinematics import link_origins, null_space
-from graphdyn.kr500 import cylinder
-from graphdyn.rotation import rotation_about, skew
+from graphdyn._constraints import constraints
+from graphdyn._kinematics import link_origins, null_space
+from graphdyn._kr500 import cylinder
+from graphdyn._rotation import rotation_about, skew
 
 FULL_PRECISION = 1e-13
 """Reference numbers with 15 digits, relative to the largest wrench or entry: measured 5e-15."""

@@ -14,7 +14,7 @@ from random_trees import NAMED, SEEDS, body_of_points, random_placement, random_
 
 import graphdyn
 from graphdyn import Body, Frame, Graph, Joint, JointLimits, Placement, RobotModel
-from graphdyn.inertia import pseudo_inertia
+from graphdyn._inertia import pseudo_inertia
 from graphdyn.layout import (
     block_diagonal,
     body_rows,

@@ -5,7 +5,7 @@ import functools
 from planting import mixed_tree
 
 import crosscheck
-from crosscheck.identifying import OtherRecords, Preparation, friction_terms, virtual_robot
+from crosscheck.identifying import OtherRecordings, Preparation, friction_terms, virtual_robot
 
 CUTOFF = Preparation(10.0)
 POSES = 20
@@ -22,7 +22,7 @@ def identified(methods=("ols", "wls", "consistent"), **options):
     options = {
         "terms": arm.torque_model.terms,
         "preparation": CUTOFF,
-        "held_out": OtherRecords((arm.held_out,)),
+        "held_out": OtherRecordings((arm.held_out,)),
         "poses": POSES,
     } | options
     return crosscheck.identify(arm.subject.model, arm.fitted, methods=methods, **options)

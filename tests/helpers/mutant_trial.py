@@ -14,11 +14,11 @@ import numpy as np
 from mends import MENDS, NEW_NAME, mended
 
 import urdf
-from crosscheck.pinocchio_model import GROUND, PinocchioModel, PinocchioRefuses
-from crosscheck.quantities import BY_NAME, frame_errors, passive_errors
-from crosscheck.scales import relative
-from crosscheck.states import Case
-from crosscheck.tolerances import AGREEMENT
+from crosscheck.referee.pinocchio_model import GROUND, PinocchioModel, PinocchioRefuses
+from crosscheck.referee.quantities import BY_NAME, frame_errors, passive_errors
+from crosscheck.referee.scales import relative
+from crosscheck.referee.states import Case
+from crosscheck.referee.tolerances import AGREEMENT
 from graphdyn import Placement, RobotModel, kr500
 from graphdyn.layout import Array
 

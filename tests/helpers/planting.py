@@ -7,10 +7,10 @@ import numpy as np
 from random_trees import random_tree
 
 import crosscheck
-from crosscheck import quantities
-from crosscheck.pinocchio_model import PinocchioModel
+from crosscheck.referee import quantities
+from crosscheck.referee.pinocchio_model import PinocchioModel
 from graphdyn import RobotModel
-from graphdyn.kkt import KKTSystem
+from graphdyn._kkt import KKTSystem
 
 SEED = 3
 SAMPLES = 2
@@ -113,7 +113,7 @@ class Plant:
         self._patch.setattr(KKTSystem, "solve_unchecked", solve_unchecked)
 
     def in_quantities(self, name: str, replacement: Callable) -> None:
-        """Replace a function that crosscheck.quantities calls."""
+        """Replace a function that crosscheck.referee.quantities calls."""
         self._patch.setattr(quantities, name, replacement)
 
 

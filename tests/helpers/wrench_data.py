@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from graphdyn.experiment import record
-from graphdyn.recording import Recording
+from graphdyn._experiment import record
+from graphdyn._virtual_recording import VirtualRecording
 
 PAPER_TIMES = (0.3, 0.6, 0.9, 1.2, 1.5)
 """The five samples of section 3.1 [s]."""
 
 
-def recorded(model, q, v, a) -> Recording:
+def recorded(model, q, v, a) -> VirtualRecording:
     """Exact data of any states (N, n): they need not follow each other."""
     laws = [lambda times, k=k: (q[:, k], v[:, k], a[:, k]) for k in range(model.n_bodies)]
     return record(model, np.arange(float(len(q))), laws)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import torque_data
 
-from graphdyn import mass_matrix
-from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn import EstimationFailed, InvalidInput, mass_matrix
+from graphdyn._inertia import pseudo_inertia_from_parameters
 from graphdyn.identification import (
     ConsistentLeastSquares,
     ConsistentWithPrior,
@@ -27,7 +27,6 @@ from graphdyn.identification.consistent import semidefinite
 from graphdyn.identification.consistent.coordinates import CLEAREST
 from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
 from graphdyn.identification.terms import Coulomb, KnownBodies, Payload, RigidBodies, Viscous
-from graphdyn.inertia import pseudo_inertia_from_parameters
 
 EXACT = 1e-8
 """Relative error of every base parameter from data without noise; measured 1e-11."""

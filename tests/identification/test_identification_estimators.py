@@ -8,8 +8,7 @@ import torque_data
 from replayed_problem import ReplayedProblem
 from scipy.optimize import least_squares, minimize
 
-from graphdyn import InvalidInput
-from graphdyn.errors import EstimationFailed
+from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import (
     EssentialParameters,
     GeneralisedLeastSquares,

@@ -4,6 +4,13 @@ import numpy as np
 import pytest
 
 from graphdyn import InvalidInput
+from graphdyn._inertia import (
+    inertia_from_parameters,
+    parameters_from_inertia,
+    parameters_from_pseudo_inertia,
+    pseudo_inertia,
+    pseudo_inertia_from_parameters,
+)
 from graphdyn.identification.consistent.manifold import (
     MASS,
     RADIUS,
@@ -12,13 +19,6 @@ from graphdyn.identification.consistent.manifold import (
     inertial_prior,
     pullback_distance,
     upper_factor,
-)
-from graphdyn.inertia import (
-    inertia_from_parameters,
-    parameters_from_inertia,
-    parameters_from_pseudo_inertia,
-    pseudo_inertia,
-    pseudo_inertia_from_parameters,
 )
 
 EXACT = 1e-12

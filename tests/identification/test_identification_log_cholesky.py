@@ -6,7 +6,7 @@ import consistent_data as data
 import numpy as np
 import pytest
 
-from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import LogCholesky
 from graphdyn.identification.consistent import log_cholesky_fit as fitting
 from graphdyn.identification.consistent.fit import ConsistentProblem

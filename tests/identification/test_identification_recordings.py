@@ -107,8 +107,8 @@ class TestTX40:
 
 def test_ur10():
     """Stribeck friction halves the error of joint 1; standstill and symmetric friction leave joint 6 bad."""
-    record = np.genfromtxt(existing(RECORDINGS / "ur10" / "ur10_free_motion.csv"), delimiter=",", skip_header=1)
-    q, v, tau = (low_pass(record[:, k : k + 6], 125.0, 8.0) for k in (2, 8, 14))
+    recording = np.genfromtxt(existing(RECORDINGS / "ur10" / "ur10_free_motion.csv"), delimiter=",", skip_header=1)
+    q, v, tau = (low_pass(recording[:, k : k + 6], 125.0, 8.0) for k in (2, 8, 14))
     a = np.gradient(v, 0.008, axis=0)
     held_out = {}
     for friction in ((Coulomb(width=0.02),), (Coulomb(width=0.02), Stribeck(velocity=0.1, width=0.02))):
@@ -132,9 +132,9 @@ def test_kr300_payload():
     The residuals are far from white, and the deviations for white noise several times too small.
     """
     kr300 = Kr300(existing(RECORDINGS / "kr300" / "kr300.json"))
-    record = np.genfromtxt(existing(RECORDINGS / "kr300" / "kr300_A.csv"), delimiter=",", names=True)
+    recording = np.genfromtxt(existing(RECORDINGS / "kr300" / "kr300_A.csv"), delimiter=",", names=True)
     names = ("q_mot_link_rad", "qd_mot_link_rad_s", "tau_link_Nm")
-    measured = (np.stack([record[f"{name}_{k}"] for k in range(1, 7)], axis=-1) for name in names)
+    measured = (np.stack([recording[f"{name}_{k}"] for k in range(1, 7)], axis=-1) for name in names)
     q, v, tau = (low_pass(x, 250.0, 8.0) for x in measured)
     samples = Samples(q + kr300.zero, v, np.gradient(v, 0.004, axis=0), tau)
     terms = (PayloadMass(kr300.payload_center), Viscous(), Coulomb(), Offset())

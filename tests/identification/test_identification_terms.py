@@ -6,6 +6,7 @@ import torque_data
 
 import graphdyn
 from graphdyn import InvalidInput, Joint, Placement, RobotModel
+from graphdyn._inertia import parameters_from_inertia
 from graphdyn.identification import Samples, TorqueModel
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
@@ -24,7 +25,6 @@ from graphdyn.identification.terms import (
     UserColumns,
     Viscous,
 )
-from graphdyn.inertia import parameters_from_inertia
 
 SAME = 1e-13
 """Two sums of some tens of terms, relative to the largest torque."""

@@ -16,12 +16,12 @@ from random_trees import NAMED, random_state, random_tree
 
 import graphdyn
 from graphdyn import InvalidInput
+from graphdyn._methods import WORTH_COMPILING
 from graphdyn.kernels import gram, running
 from graphdyn.kernels.gram import CompiledGram, InterpretedGram, torque_gram
 from graphdyn.kernels.interpreter import Interpreter
 from graphdyn.kernels.native import CompiledProgram
 from graphdyn.kernels.programs import Request, record
-from graphdyn.methods import WORTH_COMPILING
 
 MODEL = NAMED["one_revolute"]
 X = np.zeros((3, 1))

@@ -7,7 +7,7 @@ from random_trees import NAMED, random_state
 
 import graphdyn
 from graphdyn import InvalidInput
-from graphdyn.compiled import VERBS
+from graphdyn._compiled import VERBS
 from graphdyn.kernels import running
 
 MODEL = NAMED["mixed_chain"]

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import urdf
-from urdf import catalogue
+from urdf import _catalogue as catalogue
 
 
 @pytest.fixture

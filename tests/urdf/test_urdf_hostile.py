@@ -11,8 +11,8 @@ import pytest
 from urdf_text import joint, link, robot_text
 
 import urdf
-from urdf.document import LARGEST_FILE, MOST_TAGS
-from urdf.source import MOST_LINKS
+from urdf._document import LARGEST_FILE, MOST_TAGS
+from urdf._source import MOST_LINKS
 
 SECONDS = 2.0
 MEGABYTES = 500

@@ -21,7 +21,7 @@ from inspection_cases import (
 from urdf_text import joint, link, robot_text
 
 import urdf
-from urdf import errors
+from urdf import _errors as errors
 from urdf.inspection import inspecting
 from urdf.inspection.findings import SEVERITIES
 from urdf.inspection.telling import ELSEWHERE
@@ -301,7 +301,7 @@ def test_every_code_has_a_case():
     rules = "".join(path.read_text(encoding="utf-8") for path in (package / "inspection").glob("*.py"))
     written = set(re.findall(r'(?:about|of_file)\(\s*"([a-z-]+)"', rules))
     written |= {f"{name}-{how}" for name in ("effort", "velocity") for how in ("zero", "negative")}
-    strict = "".join((package / f"{name}.py").read_text(encoding="utf-8") for name in ("checks", "tree", "numerals"))
+    strict = "".join((package / f"_{name}.py").read_text(encoding="utf-8") for name in ("checks", "tree", "numerals"))
     written |= set(re.findall(r'(?:[A-Z]\w+,|BadNumber\()\s*"([a-z]+(?:-[a-z]+)+|cycle)"', strict))
     written |= {f"missing-{tag}" for tag in ("mass", "inertia", "parent", "child", "axis")}
     written |= {getattr(kind, "default_code", "") for kind in vars(errors).values()} - {""}

@@ -7,7 +7,7 @@ import pytest
 from inspection_cases import CLEAN, LIMIT, TOOL, changed
 
 import urdf
-from crosscheck.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 
 REFUSED = "Pinocchio refuses the file"
 

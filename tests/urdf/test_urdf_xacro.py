@@ -13,7 +13,7 @@ from inspection_cases import CLEAN
 from numpy.testing import assert_array_equal
 
 import urdf
-from urdf import xacro_files
+from urdf import _xacro_files as xacro_files
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("xacro") is None, reason="the extra xacro is not installed")
 
@@ -268,7 +268,7 @@ def test_an_expander_that_fails(arm, monkeypatch, tmp_path):
 FENCE = """
 import sys
 sys.path.insert(0, sys.argv[1])
-import xacro_process as process
+import _xacro_process as process
 sys.addaudithook(process.fence([sys.argv[2]]))
 import os, socket
 for attempt in (

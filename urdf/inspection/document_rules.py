@@ -8,12 +8,12 @@ from collections.abc import Iterator
 
 from lxml import etree
 
-from urdf.document import Document
+from urdf._document import Document
+from urdf._numerals import UNEXPANDED
+from urdf._source import line_of, name_of
+from urdf._wording import listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.telling import of_file
-from urdf.numerals import UNEXPANDED
-from urdf.source import line_of, name_of
-from urdf.wording import listed, shortened
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 _PREFIX = re.compile(rb"\bxmlns:([\w.-]+)\s*=")

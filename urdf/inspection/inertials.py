@@ -9,8 +9,8 @@ import numpy as np
 from lxml import etree
 
 from graphdyn.layout import Array
-from urdf.numerals import values
-from urdf.source import Source, name_of
+from urdf._numerals import values
+from urdf._source import Source, name_of
 
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

@@ -7,9 +7,13 @@ from itertools import islice
 
 import numpy as np
 
-from graphdyn.model import STANDARD_GRAVITY
-from urdf.checks import faults
-from urdf.errors import URDFError
+from graphdyn._model import STANDARD_GRAVITY
+from urdf._checks import faults
+from urdf._errors import URDFError
+from urdf._opening import Given, Opened, Xacro, open_document, path_of, said
+from urdf._parsing import build, parse
+from urdf._source import Source, reduced
+from urdf._tree import tree_faults
 from urdf.inspection.document_rules import document_findings
 from urdf.inspection.findings import Finding, Report, report
 from urdf.inspection.joint_rules import joint_findings
@@ -19,10 +23,6 @@ from urdf.inspection.name_rules import name_findings
 from urdf.inspection.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import of_file, refusal
-from urdf.opening import Given, Opened, Xacro, open_document, path_of, said
-from urdf.parsing import build, parse
-from urdf.source import Source, reduced
-from urdf.tree import tree_faults
 
 MOST_FINDINGS = 1000
 """Per stage; a file with more is beyond reading."""

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 from lxml import etree
 
+from urdf._numerals import UNIT_LENGTH, values
+from urdf._wording import shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
-from urdf.numerals import UNIT_LENGTH, values
-from urdf.wording import shortened
 
 RIGHT_ANGLE = math.pi / 2
 TRUNCATED, EXACT = 2e-3, 1e-12

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from graphdyn.inertia import CONSISTENCY
+from graphdyn._inertia import CONSISTENCY
+from urdf._numerals import values
+from urdf._source import name_of
+from urdf._wording import shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.inertials import LinkInertial
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
-from urdf.numerals import values
-from urdf.source import name_of
-from urdf.wording import shortened
 
 ROUNDED = 0.02
 """A triangle inequality violated by less than this part of the largest moment comes from few digits in the file."""

@@ -8,11 +8,11 @@ import numpy as np
 
 from graphdyn import RobotModel, mass_matrix
 from graphdyn.layout import Array
+from urdf._source import name_of
+from urdf._wording import listed
 from urdf.inspection.findings import Finding
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
-from urdf.source import name_of
-from urdf.wording import listed
 
 STATES, SEED = 5, 0
 """Random states at which the mass matrix is examined, and their seed."""

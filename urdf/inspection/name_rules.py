@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from urdf._source import line_of, name_of
+from urdf._tree import end
+from urdf._wording import shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about
-from urdf.source import line_of, name_of
-from urdf.tree import end
-from urdf.wording import shortened
 
 RESERVED = "universe"
 

@@ -12,12 +12,12 @@ from itertools import dropwhile
 
 from lxml import etree
 
-from urdf.document import Document
+from urdf._document import Document
+from urdf._numerals import BadNumber, numbers
+from urdf._source import line_of, tag_of
+from urdf._wording import shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.telling import about, of_file
-from urdf.numerals import BadNumber, numbers
-from urdf.source import line_of, tag_of
-from urdf.wording import shortened
 
 _VALUE = re.compile(rb"""=\s*("[^"<\t\n\r]*[\t\n\r][^"<]*"|'[^'<\t\n\r]*[\t\n\r][^'<]*')""")
 _BLANK_BEHIND = re.compile(r"\S\s")

@@ -7,9 +7,9 @@ from functools import cached_property
 
 from lxml import etree
 
+from urdf._source import Source
+from urdf._tree import end, joints_by, root_links, walk
 from urdf.inspection.inertials import LinkInertial, inertials
-from urdf.source import Source
-from urdf.tree import end, joints_by, root_links, walk
 
 
 @dataclass(frozen=True)

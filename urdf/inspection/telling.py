@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from lxml import etree
 
-from urdf.errors import URDFError
+from urdf._errors import URDFError
+from urdf._source import describe, line_of
 from urdf.inspection.findings import Finding, Severity
-from urdf.source import describe, line_of
 
 _BOTH_LOAD = "Pinocchio and yourdfpy load it as it stands"
 _BOTH_REFUSE = "Pinocchio and yourdfpy refuse the file"

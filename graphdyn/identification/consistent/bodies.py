@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.errors import EstimationFailed
+from graphdyn._errors import EstimationFailed
 from graphdyn.identification.consistent.manifold import inertial_prior
 from graphdyn.identification.prior import Prior, model_prior
 from graphdyn.identification.terms import (

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn._inertia import parameters_from_pseudo_inertia
 from graphdyn.identification.base_parameters import RANK, BaseParameters, base_parameters
 from graphdyn.identification.consistent.manifold import upper_factor
 from graphdyn.identification.solution import solve_triangle
-from graphdyn.inertia import parameters_from_pseudo_inertia
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 _ROWS, _COLUMNS = np.triu_indices(4)

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InvalidInput
-from graphdyn.inertia import pseudo_inertia_from_parameters
+from graphdyn._errors import InvalidInput
+from graphdyn._inertia import pseudo_inertia_from_parameters
 from graphdyn.layout import Array
 
 RADIUS = 1e-3

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.errors import EstimationFailed
+from graphdyn._errors import EstimationFailed
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution

@@ -19,7 +19,7 @@ from typing import Literal
 
 import numpy as np
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution

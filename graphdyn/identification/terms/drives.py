@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.errors import InvalidInput
+from graphdyn._errors import InvalidInput
+from graphdyn._model import RobotModel
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
-from graphdyn.model import RobotModel
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.arrays import as_floats
-from graphdyn.errors import InvalidInput
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
+from graphdyn._inertia import PARAMETER_NAMES
+from graphdyn._model import RobotModel
+from graphdyn._regressors import joint_torque_regressor
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms.term import Column
-from graphdyn.inertia import PARAMETER_NAMES
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.model import RobotModel
-from graphdyn.regressors import joint_torque_regressor
 
 SYMBOLS = ("M", "MX", "MY", "MZ", "XX", "XY", "YY", "XZ", "YZ", "ZZ")
 UNITS = ("kg", *["kg m"] * 3, *["kg m²"] * 6)

@@ -1,0 +1,56 @@
+from .assertions import Disagreement, WrongDynamics, assert_agrees, assert_correct
+from .identifying import Identified, identify
+from .judging.judge import judge
+from .judging.judgement import Diagnosis, JudgedFunction, Judgement
+from .recordings import (
+    DirtyRecording,
+    Recording,
+    StreamedRecording,
+    concatenated,
+    decimated,
+    differentiated,
+    inspect_recording,
+    load_mapping,
+    load_recording,
+    load_virtual_recording,
+    recording_of,
+    save_virtual_recording,
+    split_by_file,
+    split_by_rows,
+    split_by_time,
+    time_folds,
+)
+from .referee.compare import compare
+from .referee.comparison import Comparison, QuantityResult
+
+__all__ = [
+    "Comparison",
+    "Diagnosis",
+    "DirtyRecording",
+    "Disagreement",
+    "Identified",
+    "JudgedFunction",
+    "Judgement",
+    "QuantityResult",
+    "Recording",
+    "StreamedRecording",
+    "WrongDynamics",
+    "assert_agrees",
+    "assert_correct",
+    "compare",
+    "concatenated",
+    "decimated",
+    "differentiated",
+    "identify",
+    "inspect_recording",
+    "judge",
+    "load_mapping",
+    "load_recording",
+    "load_virtual_recording",
+    "recording_of",
+    "save_virtual_recording",
+    "split_by_file",
+    "split_by_rows",
+    "split_by_time",
+    "time_folds",
+]

@@ -1,0 +1,45 @@
+"""Cross-check and judge for test suites: an AssertionError whose message is the table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from crosscheck.judging.judge import judge
+from crosscheck.judging.judgement import Judgement
+from crosscheck.referee.compare import compare
+from crosscheck.referee.comparison import Comparison
+from crosscheck.referee.subject import Robot
+from crosscheck.report.comparisons import as_text
+from crosscheck.report.judgements import judgement_text
+
+
+class Disagreement(AssertionError):
+    """Raised by assert_agrees; prints the table. comparison: all numbers."""
+
+    def __init__(self, comparison: Comparison):
+        self.comparison = comparison
+        super().__init__(f"graphdyn and Pinocchio disagree on '{comparison.robot}'\n{as_text(comparison)}")
+
+
+class WrongDynamics(AssertionError):
+    """Raised by assert_correct; prints verdict and diagnoses. judgement: all numbers."""
+
+    def __init__(self, judgement: Judgement):
+        self.judgement = judgement
+        super().__init__(judgement_text(judgement))
+
+
+def assert_agrees(robot: Robot, samples: int = 1000, seed: int = 0, **options: Any) -> Comparison:
+    """compare, for test suites: returns the Comparison, or raises Disagreement (an AssertionError) with the table."""
+    comparison = compare(robot, samples, seed, **options)
+    if not comparison.agrees:
+        raise Disagreement(comparison)
+    return comparison
+
+
+def assert_correct(robot: Robot, **options: Any) -> Judgement:
+    """judge, for test suites: returns the Judgement, or raises WrongDynamics (an AssertionError) with the diagnoses."""
+    judgement = judge(robot, **options)
+    if not (judgement.agrees and judgement.decided):
+        raise WrongDynamics(judgement)
+    return judgement

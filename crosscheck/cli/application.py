@@ -1,0 +1,53 @@
+"""The program as a whole: its commands in the order of its help, and the options that come before a command."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from crosscheck.cli import bench, crosscheck, errata, identify, inspect, judge, paper, robots, show
+from crosscheck.cli.exits import AGREED, Program
+
+COMMANDS = (
+    (crosscheck.run, "crosscheck", crosscheck.EPILOG),
+    (judge.run, "judge", judge.EPILOG),
+    (show.run, "show", show.EPILOG),
+    (inspect.run, "inspect", inspect.EPILOG),
+    (identify.run, "identify", identify.EPILOG),
+    (paper.run, "paper", paper.EPILOG),
+    (bench.run, "bench", bench.EPILOG),
+    (robots.run, "robots", robots.EPILOG),
+    (errata.run, "errata", errata.EPILOG),
+)
+"""Function, name and examples of each command."""
+
+app = typer.Typer(
+    cls=Program,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Constrained dynamics of robot arms as one linear system, proved number by number against Pinocchio.",
+    epilog="`graphdyn COMMAND --help` explains a command and ends with examples. Exit codes: 0 agreed or done, "
+    "1 disagreement found, 2 bad input, 3 error of the program itself, 130 interrupted.",
+)
+for function, name, epilog in COMMANDS:
+    app.command(name, epilog=epilog)(function)
+
+
+@app.callback(invoke_without_command=True)
+def options(
+    show_version: Annotated[bool, typer.Option("--version", help="Print versions and leave.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show errors with their traceback.")] = False,
+) -> None:
+    if show_version:
+        from crosscheck.report.comparisons import versions
+
+        for name, number in versions().items():
+            typer.echo(f"{name} {number}")
+        raise typer.Exit(AGREED)
+
+
+def main() -> None:
+    """Entry point of the script. Errors end in crosscheck.cli.exits."""
+    app()

@@ -1,0 +1,78 @@
+"""`graphdyn bench`: how fast graphdyn is beside other libraries."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from crosscheck.cli.console import out, progress, warnings_shown
+from crosscheck.cli.exits import AGREED, DISAGREED
+from crosscheck.cli.options import (
+    EXAMPLES,
+    HtmlOption,
+    JsonOption,
+    SeedOption,
+    check_writable,
+    command_line,
+    robot_names,
+)
+
+EPILOG = f"""{EXAMPLES}  graphdyn bench --quick --samples 1000 --threads 1
+  graphdyn bench
+  graphdyn bench --robot panda --samples 10000 --threads 1
+  graphdyn bench --json bench.json --html bench.html
+"""
+
+RobotOption = Annotated[
+    str,
+    typer.Option(metavar="ROBOT", help="Name (`graphdyn robots`), URDF or .xacro file.", autocompletion=robot_names),
+]
+SamplesOption = Annotated[
+    int,
+    typer.Option(min=1, metavar="N", help="States per run; the identification and the largest batch take ten times N."),
+]
+ThreadsOption = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Threads to compare beside one; all cores if left out.")
+]
+QuickOption = Annotated[bool, typer.Option("--quick", help="Fewer repeats and points: less than a minute.")]
+
+
+def run(
+    robot: RobotOption = "ur5",
+    samples: SamplesOption = 100_000,
+    threads: ThreadsOption = None,
+    seed: SeedOption = 0,
+    quick: QuickOption = False,
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+) -> None:
+    """Measure graphdyn beside Pinocchio, MuJoCo and CasADi.
+
+    All take turns in one run: medians, quartiles and ratios, with the accuracy of each against Pinocchio. Inverse and
+    forward dynamics, all multipliers, regressors, identification with its memory, single states, first calls, and
+    curves over batch, bodies and threads, beside what this machine could do at best. MuJoCo and CasADi take part where
+    they are installed (pip install 'graphdyn[peers]').
+    """
+    check_writable(json=json_file, html=html_file)
+    import urdf
+    from crosscheck.cli.bench_text import text
+    from crosscheck.report.comparisons import finite, versions, write_json
+    from crosscheck.studies.bench.benchmark import PARTS, benchmark
+    from crosscheck.studies.bench.record import BENCH_FORMAT, as_json
+
+    with warnings_shown():
+        model = urdf.load(robot)
+        with progress("bench", PARTS) as advance:
+            found = benchmark(robot, model, samples, seed, threads, quick, advance)
+    for part in text(found):
+        out.print(part)
+    if html_file is not None:
+        from crosscheck.report.pages import write_page
+        from crosscheck.report.pages.bench import bench_page
+
+        write_page(html_file, bench_page(found, command_line()))
+    if json_file is not None:
+        record = {"format": BENCH_FORMAT, "versions": versions(), "command": command_line(), **finite(as_json(found))}
+        write_json(json_file, record)
+    raise typer.Exit(AGREED if found.agrees else DISAGREED)

@@ -1,0 +1,145 @@
+"""`graphdyn crosscheck`: the comparison with Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from crosscheck.cli.console import complain, err, out, progress, warnings_shown
+from crosscheck.cli.crosscheck_folder import is_folder, sweep
+from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.cli.options import (
+    EXAMPLES,
+    ChainOption,
+    HtmlOption,
+    JsonOption,
+    LockOption,
+    RobotsArgument,
+    SamplesOption,
+    SeedOption,
+    check_writable,
+    command_line,
+    locked_joints,
+)
+from graphdyn import GraphDynError
+from graphdyn.kernels.running import cores
+
+if TYPE_CHECKING:
+    from crosscheck.referee.comparison import Comparison
+
+DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
+    ("kr500", {}),
+    ("ur3", {}),
+    ("ur5", {}),
+    ("ur10", {}),
+    ("kinova", {}),
+    ("z1", {"jointGripper": 0.0}),
+)
+"""What `graphdyn crosscheck` runs without arguments: six-joint arms, grippers locked."""
+
+JobsOption = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Parallel processes for a folder; one per processor if left out.")
+]
+ResumeOption = Annotated[
+    bool, typer.Option("--resume", help="Take over from --json FILE what would be compared again unchanged.")
+]
+
+EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
+  graphdyn crosscheck z1 --lock jointGripper=0 --json result.json
+  graphdyn crosscheck talos_left_arm --chain torso_2_link gripper_left_base_link
+  graphdyn crosscheck kr500 my_arm.urdf --html result.html
+  graphdyn crosscheck my_robots/ --samples 200 --json sweep.json --resume
+"""
+
+
+def run(
+    context: typer.Context,
+    robots: RobotsArgument = None,
+    samples: SamplesOption = 1000,
+    seed: SeedOption = 0,
+    lock: LockOption = None,
+    chain: ChainOption = None,
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+    jobs: JobsOption = None,
+    resume: ResumeOption = False,
+) -> None:
+    """Compare graphdyn with Pinocchio on robots of your choice.
+
+    Every quantity is compared at random and at awkward states: placements, torques, wrenches, multipliers,
+    accelerations, regressors, identified parameters. Without a robot, six arms are compared.
+    A folder stands for every *.urdf below it: one row per file, none of which stops the others.
+    """
+    locked = locked_joints(lock)
+    folder = any(map(is_folder, robots or ()))
+    if (locked or chain) and (folder or len(robots or ()) != 1):
+        raise typer.BadParameter("--lock and --chain need exactly one robot, whose joints and links they name")
+    if (jobs or resume) and not folder:
+        raise typer.BadParameter("--jobs and --resume are for folders")
+    if resume and json_file is None:
+        raise typer.BadParameter("--resume needs --json FILE, from which it takes over")
+    check_writable(json=json_file, html=html_file)
+    if folder:
+        processes = jobs or cores()
+        raise typer.Exit(sweep(context, robots or [], samples, seed, processes, resume, json_file, html_file))
+    choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
+    from crosscheck.referee.compare import compare
+    from crosscheck.report.comparisons import JSON_FORMAT, as_json, versions, write_json
+
+    comparisons, failures = [], []
+    for number, (robot, frozen) in enumerate(choice, start=1):
+        title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
+        try:
+            total = _states(robot, samples, seed, frozen, chain) if err.is_terminal else None
+            with progress(title, total) as advance, warnings_shown():
+                comparisons.append(compare(robot, samples, seed, lock=frozen or None, chain=chain, progress=advance))
+        except (GraphDynError, OSError) as error:
+            complain(error, context)
+            failures.append({"robot": robot, "message": str(error)})
+    _print(comparisons)
+    if html_file is not None:
+        from crosscheck.report.pages import comparison_page, write_page
+
+        write_page(html_file, comparison_page(comparisons, command_line(), failures))
+    if json_file is not None:
+        record = {
+            "format": JSON_FORMAT,
+            "versions": versions(),
+            "command": command_line(),
+            "agrees": all(comparison.agrees for comparison in comparisons) and not failures,
+            "robots": [as_json(comparison) for comparison in comparisons],
+            "failures": failures,
+            "unfinished": [],
+        }
+        write_json(json_file, record)
+    if failures:
+        raise typer.Exit(BAD_INPUT)
+    raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
+
+
+def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], chain: tuple[str, str] | None) -> int:
+    """How many states will be compared: drawing them costs a hundredth of comparing them."""
+    import warnings
+
+    import urdf
+    from crosscheck.referee.states import cases
+
+    with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
+        model = urdf.load(robot, chain=chain, lock=locked or None)
+    return sum(len(case.q) for case in cases(model, samples, seed))
+
+
+def _print(comparisons: Sequence[Comparison]) -> None:
+    from crosscheck.report.comparisons import detail, footnotes, heading, overview
+
+    if len(comparisons) == 1:
+        out.print(detail(comparisons[0], out.width))
+        return
+    for table in overview(comparisons, out.width):
+        out.print(table)
+    for comparison in comparisons:
+        out.print(heading(comparison))
+        for line in footnotes(comparison):
+            out.print(f"  {line}")

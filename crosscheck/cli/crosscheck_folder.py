@@ -1,0 +1,95 @@
+"""`graphdyn crosscheck FOLDER`: many files in parallel, each with its outcome, whatever the others do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import typer
+
+from crosscheck.cli import processes
+from crosscheck.cli.console import complain, err, out, progress
+from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.cli.options import command_line
+from graphdyn import GraphDynError
+
+
+def is_folder(robot: str) -> bool:
+    """Whether an argument is a folder; a robot of the catalogue of that name comes first."""
+    from urdf._catalogue import robots
+
+    return Path(robot).is_dir() and robot not in {entry.name for entry in robots()}
+
+
+def sweep(
+    context: typer.Context,
+    given: Sequence[str],
+    samples: int,
+    seed: int,
+    jobs: int,
+    resume: bool,
+    json_file: Path | None,
+    html_file: Path | None,
+) -> int:
+    """Compare all robots and files below folders, report, and return the exit code."""
+    from crosscheck.cli.crosscheck_folder_file import SweepFile, taken_over
+    from crosscheck.cli.crosscheck_folder_table import table
+    from crosscheck.cli.crosscheck_worker import Details, Task, examine
+    from crosscheck.report.pages.summary import FEW, summary_page
+    from crosscheck.report.summary import DISAGREES, compared_row, counts, failed_row
+
+    robots, failures = [], []
+    for argument in given:
+        try:
+            robots += _found(argument)
+        except GraphDynError as error:
+            complain(error, context)
+            failures.append({"robot": argument, "message": str(error)})
+    robots = list(dict.fromkeys(robots))
+    file = SweepFile(json_file, command_line(), robots, failures)
+    if resume and json_file is not None:
+        file.records.update(taken_over(json_file, robots, samples, seed))
+        err.print(f"{len(file.records)} of {len(robots)} robots taken over from {json_file}", soft_wrap=True)
+    details: Details = "none" if html_file is None else "all" if len(robots) <= FEW else "disagreeing"
+    tasks = [Task(robot, samples, seed, details) for robot in robots if robot not in file.records]
+    comparisons = {}
+    try:
+        with progress("crosscheck", len(robots)) as advance:
+            advance("", len(file.records))
+            for k, outcome in processes.each(examine, tasks, jobs):
+                robot = tasks[k].robot
+                if isinstance(outcome, processes.Died):
+                    message = f"the process that compared it died with code {outcome.code}; report it, with the file"
+                    file.failures[robot] = {"robot": robot, "message": message}
+                elif outcome.record is None:
+                    file.failures[robot] = {"robot": robot, "message": str(outcome.failure)}
+                else:
+                    file.records[robot] = outcome.record
+                    if outcome.comparison is not None:
+                        comparisons[robot] = outcome.comparison
+                advance(robot, 1)
+                file.write()
+    finally:
+        file.write(finished=True)
+    rows = [
+        compared_row(file.records[robot]) if robot in file.records else failed_row(file.failures[robot])
+        for robot in robots
+    ]
+    if rows:
+        out.print(table(rows))
+    out.print(counts(rows))
+    if html_file is not None:
+        from crosscheck.report.pages import write_page
+
+        detailed = [comparisons[robot] for robot in robots if robot in comparisons]
+        write_page(html_file, summary_page(rows, detailed, command_line()))
+    if file.failures:
+        return BAD_INPUT
+    return DISAGREED if any(row.verdict == DISAGREES for row in rows) else AGREED
+
+
+def _found(argument: str) -> list[str]:
+    """The robots that an argument stands for. Raises RobotNotFound for a folder without *.urdf."""
+    from crosscheck.cli.inspect import found
+
+    return found(argument) if is_folder(argument) else [argument]

@@ -1,0 +1,86 @@
+"""The JSON file of a sweep: it grows with every robot, and a later sweep takes over what is still true."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from crosscheck.referee.subject import content_sha256
+from crosscheck.report.comparisons import JSON_FORMAT, versions, write_json
+from graphdyn import InvalidInput
+from urdf import InvalidXacro
+
+SHARE = 0.1
+"""Part of the time that may be spent on writing: the file is written whole, so that many robots take long."""
+
+
+class SweepFile:
+    """Records and failures of a sweep, in a file where there is to be one.
+
+    robots: all of them, in order; records, failures: by robot, those already known
+    """
+
+    def __init__(
+        self, path: Path | None, command: Sequence[str], robots: Sequence[str], failures: Sequence[Mapping[str, str]]
+    ):
+        self.robots, self.records = robots, dict[str, dict[str, Any]]()
+        self.failures = {failure["robot"]: failure for failure in failures}
+        self._path, self._command = path, command
+        self._not_before = 0.0
+
+    def write(self, finished: bool = False) -> None:
+        """Write all that is known, unless that was done a moment ago. finished: in any case. Raises OSError."""
+        start = time.monotonic()
+        if self._path is None or (start < self._not_before and not finished):
+            return
+        unfinished = [robot for robot in self.robots if robot not in self.records and robot not in self.failures]
+        records = [self.records[robot] for robot in self.robots if robot in self.records]
+        write_json(
+            self._path,
+            {
+                "format": JSON_FORMAT,
+                "versions": versions(),
+                "command": self._command,
+                "agrees": all(record["agrees"] for record in records) and not self.failures and not unfinished,
+                "robots": records,
+                "failures": list(self.failures.values()),
+                "unfinished": unfinished,
+            },
+        )
+        end = time.monotonic()
+        self._not_before = end + (end - start) * (1 / SHARE - 1)
+
+
+def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> dict[str, dict[str, Any]]:
+    """Records of an earlier sweep, by robot, that a new one would repeat: same content, states, lock and versions.
+
+    Empty where there is no file. Raises InvalidInput for a file of something else, OSError.
+    """
+    if not path.exists():
+        return {}
+    try:
+        earlier = json.loads(path.read_bytes())
+    except ValueError:
+        earlier = None
+    if not isinstance(earlier, dict) or earlier.get("format") != JSON_FORMAT:
+        raise InvalidInput(f"--resume: {path} is not a file of the format '{JSON_FORMAT}'; name another, or delete it")
+    if earlier.get("versions") != versions():
+        return {}
+    wanted = {"samples": samples, "seed": seed, "locked": {}, "chain": None}
+    records = {
+        record["robot"]: record
+        for record in earlier["robots"]
+        if wanted.items() <= record.items() and record.get("file_sha256")
+    }
+    return {robot: records[robot] for robot in robots if robot in records and _unchanged(records[robot])}
+
+
+def _unchanged(record: Mapping[str, Any]) -> bool:
+    """Whether the file that a robot stands for still has the content that was compared."""
+    try:
+        return content_sha256(record["robot"]) == record["file_sha256"]
+    except (OSError, InvalidXacro):
+        return False

@@ -1,0 +1,247 @@
+"""`graphdyn identify`: from recordings and a URDF to a model that predicts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from crosscheck.cli import identify_options as options
+from crosscheck.cli.console import err, out, progress, warnings_shown
+from crosscheck.cli.exits import AGREED, DISAGREED
+from crosscheck.cli.options import (
+    EXAMPLES,
+    ChainOption,
+    HtmlOption,
+    JsonOption,
+    LockOption,
+    SeedOption,
+    check_writable,
+    command_line,
+    locked_joints,
+)
+
+if TYPE_CHECKING:
+    from crosscheck.identifying import Identified, Preparation
+    from crosscheck.recordings import Recording
+    from graphdyn import RobotModel
+    from graphdyn.identification import Estimator, MethodResult
+    from graphdyn.identification.terms import Term
+
+EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,graph
+  graphdyn identify log.csv --robot arm.urdf --cutoff 8 --html found.html --urdf better.urdf
+  graphdyn identify a.csv b.csv --validate c.csv --robot arm.urdf --mapping columns.toml --methods all
+  graphdyn identify pos.csv cur.csv --mapping tx40.toml --robot tx40.urdf --cutoff 20 --decimate 10,10 --split 0:6 6:9
+"""
+
+
+def run(
+    logs: options.LogsArgument = None,
+    robot: options.RobotOption = None,
+    mapping: options.MappingOption = None,
+    rate: options.RateOption = None,
+    drop: options.DropOption = None,
+    cutoff: options.CutoffOption = "residual",
+    derive_velocity: options.DerivedOption = False,
+    decimate: options.DecimateOption = None,
+    min_speed: options.MinSpeedOption = "0",
+    terms: options.TermsOption = "viscous,coulomb,offset",
+    width: options.WidthOption = None,
+    stribeck_velocity: options.StribeckOption = 0.1,
+    term: options.TermOption = None,
+    known_torque: options.KnownTorqueOption = None,
+    known_bodies: options.KnownBodiesOption = False,
+    payload: options.PayloadOption = None,
+    payload_on: options.PayloadLinkOption = None,
+    methods: options.MethodsOption = None,
+    validate: options.ValidateOption = None,
+    split: options.SplitOption = None,
+    split_rows: options.SplitRowsOption = None,
+    folds: options.FoldsOption = None,
+    choose: options.ChooseOption = None,
+    poses: options.PosesOption = 10_000,
+    seconds: options.SecondsOption = 20.0,
+    seed: SeedOption = 0,
+    lock: LockOption = None,
+    chain: ChainOption = None,
+    gravity: options.GravityOption = None,
+    urdf_file: options.UrdfOption = None,
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+) -> None:
+    """Find a robot's parameters from recordings.
+
+    Which ones do they determine, how well does each method predict, and which model can be trusted? Methods stand side
+    by side with their errors on rows that they have not seen: over all rows, and per joint over those with |v| > 0.02,
+    because at standstill friction is undetermined. The recommended one has real bodies, a positive definite mass
+    matrix and the smallest held-out error. Held out is the last quarter unless told otherwise. Without a LOG the robot
+    is simulated with friction, noise and wrong CAD values, and the truth is shown.
+
+    Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
+    """
+    if robot is None:
+        raise typer.BadParameter("--robot is missing; give a name (`graphdyn robots`) or a URDF file")
+    check_writable(json=json_file, html=html_file, urdf=urdf_file)
+    frozen = Frozen(locked_joints(lock) or None, chain, gravity)
+    preparation, ways = prepared_as(cutoff, derive_velocity, decimate, min_speed), options.methods_of(methods)
+    drives = options.terms_of(terms, width, stribeck_velocity, term)
+    from crosscheck.cli.identify_text import text
+
+    if logs:
+        load, known_load = options.payload_of(payload, payload_on)
+        bodies, known_links = options.links(known_bodies)
+        with warnings_shown():
+            joints = frozen.load(robot).joint_names
+            with progress("read", len(logs) + len(validate or [])) as advance:
+                columns = (mapping, joints, rate, drop or [], advance)
+                recordings = options.recordings("LOG", logs, *columns)
+                unseen = options.recordings("--validate", validate or [], *columns)
+            show_findings([*recordings, *unseen])
+            found = from_records(
+                robot,
+                recordings,
+                frozen,
+                terms=(*bodies, *load, *drives),
+                known=(*known_links, *options.known_torques(known_torque), *known_load),
+                methods=ways,
+                preparation=preparation,
+                held_out=options.held_out_of(unseen, split, split_rows, folds),
+                poses=poses,
+            )
+    else:
+        options.refuse_without_log(
+            validate=validate, split=split, split_rows=split_rows, folds=folds, mapping=mapping, rate=rate, drop=drop,
+            known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on,
+        )  # fmt: skip
+        with warnings_shown():
+            found = simulated(robot, drives, frozen, seconds, seed, methods=ways, preparation=preparation, poses=poses)
+    shown = found.shown(None if choose is None else options.method_shown(choose))
+    for part in text(found, shown, out.width):
+        out.print(part)
+    write_records(found, shown, json_file, html_file)
+    if urdf_file is not None:
+        written = shown is not None and write_urdf(found, shown, robot, urdf_file, frozen)
+        if not written:
+            raise typer.Exit(DISAGREED)
+    raise typer.Exit(AGREED if found.usable else DISAGREED)
+
+
+@dataclass(frozen=True)
+class Frozen:
+    """How the robot is to be read: locked joints, chain, gravity."""
+
+    lock: dict[str, float] | None
+    chain: tuple[str, str] | None
+    gravity: tuple[float, float, float] | None
+
+    def load(self, robot: str) -> RobotModel:
+        import urdf
+
+        return urdf.load(robot, lock=self.lock, chain=self.chain, gravity=self.gravity)
+
+
+def prepared_as(cutoff: str, derive_velocity: bool, decimate: str | None, min_speed: str) -> Preparation:
+    """The options as one object. Raises typer.BadParameter."""
+    from crosscheck.identifying import Preparation
+
+    speeds = options.numbers("--min-speed", min_speed)
+    return Preparation(
+        options.cutoff_of(cutoff),
+        "derived" if derive_velocity else "recorded",
+        options.stages(decimate),
+        speeds if len(speeds) > 1 else speeds[0],
+    )
+
+
+def show_findings(recordings: Sequence[Recording]) -> None:
+    """What is odd in the files, one line each."""
+    for recording in recordings:
+        for finding in recording.findings:
+            style = "yellow" if finding.severity != "note" else None
+            err.print(f"{finding.severity}: {finding.text}", style=style, soft_wrap=True)
+
+
+def from_records(
+    robot: str | RobotModel,
+    recordings: Sequence[Recording],
+    frozen: Frozen,
+    *,
+    methods: Sequence[str | Estimator],
+    **how: Any,
+) -> Identified:
+    """crosscheck.identify with a bar."""
+    from crosscheck.identifying import Folds, identify
+
+    folds = how["held_out"].folds if isinstance(how["held_out"], Folds) else 0
+    with progress("identify", 2 + len(methods) * (1 + folds)) as advance:
+        return identify(
+            robot,
+            recordings,
+            methods=methods,
+            lock=frozen.lock,
+            chain=frozen.chain,
+            gravity=frozen.gravity,
+            progress=lambda what: advance(what, 1),
+            **how,
+        )
+
+
+def simulated(robot: str, drives: Sequence[Term], frozen: Frozen, seconds: float, seed: int, **how: Any) -> Identified:
+    """A virtual robot recorded and identified; the truth goes with the result."""
+    from crosscheck.identifying import OtherRecordings, virtual_robot
+
+    with progress("simulate", 2) as advance:
+        virtual = virtual_robot(
+            robot,
+            drives,
+            seconds=seconds,
+            seed=seed,
+            lock=frozen.lock,
+            chain=frozen.chain,
+            gravity=frozen.gravity,
+            progress=lambda what: advance(what, 1),
+        )
+    found = from_records(
+        virtual.subject.model,
+        [virtual.fitted],
+        Frozen(None, None, None),
+        terms=virtual.torque_model.terms,
+        held_out=OtherRecordings((virtual.held_out,)),
+        **how,
+    )
+    return replace(found, subject=virtual.subject, truth=virtual.truth)
+
+
+def write_records(
+    found: Identified, shown: MethodResult | None, json_file: Path | None, html_file: Path | None
+) -> None:
+    """The files that were asked for."""
+    if html_file is not None:
+        from crosscheck.report.pages import write_page
+        from crosscheck.report.pages.identification import identification_page
+
+        write_page(html_file, identification_page(found, shown, command_line()))
+    if json_file is not None:
+        from crosscheck.identifying.plain import FORMAT, as_json
+        from crosscheck.report.comparisons import finite, versions, write_json
+
+        recording = {"format": FORMAT, "versions": versions(), "command": command_line(), **as_json(found, shown)}
+        write_json(json_file, finite(recording))
+
+
+def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, frozen: Frozen) -> bool:
+    """The shown result in a copy of the user's file; False, saying why, where it cannot be trusted."""
+    import urdf
+    from crosscheck.identifying.recommending import real
+
+    if shown.name != found.recommendation.name and not real(shown):
+        err.print(f"{path} is not written: {shown.name} is not physically consistent", style="red", soft_wrap=True)
+        return False
+    update = urdf.update(robot, path, found.body_parameters(shown), chain=frozen.chain, lock=frozen.lock)
+    out.print(f"{path}: {len(update.changed)} links with the inertials of {shown.name}")
+    for note in update.notes:
+        out.print(f"  {note}", soft_wrap=True)
+    return True

@@ -1,0 +1,299 @@
+"""Options of `graphdyn identify`, and what their texts mean."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crosscheck.cli.foreign import foreign_function
+from crosscheck.cli.options import robot_names
+
+if TYPE_CHECKING:
+    from crosscheck.identifying import HeldOut
+    from crosscheck.recordings import ColumnMapping, Recording
+    from crosscheck.recordings.derivatives import Cutoff
+    from graphdyn.identification import Estimator
+    from graphdyn.identification.terms import KnownTerm, Term
+
+FUNCTION = "FILE.py:NAME"
+
+LogsArgument = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="[LOG]...",
+        help="Recordings: CSV, Parquet, .npz, .mat, ROS bags. With a mapping that names several files, as many LOGs in "
+        "a row are one recording. Without any, the robot is simulated.",
+    ),
+]
+RobotOption = Annotated[
+    str | None,
+    typer.Option("--robot", metavar="ROBOT", help="Name or URDF file; its inertials are the CAD values.",
+                 autocompletion=robot_names),
+]  # fmt: skip
+MappingOption = Annotated[Path | None, typer.Option(metavar="FILE", help="TOML file that says what the columns are.")]
+RateOption = Annotated[float | None, typer.Option(metavar="HZ", help="Samples per second, where no column has time.")]
+DropOption = Annotated[
+    list[str] | None, typer.Option(metavar="CODE", help="Drop the rows of a finding (docs/recordings.md). Repeatable.")
+]
+CutoffOption = Annotated[
+    str,
+    typer.Option(metavar="HZ|CHANNEL=HZ,…|residual|none", help="Zero-phase low-pass of q, v and τ, or of these."),
+]
+DerivedOption = Annotated[bool, typer.Option("--derive-velocity", help="Differentiate q even where v was recorded.")]
+DecimateOption = Annotated[
+    str | None, typer.Option(metavar="K,K,…", help="Lower the rate in these stages, torque and regressor alike.")
+]
+MinSpeedOption = Annotated[
+    str, typer.Option(metavar="X|X,X,…", help="Rows of a joint slower than this are not fitted [rad/s or m/s].")
+]
+TermsOption = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME,…",
+        help="What the drives add: viscous, coulomb, stribeck, offset, rotor, asymmetric-viscous, asymmetric-coulomb, "
+        "coupled-wrist; none.",
+    ),
+]
+WidthOption = Annotated[
+    float | None, typer.Option(metavar="X", help="tanh(v/X) in place of the sign of v in friction [rad/s or m/s].")
+]
+StribeckOption = Annotated[float, typer.Option(metavar="X", help="Speed at which Stribeck friction fades.")]
+TermOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar=FUNCTION, help="A further term: a function without arguments that returns one. Repeatable."),
+]
+KnownTorqueOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar=FUNCTION, help="(q, v, a) → known torque (N, n), subtracted. Repeatable."),
+]
+KnownBodiesOption = Annotated[
+    bool, typer.Option("--known-bodies", help="Take the links as in the URDF; identify drives and payload only.")
+]
+PayloadOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="unknown|unknown@X,Y,Z|M@X,Y,Z",
+        help="Load on the last link: ten unknowns, its mass alone with a known center, or a known point mass.",
+    ),
+]
+PayloadLinkOption = Annotated[str | None, typer.Option(metavar="LINK", help="Link that carries the payload.")]
+MethodsOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME,…|all",
+        help="ols, wls, wls-pinocchio, gls, huber, tukey, ridge, essential, consistent, entropic, pullback, "
+        f"log-cholesky, graph, or {FUNCTION} of your own. Without it: one of each kind.",
+    ),
+]
+ValidateOption = Annotated[
+    list[Path] | None, typer.Option(metavar="LOG", help="Predict this recording; it is not fitted. Repeatable.")
+]
+SplitOption = Annotated[
+    tuple[str, str] | None,
+    typer.Option(metavar="FIT PREDICT", help="Seconds of one recording, as 0:6 6:9."),
+]
+SplitRowsOption = Annotated[
+    tuple[str, str] | None, typer.Option(metavar="FIT PREDICT", help="Rows of one recording, as 60:1700 1750:2400.")
+]
+FoldsOption = Annotated[
+    int | None,
+    typer.Option(min=2, metavar="N", help="Fit everything; predict each of N consecutive pieces from the others."),
+]
+ChooseOption = Annotated[
+    str | None, typer.Option(metavar="METHOD", help="Show and write this result instead of the recommended one.")
+]
+GravityOption = Annotated[
+    tuple[float, float, float] | None, typer.Option(metavar="X Y Z", help="Gravity in world axes [m/s²].")
+]
+UrdfOption = Annotated[Path | None, typer.Option("--urdf", metavar="OUT", help="Write the robot with new inertials.")]
+PosesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random poses to test the mass matrix in.")]
+SecondsOption = Annotated[float, typer.Option(metavar="S", help="Length of the simulated recording.")]
+
+
+def cutoff_of(text: str) -> Cutoff:
+    """--cutoff. Raises typer.BadParameter."""
+    if text in ("none", "residual"):
+        return None if text == "none" else "residual"
+    try:
+        if "=" not in text:
+            return float(text)
+        return {name.strip(): float(value) for name, _, value in (part.partition("=") for part in text.split(","))}
+    except ValueError:
+        raise typer.BadParameter(f"--cutoff {text}: give Hz, CHANNEL=HZ,…, residual or none") from None
+
+
+def numbers(option: str, text: str) -> list[float]:
+    """Numbers between commas. Raises typer.BadParameter."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"{option} {text}: give numbers with commas between them") from None
+
+
+def stages(text: str | None) -> tuple[int, ...]:
+    """--decimate. Raises typer.BadParameter."""
+    if text is None:
+        return ()
+    try:
+        return tuple(int(part) for part in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"--decimate {text}: give whole numbers with commas between them") from None
+
+
+def interval(option: str, text: str) -> tuple[float, float]:
+    """FIRST:LAST; either may be left out. Raises typer.BadParameter."""
+    first, colon, last = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return float(first or 0), float(last or "inf")
+    except ValueError:
+        raise typer.BadParameter(f"{option} {text}: give FIRST:LAST, such as 0:6") from None
+
+
+def held_out_of(
+    validate: list[Recording] | None, split: tuple[str, str] | None, rows: tuple[str, str] | None, folds: int | None
+) -> HeldOut | None:
+    """The one that is given. Raises typer.BadParameter for several."""
+    from crosscheck.identifying import ByRows, ByTime, Folds, OtherRecordings
+
+    given = {"--validate": validate, "--split": split, "--split-rows": rows, "--folds": folds}
+    named = [option for option, value in given.items() if value]
+    if len(named) > 1:
+        raise typer.BadParameter(f"{' and '.join(named)} exclude each other; choose one way to hold out rows")
+    if split:
+        return ByTime(*(interval("--split", text) for text in split))
+    if rows:
+        return ByRows(*(interval("--split-rows", text) for text in rows))
+    if folds:
+        return Folds(folds)
+    return OtherRecordings(tuple(validate)) if validate else None
+
+
+def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[KnownTerm]]:
+    """--payload as an unknown or as a known term. Raises typer.BadParameter."""
+    import numpy as np
+
+    from graphdyn._inertia import parameters_from_inertia
+    from graphdyn.identification.terms import KnownPayload, Payload, PayloadMass
+
+    if text is None:
+        if link is not None:
+            raise typer.BadParameter(f"--payload-on {link}: say with --payload what it carries")
+        return [], []
+    if text == "unknown":
+        return [Payload(link)], []
+    mass, at, place = text.partition("@")
+    center = numbers("--payload", place) if at else []
+    if len(center) != 3:
+        raise typer.BadParameter(f"--payload {text}: give unknown, unknown@X,Y,Z or M@X,Y,Z [kg, m]")
+    if mass == "unknown":
+        return [PayloadMass(center, body=link)], []
+    try:
+        kilograms = float(mass)
+    except ValueError:
+        raise typer.BadParameter(f"--payload {text}: '{mass}' is neither unknown nor a mass in kg") from None
+    return [], [KnownPayload(parameters_from_inertia(kilograms, np.array(center), np.zeros((3, 3))), link)]
+
+
+def terms_of(names: str, width: float | None, stribeck: float, further: list[str] | None) -> tuple[Term, ...]:
+    """What the drives add. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
+    from crosscheck.identifying import friction_terms
+
+    known = [] if names == "none" else [name.strip() for name in names.split(",")]
+    own = tuple(_made("--term", text, "columns", "rows") for text in further or ())
+    return friction_terms(known, width=width, stribeck_velocity=stribeck) + own
+
+
+def links(known: bool) -> tuple[list[Term], list[KnownTerm]]:
+    """The rigid bodies as an unknown or as a known term."""
+    from graphdyn.identification.terms import KnownBodies, RigidBodies
+
+    return ([], [KnownBodies()]) if known else ([RigidBodies()], [])
+
+
+def known_torques(texts: list[str] | None) -> list[KnownTerm]:
+    """--known-torque. Raises typer.BadParameter for a wrong FILE.py:NAME."""
+    from graphdyn.identification.terms import KnownTorque
+
+    return [KnownTorque(foreign_function("--known-torque", text)) for text in texts or ()]  # type: ignore[arg-type]
+
+
+def refuse_without_log(**given: object) -> None:
+    """Raises typer.BadParameter for an option that only a recording gives a meaning."""
+    for name, value in given.items():
+        if value:
+            raise typer.BadParameter(f"--{name.replace('_', '-')} needs a LOG; without one the robot is simulated")
+
+
+def method_shown(text: str) -> str:
+    """--choose: the name in the table of a method that may be named as in --methods."""
+    from crosscheck.identifying import METHODS, method_named
+
+    return method_named(text).name if text in METHODS else text
+
+
+def methods_of(text: str | None) -> list[str | Estimator]:
+    """--methods. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
+    from crosscheck.identifying import METHODS, STANDARD_METHODS, method_named
+
+    if text is None:
+        return list(STANDARD_METHODS)
+    if text == "all":
+        return list(METHODS)
+    names = [name.strip() for name in text.split(",")]
+    return [
+        _made("--methods", name, "name", "reference", "assumptions", "needs", "estimate")
+        if ":" in name
+        else method_named(name)
+        for name in names
+    ]
+
+
+def recordings(
+    option: str,
+    logs: list[Path],
+    mapping: Path | None,
+    joints: tuple[str, ...],
+    rate: float | None,
+    drop: list[str],
+    advance: Callable[[str, int], None],
+) -> list[Recording]:
+    """The recordings of the files, as many files for each as the mapping names. Raises as crosscheck.load_recording."""
+    from crosscheck.recordings import DROPPABLE, load_mapping, load_recording
+
+    columns = load_mapping(mapping) if mapping is not None else None
+    together = files_per_recording(columns)
+    if len(logs) % together:
+        raise typer.BadParameter(
+            f"{option}: {len(logs)} files, but {mapping} makes each recording of {together}; give them in a row"
+        )
+    groups = [logs[k : k + together] for k in range(0, len(logs), together)]
+    codes = DROPPABLE if "all" in drop else drop
+    recordings = []
+    for group in groups:
+        advance(group[0].name, 0)
+        recordings.append(load_recording(group, columns, joints=joints, rate=rate, drop=codes))
+        advance(group[0].name, len(group))
+    return recordings
+
+
+def files_per_recording(mapping: ColumnMapping | None) -> int:
+    """How many different files the columns of a mapping come from."""
+    if mapping is None:
+        return 1
+    named = {channel.file for channel in mapping.channels.values()}
+    named |= {mapping.time.file} if mapping.time is not None else set()
+    return max(1, len(named))
+
+
+def _made(option: str, text: str, *needed: str) -> Any:
+    """What a user's function or class makes. Raises typer.BadParameter where something that is needed is missing."""
+    made: Any = foreign_function(option, text)()
+    missing = [name for name in needed if not hasattr(made, name)]
+    if missing:
+        raise typer.BadParameter(f"{option} {text}: what it makes has no {', '.join(missing)}")
+    return made

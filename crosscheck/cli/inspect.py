@@ -1,0 +1,110 @@
+"""`graphdyn inspect`: what is odd or wrong about URDF files."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crosscheck.cli.console import complain, err, out, progress
+from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, check_writable, command_line, robot_names
+from graphdyn import GraphDynError
+
+if TYPE_CHECKING:
+    from urdf import Report
+
+FORMAT = "graphdyn inspect 1"
+
+FilesArgument = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="FILE|NAME|FOLDER...",
+        help="URDF or .xacro files, names (`graphdyn robots`), or folders, searched for *.urdf.",
+        autocompletion=robot_names,
+    ),
+]
+
+EPILOG = f"""{EXAMPLES}  graphdyn inspect kr500
+  graphdyn inspect my_arm.urdf --html findings.html
+  graphdyn inspect my_robots/ --json findings.json
+"""
+
+
+def run(
+    context: typer.Context, files: FilesArgument, json_file: JsonOption = None, html_file: HtmlOption = None
+) -> None:
+    """Find what is odd or wrong in URDF files.
+
+    Every fault and oddity with its line, what other readers make of it, and what to do; and whether the file is fit
+    for dynamics. Several files are inspected in parallel. Exit code 0: all are fit for dynamics; 1: some file is
+    refused or good for kinematics only; 2: a file or folder cannot be found or read.
+    """
+    check_writable(json=json_file, html=html_file)
+    from crosscheck.cli.inspect_many import sweep
+    from crosscheck.cli.inspect_text import occurrences, one, several
+    from crosscheck.report.comparisons import versions, write_json
+
+    robots, failures = [], []
+    for given in files:
+        try:
+            robots += found(given)
+        except GraphDynError as error:
+            complain(error, context)
+            failures.append({"robot": given, "message": str(error)})
+    with progress("inspect", len(robots) if err.is_terminal else None) as advance:
+        reports = sweep(robots, advance)
+    if len(reports) == 1:
+        for part in one(reports[0]):
+            out.print(part)
+    elif reports:
+        for part in several(reports):
+            out.print(part)
+    if html_file is not None:
+        from crosscheck.report.pages import write_page
+        from crosscheck.report.pages.inspection import inspection_page
+
+        write_page(html_file, inspection_page(reports, command_line(), failures))
+    if json_file is not None:
+        record = {
+            "format": FORMAT,
+            "versions": versions(),
+            "command": command_line(),
+            "usable": all(report.usable for report in reports) and not failures,
+            "files": [as_json(report) for report in reports],
+            "occurrences": occurrences(reports),
+            "failures": failures,
+        }
+        write_json(json_file, record)
+    if failures or any("unreadable-file" in report.codes for report in reports):
+        raise typer.Exit(BAD_INPUT)
+    raise typer.Exit(AGREED if all(report.usable for report in reports) else DISAGREED)
+
+
+def found(given: str) -> list[str]:
+    """The files that an argument stands for. Raises RobotNotFound where there is none."""
+    from urdf import RobotNotFound
+    from urdf._catalogue import locate
+
+    folder = Path(given)
+    if not folder.is_dir():
+        locate(given)
+        return [given]
+    files = sorted(str(path) for path in folder.rglob("*.urdf") if path.is_file())
+    if not files:
+        raise RobotNotFound(f"no *.urdf in the folder '{given}'", "give a folder with URDF files")
+    return files
+
+
+def as_json(report: Report) -> dict[str, Any]:
+    """A report as plain data; the format is described in docs/json.md."""
+    return {
+        "robot": report.robot,
+        "path": report.path,
+        "verdict": report.verdict,
+        "usable": report.usable,
+        "reasons": list(report.reasons),
+        "findings": [asdict(finding) for finding in report.findings],
+    }

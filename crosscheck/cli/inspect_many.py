@@ -1,0 +1,40 @@
+"""Inspects many files in parallel processes. No file stops the others, whatever it does to its process."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from crosscheck.cli.processes import Died, each
+from graphdyn.kernels.running import cores
+from urdf import Finding, Report, inspect
+
+FEW = 16
+"""So many files take less time than starting processes, a second each."""
+
+Examine = Callable[[str], Report]
+
+
+def sweep(robots: Sequence[str], done: Callable[[str, int], None], examine: Examine = inspect) -> list[Report]:
+    """One report per robot, in their order. done: called with what was just inspected, and 1."""
+    work = partial(_examined, examine)
+    reports: dict[int, Report] = {}
+    answers = each(work, robots, cores()) if len(robots) > FEW else enumerate(map(work, robots))
+    for k, answer in answers:
+        if isinstance(answer, Died):
+            answer = _failed(robots[k], f"the process that read the file died with code {answer.code}")
+        reports[k] = answer
+        done(robots[k], 1)
+    return [reports[k] for k in range(len(robots))]
+
+
+def _examined(examine: Examine, robot: str) -> Report:
+    try:
+        return examine(robot)
+    except Exception as error:
+        return _failed(robot, f"the inspection failed: {type(error).__name__}: {error}")
+
+
+def _failed(robot: str, message: str) -> Report:
+    finding = Finding("inspection-failed", "error", None, None, message, "report it, with the file")
+    return Report(robot, robot, (finding,))

@@ -1,0 +1,77 @@
+"""Options that several commands share, and the checks that come before the work."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+EXAMPLES = "\b\nExamples:\n"
+"""Heads the epilog of every command; \\b keeps its lines as they are."""
+
+
+def robot_names(incomplete: str) -> list[str]:
+    """Names of the catalogue that begin like this, for the shell; where none does, the shell completes files."""
+    from urdf._catalogue import robots
+
+    return [entry.name for entry in robots() if entry.name.startswith(incomplete)]
+
+
+RobotArgument = Annotated[
+    str,
+    typer.Argument(metavar="ROBOT", help="Name (`graphdyn robots`), URDF or .xacro file.", autocompletion=robot_names),
+]
+RobotsArgument = Annotated[
+    list[str] | None,
+    typer.Argument(
+        metavar="ROBOT",
+        help="Names (`graphdyn robots`), URDF files or folders of them; six arms if none.",
+        autocompletion=robot_names,
+    ),
+]
+LockOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="JOINT[=VALUE]", help="Freeze a joint at VALUE [rad or m], 0 if left out. Repeatable."),
+]
+ChainOption = Annotated[
+    tuple[str, str] | None,
+    typer.Option(metavar="BASE TIP", help="Cut out the arm from link BASE to link TIP; other joints are frozen at 0."),
+]
+SamplesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random states per robot.")]
+SeedOption = Annotated[int, typer.Option(min=0, metavar="N", help="Seed of the random states.")]
+JsonOption = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write all numbers to FILE.")]
+HtmlOption = Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write a self-contained page to FILE.")]
+
+
+def locked_joints(texts: list[str] | None) -> dict[str, float]:
+    """--lock JOINT[=VALUE] as {joint: value}."""
+    return dict(_parse_lock(text) for text in texts or ())
+
+
+def _parse_lock(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value) if value else 0.0
+    except ValueError:
+        raise typer.BadParameter(f"--lock {text}: '{value}' is not a number") from None
+
+
+def command_line() -> list[str]:
+    """The program as it was called, for the record."""
+    return ["graphdyn", *sys.argv[1:]]
+
+
+def check_writable(**files: Path | None) -> None:
+    """Fail before the work, not after it. files: by option, check_writable(json=…, html=…)."""
+    for option, path in files.items():
+        if path is None:
+            continue
+        if path.is_dir():
+            raise typer.BadParameter(f"--{option} {path}: is a folder")
+        if not path.resolve().parent.is_dir():
+            raise typer.BadParameter(f"--{option} {path}: folder {path.resolve().parent} does not exist")
+        if not os.access(path if path.exists() else path.resolve().parent, os.W_OK):
+            raise typer.BadParameter(f"--{option} {path}: no permission to write there")

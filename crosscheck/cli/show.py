@@ -1,0 +1,53 @@
+"""`graphdyn show`: one robot, its graph and its equations."""
+
+from __future__ import annotations
+
+from crosscheck.cli.console import out, warnings_shown
+from crosscheck.cli.options import (
+    EXAMPLES,
+    HtmlOption,
+    JsonOption,
+    LockOption,
+    RobotArgument,
+    check_writable,
+    command_line,
+    locked_joints,
+)
+
+EPILOG = f"""{EXAMPLES}  graphdyn show kr500
+  graphdyn show z1 --lock jointGripper=0 --html z1.html
+  graphdyn show my_arm.urdf --json my_arm.json
+"""
+
+
+def run(
+    robot: RobotArgument,
+    lock: LockOption = None,
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+) -> None:
+    """Show a robot: bodies, joints, graph and equations.
+
+    Masses and moments with their physical consistency, joints with placement and limits, named frames, the matrices
+    of the graph, and where the matrix of Eq. (111) has its entries.
+    """
+    locked = locked_joints(lock)
+    check_writable(json=json_file, html=html_file)
+    import urdf
+    from crosscheck.cli.show_text import text
+    from crosscheck.report.comparisons import finite, versions, write_json
+    from crosscheck.studies.describing import describe
+    from crosscheck.studies.description import SHOW_FORMAT, as_json
+
+    with warnings_shown():
+        model = urdf.load(robot, lock=locked or None)
+    description = describe(model, robot, locked)
+    for part in text(description, out.width):
+        out.print(part)
+    if html_file is not None:
+        from crosscheck.report.pages import write_page
+        from crosscheck.report.pages.show import show_page
+
+        write_page(html_file, show_page(description, command_line()))
+    if json_file is not None:
+        write_json(json_file, {"format": SHOW_FORMAT, "versions": versions(), **finite(as_json(description))})

@@ -1,0 +1,52 @@
+"""Recordings: read from files as they are found in the wild, checked, filtered, differentiated and split."""
+
+from crosscheck.recordings.decimation import decimated, decimated_columns
+from crosscheck.recordings.derivatives import chosen_cutoff, derivative, differentiated
+from crosscheck.recordings.errors import AmbiguousColumns, BadMapping, BadRecordingFile, DirtyRecording
+from crosscheck.recordings.filtering import lowpass
+from crosscheck.recordings.findings import DROPPABLE, RecordingFinding
+from crosscheck.recordings.loading import inspect_recording, load_recording
+from crosscheck.recordings.mapping import ColumnMapping, load_mapping, mapping_of
+from crosscheck.recordings.noise_floor import ResidualAnalysis, residual_analysis
+from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
+from crosscheck.recordings.resampling import resampled, sampling_rate
+from crosscheck.recordings.splits import Split, fold_numbers, split_by_file, split_by_rows, split_by_time, time_folds
+from crosscheck.recordings.streaming import StreamedRecording
+from crosscheck.recordings.virtual_recording_files import load_virtual_recording, save_virtual_recording
+
+__all__ = [
+    "DROPPABLE",
+    "AmbiguousColumns",
+    "BadMapping",
+    "BadRecordingFile",
+    "ColumnMapping",
+    "DirtyRecording",
+    "Provenance",
+    "Recording",
+    "RecordingFinding",
+    "ResidualAnalysis",
+    "Split",
+    "StreamedRecording",
+    "chosen_cutoff",
+    "concatenated",
+    "decimated",
+    "decimated_columns",
+    "derivative",
+    "differentiated",
+    "fold_numbers",
+    "inspect_recording",
+    "load_mapping",
+    "load_recording",
+    "load_virtual_recording",
+    "lowpass",
+    "mapping_of",
+    "recording_of",
+    "resampled",
+    "residual_analysis",
+    "sampling_rate",
+    "save_virtual_recording",
+    "split_by_file",
+    "split_by_rows",
+    "split_by_time",
+    "time_folds",
+]

@@ -1,0 +1,123 @@
+"""Faults of the numbers: cells, values, channels. Each check returns its findings; nothing is changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.recordings import limits
+from crosscheck.recordings.conversion import Column
+from crosscheck.recordings.findings import RecordingFinding
+from graphdyn.layout import Array
+
+HELD_AT_LIMIT = 5
+"""Rows in a row at exactly the largest or smallest torque that count as saturation: noise never stays put so long."""
+
+SAME_MOTION = 0.1
+"""Allowed relative error of the travelled way from v against that from q; other units or another joint are far off."""
+TRAVEL, WINDOWS = 0.05, 20
+"""[rad or m] way below which the two are not compared; pieces of the recording in which they are."""
+
+
+def cell_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
+    """Cells that are no finite numbers, in sound rows (N,), that is, lines that were not malformed as a whole."""
+    findings = []
+    for column in columns:
+        rows = tuple(np.flatnonzero(sound & ~np.isfinite(column.values)).tolist())
+        if rows:
+            text = column.table.texts.get(column.number, {}).get(rows[0])
+            cell = repr(text) if text else "an empty cell" if text == "" else str(column.values[rows[0]])
+            message = (
+                f"{cell} is not a finite number" if len(rows) == 1 else f"{cell} and others are not finite numbers"
+            )
+            findings.append(_of(column, "not-a-number", "error", rows, message, "repair the rows, or drop them"))
+    return findings
+
+
+def value_findings(
+    file: str, joints: Iterable[str], slides: Iterable[bool], channels: Mapping[str, Array], lines: int | None
+) -> list[RecordingFinding]:
+    """Joint coordinates beyond what a robot does, and positions that look like degrees."""
+    findings = []
+    for j, (joint, sliding) in enumerate(zip(joints, slides, strict=True)):
+        for name, values in channels.items():
+            limit = (limits.SLIDING if sliding else limits.TURNING)[name]
+            size = np.abs(values[:, j])
+            rows = tuple(np.flatnonzero((size > limit.value) & np.isfinite(size)).tolist())
+            if rows:
+                message = (
+                    f"|{name}| of '{joint}' up to {size[list(rows)].max():.3g}, beyond {limit.value:g} ({limit.why})"
+                )
+                remedy = "check units and gains; drop the rows if lines of the file are broken"
+                findings.append(
+                    RecordingFinding("implausible-value", "error", file, None, rows, message, remedy, lines)
+                )
+            sane = size[size <= limit.value]
+            if name == "q" and not sliding and sane.size and sane.max() > limits.MANY_TURNS:
+                message = f"q of '{joint}' reaches {sane.max():.4g} rad"
+                remedy = "if these are degrees, or angles in front of the gears, say so in a mapping"
+                findings.append(RecordingFinding("many-turns", "warning", file, None, (), message, remedy))
+    return findings
+
+
+def channel_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
+    """Channels that say nothing, and torques held at their limits, among the sound rows."""
+    findings = []
+    rows = np.flatnonzero(sound)
+    for column in columns:
+        values = column.values[sound]
+        if column.quantity == "time" or len(values) < 2:
+            continue
+        if not values.any():
+            message, remedy = "zero in all rows", "leave the channel out of the mapping if it was not measured"
+            findings.append(_of(column, "all-zero-channel", "warning", (), message, remedy))
+        elif np.ptp(values) == 0:
+            message, remedy = f"{values[0]:g} in all rows", "its joint is not excited, or its sensor is stuck"
+            findings.append(_of(column, "constant-channel", "warning", (), message, remedy))
+        elif column.quantity == "tau":
+            held = _held(values, values.max()) | _held(values, values.min())
+            if held.any():
+                at = ", ".join(f"{value:g}" for value in np.unique(values[held]))
+                message = f"held at {at}, the end of its range, for {HELD_AT_LIMIT} rows or more"
+                remedy = "the drive or the sensor is saturated; drop the rows, or recording slower motion"
+                held_rows = tuple(rows[held].tolist())
+                findings.append(_of(column, "saturation", "warning", held_rows, message, remedy))
+    return findings
+
+
+def motion_findings(
+    file: str, joints: Iterable[str], t: Array, block: NDArray[np.intp], q: Array, v: Array
+) -> list[RecordingFinding]:
+    """Velocities that are not those of the positions: other units, signs or joints. Blocks: of the rows (N,)."""
+    inside = np.diff(block) == 0
+    steps = np.diff(t)[inside, None]
+    edges = np.unique(np.linspace(0, max(len(steps) - 1, 0), WINDOWS, dtype=int))
+    if not len(steps):
+        return []
+    from_q = np.add.reduceat(np.diff(q, axis=0)[inside], edges)
+    from_v = np.add.reduceat((v[1:] + v[:-1])[inside] / 2 * steps, edges)
+    findings = []
+    for j, joint in enumerate(joints):
+        way = float(np.linalg.norm(from_q[:, j]))
+        error = float(np.linalg.norm(from_v[:, j] - from_q[:, j]))
+        if max(way, float(np.linalg.norm(from_v[:, j]))) > TRAVEL and error > SAME_MOTION * way:
+            message = f"v of '{joint}' is not the rate of its q: integrated it is off by {error / (way or 1):.0%}"
+            remedy = "check units, signs and order of the columns, or leave v out of the mapping and derive it"
+            findings.append(RecordingFinding("velocity-mismatch", "warning", file, None, (), message, remedy))
+    return findings
+
+
+def _held(values: Array, limit: float) -> NDArray[np.bool_]:
+    """Rows in runs of at least HELD_AT_LIMIT rows with exactly this value."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], values == limit, [0]]).astype(int)))
+    held = np.zeros(len(values), dtype=bool)
+    for start, stop in zip(edges[::2], edges[1::2], strict=True):
+        held[start:stop] = stop - start >= HELD_AT_LIMIT
+    return held
+
+
+def _of(column: Column, code: str, severity: str, rows: tuple[int, ...], message: str, remedy: str) -> RecordingFinding:
+    table = column.table
+    return RecordingFinding(code, severity, str(table.path), column.name, rows, message, remedy, table.lines)  # type: ignore[arg-type]

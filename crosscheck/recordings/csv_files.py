@@ -1,0 +1,171 @@
+"""Delimited text as other programs write it: usual delimiters, decimal commas, comments, with or without a header."""
+
+from __future__ import annotations
+
+import re
+from codecs import BOM_UTF8
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.recordings.cells import as_doubles
+from crosscheck.recordings.csv_layout import HEAD, Layout, layout_of
+from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.table import RecordedTable
+from graphdyn.layout import Array
+
+NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
+
+
+def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
+    """Read delimited text. Raises BadRecordingFile where it is no table of numbers, and OSError."""
+    content = _content(path)
+    head = content[:HEAD].decode(errors="ignore")  # the last character may be cut off
+    layout = layout_of(path, head, delimiter)
+    body = memoryview(content)[len(head[: layout.length].encode()) :]
+    ends = content.endswith(b"\n")
+    count = content.count(b"\n") - layout.above + (not ends)
+    if not body:
+        raise BadRecordingFile(f"{path}: no line below the header; record at least one row")
+    n, lines = len(layout.names), layout.above + 1
+    table, wrong = _parsed(path, body, layout)
+    if table.num_rows + len(wrong) != count:
+        raise BadRecordingFile(
+            f"{path}: {table.num_rows + len(wrong)} rows in {count} lines, so a quotation mark is not closed; remove it"
+        )
+    if 2 * len(wrong) > count:
+        row, cells = next(iter(wrong.items()))
+        raise BadRecordingFile(
+            f"{path}: {len(wrong)} of {count} lines do not have {n} cells as the first one "
+            f"(line {row + lines} has {cells}); name the delimiter in a mapping, or repair the file"
+        )
+    values = np.full((count, n), np.nan)
+    good = np.delete(np.arange(count), list(wrong))
+    texts: dict[int, dict[int, str]] = {}
+    for k, column in enumerate(table.columns):
+        numbers = _numbers(column, layout.decimal_comma)
+        values[good, k] = numbers
+        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in np.flatnonzero(np.isnan(numbers))}
+    for row in set.intersection(*({row for row, cell in cells.items() if not cell} for cells in texts.values())):
+        wrong[row] = 0
+    findings = _line_findings(path, wrong, n, count, lines)
+    if not ends and count - 1 not in wrong:
+        cut = bool(np.isnan(values[-1, -1])) and not np.isnan(values[-2:-1, -1]).any()
+        findings.append(_last_line(path, count - 1, lines, cut))
+    if not any(layout.names):
+        message = "the first line holds numbers, so the columns have no names"
+        findings.append(_note(path, "no-header", message, "they can be mapped by number only"))
+    if layout.decimal_comma:
+        findings.append(_note(path, "decimal-comma", "the numbers have decimal commas", "they are read as such"))
+    return RecordedTable(path, layout.names, values, texts, lines, findings=tuple(findings))
+
+
+def _note(path: Path, code: str, message: str, remedy: str) -> RecordingFinding:
+    return RecordingFinding(code, "note", str(path), None, (), message, remedy)
+
+
+def _content(path: Path) -> bytes:
+    """The file with lines that end with a line feed, without a byte order mark. Raises BadRecordingFile for no text."""
+    content = path.read_bytes()
+    try:
+        content.decode()
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise BadRecordingFile(f"{path}, line {line}: not UTF-8 text; save the file as CSV in UTF-8") from error
+    if b"\0" in content:
+        line = content[: content.index(b"\0")].count(b"\n") + 1
+        raise BadRecordingFile(f"{path}, line {line}: a zero byte, so not text; save the file as CSV in UTF-8")
+    content = content.removeprefix(BOM_UTF8)
+    return content.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in content else content
+
+
+def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:
+    """The Arrow table of the lines with n cells, and the rows of the others with the numbers of their cells."""
+    import pyarrow as pa
+    from pyarrow import csv as arrow_csv
+
+    if layout.delimiter == " ":
+        body = re.sub(rb"(?m)^ | $", b"", re.sub(rb"[ \t]+", b" ", body))
+    names = [str(k) for k in range(len(layout.names))]
+    wrong: dict[int, int] = {}
+
+    def skip(row: Any) -> str:
+        wrong[row.number - 1] = 0 if row.text.strip() == "" else row.actual_columns
+        return "skip"
+
+    def read(types: dict[str, Any] | None) -> Any:
+        wrong.clear()
+        return arrow_csv.read_csv(
+            pa.BufferReader(body),
+            read_options=arrow_csv.ReadOptions(column_names=names, use_threads=False),
+            parse_options=arrow_csv.ParseOptions(
+                delimiter=layout.delimiter, ignore_empty_lines=False, invalid_row_handler=skip
+            ),
+            convert_options=arrow_csv.ConvertOptions(
+                column_types=types,
+                decimal_point="," if layout.decimal_comma else ".",
+                null_values=[""],
+                strings_can_be_null=True,
+            ),
+        )
+
+    try:
+        try:
+            return read(None), wrong
+        except pa.ArrowInvalid:  # types are inferred from the first block only
+            return read(dict.fromkeys(names, pa.string())), wrong
+    except pa.ArrowInvalid as error:
+        raise BadRecordingFile(f"{path}, from line {layout.above + 1} on: {error}; repair the file") from error
+
+
+def _numbers(column: Any, comma: bool) -> Array:
+    """Doubles; seconds since the first of them where the column holds calendar times."""
+    import pyarrow as pa
+    from pyarrow import compute
+
+    if pa.types.is_string(column.type):
+        column = compute.replace_substring_regex(compute.utf8_trim_whitespace(column), r"^\+", "")
+        column = compute.replace_substring(column, ",", ".") if comma else column
+        number = compute.match_substring_regex(column, NUMBER)
+        column = compute.if_else(number, column, pa.scalar(None, pa.string()))
+    if not pa.types.is_timestamp(column.type):
+        return as_doubles(column)
+    stamps = column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy(zero_copy_only=False)
+    return np.asarray((stamps - np.nanmin(stamps)) * 1e-9, dtype=float)
+
+
+def _shown(cell: Any) -> str:
+    return "" if cell is None else str(cell)
+
+
+def _line_findings(path: Path, wrong: dict[int, int], n: int, count: int, lines: int) -> list[RecordingFinding]:
+    blank = tuple(row for row, cells in wrong.items() if cells == 0)
+    cut = tuple(row for row, cells in wrong.items() if row == count - 1 and 0 < cells < n)
+    others = tuple(row for row in wrong if row not in blank and row not in cut)
+    findings = []
+    if blank:
+        message, remedy = "an empty line", "it is left out"
+        findings.append(RecordingFinding("blank-line", "note", str(path), None, blank, message, remedy, lines))
+    if cut:
+        message, remedy = f"{wrong[cut[0]]} of {n} cells, the file breaks off", "the line is left out"
+        findings.append(
+            RecordingFinding("truncated-last-line", "warning", str(path), None, cut, message, remedy, lines)
+        )
+    if others:
+        message = f"{', '.join(map(str, sorted({wrong[row] for row in others})))} cells instead of {n}"
+        remedy = "repair the lines, or drop them"
+        findings.append(
+            RecordingFinding("wrong-column-count", "error", str(path), None, others, message, remedy, lines)
+        )
+    return findings
+
+
+def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
+    """The last line has no end: its last cell may be cut off, and is where it is no number."""
+    if cut:
+        message, remedy = "the file breaks off inside a number", "the line is left out"
+        return RecordingFinding("truncated-last-line", "warning", str(path), None, (row,), message, remedy, lines)
+    message, remedy = "the last line has no end, so its last number may be cut off", "drop it if it is"
+    return RecordingFinding("unterminated-last-line", "note", str(path), None, (row,), message, remedy, lines)

@@ -1,0 +1,90 @@
+"""Fewer rows without folding high frequencies onto low ones, for any columns: torques, and the regressor with them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from numbers import Integral
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from crosscheck.recordings.recording import JOINT_CHANNELS, OPTIONAL_CHANNELS, Recording
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+LARGEST_FACTOR = 13
+"""Per stage: beyond it the anti-aliasing filter is badly conditioned, says scipy.signal.decimate."""
+
+PADDING = 27
+"""Rows by which scipy.signal.decimate continues the columns for its filter of order 8; a stage needs more."""
+
+
+def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
+    """Columns (N, …) of one uninterrupted block as (K, …): per stage, every f-th row from the first on.
+
+    factors: f of each stage, 2 … 13: (10, 10) for a hundredth
+    Before each stage scipy.signal.decimate's zero-phase low-pass: Chebyshev, order 8, 0.8 of the new Nyquist frequency.
+
+    Raises InvalidInput for other factors and for too few rows.
+    """
+    from scipy.signal import sosfiltfilt
+
+    _check(factors)
+    values = np.asarray(columns, dtype=float)
+    if len(values) < rows_needed(factors):
+        raise InvalidInput(
+            f"{len(values)} rows are too few to be decimated by {tuple(factors)}; give {rows_needed(factors)} or more"
+        )
+    for factor in factors:
+        values = sosfiltfilt(_anti_aliasing(factor), values, axis=0)[::factor]
+    return values
+
+
+@cache
+def _anti_aliasing(factor: int) -> Array:
+    """Second-order sections of scipy.signal.decimate, designed once: the columns of a regressor come one by one."""
+    from scipy.signal import cheby1
+
+    return np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
+
+
+def rows_needed(factors: Sequence[int]) -> int:
+    """The fewest rows of a block that every stage can filter."""
+    needed = PADDING + 1
+    for factor in reversed(factors[:-1]):
+        needed = (needed - 1) * factor + 1
+    return needed
+
+
+def decimated(recording: Recording, factors: Sequence[int]) -> Recording:
+    """The recording with all its channels decimated, block by block; its time is that of the rows that stay.
+
+    Blocks too short for a stage are left out, which the provenance says. Raises InvalidInput as decimated_columns, and
+    where no block is left.
+    """
+    _check(factors)
+    needed = rows_needed(factors)
+    long = [rows for rows in recording.block_slices if rows.stop - rows.start >= needed]
+    if not long:
+        raise InvalidInput(
+            f"no block has the {needed} rows that decimation by {tuple(factors)} needs; use smaller factors"
+        )
+    names = [name for name in (*JOINT_CHANNELS, *OPTIONAL_CHANNELS) if getattr(recording, name) is not None]
+    changed = {
+        name: np.concatenate([decimated_columns(getattr(recording, name)[rows], factors) for rows in long])
+        for name in names
+    }
+    stay = np.concatenate([np.arange(rows.start, rows.stop, int(np.prod(factors))) for rows in long])
+    step = f"decimated by {' and '.join(map(str, factors))}, zero-phase"
+    left_out = [str(recording.block[rows.start]) for rows in recording.block_slices if rows not in long]
+    if left_out:
+        step += f", without the blocks {', '.join(left_out)} of fewer than {needed} rows"
+    return recording.take(stay, step, **changed)
+
+
+def _check(factors: Sequence[int]) -> None:
+    if not factors or not all(isinstance(f, Integral) and 2 <= f <= LARGEST_FACTOR for f in factors):
+        raise InvalidInput(
+            f"decimation by {tuple(factors)}; give factors from 2 to {LARGEST_FACTOR}, larger ones in stages: (10, 10)"
+        )

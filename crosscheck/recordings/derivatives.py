@@ -1,0 +1,113 @@
+"""Velocities and accelerations from noisy positions: low-pass, then differences, block by block, borders cut."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+import numpy as np
+
+from crosscheck.recordings.filtering import border, lowpass, padding
+from crosscheck.recordings.noise_floor import residual_analysis
+from crosscheck.recordings.recording import JOINT_CHANNELS, Recording
+from crosscheck.recordings.resampling import is_even, resampled, sampling_rate
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+STENCIL = 5
+"""Rows of the central difference of fourth order, (1, -8, 0, 8, -1) / 12 h."""
+
+Cutoff = float | Mapping[str, float] | Literal["residual"] | None
+
+
+def derivative(values: Array, rate: float) -> Array:
+    """d/dt of rows (N, …) at the rate [Hz], N ≥ 5, without phase: central difference of fourth order.
+
+    That is the slope of the quartic through five rows, so at the first and last two rows it is one-sided.
+    """
+    from scipy.signal import savgol_filter
+
+    return np.asarray(savgol_filter(values, STENCIL, STENCIL - 1, deriv=1, delta=1 / rate, axis=0))
+
+
+def chosen_cutoff(recording: Recording, order: int = 4) -> float:
+    """The largest cutoff [Hz] that residual analysis chooses for a joint's position, in the longest block."""
+    rows = max(recording.block_slices, key=lambda rows: rows.stop - rows.start)
+    rate = sampling_rate(recording)
+    moving = [q for q in recording.q[rows].T if np.ptp(q) > 0]
+    if not moving:
+        raise InvalidInput("no joint moves, so no cutoff can be chosen; give the cutoff")
+    return max(residual_analysis(q, rate, order).cutoff for q in moving)
+
+
+def differentiated(
+    recording: Recording, cutoff: Cutoff, *, order: int = 4, velocity: Literal["recorded", "derived"] = "recorded"
+) -> Recording:
+    """The recording with v and a: filtered without phase, differentiated, without the borders of its blocks.
+
+    cutoff: [Hz] of all channels, or per channel ({"q": 100.0}; the others stay as they are), or "residual": chosen from
+        the positions by residual analysis, or None: no filter
+    order: of the Butterworth filter, one pass
+    velocity: "recorded" takes v where the recording has it; "derived" differentiates q in any case
+
+    v is the derivative of the filtered q unless recorded, a that of v unless recorded. A recording with uneven steps is
+    resampled first. Blocks shorter than their borders are left out; the provenance tells all of it.
+
+    Raises InvalidInput for other channels, cutoffs from half the sampling rate on, and where no block is left.
+    """
+    if velocity not in ("recorded", "derived"):
+        raise InvalidInput(f"velocity is '{velocity}'; use 'recorded' or 'derived'")
+    if not is_even(recording):
+        recording = resampled(recording)
+    rate = sampling_rate(recording)
+    recorded = [name for name in JOINT_CHANNELS if getattr(recording, name) is not None]
+    if velocity == "derived":
+        recorded = [name for name in recorded if name not in ("v", "a")]
+    cutoffs = _cutoffs(recording, cutoff, order, recorded)
+    cut = max([border(rate, frequency, order) for frequency in cutoffs.values()], default=0) + STENCIL - 1
+    needed = max(2 * cut + 1, padding(order) + 1)
+    parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *JOINT_CHANNELS)}
+    short = []
+    for rows in recording.block_slices:
+        if rows.stop - rows.start < needed:
+            short.append(int(recording.block[rows.start]))
+            continue
+        block = {name: recording.channel(name)[rows] for name in recorded}
+        block |= {name: lowpass(block[name], rate, frequency, order) for name, frequency in cutoffs.items()}
+        block.setdefault("v", derivative(block["q"], rate))
+        block.setdefault("a", derivative(block["v"], rate))
+        for name, values in block.items():
+            parts[name].append(values[cut:-cut])
+        parts["rows"].append(np.arange(rows.start + cut, rows.stop - cut))
+    if not parts["rows"]:
+        longest = max(rows.stop - rows.start for rows in recording.block_slices)
+        raise InvalidInput(
+            f"the longest block has {longest} rows, {needed} are needed with borders of {cut} rows; "
+            "choose a higher cutoff, or recording longer"
+        )
+    filtered = ", ".join(f"{name} {frequency:.4g} Hz" for name, frequency in cutoffs.items())
+    steps = [f"zero-phase Butterworth low-pass of order {order}: {filtered}"] if cutoffs else ["no filter"]
+    steps.append(", ".join(name for name in ("v", "a") if name not in recorded) + " by central differences")
+    steps.append(f"{cut} rows cut at both ends of each block")
+    if cutoff == "residual":
+        steps.append("cutoff by residual analysis (Winter)")
+    if short:
+        steps.append(f"without the blocks {', '.join(map(str, short))} of fewer than {needed} rows")
+    changed = {name: np.concatenate(part) for name, part in parts.items() if part and name != "rows"}
+    return recording.take(np.concatenate(parts["rows"]), "; ".join(steps), **changed)
+
+
+def _cutoffs(recording: Recording, cutoff: Cutoff, order: int, recorded: list[str]) -> dict[str, float]:
+    """Per channel that is to be filtered."""
+    if cutoff is None:
+        return {}
+    if isinstance(cutoff, Mapping):
+        unknown = [name for name in cutoff if name not in recorded]
+        if unknown:
+            raise InvalidInput(f"cutoff of '{unknown[0]}', which is not recorded; there are {', '.join(recorded)}")
+        return dict(cutoff)
+    if isinstance(cutoff, str):
+        if cutoff != "residual":
+            raise InvalidInput(f"cutoff is '{cutoff}'; give it in Hz, per channel, or 'residual'")
+        cutoff = chosen_cutoff(recording, order)
+    return dict.fromkeys(recorded, cutoff)

@@ -1,0 +1,30 @@
+"""What cannot be read as a recording, and why."""
+
+from __future__ import annotations
+
+from crosscheck.recordings.findings import RecordingFinding
+from graphdyn import InvalidInput
+
+
+class BadRecordingFile(InvalidInput):
+    """A file that does not hold one whole recording; the message names file, line or row, column and remedy."""
+
+
+class AmbiguousColumns(BadRecordingFile):
+    """Columns whose names leave open what they are; the message lists the candidates."""
+
+
+class DirtyRecording(BadRecordingFile):
+    """A file with rows that nothing can be computed from.
+
+    findings: all of them, those that do no harm too
+    """
+
+    def __init__(self, findings: tuple[RecordingFinding, ...]):
+        self.findings = findings
+        errors = [finding for finding in findings if finding.severity == "error"]
+        super().__init__("\n".join(finding.text for finding in errors))
+
+
+class BadMapping(InvalidInput):
+    """A description of columns that is incomplete, contradicts itself or does not fit the file."""

@@ -1,0 +1,49 @@
+"""Low-pass filtering without phase: a Butterworth filter run forward and backward."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+BORDER_DECAY = 1e-3
+"""Part of its start that the slowest mode of the filter has decayed to where the border ends."""
+
+
+def lowpass(values: Array, rate: float, cutoff: float, order: int = 4) -> Array:
+    """Values (N, …) sampled at the rate [Hz], filtered along the rows; N must exceed padding(order).
+
+    cutoff [Hz], order: of one pass. The two passes together have no phase and twice the attenuation, 6 dB at the
+    cutoff (Gustafsson, Determining the initial states in forward-backward filtering, IEEE Trans. Signal Process. 1996).
+
+    Raises InvalidInput for a cutoff outside 0 … rate/2, for an order below 1, for too few rows.
+    """
+    from scipy.signal import butter, sosfiltfilt
+
+    if not 0 < cutoff < rate / 2:
+        raise InvalidInput(
+            f"cutoff is {cutoff:g} Hz at {rate:g} samples per second; choose one between zero and {rate / 2:g} Hz"
+        )
+    if order < 1:
+        raise InvalidInput(f"the order of the filter is {order}; choose 1 or more, usually 4")
+    if len(values) <= padding(order):
+        raise InvalidInput(
+            f"{len(values)} rows are too few for a filter of order {order}; give more than {padding(order)}"
+        )
+    sections = butter(order, cutoff, fs=rate, output="sos")
+    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding(order)))
+
+
+def padding(order: int) -> int:
+    """Rows by which a block is continued on both sides, three times the memory of the filter, as in SciPy."""
+    return 3 * (order + 1)
+
+
+def border(rate: float, cutoff: float, order: int = 4) -> int:
+    """Rows at each end where the filter still remembers how the data were continued beyond it.
+
+    The slowest pair of poles of a Butterworth filter decays at 2π cutoff sin(π / 2 order).
+    """
+    slowest = 2 * np.pi * cutoff * np.sin(np.pi / (2 * order))
+    return int(np.ceil(-np.log(BORDER_DECAY) / slowest * rate))

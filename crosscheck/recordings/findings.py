@@ -1,0 +1,76 @@
+"""What is wrong or odd in a recording, and in which rows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+SHOWN_SPANS = 5
+"""Runs of rows that a message names at most; RecordingFinding.rows has them all."""
+
+DROPPED_UNASKED = ("truncated-last-line", "blank-line")
+"""Codes of rows that hold no measurement, or half of the one after the end."""
+
+DROPPABLE = (
+    *DROPPED_UNASKED,
+    "wrong-column-count",
+    "not-a-number",
+    "implausible-value",
+    "repeated-stamp",
+    "backward-stamp",
+    "saturation",
+    "unterminated-last-line",
+)
+"""Codes whose rows can be dropped."""
+
+
+@dataclass(frozen=True)
+class RecordingFinding:
+    """One kind of fault or oddity in one file.
+
+    code: stable name of its kind ("repeated-stamp")
+    severity: "error": refused unless its rows are dropped; "warning": doubtful; "note": good to know
+    file, column: where; column is None where it concerns whole rows
+    rows: rows of data, counted from 0 as NumPy and pandas do, those of malformed lines included; empty: all of them
+    lines: what to add to a row for its line in the file; None where the file has no lines
+    """
+
+    code: str
+    severity: Literal["error", "warning", "note"]
+    file: str
+    column: str | None
+    rows: tuple[int, ...]
+    message: str
+    remedy: str
+    lines: int | None = None
+
+    @property
+    def text(self) -> str:
+        """File, column, rows, what is there and what to do, in one line."""
+        place = [
+            self.file,
+            *([f"column '{self.column}'"] if self.column else []),
+            *([where] if (where := self._where) else []),
+        ]
+        return f"{', '.join(place)}: {self.message}; {self.remedy} [{self.code}]"
+
+    @property
+    def _where(self) -> str:
+        if not self.rows:
+            return ""
+        where = f"row{'s' if len(self.rows) > 1 else ''} {spans(self.rows)}"
+        if self.lines is None:
+            return where
+        lines = [row + self.lines for row in self.rows]
+        return f"{where} (line{'s' if len(lines) > 1 else ''} {spans(lines)})"
+
+
+def spans(rows: Iterable[int]) -> str:
+    """ "3, 7–9, 12" of increasing rows, the first few runs of them."""
+    rows = np.fromiter(rows, dtype=int)
+    runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    texts = [str(run[0]) if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:SHOWN_SPANS]]
+    return ", ".join(texts) + (f", … ({len(rows)} in all)" if len(runs) > SHOWN_SPANS else "")

@@ -1,0 +1,172 @@
+"""From files to a recording: read, map, convert, check, drop what may be dropped."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.recordings.checks import cell_findings, channel_findings, motion_findings, value_findings
+from crosscheck.recordings.clock import blocks_of, stamp_findings, step_findings
+from crosscheck.recordings.conversion import Column, joint_channels, mapped_columns, sliding_joints
+from crosscheck.recordings.errors import BadMapping, BadRecordingFile, DirtyRecording
+from crosscheck.recordings.findings import DROPPABLE, DROPPED_UNASKED, RecordingFinding, spans
+from crosscheck.recordings.mapping import ColumnMapping, load_mapping
+from crosscheck.recordings.mapping_by_name import mapping_by_name
+from crosscheck.recordings.readers import read_table
+from crosscheck.recordings.recording import Provenance, Recording
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+Paths = str | PathLike[str] | Sequence[str | PathLike[str]]
+
+
+class _Content(NamedTuple):
+    """What the files say: mapping, time (N,), joint channels (N, n), which joints slide, all findings."""
+
+    files: tuple[str, ...]
+    mapping: ColumnMapping
+    t: Array
+    channels: dict[str, Array]
+    slides: tuple[bool, ...]
+    findings: list[RecordingFinding]
+
+
+def load_recording(
+    paths: Paths,
+    mapping: ColumnMapping | str | PathLike[str] | None = None,
+    *,
+    joints: Sequence[str] | None = None,
+    rate: float | None = None,
+    drop: Collection[str] = (),
+) -> Recording:
+    """Read a recording: one file, or several that a mapping joins because they have the same rows.
+
+    mapping: a ColumnMapping or its TOML file; None finds the columns by their names
+    joints: names in the order of the robot; the recording's joints are these, in this order
+    rate: samples per second, where no column holds the time
+    drop: codes of findings whose rows are dropped ("repeated-stamp", …; all of them: DROPPABLE)
+
+    Raises DirtyRecording, with all findings, for faulty rows that are not to be dropped; BadRecordingFile,
+    AmbiguousColumns, BadMapping, InvalidInput; OSError for an unreadable file.
+    """
+    unknown = [code for code in drop if code not in DROPPABLE]
+    if unknown:
+        raise InvalidInput(f"drop has '{unknown[0]}'; rows can be dropped for: {', '.join(DROPPABLE)}")
+    content = _read(paths, mapping, joints, rate)
+    remaining = [f for f in content.findings if f.severity == "error" and f.code not in drop]
+    if remaining:
+        raise DirtyRecording(tuple(content.findings))
+    dropped = [f for f in content.findings if f.code in {*drop, *DROPPED_UNASKED} and f.rows]
+    kept = _without(len(content.t), dropped)
+    if not kept.any():
+        raise BadRecordingFile(f"{', '.join(content.files)}: no row is left; repair the file instead of dropping rows")
+    steps = [f"dropped {f.code}: rows {spans(f.rows)} of {f.file}" for f in dropped]
+    t = content.t[kept]
+    channels: dict[str, Any] = {name: values[kept] for name, values in content.channels.items()}
+    recording = Recording(
+        joint_names=content.mapping.joints,
+        prismatic=content.slides,
+        t=t,
+        **channels,
+        block=blocks_of(t),
+        rows=np.flatnonzero(kept),
+        provenance=Provenance(content.files, content.mapping.source, tuple(steps)),
+        findings=tuple(content.findings),
+    )
+    return recording if joints is None else reordered(recording, joints)
+
+
+def inspect_recording(
+    paths: Paths,
+    mapping: ColumnMapping | str | PathLike[str] | None = None,
+    *,
+    joints: Sequence[str] | None = None,
+    rate: float | None = None,
+) -> tuple[RecordingFinding, ...]:
+    """All that load_recording finds, errors first, without refusing faulty rows. Raises for unreadable files."""
+    order = ("error", "warning", "note")
+    findings = _read(paths, mapping, joints, rate).findings
+    return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
+
+
+def _read(
+    paths: Paths,
+    mapping: ColumnMapping | str | PathLike[str] | None,
+    joints: Sequence[str] | None,
+    rate: float | None,
+) -> _Content:
+    files = [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
+    if rate is not None and not 0 < rate < np.inf:
+        raise InvalidInput(f"rate is {rate!r}; give samples per second")
+    if mapping is not None and not isinstance(mapping, ColumnMapping):
+        mapping = load_mapping(mapping)
+    if len(files) != 1 and mapping is None:
+        raise BadMapping(f"{len(files)} files without a mapping; say in one which file has which columns")
+    tables = [read_table(path, mapping, tuple(joints) if joints else None) for path in files]
+    findings = [finding for table in tables for finding in table.findings]
+    if mapping is None:
+        mapping, said = mapping_by_name(tables[0], joints, rate)
+        findings += said
+    elif rate is not None:
+        mapping = replace(mapping, rate=rate)
+    by_quantity = mapped_columns(tables, mapping)
+    columns = list({(c.table.path, c.number): c for found in by_quantity.values() for c in found}.values())
+    slides, channels = sliding_joints(mapping), joint_channels(by_quantity, mapping)
+    count, file, lines = len(tables[0].values), str(files[0]), tables[0].lines
+    malformed = [f for f in findings if f.rows and f.code != "unterminated-last-line"]
+    findings += cell_findings(columns, _without(count, malformed))
+    findings += value_findings(file, mapping.joints, slides, channels, lines)
+    t = _time(mapping, by_quantity.get("time"), count)
+    findings += stamp_findings(
+        file, t, _without(count, [f for f in findings if f.severity == "error"] + malformed), lines
+    )
+    sound = _without(count, [f for f in findings if f.severity == "error"] + malformed)
+    rows = np.flatnonzero(sound)
+    findings += channel_findings(columns, sound)
+    findings += step_findings(file, t[sound], rows, mapping.rate if mapping.time else None, lines)
+    if "v" in channels and rows.size:
+        q, v = channels["q"][sound], channels["v"][sound]
+        findings += motion_findings(file, mapping.joints, t[sound], blocks_of(t[sound]), q, v)
+    return _Content(tuple(map(str, files)), mapping, t, channels, slides, findings)
+
+
+def _time(mapping: ColumnMapping, column: list[Column] | None, count: int) -> Array:
+    if column is not None and mapping.time is not None:
+        return np.asarray(column[0].values * mapping.time.factor)
+    assert mapping.rate is not None  # a mapping has one or the other
+    return np.arange(count) / mapping.rate
+
+
+def _without(count: int, findings: Iterable[RecordingFinding]) -> NDArray[np.bool_]:
+    """The rows (N,) that none of the findings names."""
+    kept = np.ones(count, dtype=bool)
+    for finding in findings:
+        kept[list(finding.rows)] = False
+    return kept
+
+
+def reordered(recording: Recording, joints: Sequence[str]) -> Recording:
+    """Its joints in this order. Raises BadMapping for others."""
+    missing = [joint for joint in joints if joint not in recording.joint_names]
+    if missing:
+        raise BadMapping(
+            f"{recording.provenance.mapping}: no joint '{missing[0]}' among {', '.join(recording.joint_names)}; "
+            "name the joints as the robot does"
+        )
+    order = [recording.joint_names.index(joint) for joint in joints]
+    if order == list(range(recording.n_joints)):
+        return recording
+    moved = {
+        name: getattr(recording, name)[:, order]
+        for name in ("q", "v", "a", "tau")
+        if getattr(recording, name) is not None
+    }
+    slides = tuple(recording.prismatic[j] for j in order)
+    step = f"joints in the order {', '.join(joints)}"
+    return recording.take(slice(None), step, joint_names=tuple(joints), prismatic=slides, **moved)

@@ -1,0 +1,246 @@
+"""Which columns of which file are what, and how they become joint coordinates: a small TOML file.
+
+joints = ["shoulder", "elbow"]         # names, in the order of the robot
+rate = 1000                            # [Hz], where no column holds the time
+prismatic = [false, false]             # only where a joint slides
+delimiter = ";"                        # of text files, where it is not found
+topic = "/joint_states"                # of a bag with several
+
+[time]
+column = "stamp"                       # name, or number from 1; unit = "s" unless given
+[q]                                    # and [v], [a], [tau]
+columns = "pos_{number}"               # or "q_{joint}", or a list of names or numbers, in the order of joints
+unit = "deg"                           # or one per joint
+file = "pos_*.csv"                     # where several files hold the columns of the same rows
+side = "motor"                         # the columns are in front of the transmission; "joint" unless given
+sign = [1, -1]                         # per column
+gain = [0.11, 0.11]                    # [tau] only: torque in SI per unit of the column, from a current
+offset = [0, 90]                       # [q] only: added to the joint coordinate
+offset_unit = "deg"
+[transmission]
+ratio = [100, -80]                     # q_motor = diag(ratio) q; or with coupled joints
+matrix = [[100, 0], [20, -80]]         # q_motor = R q: q = R^-1 q_motor, and tau = R_tau tau_motor
+torque_matrix = [[100, 20], [0, -80]]  # R_tau, the transpose of R (equal power) unless given
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.recordings.errors import BadMapping
+from crosscheck.recordings.units import Unit, known_unit
+from graphdyn.layout import Array
+
+QUANTITIES = ("q", "v", "a", "tau")
+SI_UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s^2", "tau": "N m"}
+_TOP = ("joints", "rate", "prismatic", "delimiter", "topic", "time", *QUANTITIES, "transmission")
+_CHANNEL = ("columns", "unit", "file", "side", "sign")
+_ONLY_IN = {"q": ("offset", "offset_unit"), "tau": ("gain",)}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """The columns of q, v, a or tau, in the order of the joints: names, or numbers from 1.
+
+    file: pattern of the name of the file that has them; motor: in front of the transmission
+    factor: SI value per number in the column: unit, sign and gain    (n,)
+    offset: added behind the transmission                             (n,)
+    slides: per joint, what the unit says; None: nothing
+    """
+
+    columns: tuple[str | int, ...]
+    factor: Array
+    offset: Array
+    slides: tuple[bool | None, ...]
+    file: str = "*"
+    motor: bool = False
+
+
+@dataclass(frozen=True)
+class TimeColumn:
+    """The column of the time; factor: seconds per number."""
+
+    column: str | int
+    factor: float = 1.0
+    file: str = "*"
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """q_motor = matrix q, tau = torque_matrix tau_motor, (n, n) each."""
+
+    matrix: Array
+    torque_matrix: Array
+
+
+@dataclass(frozen=True)
+class ColumnMapping:
+    """All of it; source: the file it was read from, or "by name"; rate [Hz], None where a column holds the time."""
+
+    source: str
+    joints: tuple[str, ...]
+    channels: Mapping[str, Channel]
+    time: TimeColumn | None = None
+    rate: float | None = None
+    transmission: Transmission | None = None
+    prismatic: tuple[bool, ...] | None = None
+    delimiter: str | None = None
+    topic: str | None = None
+
+
+def load_mapping(path: str | PathLike[str]) -> ColumnMapping:
+    """Read a mapping. Raises BadMapping, naming table and key, and OSError."""
+    content = Path(path).read_bytes()
+    try:
+        document = tomllib.loads(content.decode("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadMapping(f"{path}: not TOML ({error}); write it as docs/recordings shows") from error
+    return mapping_of(document, str(path))
+
+
+def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
+    """The mapping that a parsed TOML document describes. Raises BadMapping."""
+    _refuse_unknown(document, _TOP, source)
+    joints = document.get("joints")
+    if not isinstance(joints, list) or not joints or not all(isinstance(name, str) for name in joints):
+        raise BadMapping(f'{source}: joints is missing or no list of names; write joints = ["joint_1", …]')
+    if len(set(joints)) < len(joints):
+        raise BadMapping(f"{source}: a joint is named twice; name each joint differently")
+    if "q" not in document:
+        raise BadMapping(f"{source}: without [q]; say which columns hold the joint positions")
+    rate, prismatic = document.get("rate"), document.get("prismatic")
+    if rate is not None and not (_is_number(rate) and 0 < rate < np.inf):
+        raise BadMapping(f"{source}: rate is {rate!r}; give samples per second")
+    if rate is None and "time" not in document:
+        raise BadMapping(f"{source}: without [time]; name its column, or give the rate in samples per second")
+    if prismatic is not None and (
+        not isinstance(prismatic, list) or [type(slides) for slides in prismatic] != [bool] * len(joints)
+    ):
+        raise BadMapping(f"{source}: prismatic is {prismatic!r}; give true or false for each of {len(joints)} joints")
+    channels = {
+        name: _channel(name, _table(document, name, source), tuple(joints), f"{source}, [{name}]")
+        for name in QUANTITIES
+        if name in document
+    }
+    transmission = None
+    if "transmission" in document:
+        transmission = _transmission(_table(document, "transmission", source), len(joints), f"{source}, [transmission]")
+    elif any(channel.motor for channel in channels.values()):
+        raise BadMapping(f'{source}: side = "motor" without [transmission]; give its ratio or matrix')
+    return ColumnMapping(
+        source,
+        tuple(joints),
+        channels,
+        time=_time(_table(document, "time", source), f"{source}, [time]") if "time" in document else None,
+        rate=None if rate is None else float(rate),
+        transmission=transmission,
+        prismatic=None if prismatic is None else tuple(prismatic),
+        delimiter=_text(document, "delimiter", source),
+        topic=_text(document, "topic", source),
+    )
+
+
+def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where: str) -> Channel:
+    _refuse_unknown(table, (*_CHANNEL, *_ONLY_IN.get(name, ())), where)
+    n = len(joints)
+    columns = table.get("columns")
+    if isinstance(columns, str) and ("{number}" in columns or "{joint}" in columns):
+        columns = [
+            columns.replace("{number}", str(number)).replace("{joint}", joint)
+            for number, joint in enumerate(joints, start=1)
+        ]
+    if not isinstance(columns, list) or len(columns) != n or not all(type(column) in (str, int) for column in columns):
+        raise BadMapping(
+            f"{where}: columns is {columns!r}; give {n} names or numbers from 1, or a text with {{number}} or {{joint}}"
+        )
+    units = table.get("unit", SI_UNITS[name])
+    units = [units] * n if isinstance(units, str) else units
+    if not isinstance(units, list) or len(units) != n or not all(isinstance(unit, str) for unit in units):
+        raise BadMapping(f"{where}: unit is {units!r}; give one text, or one per joint")
+    known: list[Unit] = [known_unit(name, unit, where) for unit in units]
+    if any(unit.needs_gain for unit in known) and "gain" not in table:
+        raise BadMapping(f"{where}: '{units[0]}' is no torque; give the gain in N m per {units[0]}")
+    side = table.get("side", "joint")
+    if side not in ("joint", "motor"):
+        raise BadMapping(f'{where}: side is {side!r}; use "joint" or "motor"')
+    sign = _numbers(table, "sign", n, 1.0, where)
+    if np.any(np.abs(sign) != 1):
+        raise BadMapping(f"{where}: sign is {table['sign']!r}; use 1 and -1")
+    offset_unit = known_unit(name, table.get("offset_unit", SI_UNITS[name]), f"{where}: offset_unit")
+    return Channel(
+        tuple(columns),
+        np.array([unit.factor for unit in known]) * sign * _numbers(table, "gain", n, 1.0, where),
+        _numbers(table, "offset", n, 0.0, where) * offset_unit.factor,
+        tuple(unit.slides for unit in known),
+        file=_text(table, "file", where) or "*",
+        motor=side == "motor",
+    )
+
+
+def _time(table: Mapping[str, Any], where: str) -> TimeColumn:
+    _refuse_unknown(table, ("column", "unit", "file"), where)
+    column = table.get("column")
+    if not isinstance(column, str | int) or isinstance(column, bool):
+        raise BadMapping(f"{where}: column is {column!r}; give its name, or its number from 1")
+    factor = known_unit("time", _text(table, "unit", where) or "s", where).factor
+    return TimeColumn(column, factor, _text(table, "file", where) or "*")
+
+
+def _transmission(table: Mapping[str, Any], n: int, where: str) -> Transmission:
+    _refuse_unknown(table, ("ratio", "matrix", "torque_matrix"), where)
+    if ("ratio" in table) == ("matrix" in table):
+        raise BadMapping(f"{where}: give either ratio or matrix")
+    if "ratio" in table:
+        matrix = np.diag(_numbers(table, "ratio", n, 1.0, where))
+    else:
+        matrix = _square(table, "matrix", n, where)
+    if np.linalg.matrix_rank(matrix) < n:
+        raise BadMapping(f"{where}: the matrix is singular, so motors do not determine joints; check its entries")
+    torque_matrix = _square(table, "torque_matrix", n, where) if "torque_matrix" in table else matrix.T
+    return Transmission(matrix, torque_matrix)
+
+
+def _square(table: Mapping[str, Any], key: str, n: int, where: str) -> Array:
+    rows = table[key]
+    if not isinstance(rows, list) or len(rows) != n:
+        raise BadMapping(f"{where}: {key} needs {n} rows of {n} numbers")
+    return np.array([_numbers({key: row}, key, n, 0.0, where) for row in rows])
+
+
+def _numbers(table: Mapping[str, Any], key: str, n: int, default: float, where: str) -> Array:
+    """n finite numbers; one number stands for all."""
+    value = table.get(key, default)
+    values = [value] * n if _is_number(value) else value
+    if not isinstance(values, list) or len(values) != n or not all(_is_number(x) and np.isfinite(x) for x in values):
+        raise BadMapping(f"{where}: {key} is {value!r}; give {n} numbers")
+    return np.array(values, dtype=float)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _text(table: Mapping[str, Any], key: str, where: str) -> str | None:
+    value = table.get(key)
+    if value is not None and not isinstance(value, str):
+        raise BadMapping(f"{where}: {key} is {value!r}; give a text in quotes")
+    return value
+
+
+def _table(document: Mapping[str, Any], key: str, source: str) -> Mapping[str, Any]:
+    if not isinstance(document[key], dict):
+        raise BadMapping(f"{source}: {key} is {document[key]!r}; make it a table: [{key}]")
+    return dict(document[key])
+
+
+def _refuse_unknown(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
+    unknown = [key for key in table if key not in known]
+    if unknown:
+        raise BadMapping(f"{where}: unknown key '{unknown[0]}'; known are {', '.join(known)}")

@@ -1,0 +1,77 @@
+"""A cutoff from the data: residual analysis, section 3.4.4.3 of Winter, Biomechanics and Motor Control (2009).
+
+R(f) is the root mean square of what a filter with the cutoff f removes. At high f it removes noise only. Winter extends
+that part of the curve as a straight line to f = 0, where it would be all the noise without any signal, and takes the
+cutoff where R(f) has this size: as much signal is lost there as noise is let through. For white noise the square of
+R(f) is known from the response of the filter, so this curve is fitted instead of a line.
+
+It balances errors of the filtered quantity itself, so it is an upper bound for what follows: derivatives amplify noise
+by the frequency, and above the motion that was commanded lie vibrations of the arm, which are signal to the encoder and
+no rigid-body motion. Blocked cross-validation tells whether a lower cutoff predicts better.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.recordings.filtering import border, lowpass
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+CUTOFFS = 60
+"""Trial cutoffs, evenly in the logarithm."""
+
+GRID = 1024
+"""Frequencies at which the response of a filter is averaged."""
+
+LOWEST, NOISE_FROM, HIGHEST = 0.002, 0.5, 0.9
+"""Parts of the Nyquist frequency: trial cutoffs range from the first to the last, noise alone is expected from the
+middle one on; above the last hardly any noise is removed."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualAnalysis:
+    """Of one column.
+
+    cutoff: the chosen one [Hz]; noise: its standard deviation, where the curve of white noise meets f = 0
+    frequencies, residuals: the curve R(f)   (K,) [Hz], units of the column
+    """
+
+    cutoff: float
+    noise: float
+    frequencies: Array
+    residuals: Array
+
+
+def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAnalysis:
+    """Choose the cutoff [Hz] for a column (N,) sampled evenly at the rate [Hz].
+
+    A constant column, and one whose noise floor is hidden by signal up to the highest trial, get the lowest and the
+    highest trial. Raises InvalidInput where the column is too short for a trial.
+    """
+    values = np.asarray(values, dtype=float)
+    nyquist = rate / 2
+    shortest = max(LOWEST * nyquist, rate * 4 / max(len(values), 1))  # a border of the recording must fit into it
+    if shortest > NOISE_FROM * nyquist / 2:
+        raise InvalidInput(f"{len(values)} rows are too few to choose a cutoff from; give the cutoff")
+    frequencies = np.geomspace(shortest, HIGHEST * nyquist, CUTOFFS)
+    cut = min(border(rate, float(frequencies[0]), order), len(values) // 4)
+    squares = np.array(
+        [np.mean((values - lowpass(values, rate, float(f), order))[cut : len(values) - cut] ** 2) for f in frequencies]
+    )
+    tail = frequencies >= NOISE_FROM * nyquist
+    part = np.array([_removed(float(f), rate, order) for f in frequencies[tail]])
+    noise = float(part @ squares[tail] / (part @ part))
+    below = np.flatnonzero(squares <= noise)
+    cutoff = float(frequencies[below[0]] if below.size else frequencies[-1])
+    return ResidualAnalysis(cutoff, float(np.sqrt(noise)), frequencies, np.sqrt(squares))
+
+
+def _removed(cutoff: float, rate: float, order: int) -> float:
+    """The part of the power of white noise that the filter, run forward and backward, takes out."""
+    from scipy.signal import butter, sosfreqz
+
+    _, response = sosfreqz(butter(order, cutoff, fs=rate, output="sos"), GRID, fs=rate)
+    return float(np.mean((1 - np.abs(response) ** 2) ** 2))

@@ -1,0 +1,39 @@
+"""Which reader takes which file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from errno import ENOENT
+from pathlib import Path
+
+from crosscheck.recordings.array_files import read_mat, read_npz, read_parquet
+from crosscheck.recordings.bag_files import read_bag
+from crosscheck.recordings.csv_files import read_csv
+from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.mapping import ColumnMapping
+from crosscheck.recordings.table import RecordedTable
+
+TEXT = (".csv", ".tsv", ".txt", ".dat", ".log")
+BAGS = (".bag", ".db3", ".mcap")
+ARRAYS: dict[str, Callable[[Path], RecordedTable]] = {
+    ".parquet": read_parquet,
+    ".pq": read_parquet,
+    ".npz": read_npz,
+    ".mat": read_mat,
+}
+SUFFIXES = (*TEXT, *ARRAYS, *BAGS)
+
+
+def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...] | None) -> RecordedTable:
+    """Read one file by its suffix; a folder is a ROS 2 bag. Raises BadRecordingFile, OSError."""
+    suffix = path.suffix.lower()
+    if not path.exists():
+        raise FileNotFoundError(ENOENT, "no such file", str(path))
+    if suffix in BAGS or path.is_dir():
+        return read_bag(path, mapping.topic if mapping else None, (mapping and mapping.joints) or joints)
+    if suffix in TEXT:
+        return read_csv(path, mapping.delimiter if mapping else None)
+    if suffix in ARRAYS:
+        return ARRAYS[suffix](path)
+    known = ", ".join(SUFFIXES)
+    raise BadRecordingFile(f"{path}: no recordings are read from '{suffix}' files; convert it to one of: {known}")

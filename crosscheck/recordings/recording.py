@@ -1,0 +1,199 @@
+"""A recording as identification takes it: plain arrays of the joints over time, and where they come from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.virtual_recording_columns import JOINT_UNITS
+from graphdyn import InvalidInput
+from graphdyn._virtual_recording import VirtualRecording
+from graphdyn.layout import Array
+
+JOINT_CHANNELS = ("q", "v", "a", "tau")
+OPTIONAL_CHANNELS = {"joint_wrenches": 6, "body_accelerations": 6}
+"""Channels with so many numbers per joint."""
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where a recording comes from.
+
+    files: as they were named
+    mapping: how its columns were found: a mapping file, or "by name"
+    steps: what was done to the numbers since, in order
+    """
+
+    files: tuple[str, ...] = ()
+    mapping: str = ""
+    steps: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """N rows of a robot with n joints, at the joints (behind the gears), SI units.
+
+    joint_names, prismatic: names, and which joints slide         (n,)
+    t: time, increasing inside a block                            (N,)       [s]
+    q, v, a, tau: of the joints, None where not recorded          (N, n)     [rad or m, …/s, …/s², N m or N]
+    joint_wrenches: force, then moment, of the inside body on body j, at O_j, link axes of j   (N, n, 6) [N, N m]
+    body_accelerations: r̈ of the centre of mass in world axes, then ω̇ in body axes            (N, n, 6)
+    block: number of the uninterrupted piece of time, not decreasing   (N,); nothing is filtered across two of them
+    rows: row in its file, from 0; after resampling, the nearest       (N,)
+    file: number of the file in provenance.files                       (N,)
+
+    Arrays are copied and read-only. Raises InvalidInput, naming channel and row, for wrong shapes, NaN or infinity,
+    times that do not increase inside a block.
+    """
+
+    joint_names: tuple[str, ...]
+    t: Array
+    q: Array
+    v: Array | None = None
+    a: Array | None = None
+    tau: Array | None = None
+    joint_wrenches: Array | None = None
+    body_accelerations: Array | None = None
+    prismatic: tuple[bool, ...] = ()
+    block: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
+    rows: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
+    file: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
+    provenance: Provenance = Provenance()
+    findings: tuple[RecordingFinding, ...] = ()
+
+    def __post_init__(self) -> None:
+        n = len(self.joint_names)
+        object.__setattr__(self, "prismatic", tuple(self.prismatic) or (False,) * n)
+        if len(self.prismatic) != n:
+            raise InvalidInput(f"prismatic has {len(self.prismatic)} entries for {n} joints")
+        count = np.asarray(self.t).size
+        if count == 0:
+            raise InvalidInput("a recording without rows; nothing is left to identify from")
+        shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | dict.fromkeys(JOINT_CHANNELS, (count, n))
+        shapes |= {name: (count, n, width) for name, width in OPTIONAL_CHANNELS.items()}
+        for name, shape in shapes.items():
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _checked(name, np.array(getattr(self, name), dtype=float), shape))
+        defaults = {"block": np.zeros(count), "rows": np.arange(count), "file": np.zeros(count)}
+        for name, default in defaults.items():
+            given = getattr(self, name)
+            labels = np.array(default if given is None else given, dtype=np.intp)
+            object.__setattr__(self, name, _checked(name, labels, (count,)))
+        steps, same = np.diff(self.t), np.diff(self.block)
+        if np.any(same < 0):
+            raise InvalidInput("the blocks of a recording are not in order; number them in the order of the rows")
+        back = np.flatnonzero((steps <= 0) & (same == 0))
+        if back.size:
+            raise InvalidInput(
+                f"time {self.t[back[0] + 1]:g} s in row {back[0] + 1} does not increase inside its block"
+            )
+
+    @property
+    def n_joints(self) -> int:
+        return len(self.joint_names)
+
+    @property
+    def units(self) -> dict[str, tuple[str, ...]]:
+        """Per channel, the unit of each joint."""
+        return {name: tuple(units[slides] for slides in self.prismatic) for name, units in JOINT_UNITS.items()}
+
+    @property
+    def block_slices(self) -> list[slice]:
+        """The rows of each block."""
+        borders = np.flatnonzero(np.diff(self.block)) + 1
+        return [slice(int(a), int(b)) for a, b in zip([0, *borders], [*borders, len(self.t)], strict=True)]
+
+    def channel(self, name: str) -> Array:
+        """A channel that must be there. Raises InvalidInput, saying how to obtain it."""
+        values = getattr(self, name)
+        if values is None:
+            remedy = (
+                "derive it with crosscheck.differentiated" if name in ("v", "a") else "recording it, or map its columns"
+            )
+            raise InvalidInput(f"{', '.join(self.provenance.files) or 'the recording'} has no {name}; {remedy}")
+        return np.asarray(values)
+
+    def take(self, rows: Any, step: str | None = None, **changed: Any) -> Recording:
+        """The recording of these rows (mask, indices or slice), with other changes; step is added to its provenance."""
+        names = ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "block", "rows", "file")
+        taken = {name: getattr(self, name)[rows] for name in names if getattr(self, name) is not None}
+        return replace(self, **(taken | changed), provenance=self._after(step))
+
+    def _after(self, step: str | None) -> Provenance:
+        return replace(self.provenance, steps=(*self.provenance.steps, step)) if step else self.provenance
+
+
+def _checked(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    if array.shape != shape:
+        raise InvalidInput(f"{name} has shape {array.shape}, expected {shape}")
+    bad = np.argwhere(~np.isfinite(array))
+    if bad.size:
+        raise InvalidInput(f"{name} is {array[tuple(bad[0])]} in row {bad[0][0]}; leave out the rows without numbers")
+    array.setflags(write=False)
+    return array
+
+
+def recording_of(recording: VirtualRecording) -> Recording:
+    """The recording of a virtual experiment, with joint wrenches and body accelerations turned into link axes."""
+    into_body = np.swapaxes(recording.rotation, -1, -2)
+
+    def turned(vectors: Array) -> Array:
+        return np.asarray(np.einsum("...ab,...b->...a", into_body, vectors))
+
+    wrenches = np.concatenate([turned(recording.joint_forces), turned(recording.joint_moments)], axis=-1)
+    accelerations = np.concatenate([recording.acceleration, turned(recording.angular_acceleration)], axis=-1)
+    return Recording(
+        joint_names=recording.joint_names,
+        prismatic=recording.prismatic,
+        t=recording.time,
+        **{name: getattr(recording, name) for name in JOINT_CHANNELS},
+        joint_wrenches=wrenches,
+        body_accelerations=accelerations,
+        provenance=Provenance((recording.robot,), "virtual experiment"),
+    )
+
+
+def concatenated(recordings: Sequence[Recording]) -> Recording:
+    """Recordings one after another, each in blocks of its own. Channels that one of them lacks are left out.
+
+    Raises InvalidInput for none, and for other joints.
+    """
+    if not recordings:
+        raise InvalidInput("no recordings to put one after another; give at least one")
+    first = recordings[0]
+    for other in recordings[1:]:
+        if (other.joint_names, other.prismatic) != (first.joint_names, first.prismatic):
+            raise InvalidInput(
+                f"{', '.join(other.provenance.files)} has the joints {', '.join(other.joint_names)}, "
+                f"{', '.join(first.provenance.files)} {', '.join(first.joint_names)}; "
+                "only recordings of the same joints go together"
+            )
+    joined: dict[str, Any] = {}
+    for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "rows"):
+        parts = [getattr(recording, name) for recording in recordings]
+        joined[name] = np.concatenate(parts) if all(part is not None for part in parts) else None
+    block: list[NDArray[np.intp]] = []
+    file: list[NDArray[np.intp]] = []
+    n_files = 0
+    for recording in recordings:
+        block.append(np.unique(recording.block, return_inverse=True)[1] + (block[-1][-1] + 1 if block else 0))
+        file.append(recording.file + n_files)
+        n_files += len(recording.provenance.files)
+    provenance = Provenance(
+        tuple(name for recording in recordings for name in recording.provenance.files),
+        ", ".join(dict.fromkeys(recording.provenance.mapping for recording in recordings)),
+        tuple(dict.fromkeys(step for recording in recordings for step in recording.provenance.steps)),
+    )
+    return replace(
+        first,
+        **joined,
+        block=np.concatenate(block),
+        file=np.concatenate(file),
+        provenance=provenance,
+        findings=tuple(finding for recording in recordings for finding in recording.findings),
+    )

@@ -1,0 +1,63 @@
+"""Even steps inside each block: what filters and differences need."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.recordings.recording import JOINT_CHANNELS, OPTIONAL_CHANNELS, Recording
+from graphdyn import InvalidInput
+
+EVEN = 1e-3
+"""Part of the period by which steps may differ before resampling: what a difference quotient errs by."""
+
+SHORTEST = 4
+"""Rows that a cubic spline needs."""
+
+
+def sampling_rate(recording: Recording) -> float:
+    """Samples per second: the reciprocal of the median step inside the blocks. Raises InvalidInput for single rows."""
+    steps = np.diff(recording.t)[np.diff(recording.block) == 0]
+    if not steps.size:
+        raise InvalidInput("every block of the recording is one row; a sampling rate needs two")
+    return float(1 / np.median(steps))
+
+
+def is_even(recording: Recording) -> bool:
+    """Whether all steps inside the blocks are the same."""
+    steps = np.diff(recording.t)[np.diff(recording.block) == 0]
+    return bool(steps.size == 0 or np.all(np.abs(steps * sampling_rate(recording) - 1) <= EVEN))
+
+
+def resampled(recording: Recording, rate: float | None = None) -> Recording:
+    """The recording at even steps, by a cubic spline inside each block; rate [Hz]: the recording's own unless given.
+
+    Blocks of fewer than 4 rows are left out, which its provenance says. Raises InvalidInput for a lower rate, which
+    would fold high frequencies onto low ones, and where no block is left.
+    """
+    from scipy.interpolate import CubicSpline
+
+    own = sampling_rate(recording)
+    rate = own if rate is None else rate
+    if not (np.isfinite(rate) and rate >= own * (1 - EVEN)):
+        raise InvalidInput(f"rate is {rate:g} Hz, the recording has {own:g} Hz; use decimated to lower it")
+    names = [name for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS) if getattr(recording, name) is not None]
+    parts: dict[str, list[np.ndarray]] = {name: [] for name in (*names, "nearest")}
+    short = []
+    for rows in recording.block_slices:
+        t = recording.t[rows]
+        if len(t) < SHORTEST:
+            short.append(int(recording.block[rows][0]))
+            continue
+        even = t[0] + np.arange(int((t[-1] - t[0]) * rate * (1 + 1e-9)) + 1) / rate
+        even = np.minimum(even, t[-1])  # rounding must not lead beyond the data
+        for name in names:
+            parts[name].append(even if name == "t" else CubicSpline(t, getattr(recording, name)[rows], axis=0)(even))
+        middles = (t[1:] + t[:-1]) / 2
+        parts["nearest"].append(rows.start + np.searchsorted(middles, even))
+    if not parts["t"]:
+        raise InvalidInput(f"no block of the recording has {SHORTEST} rows; nothing can be resampled")
+    step = f"resampled to {rate:.6g} Hz by cubic splines"
+    if short:
+        step += f", without the blocks {', '.join(map(str, short))} of fewer than {SHORTEST} rows"
+    joined = {name: np.concatenate(part) for name, part in parts.items()}
+    return recording.take(joined.pop("nearest"), step, **joined)

@@ -1,0 +1,183 @@
+"""Recordings larger than memory: read in windows, filtered and differentiated with overlap, as pieces of samples.
+
+Every window reaches over its neighbours by the borders that the filter needs, so that the pieces follow each other
+without a gap, and differ from those of the whole file by what the filter has not forgotten there, BORDER_DECAY squared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from errno import ENOENT
+from os import PathLike
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from crosscheck.recordings.cells import as_doubles
+from crosscheck.recordings.conversion import joint_channels, mapped_columns, sliding_joints
+from crosscheck.recordings.csv_layout import HEAD, layout_of
+from crosscheck.recordings.derivatives import differentiated
+from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.loading import reordered
+from crosscheck.recordings.mapping import ColumnMapping, load_mapping
+from crosscheck.recordings.mapping_by_name import mapping_by_name
+from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
+from crosscheck.recordings.resampling import EVEN
+from crosscheck.recordings.table import RecordedTable
+from graphdyn import InvalidInput
+from graphdyn.identification import Samples
+from graphdyn.layout import Array
+
+WINDOW = 20_000
+"""Rows in memory at once unless told otherwise: 4 MB for a six-axis arm."""
+
+BORDERS = 2
+"""Between windows so many borders of the filter are left out on both sides: derivatives enlarge what is left of one."""
+
+AT_ONCE = 1 << 20
+"""[bytes] of a CSV file that are parsed at once."""
+
+
+@dataclass(frozen=True)
+class StreamedRecording:
+    """A long recording for graphdyn.identification.Problem(data=…), read anew whenever it is iterated over.
+
+    path: Parquet, or .csv with a header
+    mapping, joints, rate: as in load_recording; joints in the order of the robot, those of the mapping if left out
+    cutoff: as in differentiated, [Hz] of all channels or per channel; None: no filter
+    window: rows in memory at once
+
+    There is no list of findings: what load_recording would have to mend is refused, with InvalidInput that names the
+    row (NaN, stamps that are not even), or BadRecordingFile.
+    """
+
+    path: str | PathLike[str]
+    mapping: ColumnMapping | str | PathLike[str] | None = None
+    joints: Sequence[str] | None = None
+    rate: float | None = None
+    cutoff: float | Mapping[str, float] | None = None
+    window: int = WINDOW
+
+    def __iter__(self) -> Iterator[Samples]:
+        """Pieces in order. Raises BadRecordingFile, BadMapping, InvalidInput, OSError."""
+        whole: Recording | None = None
+        first = 0
+        for part in self._parts():
+            whole = part if whole is None else _appended(whole, part)
+            if len(whole.t) >= self.window:
+                done, border = self._differentiated(whole, first)
+                overlap = 2 * BORDERS * border
+                if overlap >= len(whole.t):
+                    raise InvalidInput(
+                        f"a window of {self.window} rows is too short for the borders of the filter; give more than "
+                        f"{overlap}, or a higher cutoff"
+                    )
+                inner = (BORDERS - 1) * border
+                yield _samples(done, inner if first else 0, inner)
+                first += len(whole.t) - overlap
+                whole = whole.take(slice(len(whole.t) - overlap, None))
+        if whole is None:
+            raise BadRecordingFile(f"{self.path}: no rows; record at least one")
+        done, border = self._differentiated(whole, first)
+        yield _samples(done, (BORDERS - 1) * border if first else 0, 0)
+
+    def _differentiated(self, recording: Recording, first: int) -> tuple[Recording, int]:
+        """The window with v and a, and the rows that were cut at both of its ends. first: row of the file."""
+        steps = np.diff(recording.t)
+        uneven = np.flatnonzero(np.abs(steps - np.median(steps)) > EVEN * np.median(steps))
+        if uneven.size:
+            raise InvalidInput(
+                f"{self.path}: after row {first + uneven[0]} the time steps by {steps[uneven[0]]:g} s instead of "
+                f"{np.median(steps):g} s; load_recording divides or resamples such a file, which has to fit into memory"
+            )
+        done = differentiated(recording, self.cutoff)
+        return done, int(np.searchsorted(recording.t, done.t[0]))
+
+    def _parts(self) -> Iterator[Recording]:
+        """Consecutive rows as they are read, at the joints in SI units."""
+        path, count = Path(self.path), 0
+        mapping = None if self.mapping is None else self._mapping()
+        for table in _tables(path, mapping, self.window):
+            if mapping is None:
+                mapping = mapping_by_name(table, self.joints, self.rate)[0]
+            columns = mapped_columns([table], mapping)
+            rows = np.arange(count, count + len(table.values))
+            t = columns["time"][0].values * mapping.time.factor if mapping.time else rows / (mapping.rate or 1.0)
+            channels = joint_channels(columns, mapping)
+            bad = np.flatnonzero(~np.isfinite(np.column_stack([t, *channels.values()])).all(axis=1))
+            back = np.flatnonzero(np.diff(t) <= 0)
+            for found, what in ((bad, "not a number"), (back, "the time does not increase after it")):
+                if found.size:
+                    raise InvalidInput(
+                        f"{path}, row {count + found[0]}: {what}; load_recording drops such rows, for which the "
+                        "file has to fit into memory"
+                    )
+            count += len(rows)
+            recording = Recording(
+                joint_names=mapping.joints,
+                t=t,
+                prismatic=sliding_joints(mapping),
+                provenance=Provenance((str(path),)),
+                **cast(Any, channels),
+            )
+            yield recording if self.joints is None else reordered(recording, self.joints)
+
+    def _mapping(self) -> ColumnMapping:
+        mapping = self.mapping if isinstance(self.mapping, ColumnMapping) else load_mapping(self.mapping)  # type: ignore[arg-type]
+        return mapping if self.rate is None else replace(mapping, rate=self.rate)
+
+
+def _appended(recording: Recording, part: Recording) -> Recording:
+    """Both, one after the other, in one block."""
+    if not part.t[0] > recording.t[-1]:
+        raise InvalidInput(f"{recording.provenance.files[0]}: the time goes back to {part.t[0]:g} s; repair the file")
+    names = [name for name in ("t", *JOINT_CHANNELS) if getattr(recording, name) is not None]
+    joined: dict[str, Any] = {name: np.concatenate([getattr(recording, name), getattr(part, name)]) for name in names}
+    return Recording(recording.joint_names, **joined, prismatic=recording.prismatic, provenance=recording.provenance)
+
+
+def _samples(done: Recording, before: int, after: int) -> Samples:
+    """Without so many rows at both ends."""
+    q, v, a, tau = (done.channel(name)[before : len(done.t) - after] for name in ("q", "v", "a", "tau"))
+    return Samples(q, v, a, tau)
+
+
+def _tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[RecordedTable]:
+    """The file as tables of at most so many rows."""
+    import pyarrow as pa
+
+    if not path.exists():
+        raise FileNotFoundError(ENOENT, "no such file", str(path))
+    suffix = path.suffix.lower()
+    try:
+        if suffix in (".parquet", ".pq"):
+            from pyarrow import parquet
+
+            batches: Any = parquet.ParquetFile(path).iter_batches(rows)
+        elif suffix == ".csv":
+            batches = _csv_batches(path, mapping)
+        else:
+            raise BadRecordingFile(f"{path}: only .parquet and .csv files are streamed; convert it to one of them")
+        for batch in batches:
+            columns: list[Array] = [as_doubles(column) for column in batch.columns]
+            yield RecordedTable(path, tuple(batch.schema.names), np.column_stack(columns))
+    except pa.ArrowException as error:
+        raise BadRecordingFile(f"{path}: {error}; load_recording says more, or repair the file") from error
+
+
+def _csv_batches(path: Path, mapping: ColumnMapping | None) -> Any:
+    from pyarrow import csv
+
+    with path.open("rb") as file:
+        head = file.read(HEAD).decode(errors="ignore").replace("\r\n", "\n")
+    layout = layout_of(path, head, mapping.delimiter if mapping else None)
+    return csv.open_csv(
+        path,
+        read_options=csv.ReadOptions(column_names=list(layout.names), skip_rows=layout.above, block_size=AT_ONCE),
+        parse_options=csv.ParseOptions(delimiter=layout.delimiter),
+        convert_options=csv.ConvertOptions(
+            column_types=dict.fromkeys(layout.names, "float64"), decimal_point="," if layout.decimal_comma else "."
+        ),
+    )

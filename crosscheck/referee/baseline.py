@@ -1,0 +1,94 @@
+"""The baseline identifier: the same least squares, with Pinocchio's regressor and with ours, gives the same answer.
+
+PinocchioBodies puts Pinocchio's regressor into a torque model, so that every estimator runs on it unchanged.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.referee.states import ACCELERATION_RANGE
+from graphdyn import InvalidInput, RobotModel, joint_torque_regressor
+from graphdyn.identification import Samples, base_parameters, ordinary_least_squares
+from graphdyn.identification.terms import RigidBodies
+from graphdyn.layout import BODY_PARAMETERS, Array
+
+STATES_PER_PARAMETER = 4
+"""Random states per standard parameter: each gives n equations, far more than the at most 10n unknowns."""
+
+
+SPEED = 10.0
+"""Largest joint speed [rad/s or m/s]: beyond, centrifugal torques drown the rest, and rounding with them."""
+
+
+@dataclass(frozen=True, eq=False)
+class PinocchioBodies(RigidBodies):
+    """The same term with computeJointTorqueRegressor in place of our regressor.
+
+    referee: Pinocchio's reading of the robot of the torque model
+    Raises InvalidInput for samples with a moving base, which Pinocchio's regressor does not have.
+    """
+
+    referee: PinocchioModel
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        if samples.base is not None:
+            raise InvalidInput("Pinocchio's regressor has a fixed base, and the base of these samples moves")
+        return self.referee.torque_regressor(*(np.asarray(x, dtype=float) for x in (samples.q, samples.v, samples.a)))
+
+
+@dataclass(frozen=True)
+class BaselineIdentification:
+    """Base parameters from simulated torques, by both regressors.
+
+    rank, rank_there: number of base parameters by our regressor and by Pinocchio's
+    condition_number: of our regressor's independent columns at unit length
+    gap: smallest accepted and largest rejected pivot
+    difference: between the two estimates, relative to cond ‖x‖∞ in units of torque
+    error: of our estimate against the model's own base parameters, on the same scale
+    """
+
+    rank: int
+    rank_there: int
+    condition_number: float
+    gap: tuple[float, float]
+    difference: float
+    error: float
+
+
+def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int) -> BaselineIdentification:
+    """Simulate torques with Pinocchio, identify the base parameters with both regressors, compare."""
+    rng = np.random.default_rng(seed)
+    q, v = model.random_state(rng, STATES_PER_PARAMETER * BODY_PARAMETERS)
+    v = np.clip(v, -SPEED, SPEED)
+    a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
+    torque = referee.rnea(q, v, a).reshape(-1)
+    here = joint_torque_regressor(model, q, v, a).reshape(torque.size, -1)
+    there = referee.torque_regressor(q, v, a).reshape(torque.size, -1)
+    base, base_there = base_parameters(here), base_parameters(there)
+    pi = model.inertial_parameters
+    left_out = base.dependent[~base.regrouping.any(axis=0)]  # too short to be columns (DROPPED_COLUMN), yet not zero
+    torque = torque - there[:, left_out] @ pi[left_out]
+    ours = ordinary_least_squares(here[:, base.independent], torque)
+    try:
+        theirs = ordinary_least_squares(there[:, base.independent], torque).parameters
+    except InvalidInput:  # columns that are independent here are not there
+        theirs = np.full(base.rank, np.inf)
+    true = base.values(pi)
+    scale = ours.condition_number * np.abs(ours.column_scale * true).max(initial=0.0)
+
+    def on_scale(difference: np.ndarray) -> float:
+        largest = np.abs(ours.column_scale * difference).max(initial=0.0)
+        return float(largest / scale) if largest > 0 else 0.0
+
+    return BaselineIdentification(
+        rank=base.rank,
+        rank_there=base_there.rank,
+        condition_number=ours.condition_number,
+        gap=base.gap,
+        difference=on_scale(ours.parameters - theirs),
+        error=on_scale(ours.parameters - true),
+    )

@@ -1,0 +1,98 @@
+"""The answer of a cross-check: plain data that judges itself."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.referee.baseline import BaselineIdentification
+from crosscheck.referee.quantities import Conditioning, Quantity
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+QUANTILES = (0.0, 0.5, 0.9, 0.99, 1.0)
+"""Parts of the states of which QuantityResult.quantiles tells the error."""
+
+
+@dataclass(frozen=True)
+class WorstState:
+    """Where an error is largest, with the numbers to reproduce it.
+
+    q, v, a: (n,); external_wrenches: (n, 6)
+    tau: given torques (n,), or None for those that produce a
+    turn: rotation of the world that the base was given (3, 3); gravity: of the case (3,) [m/s²]
+    """
+
+    route: str
+    case: str
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    a: tuple[float, ...]
+    tau: tuple[float, ...] | None
+    external_wrenches: tuple[tuple[float, ...], ...]
+    turn: tuple[tuple[float, ...], ...]
+    gravity: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class QuantityResult:
+    """One quantity over all routes, cases and samples.
+
+    errors: of every route and state, in the order of the work; NaN counts as infinite   (N,)
+    max_relative_error: the largest of them, on the scale of crosscheck.referee.quantities
+    by_case: largest error of each case; by_route: of each route
+    """
+
+    quantity: Quantity
+    errors: Array
+    max_relative_error: float
+    by_case: Mapping[str, float]
+    by_route: Mapping[str, float]
+    worst: WorstState | None
+
+    @property
+    def agrees(self) -> bool:
+        return self.max_relative_error <= self.quantity.tolerance.bound
+
+    @property
+    def quantiles(self) -> dict[str, float]:
+        """The error that a part of the states (QUANTILES) does not exceed; each is an error that occurred."""
+        ordered = np.sort(self.errors)
+        ranks = np.ceil(np.array(QUANTILES) * (len(ordered) - 1)).astype(int)
+        return {f"{part:g}": float(ordered[rank]) for part, rank in zip(QUANTILES, ranks, strict=True)}
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The verdict on one robot.
+
+    robot: as given; file: where its URDF is, None where a RobotModel was given; file_sha256: of its content, likewise
+    model: the robot that was compared
+    chain: base link and tip link where an arm was cut out of a larger robot
+    quantities: by name, in the order of the table
+    not_compared: quantities left out, with the reason
+    routes: "urdf" (Pinocchio builds the same file), "model" (Pinocchio is built from our model)
+    notes: what the reader must know (a route that Pinocchio refused, …)
+    """
+
+    robot: str
+    file: str | None
+    file_sha256: str | None
+    model: RobotModel
+    n_bodies: int
+    samples: int
+    seed: int
+    locked: Mapping[str, float]
+    chain: tuple[str, str] | None
+    routes: tuple[str, ...]
+    quantities: Mapping[str, QuantityResult]
+    not_compared: Mapping[str, str]
+    conditioning: Conditioning
+    identification: BaselineIdentification | None
+    notes: tuple[str, ...]
+
+    @property
+    def agrees(self) -> bool:
+        return all(result.agrees for result in self.quantities.values())

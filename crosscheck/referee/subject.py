@@ -1,0 +1,70 @@
+"""What compare and judge take alike: a robot in one of three forms, and counts."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from numbers import Integral
+from os import PathLike
+
+from numpy.typing import ArrayLike
+
+import urdf
+from graphdyn import InvalidInput, RobotModel
+from urdf._catalogue import locate
+from urdf._cutting import Chain
+from urdf._opening import UNNAMED, content_of, path_of
+
+Robot = str | PathLike[str] | RobotModel
+Lock = Mapping[str, float] | Iterable[str] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The robot to be compared.
+
+    name: as it was given
+    file: whole path of its URDF, None where a RobotModel was given; file_sha256: of its content, likewise
+    locked: value per joint that is held still [rad or m]
+    chain: base link and tip link of the arm that was cut out, None where the whole robot is meant
+    """
+
+    name: str
+    model: RobotModel
+    file: str | None
+    file_sha256: str | None
+    locked: Mapping[str, float]
+    chain: Chain
+
+
+def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = None) -> Subject:
+    """Load a name or path; take a RobotModel as it is.
+
+    Raises InvalidInput for lock, gravity or chain with a RobotModel, and for XML in place of a name or path.
+    """
+    if isinstance(robot, RobotModel):
+        if lock is not None or gravity is not None or chain is not None:
+            raise InvalidInput(
+                "lock, chain and gravity apply to names and files; a RobotModel already has its joints and gravity"
+            )
+        return Subject(robot.name, robot, None, None, {}, None)
+    if path_of(robot) in UNNAMED:
+        raise InvalidInput("XML is given in place of a name or path; give the file, or urdf.load(…) of the XML")
+    lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
+    model = urdf.load(robot, chain=chain, lock=lock, gravity=gravity)
+    locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
+    return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
+
+
+def content_sha256(robot: str | PathLike[str]) -> str:
+    """Of the file of a name or path, a .xacro file expanded. Raises RobotNotFound, InvalidXacro, OSError."""
+    return hashlib.sha256(content_of(locate(robot)[0])).hexdigest()
+
+
+def check_counts(samples: int, seed: int) -> None:
+    """Raises InvalidInput."""
+    if not isinstance(samples, Integral) or samples < 1:
+        raise InvalidInput(f"samples is {samples!r}; a whole number of random states, at least one, is needed")
+    if not isinstance(seed, Integral) or seed < 0:
+        raise InvalidInput(f"seed is {seed!r}; a whole number from 0 on is needed")

@@ -1,0 +1,200 @@
+"""Python that reproduces a worst state: what a reader copies from the page and runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+import urdf
+from crosscheck.judging.judgement import JudgedFunction, Judgement
+from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+_REFERENCE = "reference = referee.evaluate(*(np.array([x]) for x in (q, v, a, tau, external_wrenches)))"
+_MULTIPLIERS = "multipliers_of(model, reference.rotation, reference.{})[0]"
+
+_SHOWN = "print(ours, theirs, np.abs(ours - theirs).max(), sep='\\n')"
+
+_STATE = "graphdyn.maximal_state(model, q, v, a)"
+_INVERSE = "graphdyn.inverse_dynamics(model, q, v, a)"
+_INVERSE_LOADED = "graphdyn.inverse_dynamics(model, q, v, a, external_wrenches)"
+_FORWARD = 'graphdyn.forward_dynamics(model, q, v, tau, method="dense")'
+_FORWARD_LOADED = 'graphdyn.forward_dynamics(model, q, v, tau, external_wrenches, method="dense")'
+_PROJECTED = "graphdyn.forward_dynamics(model, q, v, tau)"
+_RECURSIVE = 'method="recursive"'
+_INVERSE_RECURSIVE = f"graphdyn.inverse_dynamics(model, q, v, a, {_RECURSIVE})"
+_FORWARD_RECURSIVE = f"graphdyn.forward_dynamics(model, q, v, tau, {_RECURSIVE})"
+_SYSTEM = "graphdyn.kkt_system(model, q, v, tau)"
+
+_FRAMES = "[frame.name for frame in model.frames]"
+
+CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "link_placement": (
+        (f"{_STATE}.rotation", "reference.rotation[0]"),
+        (f"link_origins({_STATE})", "reference.position[0]"),
+    ),
+    "frame_placement": tuple(
+        (
+            f"np.array([graphdyn.frame_placement(model, q, name)[{part}] for name in {_FRAMES}])",
+            f"referee.frame_placements(np.array([q]), {_FRAMES})[{part}][0]",
+        )
+        for part in (0, 1)
+    ),
+    "link_twist": ((f"{_STATE}.velocity", "reference.velocity[0]"),),
+    "body_acceleration": ((f"{_STATE}.acceleration", "reference.acceleration[0]"),),
+    "torque": ((f"{_INVERSE}.tau", "reference.tau[0]"),),
+    "joint_wrench": ((f"{_INVERSE}.joint_wrenches", "reference.joint_wrenches[0]"),),
+    "multipliers": ((f"{_INVERSE}.multipliers", _MULTIPLIERS.format("joint_wrenches")),),
+    "torque_external": ((f"{_INVERSE_LOADED}.tau", "reference.tau_external[0]"),),
+    "joint_wrench_external": ((f"{_INVERSE_LOADED}.joint_wrenches", "reference.joint_wrenches_external[0]"),),
+    "mass_matrix": (("graphdyn.mass_matrix(model, q)", "reference.mass_matrix[0]"),),
+    "bias_torque": (("graphdyn.bias_torque(model, q, v)", "reference.bias[0]"),),
+    "torque_regressor": (("graphdyn.joint_torque_regressor(model, q, v, a)", "reference.torque_regressor[0]"),),
+    "body_regressor": (("graphdyn.body_regressor(model, q, v, a)", "reference.body_regressor[0]"),),
+    "acceleration": ((f"{_FORWARD}.a", "reference.a[0]"),),
+    "acceleration_projected": ((f"{_PROJECTED}.a", "reference.a[0]"),),
+    "acceleration_external": ((f"{_FORWARD_LOADED}.a", "reference.a_external[0]"),),
+    "forward_body_acceleration": ((f"{_FORWARD}.body_accelerations", "reference.a_body_accelerations[0]"),),
+    "forward_joint_wrench": ((f"{_FORWARD}.joint_wrenches", "reference.a_wrenches[0]"),),
+    "forward_joint_wrench_external": ((f"{_FORWARD_LOADED}.joint_wrenches", "reference.a_wrenches_external[0]"),),
+    "forward_multipliers": ((f"{_FORWARD}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
+    "round_trip": ((f"graphdyn.inverse_dynamics(model, q, v, {_PROJECTED}.a).tau", "tau"),),
+    "torque_recursive": ((f"{_INVERSE_RECURSIVE}.tau", "reference.tau[0]"),),
+    "joint_wrench_recursive": ((f"{_INVERSE_RECURSIVE}.joint_wrenches", "reference.joint_wrenches[0]"),),
+    "multipliers_recursive": ((f"{_INVERSE_RECURSIVE}.multipliers", _MULTIPLIERS.format("joint_wrenches")),),
+    "mass_matrix_recursive": ((f"graphdyn.mass_matrix(model, q, {_RECURSIVE})", "reference.mass_matrix[0]"),),
+    "torque_regressor_recursive": (
+        (f"graphdyn.joint_torque_regressor(model, q, v, a, {_RECURSIVE})", "reference.torque_regressor[0]"),
+    ),
+    "acceleration_recursive": ((f"{_FORWARD_RECURSIVE}.a", "reference.a[0]"),),
+    "forward_body_acceleration_recursive": (
+        (f"{_FORWARD_RECURSIVE}.body_accelerations", "reference.a_body_accelerations[0]"),
+    ),
+    "forward_joint_wrench_recursive": ((f"{_FORWARD_RECURSIVE}.joint_wrenches", "reference.a_wrenches[0]"),),
+    "forward_multipliers_recursive": ((f"{_FORWARD_RECURSIVE}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
+    "dynamics_residual": ((f"{_SYSTEM}.solve().dynamics_residual()", "0.0"),),
+    "constraint_residual": ((f"{_SYSTEM}.solve().constraint_residual()", "0.0"),),
+    "constraint_rank": ((f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),),
+    "kkt_rank": ((f"{_SYSTEM}.rank()", "11 * model.n_bodies"),),
+}
+"""Per quantity, pairs of expressions: what graphdyn computes, and what it must be equal to."""
+
+JUDGED: Mapping[str, str] = {
+    "inverse_dynamics": "graphdyn.inverse_dynamics(model, q, v, a).tau",
+    "forward_dynamics": "graphdyn.forward_dynamics(model, q, v, tau).a",
+    "mass_matrix": "graphdyn.mass_matrix(model, q)",
+    "regressor": "graphdyn.joint_torque_regressor(model, q, v, a)",
+}
+"""Per foreign function, what graphdyn computes instead."""
+
+
+def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
+    """Both sides of a quantity at its worst state; None for a quantity that belongs to all states together.
+
+    Where a RobotModel was compared, the reader must put it into `model` first.
+    """
+    worst, calls = result.worst, CALLS.get(result.quantity.name)
+    if worst is None or calls is None:
+        return None
+    text = "\n".join(expression for pair in calls for expression in pair)
+    text += f"\n{_REFERENCE}" if "reference" in text else ""
+    referee = "refer" in text
+    lines = ["import numpy as np", "", "import graphdyn"]
+    lines += ["import urdf"] if comparison.file else []
+    lines += ["from crosscheck.referee.pinocchio_model import PinocchioModel"] if referee else []
+    lines += ["from crosscheck.referee.quantities import multipliers_of"] if "multipliers_of" in text else []
+    lines += ["from graphdyn._kinematics import link_origins"] if "link_origins" in text else []
+    lines += ["from urdf._catalogue import locate"] if referee and worst.route == "urdf" else []
+    lines += ["", *_robot(_origin(comparison), comparison.locked, comparison.model, comparison.chain)]
+    lines += [f"referee = PinocchioModel.{_referee(comparison, worst.route)}"] if referee else []
+    lines += _surroundings(worst, comparison.model, referee)
+    lines += _numbers(worst, result.quantity.forward, text)
+    lines += [_REFERENCE] if "reference" in text else []
+    for ours, theirs in calls:
+        lines += ["", f"ours = {ours}", f"theirs = {theirs}", _SHOWN]
+    return "\n".join(lines) + "\n"
+
+
+def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
+    """graphdyn's answer at the worst call, beside the recorded answer of the foreign function.
+
+    Where a RobotModel was judged, the reader must put it into `model` first.
+    """
+    origin, model = _origin(judgement), judgement.model
+    lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if origin else []), ""]
+    lines += _robot(origin, judgement.locked, model)
+    reordered = judgement.joint_names != model.joint_names
+    if reordered:
+        lines += [
+            f"names = {list(judgement.joint_names)!r}  # the order of the foreign function",
+            "order = [names.index(name) for name in model.joint_names]",
+        ]
+    for name, values in function.worst.arguments.items():
+        lines.append(f"{name} = {_array(values)}{'[order]' if reordered else ''}")
+    lines += [
+        f"answer = {_array(function.worst.answer)}  # of the foreign function, in the order of the model",
+        "",
+        f"expected = {JUDGED[function.name]}.ravel()",
+        "print(expected, answer, np.abs(expected - answer).max(), sep='\\n')",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _origin(record: Comparison | Judgement) -> str | None:
+    """What urdf.load takes: the name in the catalogue, or the whole path. None where a RobotModel was given."""
+    if record.file is None:
+        return None
+    known = {entry.name: str(entry.path.resolve()) for entry in urdf.robots()}
+    return record.robot if known.get(record.robot) == record.file else record.file
+
+
+def _robot(
+    origin: str | None, locked: Mapping[str, float], model: RobotModel, chain: tuple[str, str] | None = None
+) -> list[str]:
+    if origin is None:
+        return ["# model is the RobotModel that was given"]
+    cut = f", chain={tuple(chain)!r}" if chain else ""
+    lock = f", lock={dict(locked)!r}" if locked else ""
+    return [f"model = urdf.load({origin!r}{cut}{lock}, gravity={model.gravity.tolist()})"]
+
+
+def _referee(comparison: Comparison, route: str) -> str:
+    if route == "model":
+        return "from_model(model)"
+    cut = ", cut=True" if comparison.chain else ""
+    return f"from_urdf(locate({_origin(comparison)!r})[0], model, {dict(comparison.locked)!r}{cut})"
+
+
+def _surroundings(worst: WorstState, model: RobotModel, referee: bool) -> list[str]:
+    """Base and gravity of the case, where they are not the robot's own."""
+    if np.array_equal(worst.turn, np.eye(3)) and np.array_equal(worst.gravity, model.gravity):
+        return []
+    return [
+        f"turn = graphdyn.Placement({_rows(worst.turn)})",
+        f"model = model.with_base(turn @ model.base).with_gravity({list(worst.gravity)})",
+        *(["referee = referee.turned(turn, model.gravity)"] if referee else []),
+    ]
+
+
+def _numbers(worst: WorstState, forward: bool, text: str) -> list[str]:
+    """q, v, a, and of torques and external wrenches what the text mentions; zeros where their values do not matter."""
+    lines = [f"{name} = {_array(getattr(worst, name))}" for name in ("q", "v", "a")]
+    if "tau" in text:
+        given = _array(worst.tau) if worst.tau is not None else f"{_INVERSE}.tau"
+        lines.append(f"tau = {given if forward else 'np.zeros_like(q)'}")
+    if "external_wrenches" in text:
+        loaded = "external_wrenches" in text.replace(_REFERENCE, "")
+        given = f"np.array({_rows(worst.external_wrenches)})" if loaded else "np.zeros((model.n_bodies, 6))"
+        lines.append(f"external_wrenches = {given}")
+    return lines
+
+
+def _array(values: Sequence[float] | Array) -> str:
+    return f"np.array({np.asarray(values).tolist()})"
+
+
+def _rows(matrix: Sequence[Sequence[float]]) -> str:
+    """A list of lists, one row per line."""
+    return "[\n" + "".join(f"    {list(row)},\n" for row in matrix) + "]"

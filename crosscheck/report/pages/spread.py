@@ -1,0 +1,143 @@
+"""How errors are distributed over the states: one histogram per row, on a common logarithmic axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from crosscheck.report.pages.svg import picture
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SMALLEST = 1e-22
+"""Errors below this, and not zero, are drawn here."""
+
+BINS_PER_DECADE = 4
+MOST_TICKS = 9
+CLOSE = 0.3
+"""A tick nearer to that of zero than this part of the step is left out."""
+
+HEIGHT = 0.78
+"""Of the fullest bin, in rows; no occupied bin is lower than VISIBLE."""
+VISIBLE = 0.06
+
+WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
+"""Of the picture, of one row, of what the axis needs [inches]."""
+
+WITHIN, BEYOND, INK, FAINT = "#7d96ad", "#a3161a", "#222222", "#d9d9d9"
+
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """errors: relative, of all states (N,), zero, infinite or NaN among them; bound: what they must not exceed"""
+
+    name: str
+    errors: Array
+    bound: float
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """Where errors stand on the axis: decades low … high, one place left of them for zero, one right for infinity."""
+
+    low: int
+    high: int
+
+    @property
+    def zero(self) -> float:
+        return self.low - 0.75
+
+    @property
+    def infinity(self) -> float:
+        return self.high + 0.75
+
+    def place(self, x: float) -> float:
+        if x == 0:
+            return self.zero
+        return float(np.log10(max(x, SMALLEST))) if np.isfinite(x) else self.infinity
+
+
+def spread(key: str, rows: Sequence[Row]) -> Markup:
+    """The picture of all rows, the first on top."""
+    worst = max(rows, key=lambda row: _largest(row.errors))
+    label = (
+        f"Distribution of the relative errors of {', '.join(row.name for row in rows)} on a logarithmic axis; "
+        f"the largest is {_largest(worst.errors):.1e} of {worst.name}"
+    )
+    return picture(key, label, (WIDTH, ROW * len(rows) + AXIS), lambda axes: _draw(axes, rows))
+
+
+def superscript(decade: int) -> str:
+    """-3 → 10⁻³."""
+    return "10" + str(decade).translate(_SUPERSCRIPT)
+
+
+def _draw(axes: Axes, rows: Sequence[Row]) -> None:
+    scale = _scale(rows)
+    height = ROW * len(rows) + AXIS
+    axes.set_position((0.31, (AXIS - 0.06) / height, 0.68, ROW * len(rows) / height))
+    axes.set_xlim(scale.zero - 0.5, scale.infinity + 0.5)
+    axes.set_ylim(len(rows), 0)
+    axes.set_facecolor("none")
+    axes.spines[:].set_visible(False)
+    step = -(-(scale.high - scale.low) // MOST_TICKS)
+    decades = [k for k in range(scale.high, scale.low - 1, -step) if k - scale.zero > CLOSE * step]
+    axes.set_xticks([scale.zero, *decades], ["0", *map(superscript, decades)], fontsize=9, color=INK)
+    if any(_largest(row.errors) == np.inf for row in rows):
+        axes.text(scale.infinity, len(rows) + 0.25, "∞", ha="center", va="top", fontsize=10, color=INK)
+    axes.set_xlabel("relative error", fontsize=9, color=INK)
+    axes.set_yticks(np.arange(len(rows)) + 0.62, [_title(row) for row in rows], fontsize=9, color=INK)
+    for text, row in zip(axes.get_yticklabels(), rows, strict=True):
+        text.set_fontweight("normal" if _agrees(row) else "bold")
+    axes.tick_params(length=0)
+    axes.vlines(decades, 0, len(rows), color=FAINT, linewidth=0.5, zorder=0)
+    for k, row in enumerate(rows):
+        _draw_row(axes, scale, row, k + 1.0)
+
+
+def _draw_row(axes: Axes, scale: _Scale, row: Row, foot: float) -> None:
+    """Histogram, bound and largest error, standing on the line y = foot."""
+    axes.plot([scale.zero - 0.3, scale.infinity + 0.3], [foot, foot], color=FAINT, linewidth=0.6, zorder=1)
+    edges = np.arange(BINS_PER_DECADE * scale.low, BINS_PER_DECADE * scale.high + 1) / BINS_PER_DECADE
+    errors = np.where(np.isnan(row.errors), np.inf, row.errors)
+    inside = errors[(errors > 0) & np.isfinite(errors)]
+    counts = np.histogram(np.log10(np.maximum(inside, SMALLEST)), edges)[0]
+    counts = np.concatenate([[(errors == 0).sum()], counts, [np.isinf(errors).sum()]])
+    width = 1 / BINS_PER_DECADE
+    places = np.concatenate([[scale.zero - width / 2], edges[:-1], [scale.infinity - width / 2]])
+    occupied = counts > 0
+    heights = HEIGHT * np.maximum(counts / counts.max(), VISIBLE)
+    bound = scale.zero + width if row.bound == 0 else scale.place(row.bound)
+    for beyond, color in ((False, WITHIN), (True, BEYOND)):
+        part = occupied & ((places + width / 2 > bound) == beyond)
+        axes.bar(places[part], -heights[part], width, foot, align="edge", color=color, linewidth=0, zorder=2)
+    axes.plot([bound, bound], [foot, foot - HEIGHT], color=INK, linewidth=1.3, zorder=3)
+    largest = scale.place(_largest(errors))
+    axes.plot([largest], [foot], marker="^", markersize=4, color=INK, clip_on=False, linewidth=0, zorder=4)
+
+
+def _scale(rows: Sequence[Row]) -> _Scale:
+    errors = np.concatenate([[row.bound for row in rows], *(row.errors for row in rows)])
+    decades = np.log10(np.maximum(errors[(errors > 0) & np.isfinite(errors)], SMALLEST))
+    low, high = (decades.min(), decades.max()) if decades.size else (-16.0, -12.0)
+    return _Scale(int(np.floor(low)), int(np.floor(high)) + 1)
+
+
+def _largest(errors: Array) -> float:
+    return float(np.where(np.isnan(errors), np.inf, errors).max())
+
+
+def _agrees(row: Row) -> bool:
+    return _largest(row.errors) <= row.bound
+
+
+def _title(row: Row) -> str:
+    return row.name if _agrees(row) else f"✗ {row.name}"

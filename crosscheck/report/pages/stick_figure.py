@@ -1,0 +1,175 @@
+"""A robot as a stick figure: links, joint axes, centers of mass and fixed frames, seen from the side and above."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from crosscheck.report.pages.svg import picture
+from graphdyn import RobotModel, frame_placement, maximal_state
+from graphdyn._kinematics import joint_axes, link_origins
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+ELEVATION, AZIMUTH = np.radians(22), np.radians(-60)
+"""Of the viewer: above the horizon, and from the direction in which the robot reaches."""
+
+FLAT = 0.02
+"""Link origins are on one line if their second principal extent is less than this part of the first."""
+
+BENT = 0.5
+"""Angle of every revolute joint where the zero pose puts all link origins on one line [rad]."""
+
+WIDTH, LOWEST, TALLEST = 4.6, 0.62, 1.25
+"""Of the picture [inches], and the limits of height over width."""
+
+MARGIN = 0.11
+"""Around everything, as a part of the size."""
+
+AXIS, SLIDE, BASE = 0.045, 0.075, 0.12
+"""Half lengths of the drawn axes of revolute and prismatic joints, lengths of the base axes, as parts of the size."""
+
+DISC = 420.0
+"""Area of a center of mass that has all the mass [points²]."""
+
+CLOSE = 0.045
+"""Joints nearer to each other than this part of the size share one label."""
+
+LINK, JOINT, MASS, EDGE, FAINT, GROUND = "#39424e", "#14507f", "#c98a1b", "#5c4010", "#8a8f96", "#e3e5e8"
+
+
+def stick_figure(key: str, model: RobotModel, name: str) -> Markup:
+    """The robot in its zero pose, or slightly bent where that would be one line; joints carry their numbers."""
+    scene = _Scene(model)
+    slides = sum(joint.is_prismatic for joint in model.joints)
+    label = (
+        f"Stick figure of {name}: {model.n_bodies - slides} revolute and {slides} prismatic joints, "
+        f"{sum(body.mass for body in model.bodies):.3g} kg"
+    )
+    return picture(key, label, (WIDTH, WIDTH * scene.ratio), scene.draw)
+
+
+def pose(model: RobotModel) -> Array:
+    """q (n,) to draw the robot in: zero, unless all link origins would be on one line."""
+    zero = np.zeros(model.n_bodies)
+    points = np.vstack([model.base.translation, link_origins(maximal_state(model, zero))])
+    extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if extents[1] > FLAT * extents[0]:
+        return zero
+    revolute = np.array([not joint.is_prismatic for joint in model.joints])
+    return np.where(revolute, BENT, 0.0)
+
+
+def pose_text(model: RobotModel) -> str:
+    """The pose of the stick figure, for its caption."""
+    if pose(model).any():
+        return f"Revolute joints at {BENT} rad, since the zero pose is a straight line"
+    return "Zero pose"
+
+
+class _Scene:
+    """Everything that is drawn, on the plane of the picture [m]; ratio: height over width."""
+
+    def __init__(self, model: RobotModel):
+        self.model = model
+        q = pose(model)
+        state = maximal_state(model, q)
+        origins = np.vstack([model.base.translation, link_origins(state)])
+        self._view = _view(origins)
+        frames = [frame_placement(model, q, frame.name)[1] for frame in model.frames]
+        self.origins = self._flat(origins)
+        self.centers = self._flat(state.position)
+        self.frames = self._flat(np.array(frames).reshape(-1, 3))
+        self.axes = self._flat(joint_axes(state))
+        self.shadow = self._flat(np.column_stack([origins[:, :2], np.full(len(origins), origins[0, 2])]))
+        self.base_axes = self._flat(model.base.rotation.T)
+        points = np.vstack([self.origins, self.centers, self.frames, self.shadow])
+        self.size = max(float(np.ptp(points, axis=0).max()), 1e-3)
+        low, high = points.min(axis=0), points.max(axis=0)
+        width, height = high - low + 2 * MARGIN * self.size
+        self.ratio = float(np.clip(height / width, LOWEST, TALLEST))
+        half = max(width, height / self.ratio) / 2
+        reach = np.array([half, half * self.ratio])
+        self._corners = np.stack([(low + high) / 2 - reach, (low + high) / 2 + reach])
+
+    def _flat(self, points: Array) -> Array:
+        """Orthographic projection of points or directions (k, 3) → (k, 2)."""
+        return points @ self._view.T
+
+    def draw(self, axes: Axes) -> None:
+        axes.set_axis_off()
+        axes.set(xlim=self._corners[:, 0], ylim=self._corners[:, 1])
+        self._draw_ground(axes)
+        self._draw_links(axes)
+        masses = np.array([body.mass for body in self.model.bodies])
+        areas = DISC * masses / max(masses.sum(), np.finfo(float).tiny)
+        x, y = self.centers.T
+        axes.scatter(x, y, s=areas, color=MASS, alpha=0.55, edgecolor=EDGE, linewidth=0.6, zorder=4)
+        for k, joint in enumerate(self.model.joints):
+            self._draw_joint(axes, self.origins[k + 1], self.axes[k], joint.is_prismatic)
+        for point, numbers in _grouped(self.origins[1:], CLOSE * self.size):
+            axes.annotate(
+                ", ".join(map(str, numbers)),
+                tuple(point),
+                xytext=(8, 5),
+                textcoords="offset points",
+                fontsize=9,
+                zorder=7,
+            )
+
+    def _draw_ground(self, axes: Axes) -> None:
+        """Shadow of the links on the base plane, and the axes of the base."""
+        for j, joint in enumerate(self.model.joints, start=1):
+            axes.plot(*self.shadow[[joint.inside, j]].T, color=GROUND, linewidth=4, solid_capstyle="round", zorder=0)
+        for direction, letter in zip(self.base_axes, "xyz", strict=True):
+            end = self.origins[0] + BASE * self.size * direction
+            axes.plot(*np.array([self.origins[0], end]).T, color=FAINT, linewidth=1, zorder=1)
+            axes.annotate(letter, tuple(end), fontsize=8, color=FAINT, ha="center", va="center", zorder=1)
+
+    def _draw_links(self, axes: Axes) -> None:
+        for j, joint in enumerate(self.model.joints, start=1):
+            grounded = joint.inside == 0
+            line = self.origins[[joint.inside, j]].T
+            color, width = (FAINT, 1.5) if grounded else (LINK, 2.6)
+            axes.plot(*line, color=color, linewidth=width, solid_capstyle="round", zorder=2)
+        for point, center in zip(self.origins[1:], self.centers, strict=True):
+            axes.plot(*np.array([point, center]).T, color=MASS, linewidth=0.8, zorder=3)
+        for frame, point in zip(self.model.frames, self.frames, strict=True):
+            axes.plot(*np.array([self.origins[frame.body], point]).T, color=FAINT, linewidth=0.8, zorder=1)
+            axes.plot(*point, marker="x", markersize=4, color=FAINT, zorder=1)
+
+    def _draw_joint(self, axes: Axes, at: Array, axis: Array, prismatic: bool) -> None:
+        half = (SLIDE if prismatic else AXIS) * self.size * axis
+        ends = np.array([at - half, at + half])
+        axes.plot(*ends.T, color=JOINT, linewidth=1.4 if prismatic else 4.5, solid_capstyle="butt", zorder=5)
+        if prismatic:
+            axes.plot(*ends.T, marker="D", markersize=3, color=JOINT, linewidth=0, zorder=5)
+        axes.plot(*at, marker="s" if prismatic else "o", markersize=5.5, color="white", mec=JOINT, mew=1.4, zorder=6)
+
+
+def _view(points: Array) -> Array:
+    """Right and up of the picture (2, 3), with the horizontal reach of the points (k, 3) mostly to the right."""
+    flat = points[:, :2] - points[0, :2]
+    far = flat[np.argmax(np.linalg.norm(flat, axis=1))]
+    azimuth = np.arctan2(far[1], far[0]) + AZIMUTH
+    toward = np.array([np.cos(azimuth), np.sin(azimuth)])
+    right = np.array([-toward[1], toward[0], 0.0])
+    up = np.array([*(-np.sin(ELEVATION) * toward), np.cos(ELEVATION)])
+    return np.stack([right, up])
+
+
+def _grouped(points: Array, distance: float) -> list[tuple[Array, list[int]]]:
+    """Numbers (from 1) of points that are closer than the distance to the first of their group."""
+    groups: list[tuple[Array, list[int]]] = []
+    for number, point in enumerate(points, start=1):
+        for first, numbers in groups:
+            if np.linalg.norm(point - first) < distance:
+                numbers.append(number)
+                break
+        else:
+            groups.append((point, [number]))
+    return groups

@@ -1,0 +1,192 @@
+"""The whole benchmark of one robot."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from crosscheck.referee.pinocchio_model import VERSION as PINOCCHIO
+from crosscheck.referee.subject import check_counts
+from crosscheck.studies.bench import curves
+from crosscheck.studies.bench.casadi_forms import NAME as CASADI
+from crosscheck.studies.bench.cold import in_fresh_process
+from crosscheck.studies.bench.contender import Measured, measure
+from crosscheck.studies.bench.curves import ScalingCurve
+from crosscheck.studies.bench.floor import Floor, Machine, floor, machine
+from crosscheck.studies.bench.identification import Identifications, identifications
+from crosscheck.studies.bench.pinocchio_forms import instruction_set
+from crosscheck.studies.bench.states import random_states
+from crosscheck.studies.bench.timing import Times
+from crosscheck.studies.bench.works import DESCRIPTIONS, Peers, work
+from graphdyn import InvalidInput, RobotModel
+from graphdyn.kernels.running import chosen_backend, cores
+
+LONGER = 10
+"""Times as many samples as asked for: the recording that is identified from, and the largest batch."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long it may take.
+
+    duration: of one run of the slow ones, which get fewer samples [s]; repeats: of every measurement
+    processes: fresh ones, for imports and each identification; also first calls of a chain
+    most_loop: samples that Pinocchio's loop identifies from, at most
+    lengths: bodies of the chains
+    """
+
+    duration: float
+    repeats: int
+    processes: int
+    most_loop: int
+    lengths: tuple[int, ...]
+
+
+FULL = Effort(0.25, 9, 2, 10**9, (2, 3, 4, 6, 8, 12, 16, 24, 32, 40, 50, 60))
+QUICK = Effort(0.02, 5, 2, 5000, (2, 4, 8, 16))
+
+
+@dataclass(frozen=True, eq=False)
+class Benchmark:
+    """Everything that was measured.
+
+    threads: the numbers that were compared; machine: with each of them, nothing where nothing can be compiled
+    floors: of works that have a program, for one thread
+    peers: what takes part, in words, by library; left_out: what does not, and why
+    imports, first_calls: seconds in fresh processes, by module and verb
+    """
+
+    robot: str
+    model: RobotModel
+    samples: int
+    seed: int
+    quick: bool
+    effort: Effort
+    threads: tuple[int, ...]
+    backend: str
+    cores: int
+    machine: tuple[Machine, ...]
+    floors: Mapping[str, Floor]
+    peers: Mapping[str, str]
+    left_out: Mapping[str, str]
+    works: tuple[Measured, ...]
+    imports: Mapping[str, Times]
+    first_calls: Mapping[str, Times]
+    identification: Identifications
+    curves: tuple[ScalingCurve, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Our answers are Pinocchio's, within the bounds."""
+        return all(measured.agrees for measured in self.works)
+
+
+PARTS = len(DESCRIPTIONS) + len(("machine", "first calls", "identification", "batches", "batches", "chains", "threads"))
+"""Steps of the progress."""
+
+
+def benchmark(
+    robot: str,
+    model: RobotModel,
+    samples: int,
+    seed: int,
+    threads: int | None,
+    quick: bool,
+    done: Callable[[str, int], None],
+) -> Benchmark:
+    """Measure. done: called with what is going on, and how many of PARTS are finished by it.
+
+    threads: largest number, all cores if None
+    Raises InvalidInput, PinocchioRefuses, SingularMassMatrix.
+    """
+    check_counts(samples, seed)
+    if threads is not None and threads < 1:
+        raise InvalidInput(f"threads is {threads!r}; give a number from 1, or None for all cores")
+    effort = QUICK if quick else FULL
+    counts = thread_numbers(cores() if threads is None else threads)
+    compared = (1, counts[-1]) if counts[-1] > 1 else (1,)
+    states = random_states(model, samples, seed)
+
+    done("machine", 0)
+    machines = tuple(measured for used in compared if (measured := machine(used)) is not None)
+    floors = {name: least for name in DESCRIPTIONS if machines and (least := floor(model, name, machines[0]))}
+    done("machine", 1)
+    with TemporaryDirectory(prefix="graphdyn-bench-") as folder:
+        peers, works = Peers(states, Path(folder)), []
+        for name, (title, *_) in DESCRIPTIONS.items():
+            done(title, 0)
+            works.append(measure(work(name, states, compared, peers), samples, effort.duration, effort.repeats))
+            done(title, 1)
+        (Path(folder) / "model.pickle").write_bytes(pickle.dumps(model))
+        fresh = []
+        for _ in range(effort.processes):
+            done("first calls", 0)
+            fresh.append(in_fresh_process("first_calls", Path(folder)))
+        done("first calls", 1)
+    found = identifications(
+        model, LONGER * samples, seed, compared, effort.processes, effort.most_loop, lambda what: done(what, 0)
+    )
+    done("identification", 1)
+    lines = [curves.thread_counts(states, counts, effort.duration, effort.repeats)]
+    done("threads", 1)
+    states = random_states(model, LONGER * samples, seed)
+    for name in ("inverse_dynamics", "forward_dynamics"):
+        lines.append(
+            curves.batch_sizes(states, name, compared, effort.duration, effort.repeats, lambda what: done(what, 0))
+        )
+        done("batches", 1)
+    lines += curves.chain_lengths(
+        effort.lengths, effort.duration, effort.repeats, effort.processes, lambda what: done(what, 0)
+    )
+    done("chains", 1)
+    return Benchmark(
+        robot=robot,
+        model=model,
+        samples=samples,
+        seed=seed,
+        quick=quick,
+        effort=effort,
+        threads=compared,
+        backend=chosen_backend(),
+        cores=cores(),
+        machine=machines,
+        floors=floors,
+        peers=_peers(works),
+        left_out=peers.left_out,
+        works=tuple(works),
+        imports=_times(fresh, "imports"),
+        first_calls=_times(fresh, "first_calls"),
+        identification=found,
+        curves=tuple(lines),
+    )
+
+
+def thread_numbers(most: int) -> tuple[int, ...]:
+    """1, 2, 4, … and the most."""
+    doubled = [2**k for k in range(most.bit_length()) if 2**k < most]
+    return (*doubled, most)
+
+
+def _peers(works: list[Measured]) -> dict[str, str]:
+    """What a reader must know of each library that took part."""
+    taking_part = {entry.name.split()[0] for measured in works for entry in measured.entries}
+    described = {"pinocchio": f"{PINOCCHIO}, as installed, built for {instruction_set()}"}
+    if "mujoco" in taking_part:
+        from importlib.metadata import version
+
+        described["mujoco"] = f"{version('mujoco')}, as installed; constraints, contacts and limits off"
+    if CASADI.split()[0] in taking_part:
+        from importlib.metadata import version
+
+        described["casadi"] = (
+            f"{version('casadi')}: C code of graphdyn's recorded recursions, one state at a time, "
+            "built for this machine; Pinocchio's own pinocchio.casadi is not used"
+        )
+    return described
+
+
+def _times(records: list[dict[str, dict[str, float]]], kind: str) -> dict[str, Times]:
+    return {name: Times(tuple(record[kind][name] for record in records)) for name in records[0][kind]}

@@ -1,0 +1,136 @@
+"""Contenders of a work, and what was measured of them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from crosscheck.studies.bench.timing import STEADY, Ratio, Times, fitting_count, in_turns, linear_algebra_threads, ratio
+from graphdyn.layout import Array
+
+ALL = sys.maxsize
+"""Samples of a contender that takes all there are."""
+
+AMORTISED = 10_000
+"""Samples among which what a call costs by itself no longer counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """One way to do a work.
+
+    name, threads: who, and how many threads it may use
+    run: does the first so many samples and returns what it found
+    errors: of what run returned, against Pinocchio, per sample; None where nothing is judged
+    included: what the time includes beside the arithmetic
+    ours: the form whose ratios are asked for
+    least, most: samples it is given at least, where a call costs something whatever their number, and at most
+    """
+
+    name: str
+    threads: int
+    run: Callable[[int], Array]
+    errors: Callable[[Array], Array] | None
+    included: str
+    ours: bool = False
+    least: int = 1
+    most: int = ALL
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """What is to be done, in several ways.
+
+    error: what errors are relative to, in words; bound: the largest that counts as agreement
+    """
+
+    name: str
+    title: str
+    error: str
+    bound: float
+    contenders: tuple[Contender, ...]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A contender with its times.
+
+    samples: of each run; error: largest over judged samples, None where nothing was judged; judged: how many
+    """
+
+    name: str
+    threads: int
+    ours: bool
+    samples: int
+    times: Times
+    error: float | None
+    judged: int
+    included: str
+
+
+@dataclass(frozen=True)
+class SpeedRatio:
+    """Two entries of the same number of threads."""
+
+    ours: str
+    theirs: str
+    threads: int
+    ratio: Ratio
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A work, measured. agrees: our answers are within the bound."""
+
+    name: str
+    title: str
+    error: str
+    bound: float
+    entries: tuple[Entry, ...]
+
+    @property
+    def comparisons(self) -> tuple[SpeedRatio, ...]:
+        """Ours against every other of the same number of threads."""
+        return tuple(
+            SpeedRatio(ours.name, theirs.name, ours.threads, ratio(ours.times, theirs.times))
+            for ours in self.entries
+            if ours.ours
+            for theirs in self.entries
+            if not theirs.ours and theirs.threads == ours.threads
+        )
+
+    @property
+    def agrees(self) -> bool:
+        return all(entry.error is None or entry.error <= self.bound for entry in self.entries if entry.ours)
+
+
+def measure(work: Work, samples: int, duration: float, repeats: int) -> Measured:
+    """All contenders of a work in turns. duration: of one run of the slow ones, which get fewer samples [s]"""
+    counts = []
+    for contender in work.contenders:
+        with linear_algebra_threads(contender.threads):
+            most = min(samples, contender.most)
+            counts.append(fitting_count(contender.run, min(contender.least, most), most, duration))
+    errors = [_largest_error(contender, count) for contender, count in zip(work.contenders, counts, strict=True)]
+    runs = [partial(c.run, count) for c, count in zip(work.contenders, counts, strict=True)]
+    rows = in_turns(runs, [contender.threads for contender in work.contenders], repeats, STEADY)
+    entries = tuple(
+        Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
+        for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
+    )
+    return Measured(work.name, work.title, work.error, work.bound, entries)
+
+
+def _per_sample(seconds: Sequence[float], samples: int) -> Times:
+    return Times(tuple(second / samples for second in seconds))
+
+
+def _largest_error(contender: Contender, count: int) -> tuple[float | None, int]:
+    if contender.errors is None:
+        return None, 0
+    errors = contender.errors(contender.run(count))
+    return float(np.where(np.isnan(errors), np.inf, errors).max()), len(errors)

@@ -1,0 +1,161 @@
+"""Time per sample against the size of a batch, the number of bodies and the number of threads."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+import graphdyn
+from crosscheck.studies.bench import graphdyn_forms, pinocchio_forms
+from crosscheck.studies.bench.chains import chain
+from crosscheck.studies.bench.contender import Contender, Entry, Work, measure
+from crosscheck.studies.bench.floor import REQUESTS
+from crosscheck.studies.bench.states import States, random_states
+from crosscheck.studies.bench.timing import Times, in_turns
+from crosscheck.studies.bench.works import OURS, PINOCCHIO
+from graphdyn.kernels.programs import record
+from graphdyn.kernels.running import LONGEST, cores
+from graphdyn.layout import Array
+
+CHAIN_SAMPLES = 2000
+"""Samples per run of a chain, at most."""
+
+DEFAULT = "graphdyn by default"
+FIRST_CALL = "graphdyn first call"
+
+
+@dataclass(frozen=True)
+class Line:
+    """Times of one contender, by x."""
+
+    name: str
+    threads: int
+    x: tuple[int, ...]
+    times: tuple[Times, ...]
+
+    @property
+    def exponent(self) -> float | None:
+        """k of a time that grows as x^k, from the fastest repeats of the upper half; None for fewer than 3 points."""
+        if len(self.x) < 3:
+            return None
+        half = len(self.x) // 2
+        x, y = self.x[half:], [times.fastest for times in self.times[half:]]
+        return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+@dataclass(frozen=True)
+class ScalingCurve:
+    """Lines over one x. seconds: what the times are of; notes: what a reader must know"""
+
+    name: str
+    title: str
+    x: str
+    seconds: str
+    lines: tuple[Line, ...]
+    notes: tuple[str, ...] = ()
+
+
+def batch_sizes(
+    states: States, work: str, threads: Sequence[int], duration: float, repeats: int, done: Callable[[str], None]
+) -> ScalingCurve:
+    """1, 10, 100 … samples per call; a line ends where a call takes half of the duration or longer [s]."""
+    sizes = [10**k for k in range(len(str(len(states))))]
+    contenders = [c for c in _forms(states, work, threads) if c.name != graphdyn_forms.DENSE]
+    if work == "inverse_dynamics":
+        contenders.append(_by_default(states))
+    rows: list[list[tuple[int, Times]]] = [[] for _ in contenders]
+    for size in sizes:
+        done(f"{size} samples")
+        chosen = [k for k, row in enumerate(rows) if not row or _call(row[-1]) <= duration / 2]
+        runs = [partial(contenders[k].run, size) for k in chosen]
+        for k, seconds in zip(chosen, in_turns(runs, [contenders[k].threads for k in chosen], repeats), strict=True):
+            rows[k].append((size, Times(tuple(second / size for second in seconds))))
+    lines = [
+        Line(c.name, c.threads, tuple(x for x, _ in row), tuple(times for _, times in row))
+        for c, row in zip(contenders, rows, strict=True)
+    ]
+    return ScalingCurve(
+        f"batch_{work}", f"{work.replace('_', ' ')}: size of the batch", "samples per call", "sample", tuple(lines)
+    )
+
+
+def _call(point: tuple[int, Times]) -> float:
+    size, times = point
+    return size * times.median
+
+
+def chain_lengths(
+    lengths: Sequence[int], duration: float, repeats: int, first_calls: int, done: Callable[[str], None]
+) -> list[ScalingCurve]:
+    """All accelerations and multipliers of chains, and the first call for each."""
+    rows: dict[tuple[str, int], list[tuple[int, Times]]] = {}
+    first: list[tuple[int, Times]] = []
+    interpreted = []
+    for n in lengths:
+        done(f"{n} bodies")
+        states = random_states(chain(n), CHAIN_SAMPLES, 0)
+        too_long = record(states.model, REQUESTS["everything"]).arithmetic > LONGEST
+        if too_long:
+            interpreted.append(n)
+        first.append((n, Times(tuple(_first_call(n) for _ in range(first_calls)))))
+        contenders = tuple(
+            replace(c, errors=None)
+            for c in _forms(states, "everything", (1,))
+            if not (too_long and c.name == graphdyn_forms.COMPILED)
+        )
+        for entry in measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries:
+            rows.setdefault((entry.name, entry.threads), []).append((n, entry.times))
+    lines = tuple(
+        Line(name, threads, tuple(n for n, _ in row), tuple(times for _, times in row))
+        for (name, threads), row in rows.items()
+    )
+    notes = tuple(f"from {n} bodies on, the program is too long to compile" for n in interpreted[:1])
+    call = Line(FIRST_CALL, 1, tuple(n for n, _ in first), tuple(times for _, times in first))
+    return [
+        ScalingCurve(
+            "bodies", "all accelerations and multipliers: length of a chain", "bodies", "sample", lines, notes
+        ),
+        ScalingCurve(
+            "first_call", "recording and compiling: length of a chain", "bodies", "first call", (call,), notes
+        ),
+    ]
+
+
+def thread_counts(states: States, threads: Sequence[int], duration: float, repeats: int) -> ScalingCurve:
+    """Forward dynamics with 1, 2, … threads."""
+    contenders = tuple(
+        replace(c, errors=None)
+        for c in _forms(states, "forward_dynamics", threads)
+        if c.name in (graphdyn_forms.our_name(), pinocchio_forms.PARALLEL)
+    )
+    entries = measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries
+    names = dict.fromkeys(entry.name for entry in entries)
+    lines = tuple(_over_threads(name, [entry for entry in entries if entry.name == name]) for name in names)
+    return ScalingCurve("threads", "forward dynamics: number of threads", "threads", "sample", lines)
+
+
+def _over_threads(name: str, entries: Sequence[Entry]) -> Line:
+    return Line(name, 0, tuple(entry.threads for entry in entries), tuple(entry.times for entry in entries))
+
+
+def _forms(states: States, work: str, threads: Sequence[int]) -> list[Contender]:
+    return [*OURS[work](states, threads), *PINOCCHIO[work](states, threads)]
+
+
+def _by_default(states: States) -> Contender:
+    def run(count: int) -> Array:
+        return graphdyn.joint_torques(states.model, states.q[:count], states.v[:count], states.a[:count])
+
+    return Contender(DEFAULT, cores(), run, None, graphdyn_forms.MADE)
+
+
+def _first_call(n_bodies: int) -> float:
+    """Of a chain that has not been seen before [s]."""
+    model, x = chain(n_bodies), np.zeros((1, n_bodies))
+    start = time.perf_counter()
+    graphdyn.forward_dynamics(model, x, x, x, method="recursive")
+    return time.perf_counter() - start

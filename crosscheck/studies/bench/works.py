@@ -1,0 +1,87 @@
+"""The works and who takes part in each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.referee.tolerances import ACCELERATION, AGREEMENT, FORWARD_WRENCH
+from crosscheck.studies.bench import casadi_forms, graphdyn_forms, mujoco_forms, pinocchio_forms, single_states
+from crosscheck.studies.bench.casadi_forms import CasadiRefuses
+from crosscheck.studies.bench.contender import Contender, Work
+from crosscheck.studies.bench.states import States
+
+Forms = Callable[[States, Sequence[int]], list[Contender]]
+
+OURS: Mapping[str, Forms] = {
+    "inverse_dynamics": graphdyn_forms.inverse,
+    "forward_dynamics": graphdyn_forms.forward,
+    "everything": graphdyn_forms.everything,
+    "regressor": graphdyn_forms.regressor,
+}
+PINOCCHIO: Mapping[str, Forms] = {
+    "inverse_dynamics": pinocchio_forms.inverse,
+    "forward_dynamics": pinocchio_forms.forward,
+    "everything": pinocchio_forms.everything,
+    "regressor": pinocchio_forms.regressor,
+}
+
+TORQUE = "largest joint wrench of the sample"
+ACCELERATED = "cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
+
+DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
+    "inverse_dynamics": ("inverse dynamics", TORQUE, AGREEMENT.bound),
+    "forward_dynamics": ("forward dynamics", ACCELERATED, ACCELERATION.bound),
+    "everything": (
+        "all accelerations and multipliers",
+        "largest joint wrench; multipliers are judged",
+        FORWARD_WRENCH.bound,
+    ),
+    "regressor": (
+        "joint-torque regressor",
+        "largest entry of the type of parameter, or lengths of columns",
+        AGREEMENT.bound,
+    ),
+    "single_inverse": ("inverse dynamics, one state per call", TORQUE, AGREEMENT.bound),
+    "single_forward": ("forward dynamics, one state per call", ACCELERATED, ACCELERATION.bound),
+}
+"""Title, what errors are relative to, and their bound, in the order of the report."""
+
+
+class Peers:
+    """Other libraries, and why one takes no part. folder: for code that is compiled"""
+
+    def __init__(self, states: States, folder: Path) -> None:
+        self._states, self._folder = states, folder
+        self.left_out: dict[str, str] = {}
+        try:
+            self._mujoco: MujocoModel | None = MujocoModel(states.model)
+        except MujocoRefuses as refusal:
+            self._mujoco, self.left_out["mujoco"] = None, str(refusal)
+
+    def contenders(self, work: str, threads: Sequence[int]) -> list[Contender]:
+        found: list[Contender] = []
+        if self._mujoco is not None and work == "inverse_dynamics":
+            found += mujoco_forms.inverse(self._states, self._mujoco)
+        if self._mujoco is not None and work == "forward_dynamics":
+            found += mujoco_forms.forward(self._states, self._mujoco, threads)
+        forms = {"inverse_dynamics": casadi_forms.inverse, "forward_dynamics": casadi_forms.forward}
+        if work in forms and "casadi" not in self.left_out:
+            try:
+                found += forms[work](self._states, self._folder)
+            except CasadiRefuses as refusal:
+                self.left_out["casadi"] = str(refusal)
+        return found
+
+
+def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Work:
+    """A work with all that take part."""
+    if name == "single_inverse":
+        contenders = single_states.inverse(states)
+    elif name == "single_forward":
+        contenders = single_states.forward(states)
+    else:
+        contenders = [*OURS[name](states, threads), *PINOCCHIO[name](states, threads), *peers.contenders(name, threads)]
+    title, error, bound = DESCRIPTIONS[name]
+    return Work(name, title, error, bound, tuple(contenders))

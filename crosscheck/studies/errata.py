@@ -1,0 +1,209 @@
+"""The paper's printed errors, each put back alone into the correct model, and what it does (docs/deviations.md).
+
+The judge is Pinocchio: aba for accelerations, rnea for joint forces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+import urdf
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.referee.quantities import kkt_batch
+from crosscheck.referee.states import ACCELERATION_RANGE, Case, turned, unit_turn
+from crosscheck.studies.printed_forms import with_unit_d33, without_d_transposed, world_axis_rows
+from graphdyn import Placement, RobotModel, inverse_dynamics, kr500, maximal_state
+from graphdyn._cardano import cardano_drift, cardano_form, rate_map
+from graphdyn._kinematics import bias_acceleration, project_accelerations
+from graphdyn._kkt import KKTSystem
+from graphdyn._linear import apply, solve
+from graphdyn._rotation import cos_beta, rotation_about
+from graphdyn.layout import LINEAR, Array, per_body
+
+ERRATA = {
+    "A1": "Eq. (35), (37), (111): moments in body axes beside φ_qᵀλ in Cardano angles; the rotational rows need Dᵀ.",
+    "A2": "Eq. (71)-(104): the world x and y rows of p_i - p_j are dependent for a horizontal axis.",
+    "A3": "Eq. (29), (33): Cardano angles lose a freedom at cos β = 0; here in the otherwise correct Cardano form.",
+    "A4": "Eq. (34): entry (3,3) of Ḋ is 0, printed 1 (put back in B alone).",
+    "A5": "Eq. (24): F_i = F_i^g + F̂_i^e; the middle member prints a minus.",
+    "A6": "Eq. (42): the row of the identification matrix is z̈ + g, as in (44), not z̈ - g.",
+}
+
+CLEAR_OF_LOCK = 0.05
+"""A1 and A4 are measured where every |cos β| exceeds this, so that they do not show A3."""
+
+COSINES = (1e-2, 1e-3, 1e-4, 1e-6)
+"""|cos β| at which A3 is measured."""
+
+EFFECTS = 2 * (len(ERRATA) - 1 + len(COSINES))
+"""How many effects `measure` returns: one per arm and erratum, A3 at every |cos β|."""
+
+
+@dataclass(frozen=True, eq=False)
+class Effect:
+    """One erratum on one robot: the measured errors, and those of the corrected form.
+
+    errors, corrected_errors: relative, or missing rows of A2; one per state, or per mass of A6   (N,)
+    cosine: |cos β| at which A3 was measured
+    """
+
+    erratum: str
+    robot: str
+    measure: str
+    errors: Array
+    corrected_errors: Array
+    cosine: float | None = None
+
+    @property
+    def median(self) -> float:
+        return float(np.quantile(self.errors, 0.5))
+
+    @property
+    def upper(self) -> float:
+        """90 % quantile."""
+        return float(np.quantile(self.errors, 0.9))
+
+    @property
+    def largest(self) -> float:
+        return float(self.errors.max())
+
+    @property
+    def corrected(self) -> float:
+        """Largest error of the corrected form."""
+        return float(self.corrected_errors.max())
+
+    @property
+    def record(self) -> dict[str, float | str]:
+        """As in docs/schemas/errata-1.schema.json."""
+        names = ("erratum", "robot", "measure", "median", "upper", "largest", "corrected")
+        return {name: getattr(self, name) for name in names}
+
+
+def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] | None = None) -> list[Effect]:
+    """Effects of all errata on KR500 and UR5, at random states.
+
+    progress: called with each effect as soon as it is measured
+    """
+    effects = []
+    for model in (kr500(), urdf.load("ur5")):
+        for effect in _measure(model, samples, seed):
+            effects.append(effect)
+            if progress:
+                progress(effect)
+    return effects
+
+
+def _measure(model: RobotModel, samples: int, seed: int) -> Iterator[Effect]:
+    rng = np.random.default_rng(seed)
+
+    def effect(erratum: str, what: str, printed: Array, corrected: Array, cosine: float | None = None) -> Effect:
+        return Effect(erratum, model.name, what, printed, corrected, cosine)
+
+    states = _Sample(_draw(model, rng, samples))
+    right = states.error_of(states.twist)
+    yield effect("A1", "error of a", states.error_of(without_d_transposed(states.state, states.twist)), right)
+    yield effect("A2", "missing rank of φ_q", *_missing_ranks(states))
+    for cosine in COSINES:
+        near = [_Sample(_near_lock(model, rng, cosine)) for _ in range(max(samples // 10, 1))]
+        printed = [one.error_of(cardano_form(one.state, one.twist)) for one in near]
+        yield effect(
+            "A3",
+            f"error of a at |cos β| = {cosine:g}",
+            np.concatenate(printed),
+            np.concatenate([one.error_of(one.twist) for one in near]),
+            cosine,
+        )
+    yield effect("A4", "error of a", states.error_of(with_unit_d33(states.state, states.twist)), right)
+    yield effect("A5", "error of r̈ from joint forces", *_force_sign(states))
+    yield effect("A6", "error of identified masses", *_gravity_sign(states))
+
+
+class _Sample:
+    """The correct system at the states of a case, and Pinocchio's answer."""
+
+    def __init__(self, case: Case):
+        self.case, model = case, case.model
+        self.tau = inverse_dynamics(model, case.q, case.v, case.a).tau if case.tau is None else case.tau
+        self.state = maximal_state(model, case.q, case.v)
+        self.twist = kkt_batch(case, self.tau)
+        referee = PinocchioModel.from_model(model)
+        self.reference = referee.evaluate(case.q, case.v, case.a, self.tau, case.external_wrenches)
+
+    def error_of(self, system: KKTSystem) -> Array:
+        """‖δa‖∞ / ‖a‖∞ against aba of the accelerations that a system gives (N,)."""
+        acceleration = solve(system.matrix, system.rhs)[..., : 6 * self.case.model.n_bodies]
+        if system is not self.twist:  # in (r̈, θ̈)
+            acceleration = apply(rate_map(self.state), acceleration) + cardano_drift(self.state)
+        bias = bias_acceleration(self.case.model, self.case.q, self.case.v)
+        a = project_accelerations(self.state, per_body(acceleration), bias)
+        error: Array = np.abs(a - self.reference.a).max(axis=-1) / np.abs(self.reference.a).max(axis=-1)
+        return error
+
+
+def _missing_ranks(sample: _Sample) -> tuple[Array, Array]:
+    full = 5 * sample.case.model.n_bodies
+    return full - np.linalg.matrix_rank(world_axis_rows(sample.state)), full - np.asarray(
+        sample.twist.constraint_rank()
+    )
+
+
+def _force_sign(sample: _Sample) -> tuple[Array, Array]:
+    """m r̈ = F^g ± F̂^e (Eq. 22, 24) with the joint forces of rnea: errors of r̈ with minus and with plus."""
+    model, reference = sample.case.model, sample.reference
+    force = np.einsum("...iab,...ib->...ia", reference.rotation, reference.joint_wrenches[..., LINEAR])
+    resultant = -np.einsum("ik,...ka->...ia", model.graph.force_element_matrix(), force)  # Eq. (14)
+    true = reference.acceleration[..., LINEAR]
+
+    def error(sign: float) -> Array:
+        deviation = model.gravity + sign * resultant / _masses(model)[:, None] - true
+        relative: Array = np.abs(deviation).max(axis=(-2, -1)) / np.abs(true).max(axis=(-2, -1))
+        return relative
+
+    return error(-1.0), error(1.0)
+
+
+def _gravity_sign(sample: _Sample) -> tuple[Array, Array]:
+    """Relative error of every mass from the vertical force balance (z̈ ± g) m = F_3: with z̈ - g and with z̈ + g."""
+    model = sample.case.model
+    vertical, g, mass = sample.reference.acceleration[..., 2], -model.gravity[2], _masses(model)
+    force = mass * (vertical + g)
+
+    def error(rows: Array) -> Array:
+        relative: Array = np.abs((rows * force).sum(axis=0) / (rows**2).sum(axis=0) / mass - 1)
+        return relative
+
+    return error(vertical - g), error(vertical + g)
+
+
+def _masses(model: RobotModel) -> Array:
+    return np.array([body.mass for body in model.bodies])
+
+
+def _draw(model: RobotModel, rng: np.random.Generator, size: int) -> Case:
+    """Random states and torques, every body clear of gimbal lock."""
+    q, v = model.random_state(rng, size)
+    while (locked := cos_beta(maximal_state(model, q).rotation).min(axis=-1) < CLEAR_OF_LOCK).any():
+        q[locked], v[locked] = model.random_state(rng, int(locked.sum()))
+    return _case(model, Placement(), q, v, rng)
+
+
+def _near_lock(model: RobotModel, rng: np.random.Generator, cosine: float) -> Case:
+    """One random state, the world turned so that one random body has this |cos β| and the others are clear of lock."""
+    while True:
+        q, v = model.random_state(rng, 1)
+        body = int(rng.integers(model.n_bodies))
+        third = maximal_state(model, q[0]).rotation[body, :, 2]
+        tilt = Placement(rotation_about(np.array([0.0, 1.0, 0.0]), np.arcsin(cosine)))
+        turn = tilt @ unit_turn(third)
+        others = np.delete(cos_beta(maximal_state(turned(model, turn), q[0]).rotation), body)
+        if np.all(others > CLEAR_OF_LOCK):
+            return _case(turned(model, turn), turn, q, v, rng)
+
+
+def _case(model: RobotModel, turn: Placement, q: Array, v: Array, rng: np.random.Generator) -> Case:
+    a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
+    tau = inverse_dynamics(model, q, v, a).tau * rng.uniform(0.5, 1.5, q.shape)
+    return Case("errata", model, turn, q, v, a, tau, np.zeros((*q.shape, 6)))

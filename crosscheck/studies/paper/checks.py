@@ -1,0 +1,177 @@
+"""What must hold for the paper to count as reproduced: each number with its bound and the reason for the bound."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.studies.errata import Effect
+from crosscheck.studies.paper.as_printed import PrintedMultipliers
+from crosscheck.studies.paper.corrected import CorrectedMultipliers
+from crosscheck.studies.paper.identification import PaperIdentification
+from crosscheck.studies.paper.multipliers import DIGITS, Multiplier, printed_ratios
+from crosscheck.studies.paper.over_time import OverTime
+from crosscheck.studies.paper.tables import GeometryTable
+
+EXACT = 1e-9
+"""Relative error of a parameter identified from exact data."""
+
+REFEREE = 1e-12
+"""Relative difference from rnea."""
+
+QUOTIENT = 1e-6
+"""Relative error of a quotient of two numbers of seven digits."""
+
+CORRECTED = 1e-11
+"""Relative error of the corrected forms of the errata."""
+
+RANKS = {0.0: 25, 1.5: 27}
+"""Rank of the 30 printed rows, by time [s] (A2)."""
+
+DETERMINED = 33
+"""Of the 36 parameters of Table 3."""
+
+REPRODUCED = 10
+"""Multipliers of Eq. (113)-(118) that the text determines: six λ_j3, λ_64, λ_65, λ_44, λ_45."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """One number against its bound.
+
+    where: table or equation; measured: of `what`; why: the bound
+    at_least: the bound is a lower one
+    """
+
+    where: str
+    what: str
+    measured: float
+    bound: float
+    why: str
+    at_least: bool = False
+
+    @property
+    def agrees(self) -> bool:
+        """NaN does not."""
+        return self.measured >= self.bound if self.at_least else self.measured <= self.bound
+
+
+def checks(
+    geometry: GeometryTable,
+    identification: PaperIdentification,
+    printed: PrintedMultipliers,
+    numbers: Sequence[Multiplier],
+    corrected: CorrectedMultipliers,
+    motion: OverTime,
+    effects: Sequence[Effect],
+) -> tuple[Check, ...]:
+    """In the order of the paper."""
+    reproduced = [number for number in numbers if number.kind == "reproduced"]
+    weight = _largest(abs(number.ours) for number in reproduced)
+    noise = _largest(abs(number.ours) for number in numbers if number.kind == "rounding")
+    ranks = _largest(abs(motion.ranks[time] - rank) for time, rank in RANKS.items())
+    ratios = printed_ratios()
+    ratio = _largest(abs(printed.ratios.get(joint, math.nan) / value - 1) for joint, value in ratios.items())
+    repaired = [effect for effect in effects if effect.erratum != "A2"]
+    missing = [effect for effect in effects if effect.erratum == "A2"]
+    return (
+        Check(
+            "Table 2", "entries that differ in a printed digit", geometry.differing, 0, "the cylinder formula is exact"
+        ),
+        Check(
+            "Table 3",
+            "parameters that the data determine and the paper prints",
+            int(identification.compared.sum()),
+            DETERMINED,
+            "all but m(e_2), J_22 and J_33 of B_1",
+            at_least=True,
+        ),
+        Check(
+            "Table 3",
+            "exact data: largest relative error of a determined parameter",
+            identification.exact_error,
+            EXACT,
+            "rounding times the condition number, below 1e2, with a large margin",
+        ),
+        Check(
+            "Table 4",
+            "7-digit data, worst trial: largest absolute error",
+            identification.rounded_largest,
+            identification.printed_largest,
+            "the largest of the paper, over the entries both determine",
+        ),
+        Check(
+            "Table 4",
+            "7-digit data, worst trial: root mean square error",
+            identification.rounded_rms,
+            identification.printed_rms,
+            "that of the paper, over the entries both determine",
+        ),
+        Check("Eq. (111)", "rank of the printed rows at 0 and 1.5 s: distance from 25 and 27", ranks, 0, "erratum A2"),
+        Check(
+            "Eq. (113)-(118)",
+            "multipliers that the text determines",
+            len(reproduced),
+            REPRODUCED,
+            "six λ_j3, λ_64, λ_65, λ_44, λ_45",
+            at_least=True,
+        ),
+        Check(
+            "Eq. (113)-(118)",
+            "as printed: fewest agreeing significant digits of these",
+            min((number.digits for number in reproduced), default=0),
+            DIGITS,
+            "the paper computes with seven digits",
+            at_least=True,
+        ),
+        Check(
+            "Eq. (113)-(118)",
+            "as printed: largest λ_j1, λ_j2, relative to the largest weight",
+            noise / weight,
+            REFEREE,
+            "they are zero; a few hundred roundings",
+        ),
+        Check(
+            "Eq. (114), (116), (117)",
+            "λ_j4 / λ_j5 of joints 2, 3, 5 against the null vector, relative",
+            ratio,
+            QUOTIENT,
+            "a quotient of two numbers of seven digits",
+        ),
+        Check(
+            "section 3.2",
+            "corrected: thirty multipliers against rnea at 1.5 s, relative",
+            corrected.difference,
+            REFEREE,
+            "two algorithms, a few hundred roundings each",
+        ),
+        Check(
+            "section 3",
+            "the experiment against rnea at 101 times, relative",
+            motion.difference,
+            REFEREE,
+            "two algorithms, a few hundred roundings each",
+        ),
+        Check(
+            "errata",
+            "corrected forms of A1, A3 … A6: largest relative error",
+            _largest(effect.corrected for effect in repaired),
+            CORRECTED,
+            "condition numbers below 1e4, a thousandfold margin over rounding",
+        ),
+        Check(
+            "errata",
+            "corrected form of A2: missing rank",
+            _largest(effect.corrected for effect in missing),
+            0,
+            "rank 30",
+        ),
+    )
+
+
+def _largest(values: Iterable[float]) -> float:
+    """NaN if one of them is."""
+    return float(np.max(list(values)))

@@ -1,0 +1,77 @@
+"""Everything that `graphdyn paper` shows, gathered once: terminal, JSON file and page are made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from crosscheck.studies.errata import Effect, measure
+from crosscheck.studies.paper.as_printed import PrintedMultipliers, printed_multipliers
+from crosscheck.studies.paper.checks import Check, checks
+from crosscheck.studies.paper.corrected import CorrectedMultipliers, corrected_multipliers
+from crosscheck.studies.paper.identification import PaperIdentification, identify
+from crosscheck.studies.paper.multipliers import Multiplier, multipliers
+from crosscheck.studies.paper.over_time import OverTime, over_time
+from crosscheck.studies.paper.tables import GeometryTable, geometry_table
+
+PARTS = ("Table 2", "Tables 3 and 4", "section 3.2 as printed", "section 3.2 corrected", "the experiment over time")
+"""What is computed before the errata."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reproduction:
+    """The paper beside the corrected model.
+
+    printed: section 3.2 solved with the printed rows; numbers: its thirty multipliers beside the printed ones
+    samples, seed: random states of the errata
+    checks: what must hold, and whether it does
+    """
+
+    geometry: GeometryTable
+    identification: PaperIdentification
+    printed: PrintedMultipliers
+    numbers: tuple[Multiplier, ...]
+    corrected: CorrectedMultipliers
+    over_time: OverTime
+    samples: int
+    seed: int
+    effects: tuple[Effect, ...]
+    checks: tuple[Check, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Every reproduced number is within its bound."""
+        return all(check.agrees for check in self.checks)
+
+
+def reproduce(samples: int, seed: int = 0, progress: Callable[[str], None] | None = None) -> Reproduction:
+    """Compute every part; progress is called with the name of each when it is done."""
+
+    def done(what: str) -> None:
+        if progress:
+            progress(what)
+
+    geometry = geometry_table()
+    done(PARTS[0])
+    identification = identify()
+    done(PARTS[1])
+    printed = printed_multipliers()
+    numbers = multipliers(printed)
+    done(PARTS[2])
+    corrected = corrected_multipliers()
+    done(PARTS[3])
+    motion = over_time()
+    done(PARTS[4])
+    effects = tuple(measure(samples, seed, lambda effect: done(f"{effect.erratum} on {effect.robot}")))
+    return Reproduction(
+        geometry,
+        identification,
+        printed,
+        numbers,
+        corrected,
+        motion,
+        samples,
+        seed,
+        effects,
+        checks(geometry, identification, printed, numbers, corrected, motion, effects),
+    )

@@ -1,0 +1,122 @@
+"""Virtual experiments: prescribe a motion, record what instruments at every joint and body would show.
+
+It replaces the simulation of section 3.1 of the paper. Nothing is integrated: laws give the motion exactly, the inverse
+dynamics give the forces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._arrays import as_floats
+from graphdyn._base_motion import BaseMotion
+from graphdyn._dynamics import inverse_dynamics
+from graphdyn._errors import InvalidInput
+from graphdyn._kinematics import maximal_state
+from graphdyn._model import RobotModel
+from graphdyn._rotation import rotation_about
+from graphdyn._virtual_recording import VirtualRecording
+from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.motion_laws import Course, Locked, MotionLaw, Rail, Turntable
+
+CarriageLaw = Rail | Turntable
+
+
+def record(
+    model: RobotModel,
+    times: ArrayLike,
+    joints: Mapping[str, MotionLaw] | Sequence[MotionLaw],
+    *,
+    base: CarriageLaw | Sequence[CarriageLaw] = (),
+) -> VirtualRecording:
+    """Move the robot as prescribed and record everything.
+
+    times: increasing                                       (N,)  [s]
+    joints: law per joint name, joints without one are locked at 0; or one law per joint, in the order of the model
+    base: motion of the carriage that carries the ground frame: rails, whose displacements add, and at most one
+        turntable
+
+    Raises InvalidInput for unknown joints, laws that answer anything but three finite arrays (N,), wrong times.
+    """
+    times = np.atleast_1d(as_floats("times", times))
+    if times.ndim != 1 or not np.all(np.isfinite(times)):
+        raise InvalidInput(f"times must be finite numbers of shape (N,); they have shape {times.shape}")
+    courses = [_course(f"joint '{name}'", law, times) for name, law in _laws(model, joints).items()]
+    q, v, a = (np.stack(part, axis=-1) for part in zip(*courses, strict=True))
+    motion = _carriage(base, times)
+    state = maximal_state(model, q, v, a, base=motion)
+    answer = inverse_dynamics(model, q, v, a, base=motion)
+
+    def in_world(vectors: Array) -> Array:
+        return np.einsum("...ab,...b->...a", state.rotation, vectors)
+
+    return VirtualRecording(
+        robot=model.name,
+        joint_names=model.joint_names,
+        body_names=model.body_names,
+        prismatic=tuple(joint.is_prismatic for joint in model.joints),
+        time=times,
+        q=q,
+        v=v,
+        a=a,
+        tau=answer.tau,
+        cardano=state.cardano,
+        position=state.position,
+        acceleration=answer.body_accelerations[..., LINEAR],
+        angular_velocity=in_world(state.velocity[..., ANGULAR]),
+        angular_acceleration=in_world(answer.body_accelerations[..., ANGULAR]),
+        joint_forces=in_world(answer.joint_wrenches[..., LINEAR]),
+        joint_moments=in_world(answer.joint_wrenches[..., ANGULAR]),
+    )
+
+
+def _laws(model: RobotModel, joints: Mapping[str, MotionLaw] | Sequence[MotionLaw]) -> dict[str, MotionLaw]:
+    """A law for every joint, in the order of the model."""
+    known = f"joints of robot '{model.name}': {', '.join(model.joint_names)}"
+    if not isinstance(joints, Mapping):
+        if len(joints) != model.n_bodies:
+            raise InvalidInput(
+                f"{len(joints)} motion laws for {model.n_bodies} joints; give one each, or name them ({known})"
+            )
+        return dict(zip(model.joint_names, joints, strict=True))
+    unknown = [name for name in joints if name not in model.joint_names]
+    if unknown:
+        raise InvalidInput(f"there is no joint '{unknown[0]}'; {known}")
+    return {name: joints.get(name, Locked()) for name in model.joint_names}
+
+
+def _course(who: str, law: MotionLaw, times: Array) -> Course:
+    if not callable(law):
+        raise InvalidInput(
+            f"{who}: {law!r} is no motion law; take one of graphdyn.motion_laws, such as Locked(position)"
+        )
+    course = tuple(as_floats(f"{who}: the law's answer", part) for part in law(times))
+    if [part.shape for part in course] != [times.shape] * 3 or not all(np.all(np.isfinite(part)) for part in course):
+        raise InvalidInput(
+            f"{who}: the law must answer position, velocity and acceleration, finite and of shape {times.shape}; "
+            f"it answers {', '.join(str(part.shape) for part in course)}"
+        )
+    position, velocity, acceleration = course
+    return position, velocity, acceleration
+
+
+def _carriage(base: CarriageLaw | Sequence[CarriageLaw], times: Array) -> BaseMotion:
+    """Rails move the origin of the carriage, the turntable turns it about that origin: their order does not matter."""
+    laws = (base,) if isinstance(base, CarriageLaw) else tuple(base)
+    rotation, linear, angular = np.eye(3), np.zeros((3, *times.shape, 3)), np.zeros((3, *times.shape, 3))
+    if sum(isinstance(law, Turntable) for law in laws) > 1:
+        raise InvalidInput("the base has more than one turntable; turns about several axes do not add: give one")
+    for law in laws:
+        if isinstance(law, Rail):
+            linear += np.stack(_course("rail", law.law, times))[..., None] * np.array(law.direction)
+        elif isinstance(law, Turntable):
+            course = _course("turntable", law.law, times)
+            angular += np.stack(course)[..., None] * np.array(law.axis)
+            rotation = rotation_about(law.axis, course[0])
+        else:
+            raise InvalidInput(f"the base cannot move by {law!r}; use Rail or Turntable of graphdyn.motion_laws")
+    velocity, acceleration = (np.concatenate([linear[k], angular[k]], axis=-1) for k in (1, 2))
+    return BaseMotion(rotation, linear[0], velocity, acceleration)

@@ -1,0 +1,321 @@
+"""Joint state → maximal state, and back.
+
+Maximal coordinates: per body the position r of the center of mass in world axes and its orientation R; velocity
+(ṙ in world axes, ω in body axes), acceleration (r̈, ω̇) likewise. Vertex arrays carry the ground as row 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._arrays import as_floats, joint_arrays
+from graphdyn._base_motion import BaseMotion, Ground, ground
+from graphdyn._errors import InconsistentState, InvalidInput
+from graphdyn._linear import solve
+from graphdyn._methods import Method, is_recursive
+from graphdyn._model import RobotModel
+from graphdyn._rotation import cardano_angles, cardano_rate_matrix, rotation_about
+from graphdyn._vertices import Vertices, constraint_values
+from graphdyn.kernels.batch import Options, evaluate
+from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
+
+CLOSURE = 1e-6
+"""Largest constraint residual [m, rad] with which joint_state still reads joint angles off a maximal state.
+
+Far above rounding (1e-15 m for an arm of some meters), far below what a misplaced body would show."""
+
+
+@dataclass(frozen=True, eq=False)
+class MaximalState:
+    """Where all bodies are and how they move; arrays have leading batch dimensions.
+
+    position: r, centers of mass, world axes                (…, n, 3)     [m]
+    rotation: R, body axes to world axes                    (…, n, 3, 3)
+    velocity: ṙ in world axes, ω in body axes               (…, n, 6)     [m/s, rad/s]
+    acceleration: r̈ in world axes, ω̇ in body axes; or None  (…, n, 6)     [m/s², rad/s²]
+    ground: where the ground frame is and how it moves; at rest at `model.base` if left out
+    """
+
+    model: RobotModel
+    position: Array
+    rotation: Array
+    velocity: Array
+    acceleration: Array | None = None
+    ground: Ground | None = None
+
+    def __post_init__(self) -> None:
+        n = self.model.n_bodies
+        shapes = {"position": (n, 3), "rotation": (n, 3, 3), "velocity": (n, 6), "acceleration": (n, 6)}
+        for name, trailing in shapes.items():
+            value = getattr(self, name)
+            if value is None and name == "acceleration":
+                continue
+            array = as_floats(name, value)
+            if array.shape[-len(trailing) :] != trailing:
+                raise InvalidInput(f"{name} has shape {array.shape}, expected (…, {', '.join(map(str, trailing))})")
+            if not np.all(np.isfinite(array)):
+                raise InvalidInput(f"{name} of the maximal state contains NaN or infinity")
+            object.__setattr__(self, name, array)
+        batches = {
+            name: getattr(self, name).shape[: -len(trailing)]
+            for name, trailing in shapes.items()
+            if getattr(self, name) is not None
+        }
+        if len(set(batches.values())) > 1:
+            raise InvalidInput(f"leading dimensions of the maximal state differ: {batches}")
+        if self.ground is None:
+            object.__setattr__(self, "ground", ground(self.model, None, batches["position"]))
+
+    @property
+    def cardano(self) -> Array:
+        """θ = (α, β, γ) of every body (…, n, 3) [rad], Eq. (1)."""
+        return cardano_angles(self.rotation)
+
+    @property
+    def cardano_rates(self) -> Array:
+        """θ̇ = D⁻¹ ω (…, n, 3) [rad/s], Eq. (3), (33). Grows without bound towards gimbal lock."""
+        d = cardano_rate_matrix(self.cardano)
+        return solve(d, self.velocity[..., ANGULAR])
+
+    def constraint_residual(self) -> Array:
+        """φ (…, n, 5), Eq. (65)-(105): how far the bodies are from where the joints hold them. [m, -]"""
+        return constraint_values(self.model, self.vertices)
+
+    @cached_property
+    def vertices(self) -> Vertices:
+        assert self.ground is not None
+        return Vertices(self.model, self.position, self.rotation, self.velocity, self.ground)
+
+
+def maximal_state(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike | None = None,
+    a: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+) -> MaximalState:
+    """Positions, orientations and twists of all bodies, and with a their accelerations.
+
+    q, v, a: joint positions, velocities, accelerations     (…, n)  [rad or m, …/s, …/s²]
+    A missing v stands for zero; without a the state has no acceleration.
+    base: prescribed motion of the base; its leading dimensions broadcast with those of q, v, a
+    method, threads: see graphdyn._dynamics; "projected" and "dense" are state_on here
+
+    Raises InvalidInput for wrong shapes, NaN or infinity.
+    """
+    rest = np.zeros(model.n_bodies)
+    x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
+    if is_recursive(method, x):
+        return _recursive_state(model, x, a is not None, base, Options(threads, check=False))
+    return state_on(ground(model, base, x["q"].shape[:-1]), model, x["q"], x["v"], None if a is None else x["a"])
+
+
+def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array | None) -> MaximalState:
+    """maximal_state on a ground that is where it is: q, v, a and the ground's arrays have the same leading shape."""
+    batch, n = q.shape[:-1], model.n_bodies
+    rotation = np.empty((*batch, n + 1, 3, 3))
+    # of the link origins, world axes; row 0 is the ground
+    origin, linear, angular = (np.zeros((*batch, n + 1, 3)) for _ in range(3))
+    linear_acc, angular_acc = (np.zeros((*batch, n + 1, 3)) for _ in range(2))
+    rotation[..., 0, :, :], origin[..., 0, :] = vertex_0.rotation, vertex_0.position
+    linear[..., 0, :], angular[..., 0, :] = vertex_0.velocity[..., LINEAR], vertex_0.velocity[..., ANGULAR]
+    linear_acc[..., 0, :], angular_acc[..., 0, :] = (
+        vertex_0.acceleration[..., LINEAR],
+        vertex_0.acceleration[..., ANGULAR],
+    )
+    for j, joint in enumerate(model.joints, start=1):
+        i, k = joint.inside, j - 1
+        in_world = rotation[..., i, :, :] @ joint.placement.rotation
+        axis = in_world @ joint.axis
+        arm = rotation[..., i, :, :] @ joint.placement.translation
+        omega, alpha = angular[..., i, :], angular_acc[..., i, :]
+        rate = v[..., k, None] * axis
+        relative = np.zeros_like(axis) if a is None else a[..., k, None] * axis
+        if joint.is_prismatic:
+            arm = arm + q[..., k, None] * axis
+            rotation[..., j, :, :] = in_world
+            angular[..., j, :] = omega
+            angular_acc[..., j, :] = alpha
+        else:
+            rotation[..., j, :, :] = in_world @ rotation_about(joint.axis, q[..., k])
+            angular[..., j, :] = omega + rate
+            angular_acc[..., j, :] = alpha + np.cross(omega, rate) + relative
+        origin[..., j, :] = origin[..., i, :] + arm
+        linear[..., j, :] = linear[..., i, :] + np.cross(omega, arm)
+        linear_acc[..., j, :] = linear_acc[..., i, :] + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+        if joint.is_prismatic:
+            linear[..., j, :] += rate
+            linear_acc[..., j, :] += 2 * np.cross(omega, rate) + relative
+    rotation, origin, angular, angular_acc = (
+        rotation[..., 1:, :, :],
+        origin[..., 1:, :],
+        angular[..., 1:, :],
+        angular_acc[..., 1:, :],
+    )
+    centers = np.stack([body.center_of_mass for body in model.bodies])
+    arms = np.einsum("...iab,ib->...ia", rotation, centers)
+
+    def twist(at_origin: Array, angular_part: Array) -> Array:
+        return np.concatenate([at_origin, np.einsum("...iba,...ib->...ia", rotation, angular_part)], axis=-1)
+
+    velocity = twist(linear[..., 1:, :] + np.cross(angular, arms), angular)
+    acceleration = None
+    if a is not None:
+        at_center = linear_acc[..., 1:, :] + np.cross(angular_acc, arms) + np.cross(angular, np.cross(angular, arms))
+        acceleration = twist(at_center, angular_acc)
+    return MaximalState(model, origin + arms, rotation, velocity, acceleration, vertex_0)
+
+
+def _recursive_state(
+    model: RobotModel, x: dict[str, Array], accelerated: bool, base: BaseMotion | None, options: Options
+) -> MaximalState:
+    """state_on by the recursions of graphdyn.kernels."""
+    acceleration = None
+    if accelerated:
+        there = evaluate(model, "inverse_dynamics", ("body_accelerations",), x, base, options)
+        acceleration = there.arrays["body_accelerations"]
+    state = evaluate(
+        model, "maximal_state", ("position", "rotation", "velocity"), {"q": x["q"], "v": x["v"]}, base, options
+    ).arrays
+    vertex_0 = ground(model, base, x["q"].shape[:-1])
+    return MaximalState(model, state["position"], state["rotation"], state["velocity"], acceleration, vertex_0)
+
+
+def bias_acceleration(model: RobotModel, q: Array, v: Array, on: Ground | None = None) -> Array:
+    """Ṅ v (…, n, 6): the body accelerations at v when all joint accelerations are zero; on a ground that may move."""
+    vertex_0 = ground(model, None, q.shape[:-1]) if on is None else on
+    acceleration = state_on(vertex_0, model, q, v, np.zeros_like(q)).acceleration
+    assert acceleration is not None
+    return acceleration
+
+
+def link_origins(state: MaximalState) -> Array:
+    """O_j (…, n, 3): origins of the link frames, where the inside joints are; world axes [m]."""
+    vertices = state.vertices
+    return state.position - np.einsum("...iab,ib->...ia", state.rotation, vertices.center[1:])
+
+
+def frame_placement(
+    model: RobotModel, q: ArrayLike, name: str, *, base: BaseMotion | None = None
+) -> tuple[Array, Array]:
+    """Rotation (…, 3, 3) and position (…, 3) [m] in the world of a named frame (see RobotModel.frame).
+
+    Raises UnknownFrame for an unknown name, InvalidInput for wrong shapes, NaN or infinity.
+    """
+    frame = model.frame(name)
+    state = maximal_state(model, q, base=base)
+    vertices = state.vertices
+    rotation = vertices.rotation[..., frame.body, :, :]
+    position = vertices.position[..., frame.body, :] + vertices.arm(frame.body, frame.placement.translation)
+    return rotation @ frame.placement.rotation, position
+
+
+def null_space(state: MaximalState) -> Array:
+    """N (…, 6n, n) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0."""
+    model = state.model
+    axes, origins = joint_axes(state), link_origins(state)
+    on_path = model.graph.path_matrix()
+    lever = state.position[..., :, None, :] - origins[..., None, :, :]  # body i, joint k
+    axis = axes[..., None, :, :]
+    revolute = np.array([not joint.is_prismatic for joint in model.joints])[:, None]
+    linear = np.where(revolute, np.cross(axis, lever), axis)
+    angular = np.where(revolute, np.einsum("...iba,...kb->...ika", state.rotation, axes), 0.0)
+    columns = np.concatenate([linear, angular], axis=-1) * on_path.T[:, :, None]  # (…, body, joint, 6)
+    return stacked_rows(np.swapaxes(columns, -1, -2))
+
+
+def joint_axes(state: MaximalState) -> Array:
+    """p_j (…, n, 3): unit joint axes in world axes."""
+    vertices = state.vertices
+    return np.stack(
+        [
+            vertices.rotation[..., joint.inside, :, :] @ (joint.placement.rotation @ joint.axis)
+            for joint in state.model.joints
+        ],
+        axis=-2,
+    )
+
+
+def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
+    """q, v (…, n) of a maximal state. Angles come back in (-π, π]: full turns leave no trace in R.
+
+    The motion of the base is that of the state.
+    Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
+    (CLOSURE); InvalidInput for a state of another number of bodies.
+    """
+    state = replace(state, model=model)
+    residual = np.abs(state.constraint_residual())
+    if residual.size and residual.max() > CLOSURE:
+        *row, worst, _ = (int(k) for k in np.unravel_index(int(residual.argmax()), residual.shape))
+        where = f" in row {tuple(row)}" if row else ""
+        raise InconsistentState(
+            f"joint '{model.joint_names[worst]}' is open by {residual.max():.2g} (m or rad){where}; "
+            f"a state of robot '{model.name}' closes every joint to {CLOSURE:g}"
+        )
+    q, v = (np.empty((*state.position.shape[:-2], model.n_bodies)) for _ in range(2))
+    vertices, axes, origins = state.vertices, joint_axes(state), link_origins(state)
+    for j, joint in enumerate(model.joints, start=1):
+        i, k = joint.inside, j - 1
+        axis = axes[..., k, :]
+        if joint.is_prismatic:
+            arm = vertices.arm(i, joint.placement.translation)
+            slide = origins[..., k, :] - vertices.position[..., i, :] - arm
+            q[..., k] = _dot(slide, axis)
+            arm_j = origins[..., k, :] - state.position[..., k, :]
+            velocity_j = vertices.velocity[..., j, :] + np.cross(vertices.angular_velocity[..., j, :], arm_j)
+            carried = vertices.velocity[..., i, :] + np.cross(vertices.angular_velocity[..., i, :], arm + slide)
+            v[..., k] = _dot(velocity_j - carried, axis)
+        else:
+            inside = vertices.rotation[..., i, :, :] @ joint.placement.rotation
+            turn = np.swapaxes(inside, -1, -2) @ state.rotation[..., k, :, :]
+            t_1, t_2 = joint.axis_normals
+            q[..., k] = np.arctan2((turn @ t_1) @ t_2, (turn @ t_1) @ t_1)
+            v[..., k] = _dot(vertices.angular_velocity[..., j, :] - vertices.angular_velocity[..., i, :], axis)
+    return q, v
+
+
+def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
+    """a (…, n): joint accelerations of a maximal state that carries body accelerations [rad/s² or m/s²].
+
+    The acceleration of each body relative to its inside body, along the joint axis.
+
+    Raises InconsistentState as joint_state does; InvalidInput where the state has no acceleration.
+    """
+    if state.acceleration is None:
+        raise InvalidInput("the maximal state has no acceleration; call maximal_state with a, or set it")
+    q, v = joint_state(model, state)
+    bias = bias_acceleration(model, q, v, state.ground)
+    return project_accelerations(replace(state, model=model), state.acceleration, bias)
+
+
+def project_accelerations(state: MaximalState, acceleration: Array, bias: Array) -> Array:
+    """a (…, n) from body accelerations (…, n, 6) and Ṅ v (…, n, 6): relative acceleration along each joint axis."""
+    model = state.model
+    relative = acceleration - bias  # = N a
+    axes, origins, vertices = joint_axes(state), link_origins(state), state.vertices
+    angular = np.einsum("...iab,...ib->...ia", state.rotation, relative[..., ANGULAR])
+    at_ground = np.zeros_like(angular[..., :1, :])
+    angular = np.concatenate([at_ground, angular], axis=-2)
+    linear = np.concatenate([at_ground, relative[..., LINEAR]], axis=-2)
+    a = np.empty(relative.shape[:-1])
+    for j, joint in enumerate(model.joints, start=1):
+        i, k = joint.inside, j - 1
+        if joint.is_prismatic:
+            at_j = linear[..., j, :] + np.cross(angular[..., j, :], origins[..., k, :] - vertices.position[..., j, :])
+            at_i = linear[..., i, :] + np.cross(angular[..., i, :], origins[..., k, :] - vertices.position[..., i, :])
+            difference = at_j - at_i
+        else:
+            difference = angular[..., j, :] - angular[..., i, :]
+        a[..., k] = _dot(difference, axes[..., k, :])
+    return a
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.einsum("...a,...a->...", a, b)

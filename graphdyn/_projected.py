@@ -1,0 +1,136 @@
+"""The dynamics as the equations read: Eq. (111) solved as it stands, or projected onto the null space of φ_q.
+
+The arguments are arrays of one common leading shape (graphdyn._arrays.joint_arrays).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn._answers import ForwardDynamics, InverseDynamics
+from graphdyn._base_motion import BaseMotion, rooted_ground
+from graphdyn._constraints import constraints
+from graphdyn._errors import SingularMassMatrix
+from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations, state_on
+from graphdyn._kkt import KKTSystem
+from graphdyn._linear import apply, solve
+from graphdyn._model import RobotModel
+from graphdyn._reactions import in_link_axes, join_reactions, split_reactions, transmitted_wrenches
+from graphdyn._unconstrained import actuator_terms, applied_terms, mass_blocks, mass_terms, passive_terms
+from graphdyn.layout import BODY_FREEDOMS, Array, per_body, per_joint, stacked
+
+Arguments = Mapping[str, Array]
+
+
+def forward_dynamics(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, *, dense: bool = False
+) -> ForwardDynamics:
+    """Of x["q"], x["v"], x["tau"], x["external_wrenches"]. Raises SingularMassMatrix."""
+    state = rooted_state(model, base, x["q"], x["v"])
+    n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
+    mass = _projected_mass(state, n)
+    refuse_singular(model, mass)
+    if dense:
+        solution = kkt(state, x["tau"], x["external_wrenches"]).solve_unchecked()
+        accelerations = per_body(solution.acceleration)
+        wrenches = join_reactions(state, solution.multipliers, x["tau"])
+        a = project_accelerations(state, accelerations, bias)
+        return ForwardDynamics(a, accelerations, solution.multipliers, in_link_axes(state, wrenches))
+    passive = passive_terms(state, x["external_wrenches"])
+    free = _inertial_terms(state, bias) - passive
+    right = x["tau"] - apply(np.swapaxes(n, -1, -2), stacked(free))
+    a = solve(mass, right)
+    accelerations = bias + per_body(apply(n, a))
+    wrenches = transmitted_wrenches(state, _inertial_terms(state, accelerations) - passive)
+    multipliers, _ = split_reactions(state, wrenches)
+    return ForwardDynamics(a, accelerations, multipliers, in_link_axes(state, wrenches))
+
+
+def inverse_dynamics(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, *, dense: bool = False
+) -> InverseDynamics:
+    """Of x["q"], x["v"], x["a"], x["external_wrenches"]; dense solves E τ - φ_qᵀλ = A q̈ - B for (τ, λ)."""
+    state = rooted_state(model, base, x["q"], x["v"], x["a"])
+    assert state.acceleration is not None
+    accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
+    required = _inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
+    if dense:
+        phi_q, _ = constraints(state)
+        matrix = np.concatenate([actuator_terms(state), -np.swapaxes(phi_q, -1, -2)], axis=-1)
+        unknowns = solve(matrix, stacked(required))
+        tau = unknowns[..., : model.n_bodies]
+        multipliers = per_joint(unknowns[..., model.n_bodies :])
+        wrenches = join_reactions(state, multipliers, tau)
+    else:
+        wrenches = transmitted_wrenches(state, required)
+        multipliers, tau = split_reactions(state, wrenches)
+    return InverseDynamics(tau, accelerations, multipliers, in_link_axes(state, wrenches))
+
+
+def mass_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None) -> Array:
+    """M = NᵀAN (…, n, n) at x["q"]."""
+    state = rooted_state(model, base, x["q"], np.zeros_like(x["q"]))
+    return _projected_mass(state, null_space(state))
+
+
+def rooted_state(
+    model: RobotModel, base: BaseMotion | None, q: Array, v: Array, a: Array | None = None
+) -> MaximalState:
+    """The maximal state, shifted so that joint 1 is at the world's origin (RobotModel.rooted)."""
+    return state_on(rooted_ground(model, base, q.shape[:-1]), model.rooted, q, v, a)
+
+
+def kkt(state: MaximalState, tau: Array, external_wrenches: Array) -> KKTSystem:
+    """Eq. (111) at a state."""
+    phi_q, zeta = constraints(state)
+    return KKTSystem(mass_terms(state), phi_q, applied_terms(state, tau, external_wrenches), zeta)
+
+
+def _inertial_terms(state: MaximalState, accelerations: Array) -> Array:
+    """A q̈ per body (…, n, 6)."""
+    return np.einsum("iab,...ib->...ia", mass_blocks(state), accelerations)
+
+
+def _projected_mass(state: MaximalState, n: Array) -> Array:
+    blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, BODY_FREEDOMS, n.shape[-1])
+    mass = np.einsum("...iak,iab,...ibl->...kl", blocks, mass_blocks(state), blocks, optimize=True)
+    return (mass + np.swapaxes(mass, -1, -2)) / 2
+
+
+def singular(mass: Array) -> NDArray[np.bool_]:
+    """Which mass matrices (…, n, n) are singular (…): scaled to unit diagonal, an eigenvalue at rounding level."""
+    values, _ = _scaled_eigensystem(mass)
+    sizes = np.abs(values)
+    no_inertia = (np.diagonal(mass, axis1=-2, axis2=-1) == 0).any(axis=-1)
+    limit = mass.shape[-1] * np.finfo(float).eps * sizes.max(axis=-1, initial=0.0)
+    return np.asarray(no_inertia | (sizes.min(axis=-1, initial=np.inf) <= limit))
+
+
+def refuse_singular(model: RobotModel, mass: Array, rows: Sequence[tuple[int, ...]] | None = None) -> None:
+    """Raises SingularMassMatrix, naming the row and the joint, where one of the mass matrices (…, n, n) is singular.
+
+    rows: what to call the matrices (count, n, n); their indices if left out
+    """
+    at_fault = singular(mass)
+    if not at_fault.any():
+        return
+    row = tuple(int(k) for k in np.argwhere(at_fault)[0])
+    values, vectors = _scaled_eigensystem(mass[row])
+    joint = int(np.abs(vectors[:, np.abs(values).argmin()]).argmax())
+    massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
+    cause = f"bodies without mass or inertia: {', '.join(massless)}" if massless else "see physical_consistency()"
+    name = rows[row[0]] if rows is not None else row
+    raise SingularMassMatrix(
+        f"the mass matrix of robot '{model.name}' is singular{f' in row {name}' if name else ''}: joint "
+        f"'{model.joint_names[joint]}' moves without inertia, so torques do not determine accelerations ({cause})"
+    )
+
+
+def _scaled_eigensystem(mass: Array) -> tuple[Array, Array]:
+    diagonal = np.abs(np.diagonal(mass, axis1=-2, axis2=-1))
+    scale = np.where(diagonal > 0, diagonal, 1.0) ** -0.5
+    values, vectors = np.linalg.eigh(mass * scale[..., :, None] * scale[..., None, :])
+    return values, vectors

@@ -1,0 +1,59 @@
+"""The dynamics body after body, compiled for the robot at hand: graphdyn._projected for many samples.
+
+The arguments are arrays of one common leading shape (graphdyn._arrays.joint_arrays, unchecked); external wrenches are
+left out where there are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from graphdyn import _projected as projected
+from graphdyn._base_motion import BaseMotion
+from graphdyn._model import RobotModel
+from graphdyn._projected import Arguments, refuse_singular
+from graphdyn.kernels.batch import Evaluation, Options, evaluate
+from graphdyn.layout import BODY_FREEDOMS, Array
+
+
+def answers(
+    model: RobotModel,
+    verb: str,
+    fields: tuple[str, ...],
+    x: Arguments,
+    base: BaseMotion | None,
+    options: Options,
+    out: Mapping[str, Array] | None,
+) -> dict[str, Array]:
+    """These fields of what "forward_dynamics" or "inverse_dynamics" answers. Raises SingularMassMatrix."""
+    answer = evaluate(model, verb, fields, x, base, options, out)
+    if answer.suspects.size:
+        _decide(model, answer, x, base)
+    return answer.arrays
+
+
+def single_array(
+    model: RobotModel, name: str, x: Arguments, base: BaseMotion | None, options: Options, out: Array | None
+) -> Array:
+    """The answer of a verb that has one array of the verb's name."""
+    given = None if out is None else {name: out}
+    return evaluate(model, name, (name,), x, base, options, given).arrays[name]
+
+
+def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotion | None) -> None:
+    """Refuse samples with a singular mass matrix; solve those that merely have a small pivot by projection."""
+    arrays, single = answer.arrays, x["q"].ndim == 1
+    if single:  # as a batch of one
+        x, arrays = ({name: array[None] for name, array in given.items()} for given in (x, arrays))
+    batch = x["q"].shape[:-1]
+    index = np.unravel_index(answer.suspects, batch)
+    rows = [() if single else tuple(int(k[i]) for k in index) for i in range(answer.suspects.size)]
+    chosen = {name: array[index] for name, array in x.items()}
+    chosen.setdefault("external_wrenches", np.zeros((len(rows), model.n_bodies, BODY_FREEDOMS)))
+    there = None if base is None else base.at(batch, index)
+    refuse_singular(model, projected.mass_matrix(model, chosen, there), rows)
+    solved = projected.forward_dynamics(model, chosen, there)
+    for name, array in arrays.items():
+        array[index] = getattr(solved, name)

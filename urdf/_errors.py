@@ -1,0 +1,140 @@
+"""What the importer and the exporter refuse, and what they warn about."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+
+from graphdyn import GraphDynError
+
+
+class URDFError(GraphDynError, ValueError):
+    """Base of every refusal: where, what is wrong, and what to do about it.
+
+    code: a stable name of the fault ("negative-mass"), for programs
+    path: the file, line: its line, element: the element there; None where the refusal has none
+    """
+
+    default_code: ClassVar[str] = "invalid-robot"
+
+    def __init__(
+        self,
+        problem: str,
+        remedy: str,
+        *,
+        code: str | None = None,
+        path: Path | None = None,
+        line: int | None = None,
+        element: str | None = None,
+    ):
+        self.problem, self.remedy = problem, remedy
+        self.code = code or self.default_code
+        self.path, self.line, self.element = path, line, element
+        place = "" if path is None else str(path) if line is None else f"{path}:{line}"
+        super().__init__(": ".join(part for part in (place, element, f"{problem}; {remedy}") if part))
+
+
+class RobotNotFound(URDFError):
+    """Neither a file nor a name of the catalogue."""
+
+    default_code = "no-such-file"
+
+
+class TooLarge(URDFError):
+    """A file beyond the limits of size: bytes, tags, links, joints."""
+
+    default_code = "too-large"
+
+
+class MalformedXML(URDFError):
+    """Not a well-formed XML document, or not one whose root element is <robot>."""
+
+    default_code = "malformed-xml"
+
+
+class MissingEntry(URDFError):
+    """An element or attribute without which a value would have to be guessed."""
+
+
+class DuplicateEntry(URDFError):
+    """A name, or an element of which there can be one, that occurs twice."""
+
+
+class InvalidNumber(URDFError):
+    """Text that is not the finite number, or the three finite numbers, that belong there."""
+
+
+class UnsupportedJoint(URDFError):
+    """A joint type other than revolute, continuous, prismatic and fixed."""
+
+
+class NotATree(URDFError):
+    """Links and joints that do not form one tree."""
+
+
+class InvalidLock(URDFError):
+    """A joint to be locked that is unknown or fixed, or a lock value that is not a finite number."""
+
+
+class InvalidChain(URDFError):
+    """Two links that do not span an arm."""
+
+
+class InvalidXacro(URDFError):
+    """A .xacro file that cannot be expanded, or that reaches for files outside its folder and the given packages."""
+
+    default_code = "invalid-xacro"
+
+
+class XacroNotInstalled(InvalidXacro):
+    """A .xacro file, and no expander."""
+
+    default_code = "xacro-not-installed"
+
+
+class InvalidRepair(URDFError):
+    """A repair that urdf.load does not know."""
+
+
+class InvalidRobot(URDFError):
+    """A file that reads well and describes a robot that graphdyn refuses."""
+
+
+class CannotSave(URDFError):
+    """A model that a URDF file cannot express."""
+
+
+class CannotUpdate(URDFError):
+    """Inertial parameters that cannot be written into a file."""
+
+
+class URDFWarning(UserWarning):
+    """Base of every warning of this package."""
+
+
+class MissingInertialWarning(URDFWarning):
+    """Moving bodies without any <inertial>: mass zero, forward dynamics not determined."""
+
+
+class AxisNotNormalizedWarning(URDFWarning):
+    """Joint axes that are not of unit length; they are normalised."""
+
+
+class ChainWarning(URDFWarning):
+    """What urdf.load decided where an arm is cut out of a larger robot."""
+
+
+class XacroWarning(URDFWarning):
+    """What the expander of .xacro files complains about."""
+
+
+class RepairWarning(URDFWarning):
+    """What was mended at the caller's wish."""
+
+
+class MimicJointWarning(URDFWarning):
+    """Mimic joints, loaded as independent joints."""
+
+
+class GravityNotSavedWarning(URDFWarning):
+    """A URDF file has no place for gravity; this model's differs from the default that a reload assumes."""

@@ -1,0 +1,71 @@
+"""urdf.load: any source, opened, parsed and told about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from numpy.typing import ArrayLike
+
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+from urdf._cutting import Chain
+from urdf._locking import Lock
+from urdf._opening import Given, Xacro, open_document
+from urdf._parsing import build, parse
+from urdf._source import reduced
+from urdf._telling import warn
+
+
+def load(
+    source: Given,
+    *,
+    chain: Chain = None,
+    lock: Lock = None,
+    repair: Iterable[str] = (),
+    gravity: ArrayLike | None = None,
+    xacro: Xacro | None = None,
+) -> RobotModel:
+    """The robot of a URDF file, or of the catalogue by name ("ur5", "kr500": see urdf.robots).
+
+    source: name, path, XML as text or bytes, or an open file; a string is XML if it begins with "<" or has several
+        lines. A path that ends with .xacro is expanded, which needs the extra graphdyn[xacro]
+    chain: (base_link, tip_link) cuts out the arm between two links; base_link becomes the root, at the origin.
+        Links fixed to the path stay. Other movable joints are locked where the path carries them (at 0 unless lock
+        says otherwise), for their mass belongs to the load; on base_link itself they are left out
+    lock: joints to hold still: {name: value [rad or m]}, or names (value 0)
+    repair: what to mend, each change reported by RepairWarning: "axis" gives axes whose length misses 1 by less than
+        1e-3 unit length, "limits" exchanges lower and upper limits that are reversed
+    gravity: (3,) in world axes [m/s²]; default: the catalogue's for a name, (0, 0, -9.81) for a file
+    xacro: arguments and packages for a .xacro file
+
+    Bodies are numbered parents first, depth first, siblings in the order of the <joint> elements; a body has the name
+    of its link. Fixed and locked joints are fused and their links kept as frames, under the joint's name too unless a
+    link has that name. Angles are used as written: 1.5708 is not π/2. Mimic joints are independent, as in Pinocchio
+    unless it is asked otherwise. The inertia of the root link, which never moves, is dropped. A largest-double effort
+    or velocity limit means "none" (urdf.save writes it).
+
+    Raises URDFError (RobotNotFound, MalformedXML, TooLarge, MissingEntry, DuplicateEntry, InvalidNumber,
+    UnsupportedJoint, NotATree, InvalidChain, InvalidLock, InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled)
+    with file, line and element for everything that would have to be guessed, and InvalidModel for a gravity that is not
+    three finite numbers.
+    Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning, ChainWarning, RepairWarning,
+    XacroWarning.
+    """
+    opened = open_document(source, xacro)
+    parsed = parse(reduced(opened.document), chain=chain, lock=lock, repair=repair)
+    model = build(parsed, opened.gravity)
+    warn(parsed, model.gravity if gravity is None else None, opened.complaints or ())
+    return model if gravity is None else model.with_gravity(gravity)
+
+
+def fused_links(
+    source: Given, *, chain: Chain = None, lock: Lock = None, repair: Iterable[str] = (), xacro: Xacro | None = None
+) -> dict[str, tuple[int, Array]]:
+    """What fixed links add to the bodies that carry them: by link name, number of the body and its share (10,).
+
+    The share is in inertial parameters about the body's link origin, in its link axes: without the link, the body's
+    parameters are `model.bodies[number - 1].parameters - share`. Links without <inertial> and links fixed to the
+    ground are left out. Arguments and errors as in load; no warnings.
+    """
+    opened = open_document(source, xacro)
+    return parse(reduced(opened.document), chain=chain, lock=lock, repair=repair).assembly.fused

@@ -1,0 +1,61 @@
+"""Numbers as a URDF file writes them: decimal, finite, separated by spaces."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from lxml import etree
+
+from urdf._wording import shortened
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+_BLANKS = re.compile(r"[ \t\r\n]+")
+"""What XML takes for blank; str.split knows many more, which no other reader of URDF does."""
+
+UNIT_LENGTH = 1e-9
+"""An axis whose length differs from 1 by no more is taken for a unit vector."""
+
+UNEXPANDED = re.compile(r"\$[{(]")
+"""What xacro would have replaced: ${…} and $(…)."""
+
+
+@dataclass(frozen=True)
+class BadNumber:
+    """Why a text is not the numbers that belong there."""
+
+    code: str
+    problem: str
+    remedy: str
+
+
+def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:
+    """The numbers of a text, so many, or what is wrong with it. said: how the text appears in the sentence."""
+    if UNEXPANDED.search(text):
+        return BadNumber("unexpanded-number", f"{said} is not expanded", "expand the file with xacro")
+    words = [word for word in _BLANKS.split(text) if word]
+    if len(words) != count:
+        return BadNumber(
+            "wrong-number-of-entries",
+            f"{said} has {len(words)} entries, expected {count}",
+            "separate numbers by spaces",
+        )
+    for word in words:
+        if word.lower().lstrip("+-") in ("nan", "inf", "infinity"):
+            return BadNumber(
+                "not-finite", f"{said} is not finite", "give a finite number, or leave it out where optional"
+            )
+        if not _NUMBER.fullmatch(word):
+            return BadNumber("malformed-number", f"{said}: '{shortened(word)}' is not a number", "correct the number")
+        if not math.isfinite(float(word)):
+            return BadNumber("not-finite", f"{said}: '{shortened(word)}' overflows", "correct the number")
+    return [float(word) for word in words]
+
+
+def values(element: etree._Element | None, attribute: str, count: int) -> list[float] | None:
+    """The numbers of an attribute; None where the element, the attribute or a sound number is missing."""
+    text = None if element is None else element.get(attribute)
+    found = None if text is None else numbers(text, count, "")
+    return None if isinstance(found, BadNumber) else found

@@ -1,0 +1,127 @@
+"""What urdf.load and urdf.inspect take: a robot's name, a path, XML as text or bytes, an open file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from pathlib import Path
+from typing import IO
+
+from graphdyn._model import STANDARD_GRAVITY
+from urdf._catalogue import locate
+from urdf._document import LARGEST_FILE, Document, check_size, parsed
+from urdf._errors import InvalidXacro, MalformedXML, RobotNotFound
+from urdf._xacro_files import expand
+
+Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]
+"""A string is XML if it begins with "<" or has several lines, else a name of the catalogue or a path."""
+
+TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
+"""Stand in for the path, in messages, where there is none."""
+
+UNNAMED = (TEXT, BYTES, STREAM)
+
+UTF8 = "utf-8"
+
+
+@dataclass(frozen=True)
+class Xacro:
+    """How .xacro files are to be expanded.
+
+    arguments: values of <xacro:arg> by name; packages: folder by the name that $(find NAME) gives
+    """
+
+    arguments: Mapping[str, object] = field(default_factory=dict)
+    packages: Mapping[str, str | PathLike[str]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A document, and the gravity that goes with it (3,) [m/s²].
+
+    complaints: of the expander, None where the file was not expanded
+    """
+
+    document: Document
+    gravity: tuple[float, float, float]
+    complaints: tuple[str, ...] | None = None
+
+
+def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
+    """The document that is meant; a file whose name ends with .xacro is expanded first.
+
+    Raises RobotNotFound, MalformedXML, TooLarge, InvalidXacro, XacroNotInstalled; OSError.
+    """
+    path, content, gravity = _read(given)
+    encoding = UTF8 if isinstance(content, str) else None
+    if isinstance(content, str):
+        content = _encoded(content, path)
+    check_size(content, path)
+    if path.suffix.lower() == ".xacro":
+        settings = xacro or Xacro()
+        document = parsed(path, content, encoding)  # refuses what no XML parser should be given
+        text, complaints = expand(path, document.content, settings.arguments, settings.packages)
+        check_size(text, path)
+        return Opened(parsed(path, text, UTF8, lines=False), gravity, tuple(complaints))
+    if xacro is not None:
+        raise InvalidXacro(
+            "xacro arguments and packages are given, but not a file that ends with .xacro",
+            "leave them out, or give the .xacro file",
+            path=path,
+        )
+    return Opened(parsed(path, content, encoding), gravity)
+
+
+def content_of(path: Path) -> bytes:
+    """The bytes of a file; of a .xacro file what it expands to. Raises as open_document does."""
+    return open_document(path).document.content if path.suffix.lower() == ".xacro" else path.read_bytes()
+
+
+def path_of(given: Given) -> Path:
+    """The file that is meant, or TEXT, BYTES or STREAM. Raises RobotNotFound."""
+    if isinstance(given, bytes):
+        return BYTES
+    if isinstance(given, str) and _is_xml(given):
+        return TEXT
+    if isinstance(given, str | PathLike):
+        return locate(given)[0]
+    name = getattr(given, "name", None)
+    return Path(name) if isinstance(name, str) else STREAM
+
+
+def said(given: Given) -> str:
+    """The name or path as it is given, or what stands for it."""
+    named = isinstance(given, str | PathLike) and not (isinstance(given, str) and _is_xml(given))
+    return fspath(given) if named else str(path_of(given))  # type: ignore[arg-type]
+
+
+def _read(given: Given) -> tuple[Path, str | bytes, tuple[float, float, float]]:
+    path = path_of(given)
+    if isinstance(given, bytes) or (isinstance(given, str) and path == TEXT):
+        return path, given, STANDARD_GRAVITY
+    if isinstance(given, str | PathLike):
+        path, gravity = locate(given)
+        with path.open("rb") as file:
+            return path, file.read(LARGEST_FILE + 1), gravity
+    if not hasattr(given, "read"):
+        raise RobotNotFound(
+            f"{type(given).__name__} is no robot", "give a name, a path, XML as text or bytes, or an open file"
+        )
+    content = given.read(LARGEST_FILE + 1)
+    if not isinstance(content, str | bytes):
+        raise RobotNotFound(f"read() of the file returns {type(content).__name__}", "open it as text or binary")
+    return path, content, STANDARD_GRAVITY
+
+
+def _is_xml(text: str) -> bool:
+    return text.lstrip("\ufeff \t\r\n").startswith("<") or "\n" in text
+
+
+def _encoded(text: str, path: Path) -> bytes:
+    try:
+        return text.removeprefix("\ufeff").encode(UTF8)
+    except UnicodeEncodeError as error:
+        raise MalformedXML(
+            f"character {error.start + 1} of the text is half of a surrogate pair", "give the file instead", path=path
+        ) from error

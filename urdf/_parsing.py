@@ -1,0 +1,90 @@
+"""The stages between the document and the model: mend, check, cut, parse, fuse."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from lxml import etree
+from numpy.typing import ArrayLike
+
+from graphdyn import InvalidModel, RobotModel
+from urdf._assembly import Assembly, assemble
+from urdf._checks import check
+from urdf._cutting import Chain, Cut, cut
+from urdf._errors import InvalidRobot
+from urdf._locking import Lock, locked_values
+from urdf._repairing import repair as mend
+from urdf._source import Source
+from urdf._tree import check_tree, joints_in_order
+
+if TYPE_CHECKING:
+    import yourdfpy
+
+
+@dataclass(frozen=True, eq=False)
+class Parsed:
+    """A file as yourdfpy reads it, and the bodies, joints and frames made of it.
+
+    locked: value per joint that is held still [rad or m]; stated: those of them that the caller named
+    changes: what was mended
+    """
+
+    path: Path
+    robot: yourdfpy.urdf.Robot
+    root: str
+    cut: Cut
+    locked: Mapping[str, float]
+    stated: frozenset[str]
+    changes: tuple[str, ...]
+    assembly: Assembly
+
+
+def parse(source: Source, *, chain: Chain = None, lock: Lock = None, repair: Iterable[str] = ()) -> Parsed:
+    """The stages between the document and the model; the source is used up. Raises as load does."""
+    path = source.path
+    changes = mend(source, repair)
+    check(source)
+    check_tree(source)
+    beside = cut(source, chain)
+    root, order = joints_in_order(source)
+    robot = _robot(source)
+    movable = [joint.name for joint in robot.joints if joint.type != "fixed"]
+    stated = locked_values(lock, movable, path)
+    locked = dict.fromkeys(beside.held, 0.0) | stated
+    if not set(movable) - set(locked):
+        raise InvalidRobot(
+            "no moving body: every joint is fixed or locked", "leave a joint free", code="no-moving-joint", path=path
+        )
+    try:
+        assembly = assemble(robot, root, order, locked)
+    except InvalidModel as error:
+        raise InvalidRobot(str(error), "correct the file", path=path) from error
+    return Parsed(path, robot, root, beside, locked, frozenset(stated), tuple(changes), assembly)
+
+
+def build(parsed: Parsed, gravity: ArrayLike) -> RobotModel:
+    """The model, under this gravity (3,) [m/s²]. Raises InvalidRobot."""
+    try:
+        return RobotModel(
+            parsed.robot.name,
+            tuple(parsed.assembly.bodies),
+            tuple(parsed.assembly.joints),
+            gravity=np.array(gravity),
+            base_name=parsed.root,
+            frames=tuple(parsed.assembly.frames),
+        )
+    except InvalidModel as error:
+        raise InvalidRobot(str(error), "correct the file", path=parsed.path) from error
+
+
+def _robot(source: Source) -> yourdfpy.urdf.Robot:
+    """yourdfpy's robot of exactly the elements that were checked. Its import takes a second, hence here."""
+    import yourdfpy
+
+    document = BytesIO(etree.tostring(source.robot, encoding="utf-8"))  # ASCII has no names such as <größe>
+    return yourdfpy.URDF.load(document, build_scene_graph=False, load_meshes=False).robot

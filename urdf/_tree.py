@@ -1,0 +1,96 @@
+"""The tree of links: parents first, depth first, siblings in file order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from lxml import etree
+
+from urdf._errors import NotATree, URDFError
+from urdf._source import Source, name_of
+from urdf._wording import listed, shortened
+
+Joints = Mapping[str, Sequence[etree._Element]]
+"""Joints by the name of a link."""
+
+
+def check_tree(source: Source) -> None:
+    """Raise NotATree for a joint to a link that does not exist, a link with two parents, several roots, a cycle."""
+    for fault in tree_faults(source):
+        raise fault
+
+
+def joints_in_order(source: Source) -> tuple[str, list[str]]:
+    """Name of the root link, and the joint names, parents before children, of a sound tree."""
+    (root,) = root_links(source)
+    return root, [name_of(joint) for joint in walk(joints_by(source, "parent"), [root])]
+
+
+def tree_faults(source: Source) -> Iterator[URDFError]:
+    """Everything that keeps links and joints from being one tree."""
+    links = {name_of(link) for link in source.links}
+    for joint in source.joints:
+        for side in ("parent", "child"):
+            name = end(joint, side)
+            if name is not None and name not in links:
+                problem = f"{side} link '{shortened(name)}' does not exist"
+                yield source.error(NotATree, "missing-link", joint, problem, "correct the name or add it")
+    carried = joints_by(source, "child")
+    for child, joints in carried.items():
+        for joint in joints[1:]:
+            problem = f"link '{shortened(child)}' is the child of joint '{shortened(name_of(joints[0]))}' too"
+            remedy = "a link has one parent; closed loops cannot be represented"
+            yield source.error(NotATree, "two-parents", joint, problem, remedy)
+    roots = root_links(source)
+    if not roots and links:
+        problem = "no root: every link is the child of a joint"
+        yield source.error(NotATree, "no-root", source.robot, problem, "remove the cycle")
+        return
+    if len(roots) > 1:
+        problem = f"several root links: {listed(roots)}"
+        yield source.error(NotATree, "several-roots", source.robot, problem, "connect them with fixed joints")
+    carriers = joints_by(source, "parent")
+    held = {end(joint, "child") for joint in source.joints if end(joint, "parent") is not None}
+    reached = set(walk(carriers, [name for name in {**dict.fromkeys(links), **carriers} if name not in held]))
+    cyclic = [joint for joint in source.joints if joint not in reached and end(joint, "parent") is not None]
+    if cyclic:
+        problem = f"a cycle that the root does not reach, joints {listed(map(name_of, cyclic))}"
+        yield source.error(NotATree, "cycle", cyclic[0], problem, "connect them to the root")
+
+
+def root_links(source: Source) -> list[str]:
+    """Names of the links that are no child, in file order."""
+    carried = joints_by(source, "child")
+    return [name for name in dict.fromkeys(map(name_of, source.links)) if name not in carried]
+
+
+def joints_by(source: Source, side: str) -> dict[str, list[etree._Element]]:
+    """Per link: the joints with this link at their "parent" or "child" side, in file order."""
+    found: dict[str, list[etree._Element]] = {}
+    for joint in source.joints:
+        name = end(joint, side)
+        if name is not None:
+            found.setdefault(name, []).append(joint)
+    return found
+
+
+def walk(carriers: Joints, roots: Sequence[str]) -> Iterator[etree._Element]:
+    """The joints reached from these links, parents first, depth first; each once, also where the tree is none.
+
+    carriers: per link, the joints that it is the parent of
+    """
+    seen: set[etree._Element] = set()
+    waiting = [joint for root in reversed(roots) for joint in reversed(carriers.get(root, ()))]
+    while waiting:
+        joint = waiting.pop()
+        if joint in seen:
+            continue
+        seen.add(joint)
+        yield joint
+        waiting += reversed(carriers.get(end(joint, "child") or "", ()))
+
+
+def end(joint: etree._Element, side: str) -> str | None:
+    """Name of the link at the "parent" or "child" side of a joint; None where the file has none."""
+    found = joint.find(side)
+    return None if found is None else found.get("link")

@@ -1,0 +1,157 @@
+"""New inertial parameters into an existing URDF file: every byte outside the <inertial> elements stays as it was."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from lxml import etree
+from numpy.typing import ArrayLike
+
+from graphdyn import Body, InvalidModel
+from graphdyn._inertia import consistency_problems
+from graphdyn.layout import BODY_PARAMETERS, Array
+from urdf._catalogue import locate
+from urdf._cutting import Chain
+from urdf._errors import CannotUpdate
+from urdf._files import write_whole
+from urdf._inertial_spans import Span, inertial_spans
+from urdf._loading import fused_links, load
+from urdf._locking import Lock
+from urdf._writing import inertial_element
+
+_OTHER_ENCODINGS = (b"\xff\xfe", b"\xfe\xff")
+"""Byte-order marks of UTF-16: ASCII text cannot be put between its bytes."""
+
+
+@dataclass(frozen=True)
+class Update:
+    """What urdf.update did.
+
+    changed: links that have a new <inertial>; kept: links that were right already, to the last bit
+    notes: where the mass of fused links went
+    """
+
+    path: Path
+    changed: tuple[str, ...]
+    kept: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def update(
+    source: str | PathLike[str],
+    destination: str | PathLike[str],
+    parameters: ArrayLike,
+    *,
+    chain: Chain = None,
+    lock: Lock = None,
+    inconsistent: bool = False,
+) -> Update:
+    """Write a copy of a URDF file in which the bodies have other inertial parameters.
+
+    source: path, or name of the catalogue; destination: may be the same path
+    parameters: ten per body of urdf.load(source, chain=chain, lock=lock), in its order
+                                                            (n, 10) or (10n,)  [kg, kg m, kg m²]
+    chain, lock: as in urdf.load, where the parameters were identified on an arm cut out or with joints held still
+    inconsistent: also write parameters that no real body can have
+
+    A body may carry fixed or locked links. They keep their own <inertial>; the link of the body gets the rest, so that
+    all together have the given parameters.
+
+    Raises CannotUpdate for parameters of another shape, NaN or infinity, negative masses, physically inconsistent
+    parameters unless they are asked for, and files in UTF-16; urdf.load's errors for the source; OSError.
+    """
+    path, _ = locate(source)
+    if path.suffix.lower() == ".xacro":
+        raise CannotUpdate(
+            "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
+        )
+    model = load(source, chain=chain, lock=lock)
+    wanted = _checked(parameters, model.n_bodies, path)
+    shares = fused_links(source, chain=chain, lock=lock)
+    data = path.read_bytes()
+    if data.startswith(_OTHER_ENCODINGS):
+        raise CannotUpdate("the file is in UTF-16", "save it as UTF-8 first", path=path)
+    spans = inertial_spans(data)
+    edits, changed, notes = [], [], []
+    for number, (old, new) in enumerate(zip(model.bodies, wanted, strict=True), start=1):
+        carried = {name: share for name, (body, share) in shares.items() if body == number and share.any()}
+        if np.array_equal(old.parameters, new):
+            continue
+        rest = _body(old.name, new - sum(carried.values()), path, bool(carried))
+        if not inconsistent:
+            _refuse_inconsistent(_body(old.name, new, path, False), path)
+            _refuse_inconsistent(rest, path)
+        edits.append((spans[old.name], rest))
+        changed.append(old.name)
+        if carried:
+            names = ", ".join(f"'{name}' ({share[0]:.6g} kg)" for name, share in carried.items())
+            notes.append(
+                f"link '{old.name}' gets {rest.mass:.6g} kg: its fixed links {names} keep their own <inertial>"
+            )
+    write_whole(Path(destination), _edited(data, edits))
+    kept = tuple(name for name in model.body_names if name not in changed)
+    return Update(Path(destination), tuple(changed), kept, tuple(notes))
+
+
+def _checked(parameters: ArrayLike, n: int, path: Path) -> Array:
+    try:
+        wanted = np.asarray(parameters, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise CannotUpdate(f"the parameters are no numbers: {error}", "give ten numbers per body", path=path) from error
+    if wanted.shape not in ((n, BODY_PARAMETERS), (n * BODY_PARAMETERS,)):
+        raise CannotUpdate(
+            f"the parameters have shape {wanted.shape}, expected ({n}, 10) or ({10 * n},)",
+            "give ten per moving body, in the order of urdf.load",
+            path=path,
+        )
+    wanted = wanted.reshape(n, BODY_PARAMETERS)
+    if not np.isfinite(wanted).all():
+        body = int(np.argwhere(~np.isfinite(wanted))[0, 0])
+        raise CannotUpdate(
+            f"the parameters of body {body + 1} contain NaN or infinity",
+            "parameters that the data do not determine need a value",
+            path=path,
+        )
+    return wanted
+
+
+def _body(name: str, parameters: Array, path: Path, is_rest: bool) -> Body:
+    try:
+        return Body.from_parameters(name, parameters)
+    except InvalidModel as error:
+        remedy = "its fixed links weigh as much or more by themselves: correct their <inertial> first" if is_rest else (
+            "give a mass of at least 0"
+        )  # fmt: skip
+        raise CannotUpdate(str(error), remedy, path=path, element=f"link '{name}'") from error
+
+
+def _refuse_inconsistent(body: Body, path: Path) -> None:
+    problems = consistency_problems(body.mass, body.inertia)
+    if problems:
+        raise CannotUpdate(
+            f"no real body has these parameters: {'; '.join(problems)}",
+            "identify with physical constraints, or write them all the same with inconsistent=True",
+            path=path,
+            element=f"link '{body.name}'",
+        )
+
+
+def _edited(data: bytes, edits: list[tuple[Span, Body]]) -> bytes:
+    """The document with these elements, last one first so that the places stay right."""
+    newline = b"\r\n" if b"\r\n" in data else b"\n"
+    for span, body in sorted(edits, key=lambda edit: edit[0].start, reverse=True):
+        element = inertial_element(body)
+        etree.indent(element, space="  ")
+        lines = etree.tostring(element).split(b"\n")
+        text = (newline + span.indent).join(lines)
+        if span.closed:
+            tag = data[span.start : span.end]
+            outer = newline + span.indent[:-2]
+            text = tag[: tag.rindex(b"/")].rstrip() + b">" + newline + span.indent + text + outer + b"</link>"
+        elif span.start == span.end:
+            text = newline + span.indent + text
+        data = data[: span.start] + text + data[span.end :]
+    return data
