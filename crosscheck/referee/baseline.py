@@ -10,8 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.referee.scales import term_sizes
 from crosscheck.referee.states import ACCELERATION_RANGE
-from graphdyn import InvalidInput, RobotModel, joint_torque_regressor
+from crosscheck.referee.tolerances import EPS
+from graphdyn import InvalidInput, RobotModel, joint_torque_regressor, maximal_state
+from graphdyn._kinematics import link_origins
 from graphdyn.identification import Samples, base_parameters, ordinary_least_squares
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -47,8 +50,8 @@ class BaselineIdentification:
     rank, rank_there: number of base parameters by our regressor and by Pinocchio's
     condition_number: of our regressor's independent columns at unit length
     gap: smallest accepted and largest rejected pivot
-    difference: between the two estimates, relative to cond ‖x‖∞ in units of torque
-    error: of our estimate against the model's own base parameters, on the same scale
+    difference: between the two estimates, relative to cond ‖x‖∞ max(1, rounding of a column) in units of torque
+    error: of our estimate against the model's own base parameters, on that scale plus cond × rounding of the torques
     """
 
     rank: int
@@ -71,16 +74,20 @@ def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int
     base, base_there = base_parameters(here), base_parameters(there)
     pi = model.inertial_parameters
     left_out = base.dependent[~base.regrouping.any(axis=0)]  # too short to be columns (DROPPED_COLUMN), yet not zero
-    torque = torque - there[:, left_out] @ pi[left_out]
+    rnea, torque = torque, torque - there[:, left_out] @ pi[left_out]
     ours = ordinary_least_squares(here[:, base.independent], torque)
     try:
         theirs = ordinary_least_squares(there[:, base.independent], torque).parameters
     except InvalidInput:  # columns that are independent here are not there
         theirs = np.full(base.rank, np.inf)
     true = base.values(pi)
+    column_terms, torque_terms = _terms(model, q, v, a)
+    columns = _rounding(here - there, column_terms) / np.linalg.norm(here, axis=0).clip(min=np.finfo(float).tiny)
     scale = ours.condition_number * np.abs(ours.column_scale * true).max(initial=0.0)
+    scale *= columns[base.independent].max(initial=1.0)
+    of_torques = ours.condition_number * float(_rounding(rnea - here @ pi, torque_terms))
 
-    def on_scale(difference: np.ndarray) -> float:
+    def on_scale(difference: Array, scale: float) -> float:
         largest = np.abs(ours.column_scale * difference).max(initial=0.0)
         return float(largest / scale) if largest > 0 else 0.0
 
@@ -89,6 +96,26 @@ def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int
         rank_there=base_there.rank,
         condition_number=ours.condition_number,
         gap=base.gap,
-        difference=on_scale(ours.parameters - theirs),
-        error=on_scale(ours.parameters - true),
+        difference=on_scale(ours.parameters - theirs, scale),
+        error=on_scale(ours.parameters - true, scale + of_torques),
     )
+
+
+def _rounding(difference: Array, terms: Array) -> Array:
+    """By how many eps two correct computations may differ: what they differ by, but no more than the summed terms.
+
+    Columns or torques are short where terms cancel, as when a center of mass nearly follows gravity; at unit length
+    they carry their rounding into the parameters.
+    """
+    return np.minimum(np.linalg.norm(difference, axis=0) / EPS, terms)
+
+
+def _terms(model: RobotModel, q: Array, v: Array, a: Array) -> tuple[Array, Array]:
+    """Length of the terms that are summed to get each column of the regressor (10n,), and to get the torques ()."""
+    state = maximal_state(model, q, v, a)
+    assert state.acceleration is not None
+    size = term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
+    of_body = np.stack([size.compensated * size.lever, *3 * [size.compensated], *6 * [size.turn]], axis=-1)
+    rows = np.sqrt(model.n_bodies)
+    columns = rows * np.linalg.norm(np.tile(of_body, model.n_bodies), axis=0)
+    return columns, rows * np.linalg.norm(np.maximum(size.force, size.moment))

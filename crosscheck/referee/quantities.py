@@ -71,13 +71,13 @@ class Quantity:
 
 
 _PLACED = "rotations: 1; positions: largest position of a link, offset of a center of mass"
-_BY_TYPE = "columns of m: felt × lever; of m c: felt; of I: turn"
+_BY_TYPE = "columns of m: compensated × lever; of m c: compensated; of I: turn"
 _BY_PART = "forces: force; moments: moment"
 _WRENCH = "largest joint wrench"
 _TORQUE = "largest joint wrench; spin"
 _SOLVED = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
 _SOLVED_BODIES = "that of acceleration × n × max(1, lever)"
-_BASE = "only cond(W) ‖x‖, columns of W at unit length"
+_BASE = "only cond(W) ‖x‖ × rounding of a column, columns of W at unit length"
 
 QUANTITIES = (
     Quantity("link_placement", "forwardKinematics, oMi", _PLACED, AGREEMENT),
@@ -92,7 +92,7 @@ QUANTITIES = (
     Quantity("mass_matrix", "crba", "largest entry of a tensor", AGREEMENT),
     Quantity("bias_torque", "nonLinearEffects", _WRENCH, AGREEMENT),
     Quantity("torque_regressor", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
-    Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: felt; of I: turn", AGREEMENT),
+    Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: compensated; of I: turn", AGREEMENT),
     Quantity("torque_recursive", "rnea", _TORQUE, AGREEMENT),
     Quantity("joint_wrench_recursive", "rnea, data.f", _BY_PART, AGREEMENT),
     Quantity("multipliers_recursive", "rnea, data.f", _WRENCH, AGREEMENT),
@@ -182,7 +182,7 @@ def passive_errors(case: Case, ref: RefereeValues, *, recursive: bool = False) -
         }
 
     def matrix_errors(mass: Array, regressor: Array) -> dict[str, Array]:
-        by_type = size.felt * size.lever, size.felt, size.turn
+        by_type = size.compensated * size.lever, size.compensated, size.turn
         return {
             "mass_matrix": relative(mass, ref.mass_matrix, tensor),
             "torque_regressor": by_parameter_type(regressor, ref.torque_regressor, *by_type),
@@ -202,7 +202,7 @@ def passive_errors(case: Case, ref: RefereeValues, *, recursive: bool = False) -
         **matrix_errors(mass_matrix(model, q), joint_torque_regressor(model, q, v, a)),
         "bias_torque": relative(bias_torque(model, q, v), ref.bias, largest(at_rest)),
         "body_regressor": by_parameter_type(
-            body_regressor(model, q, v, a), ref.body_regressor, size.felt, size.felt, size.turn
+            body_regressor(model, q, v, a), ref.body_regressor, size.compensated, size.compensated, size.turn
         ),
     }
     if recursive:

@@ -24,7 +24,7 @@ class Sizes:
     lever: from the base to a link origin, plus from there to a center of mass   [m]
     velocity, acceleration: of a center of mass                                  [m/s, m/s²]
     turn: ‖ω̇‖ + ‖ω‖², what angular accelerations sum                             [rad/s²]
-    felt: acceleration against gravity                                           [m/s²]
+    compensated: gravity-compensated acceleration, r̈ − g                         [m/s²]
     force, moment: of all bodies together                                        [N, N m]
     spin: of the inertia tensors alone, about any axis                           [N m]
     """
@@ -33,7 +33,7 @@ class Sizes:
     velocity: Array
     acceleration: Array
     turn: Array
-    felt: Array
+    compensated: Array
     force: Array
     moment: Array
     spin: Array
@@ -54,14 +54,14 @@ def term_sizes(model: RobotModel, v: Array, a: Array, position: Array, velocity:
     turn = alpha + omega**2
     swing = turn * lever + 2 * omega * slide_rate + slide_acceleration
     spin = largest_tensor(model) * turn
-    felt = swing + float(np.linalg.norm(model.gravity))
-    force = felt * sum(body.mass for body in model.bodies)
+    compensated = swing + float(np.linalg.norm(model.gravity))
+    force = compensated * sum(body.mass for body in model.bodies)
     return Sizes(
         lever=lever,
         velocity=omega * lever + slide_rate,
         acceleration=swing,
         turn=turn,
-        felt=felt,
+        compensated=compensated,
         force=force,
         moment=force * lever + spin,
         spin=spin,

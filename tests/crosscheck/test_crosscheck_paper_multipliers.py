@@ -99,7 +99,7 @@ def test_the_instant():
     assert motion.velocity.tolist() == [3, 0, 0, 0, 0, 0]
     assert motion.acceleration.tolist() == [2, 0, 0, 0, 0, 0]
     model = kr500()
-    felt = (
+    compensated = (
         inverse_dynamics(model, q, v, a, base=motion).joint_wrenches - inverse_dynamics(model, q, v, a).joint_wrenches
     )
-    assert np.abs(felt).max() > 1e3
+    assert np.abs(compensated).max() > 1e3
