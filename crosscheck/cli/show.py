@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from crosscheck.cli.console import out, warnings_shown
+from crosscheck.cli.console import warnings_shown
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.options import (
     EXAMPLES,
     HtmlOption,
@@ -10,7 +11,6 @@ from crosscheck.cli.options import (
     LockOption,
     RobotArgument,
     check_writable,
-    command_line,
     locked_joints,
 )
 
@@ -34,7 +34,7 @@ def run(
     locked = locked_joints(lock)
     check_writable(json=json_file, html=html_file)
     import urdf
-    from crosscheck.cli.show_text import text
+    from crosscheck.report.commands.show import show_report
     from crosscheck.report.comparisons import finite, versions, write_json
     from crosscheck.studies.describing import describe
     from crosscheck.studies.description import SHOW_FORMAT, as_json
@@ -42,12 +42,6 @@ def run(
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
     description = describe(model, robot, locked)
-    for part in text(description, out.width):
-        out.print(part)
-    if html_file is not None:
-        from crosscheck.report.pages import write_page
-        from crosscheck.report.pages.show import show_page
-
-        write_page(html_file, show_page(description, command_line()))
+    deliver(show_report(description), html_file)
     if json_file is not None:
         write_json(json_file, {"format": SHOW_FORMAT, "versions": versions(), **finite(as_json(description))})

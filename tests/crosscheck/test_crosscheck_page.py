@@ -28,9 +28,9 @@ from crosscheck.report.comparisons import as_json, versions
 from crosscheck.report.pages import comparison_page, judgement_page, write_page
 from crosscheck.report.pages.identification import identification_page
 from crosscheck.report.pages.rendering import error_text
-from crosscheck.report.pages.snippets import CALLS, worst_state
-from crosscheck.report.pages.spread import Row, spread
-from crosscheck.report.pages.stick_figure import BENT, pose, pose_text, stick_figure
+from crosscheck.report.pictures.spread import Row, spread
+from crosscheck.report.pictures.stick_figure import BENT, pose, pose_text, stick_figure
+from crosscheck.report.snippets import CALLS, worst_state
 from graphdyn import Joint, Placement
 
 COMMAND = ["graphdyn", "crosscheck", "my arm.urdf", "--html", "page.html"]

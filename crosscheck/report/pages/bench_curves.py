@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from markupsafe import Markup
 
-from crosscheck.report.pages.spread import FAINT, INK
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import FAINT, INK
+from crosscheck.report.pictures.svg import picture
 from crosscheck.studies.bench.contender import SpeedRatio
 from crosscheck.studies.bench.curves import Line, ScalingCurve
 from crosscheck.studies.bench.texts import ratio_text, threads_text, time_text

@@ -10,11 +10,11 @@ from pathlib import Path
 from markupsafe import Markup
 
 from crosscheck.referee.comparison import Comparison, QuantityResult
+from crosscheck.report import snippets
 from crosscheck.report.comparisons import versions
-from crosscheck.report.pages import snippets
 from crosscheck.report.pages.rendering import render
-from crosscheck.report.pages.spread import Row, spread
-from crosscheck.report.pages.stick_figure import pose_text, stick_figure
+from crosscheck.report.pictures.spread import Row, spread
+from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
 from crosscheck.report.summary import part_of_bound
 
 

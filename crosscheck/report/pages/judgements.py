@@ -12,11 +12,11 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.judging.judgement import JudgedFunction, Judgement
+from crosscheck.report import snippets
 from crosscheck.report.comparisons import versions
-from crosscheck.report.pages import snippets
 from crosscheck.report.pages.rendering import render
-from crosscheck.report.pages.spread import Row, spread
-from crosscheck.report.pages.stick_figure import pose_text, stick_figure
+from crosscheck.report.pictures.spread import Row, spread
+from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

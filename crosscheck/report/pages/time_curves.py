@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pages.spread import FAINT, INK
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import FAINT, INK
+from crosscheck.report.pictures.svg import picture
 from crosscheck.studies.paper.as_printed import INSTANT
 from crosscheck.studies.paper.over_time import OverTime
 from graphdyn.layout import Array

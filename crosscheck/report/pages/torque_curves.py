@@ -9,8 +9,8 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.identifying import TorqueCurve
-from crosscheck.report.pages.spread import FAINT, INK
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import FAINT, INK
+from crosscheck.report.pictures.svg import picture
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:

@@ -10,13 +10,16 @@ from typing import TYPE_CHECKING, cast
 from lxml import etree
 from markupsafe import Markup
 
+from crosscheck.report.pictures.colors import INK, VARIABLES
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _SVG = "{http://www.w3.org/2000/svg}"
 _XLINK = "{http://www.w3.org/1999/xlink}"
+_COLOR = re.compile(r"#[0-9a-f]{6}\b")
 _UNWANTED = (f"{_SVG}metadata", f"{_SVG}style")
-"""Dates and addresses; a style sheet that would apply to the whole page (templates/style.css has its one rule)."""
+"""Dates and addresses; a style sheet that would apply to the whole page (page/style.css has its one rule)."""
 
 
 def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axes], None]) -> Markup:
@@ -46,9 +49,25 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
     _separate_ids(root, key)
     for name in ("width", "height", "version"):
         root.attrib.pop(name)
+    _follow_the_page(root)
     root.attrib.update({"class": "picture", "role": "img", "aria-label": label})
     etree.cleanup_namespaces(root)
     return Markup(etree.tostring(root, encoding="unicode", with_tail=False))
+
+
+def _follow_the_page(root: etree._Element) -> None:
+    """Colours that are known to the style sheet become its variables; text without one has the ink of the page."""
+
+    def variable(found: re.Match[str]) -> str:
+        color = found.group()
+        return f"var({VARIABLES[color]}, {color})" if color in VARIABLES else color
+
+    for element in root.iter():
+        attributes = cast("MutableMapping[str, str]", element.attrib)
+        if "style" in attributes:
+            attributes["style"] = _COLOR.sub(variable, attributes["style"])
+        if element.tag == f"{_SVG}text" and "fill" not in attributes.get("style", ""):
+            attributes["style"] = f"fill: {variable(_COLOR.match(INK))}; {attributes.get('style', '')}"  # type: ignore[arg-type]
 
 
 def _separate_ids(root: etree._Element, key: str) -> None:

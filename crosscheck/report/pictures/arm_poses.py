@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pages.stick_figure import AZIMUTH, ELEVATION, FAINT, GROUND, JOINT, LINK
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures import colors
+from crosscheck.report.pictures.colors import CURVES, INK
+from crosscheck.report.pictures.stick_figure import AZIMUTH, ELEVATION, FAINT, GROUND, JOINT, LINK
+from crosscheck.report.pictures.svg import picture
 from graphdyn import MaximalState, kr500, maximal_state
 from graphdyn._kinematics import joint_axes, link_origins
 from graphdyn._kr500 import LENGTHS, RADII
@@ -31,7 +33,7 @@ LABEL = 11.0
 
 CIRCLE = np.linspace(0.0, 2 * np.pi, 33)
 
-FRAME_STYLES = (("#14507f", "-", "e_1"), ("#a3161a", (0, (3, 1.2)), "e_2"), ("#2f7d32", (0, (1, 1)), "e_3"))
+FRAME_STYLES = ((CURVES[0], "-", "e_1"), (CURVES[1], (0, (3, 1.2)), "e_2"), (CURVES[2], (0, (1, 1)), "e_3"))
 """Colour and line of e_1, e_2, e_3."""
 
 _TOWARD = np.array([np.cos(AZIMUTH) * np.cos(ELEVATION), np.sin(AZIMUTH) * np.cos(ELEVATION), np.sin(ELEVATION)])
@@ -69,7 +71,7 @@ def _draw(axes: Axes, state: MaximalState, travel: float) -> None:
         away = -_flat(state.rotation[j - 1, None, :, 2])[:, 0]
         axes.annotate(
             f"O{j}", tuple(place), xytext=tuple(LABEL * away / np.linalg.norm(away)), textcoords="offset points",
-            fontsize=7.5, color="#111111", ha="center", va="center", zorder=23,
+            fontsize=7.5, color=INK, ha="center", va="center", zorder=23,
         )  # fmt: skip
 
 
@@ -96,8 +98,8 @@ def _draw_cylinder(axes: Axes, origin: Array, rotation: Array, length: float, ra
     far = 2 * origin + length * rotation[:, 0] - near
     points = np.hstack([_flat(near + ring), _flat(far + ring)]).T
     outline = points[ConvexHull(points).vertices]
-    axes.fill(*outline.T, facecolor="#eef0f2", edgecolor=LINK, linewidth=0.9, zorder=5)
-    axes.fill(*_flat(near + ring), facecolor="#e2e5e9", edgecolor=LINK, linewidth=0.6, zorder=5)
+    axes.fill(*outline.T, facecolor=colors.GROUND, edgecolor=LINK, linewidth=0.9, zorder=5)
+    axes.fill(*_flat(near + ring), facecolor=colors.FAINT, edgecolor=LINK, linewidth=0.6, zorder=5)
 
 
 def _flat(points: Array) -> Array:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import BAR, CURVES, FAINT, INK
+from crosscheck.report.pictures.svg import picture
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ VISIBLE = 0.06
 WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
 """Of the picture, of one row, of what the axis needs [inches]."""
 
-WITHIN, BEYOND, INK, FAINT = "#7d96ad", "#a3161a", "#222222", "#d9d9d9"
+WITHIN, BEYOND = BAR, CURVES[1]
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

@@ -9,8 +9,9 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.identifying.parameters import BaseRow
-from crosscheck.report.pages.spread import FAINT, INK, superscript
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import CURVES, FAINT, INK
+from crosscheck.report.pictures.spread import superscript
+from crosscheck.report.pictures.svg import picture
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ LONGEST = 30
 SMALLEST = 1e-4
 """Part of the largest torque below which the axis is linear."""
 
-FOUND, CAD, TRUE = "#14507f", "#a3161a", "#2f7d32"
+FOUND, CAD, TRUE = CURVES[:3]
 
 
 def parameter_bars(key: str, rows: Sequence[BaseRow], sizes: Array) -> Markup:

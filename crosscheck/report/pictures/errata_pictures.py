@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pages.spread import FAINT, INK, Row, spread, superscript
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import CURVES, FAINT, INK
+from crosscheck.report.pictures.spread import Row, spread, superscript
+from crosscheck.report.pictures.svg import picture
 from crosscheck.studies.errata import COSINES, Effect
 from crosscheck.studies.paper.checks import CORRECTED
 from graphdyn.layout import Array
@@ -24,7 +25,7 @@ RANK_HEIGHT = 1.7
 SMALLEST = 1e-17
 """Where an error of zero is drawn."""
 
-PRINTED, RIGHT = "#a3161a", "#14507f"
+PRINTED, RIGHT = CURVES[1], CURVES[0]
 MARKERS = {"kr500": "o", "ur5": "^"}
 
 

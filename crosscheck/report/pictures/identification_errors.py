@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pages.spread import FAINT, INK, superscript
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import CURVES, FAINT, INK
+from crosscheck.report.pictures.spread import superscript
+from crosscheck.report.pictures.svg import picture
 from crosscheck.studies.paper.identification import PaperIdentification
 from crosscheck.studies.paper.printed import PARAMETERS
 from graphdyn.layout import Array
@@ -28,7 +29,7 @@ BREAK, COMPRESSED = -8.0, 0.3
 HIDDEN = 5e-5
 """A printed 0.0000 is smaller than this."""
 
-OURS, PRINTED = "#14507f", "#a3161a"
+OURS, PRINTED = CURVES[0], CURVES[1]
 
 
 def identification_errors(key: str, found: PaperIdentification) -> Markup:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pages.spread import FAINT, INK, superscript
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
+from crosscheck.report.pictures.spread import superscript
+from crosscheck.report.pictures.svg import picture
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ WIDTH, ROW, AXIS = 7.6, 0.3, 0.85
 """Of the picture, of one row, of axis and key [inches]."""
 
 MARKERS = "os^Dv*Px<>ph"
-MEAN, JOINT = "#14507f", "#5b626a"
+MEAN, JOINT = CURVES[0], MIDDLE
 
 SINGULAR_HEIGHT = 2.6
 """[inches]"""

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pages.svg import picture
+from crosscheck.report.pictures import colors
+from crosscheck.report.pictures.colors import CURVES, MIDDLE, SOFT
+from crosscheck.report.pictures.svg import picture
 from graphdyn import RobotModel, frame_placement, maximal_state
 from graphdyn._kinematics import joint_axes, link_origins
 from graphdyn.layout import Array
@@ -39,7 +41,7 @@ DISC = 420.0
 CLOSE = 0.045
 """Joints nearer to each other than this part of the size share one label."""
 
-LINK, JOINT, MASS, EDGE, FAINT, GROUND = "#39424e", "#14507f", "#c98a1b", "#5c4010", "#8a8f96", "#e3e5e8"
+LINK, JOINT, MASS, EDGE, FAINT, GROUND = SOFT, CURVES[0], "#c98a1b", CURVES[3], MIDDLE, colors.FAINT
 
 
 def stick_figure(key: str, model: RobotModel, name: str) -> Markup:

@@ -1,0 +1,22 @@
+"""A report to everyone who asked for it: the terminal, the page, the JSON file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from crosscheck.cli.console import out
+from crosscheck.cli.options import command_line
+from crosscheck.report.report import Report
+
+
+def deliver(report: Report, html_file: Path | None = None) -> None:
+    """Print it, and write the page whole or not at all. Raises OSError."""
+    from crosscheck.report.text import renderables
+
+    for part in renderables(report, out.width):
+        out.print(part)
+    if html_file is not None:
+        from crosscheck.report.comparisons import versions
+        from crosscheck.report.html import page, write_page
+
+        write_page(html_file, page(report, command_line(), versions()))

@@ -1,0 +1,59 @@
+"""What several reports tell of a robot: its picture, its joints, what is locked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import TYPE_CHECKING
+
+from crosscheck.report.report import Column, Picture, Row, Table
+from graphdyn import RobotModel
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+
+def locked_text(locked: Mapping[str, float]) -> str:
+    """ ", locked: finger = 0.02", or nothing."""
+    return f", locked: {', '.join(f'{joint} = {value:g}' for joint, value in locked.items())}" if locked else ""
+
+
+def robot_picture(model: RobotModel, name: str) -> Picture:
+    """The robot as a stick figure. name: for readers who do not see it."""
+    caption = (
+        f"{_pose_text(model)}. ○ revolute joint and its axis, □ prismatic joint and its direction, discs: centers of "
+        "mass, area as the mass, ×: fixed frames, grey band: the links seen from above."
+    )
+    return Picture(partial(_drawn, model=model, name=name), caption, wide=False, on=("page",))
+
+
+def joints_table(model: RobotModel) -> Table:
+    """Joints by number, each with the body that it moves; for the page, folded."""
+    return Table(
+        (
+            Column("no.", "number"),
+            Column("joint", "name"),
+            Column("kind"),
+            Column("body"),
+            Column("mass", "number", "kg", ".4g"),
+        ),
+        tuple(
+            Row((number, joint.name, joint.kind, body.name, body.mass))
+            for number, (joint, body) in enumerate(zip(model.joints, model.bodies, strict=True), start=1)
+        ),
+        title="Joints and bodies",
+        on=("page",),
+        folded=True,
+    )
+
+
+def _drawn(key: str, model: RobotModel, name: str) -> Markup:
+    from crosscheck.report.pictures.stick_figure import stick_figure
+
+    return stick_figure(key, model, name)
+
+
+def _pose_text(model: RobotModel) -> str:
+    from crosscheck.report.pictures.stick_figure import pose_text
+
+    return pose_text(model)

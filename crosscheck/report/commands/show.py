@@ -1,0 +1,192 @@
+"""`graphdyn show`: a robot, its graph and its equations, as a report."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crosscheck.report.commands.robot_parts import locked_text, robot_picture
+from crosscheck.report.pattern import picture as character_pattern
+from crosscheck.report.plain_text import matrix_lines, vector_text
+from crosscheck.report.report import (
+    Block,
+    CharacterPicture,
+    Column,
+    Facts,
+    Group,
+    Lines,
+    Note,
+    Notes,
+    Picture,
+    Prose,
+    Report,
+    Row,
+    Section,
+    Table,
+)
+from crosscheck.studies.description import RobotDescription, SystemRecord, as_json
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+VECTOR: dict[str, Any] = {"kind": "vector", "form": vector_text}
+NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
+
+
+def show_report(robot: RobotDescription) -> Report:
+    return Report(
+        "show",
+        Path(robot.robot).name,
+        None,
+        (
+            Section("robot", "", (*_overview(robot), _bodies(robot))),
+            Section("joints", "Joints", (_joints(robot), _limits(robot), _frames(robot))),
+            Section("graph", "Graph", _graph(robot)),
+            Section("equations", f"Eq. (111): {len(robot.system.pattern)} equations", _equations(robot.system)),
+        ),
+        record=partial(as_json, robot),
+    )
+
+
+def _overview(robot: RobotDescription) -> tuple[Block, ...]:
+    name = Path(robot.robot).name
+    facts = (
+        (
+            "robot",
+            f"{robot.robot}: {len(robot.bodies)} bodies on {len(robot.joints)} joints{locked_text(robot.locked)}",
+        ),
+        ("total mass", f"{robot.total_mass:.6g} kg"),
+        ("gravity", f"{vector_text(robot.gravity)} m/s², world axes"),
+        (
+            "ground",
+            f"'{robot.base}', in the world at {vector_text(robot.base_xyz)} m, rpy {vector_text(robot.base_rpy)}°",
+        ),
+    )
+    return robot_picture(robot.model, name), Group((Facts(facts), _consistency(robot)))
+
+
+def _consistency(robot: RobotDescription) -> Notes:
+    """A note per body that no real body can be, or one for all."""
+    impossible = [body for body in robot.bodies if not body.consistent]
+    notes = [
+        Note(f"not physically consistent: {'; '.join(body.problems)}", where=f"body '{body.name}'", state="disagrees")
+        for body in impossible
+    ]
+    return Notes(tuple(notes) or (Note("every body is physically consistent", state="agrees"),))
+
+
+def _bodies(robot: RobotDescription) -> Table:
+    return Table(
+        (
+            Column("no.", "number"),
+            Column("body", "name"),
+            Column("mass", unit="kg", **NUMBER),
+            Column("center of mass", unit="m", meaning="in link axes", **VECTOR),
+            Column("principal moments", unit="kg m²", meaning="about the center of mass, ascending", **VECTOR),
+        ),
+        tuple(
+            Row(
+                (body.number, body.name, body.mass, body.center_of_mass, body.principal_moments),
+                "plain" if body.consistent else "disagrees",
+            )
+            for body in robot.bodies
+        ),
+        title="Bodies",
+        failures_first=False,
+    )
+
+
+def _joints(robot: RobotDescription) -> Table:
+    return Table(
+        (
+            Column("no.", "number"),
+            Column("joint", "name"),
+            Column("kind"),
+            Column("bodies", meaning="from body → to body, 0 is the ground"),
+            Column("axis", **VECTOR),
+            Column("xyz", unit="m", meaning="the joint frame in the link frame of the body it starts from", **VECTOR),
+            Column("rpy", unit="°", **VECTOR),
+        ),
+        tuple(
+            Row((j.number, j.name, j.kind, f"{edge.inside} → {j.number}", j.axis, j.xyz, j.rpy))
+            for j, edge in zip(robot.joints, robot.model.joints, strict=True)
+        ),
+        caption="from body → to body, 0 is the ground",
+    )
+
+
+def _limits(robot: RobotDescription) -> Table:
+    names = ("lower", "upper", "velocity", "effort", "damping", "friction")
+    return Table(
+        (Column("no.", "number"), Column("joint", "name"), *(Column(name, **NUMBER) for name in names)),
+        tuple(Row((joint.number, joint.name, *(getattr(joint, name) for name in names))) for joint in robot.joints),
+        title="Limits, damping and friction",
+        caption="rad or m, …/s, N m or N",
+        repeated=2,
+    )
+
+
+def _frames(robot: RobotDescription) -> Block:
+    if not robot.frames:
+        return Prose("No named frames", soft=True)
+    return Table(
+        (
+            Column("frame", "name"),
+            Column("also called"),
+            Column("in body"),
+            Column("xyz", unit="m", **VECTOR),
+            Column("rpy", unit="°", **VECTOR),
+        ),
+        tuple(Row((frame.name, ", ".join(frame.aliases), frame.body, frame.xyz, frame.rpy)) for frame in robot.frames),
+        title="Frames",
+    )
+
+
+def _graph(robot: RobotDescription) -> tuple[Block, ...]:
+    graph = robot.graph
+    matrices = tuple(Lines(tuple(matrix_lines(matrix)), title=title) for title, matrix in graph.matrices.items())
+    rows = [
+        Row((i + 1, robot.bodies[i].name, j + 1, robot.joints[j].name, graph.incidence[i, j], vector))
+        for i, j in np.argwhere(graph.incidence).tolist()
+        for vector in [graph.body_joint_vectors[i, j]]
+    ]
+    vectors = Table(
+        (
+            Column("i", "number"),
+            Column("body", "name"),
+            Column("j", "number"),
+            Column("joint", "name"),
+            Column("S_ij", "number", form="+d"),
+            Column("C_ij", unit="m", **VECTOR),
+        ),
+        tuple(rows),
+        title="Body-joint vectors C",
+        caption="S_ij times the way from the center of mass of body i to joint j, in axes of i",
+    )
+    words = Prose("Row = body, column = joint; of T: row = joint, column = body.", soft=True)
+    return words, *matrices, vectors
+
+
+def _equations(system: SystemRecord) -> tuple[Block, ...]:
+    size, entries = len(system.pattern), int(system.pattern.sum())
+    facts = (
+        ("state", f"random, seed {system.seed}"),
+        ("entries", f"{entries} of {size**2} are not zero ({entries / size**2:.1%})"),
+        ("rank", f"{system.rank} of {size}"),
+        ("condition number", f"{system.condition_number:.4g}"),
+    )
+    caption = "Upper left A, upper right φ_qᵀ, lower left φ_q; b: body, j: joint."
+    return (
+        CharacterPicture(lambda width: character_pattern(system.pattern, system.n_bodies, width)),
+        Picture(partial(_drawn, system=system), caption, wide=False),
+        Group((Facts(facts),)),
+    )
+
+
+def _drawn(key: str, system: SystemRecord) -> Markup:
+    from crosscheck.report.pictures.matrix_pattern import matrix_pattern
+
+    return matrix_pattern(key, system.pattern, system.n_bodies)

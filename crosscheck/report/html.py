@@ -1,0 +1,156 @@
+"""Any report as a page: one file, readable without network, script or colour; with script, plots can be zoomed.
+
+The scripts on it are known to its content security policy by their hashes; nothing is evaluated from text.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import shlex
+from base64 import b64encode
+from collections.abc import Iterator, Sequence
+from functools import cache
+from itertools import count, groupby
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from crosscheck.report.pictures.plot import plot_data, plot_picture
+from crosscheck.report.report import (
+    SYMBOLS,
+    Block,
+    Code,
+    Column,
+    Note,
+    Notes,
+    Picture,
+    Plot,
+    Prose,
+    Report,
+    Verdict,
+    shown,
+)
+from crosscheck.report.report import Group as BlockGroup
+from urdf._files import write_whole
+
+LONG_NOTE = 240
+"""Characters from which a note is folded."""
+
+MANY_NOTES = 3
+"""Notes of one code from which they are folded together."""
+
+LONG_NAME = 28
+"""Characters from which the name in a table is cut (style.css), so that hovering has to show the whole."""
+
+PAGE, VENDOR = (Path(__file__).parent / folder for folder in ("page", "vendor"))
+
+
+def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> str:
+    """The page of a report. The same report, command and versions give the same characters.
+
+    command: the arguments that made it; versions: of everything that took part
+    """
+    plots = any(isinstance(block, Plot) for section in report.sections for block in _all(section.blocks))
+    scripts = [
+        *([_text(VENDOR / "uPlot.iife.min.js"), _text(PAGE / "plots.js")] if plots else []),
+        _text(PAGE / "page.js"),
+    ]
+    styles = [*([_text(VENDOR / "uPlot.min.css")] if plots else []), _text(PAGE / "style.css")]
+    return (
+        _environment()
+        .get_template("page.html")
+        .render(
+            report=report,
+            sections=[(section, list(shown(section.blocks, "page"))) for section in report.ordered],
+            contents=[section for section in report.ordered if section.title],
+            styles=[Markup(style) for style in styles],
+            scripts=[Markup(script) for script in scripts],
+            hashes=[_hash(script) for script in scripts],
+            command=shlex.join(command),
+            versions=versions,
+            key=map("p{}".format, count(1)).__next__,
+        )
+    )
+
+
+def write_page(path: Path, html: str) -> None:
+    """Write the page as a whole file or not at all. Raises OSError."""
+    write_whole(path, html.encode())
+
+
+def _all(blocks: Sequence[Block]) -> Iterator[Block]:
+    for block in shown(blocks, "page"):
+        yield block
+        if isinstance(block, BlockGroup):
+            yield from _all(block.blocks)
+
+
+def _hash(script: str) -> str:
+    return b64encode(hashlib.sha256(script.encode()).digest()).decode()
+
+
+@cache
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def _kind(block: Block) -> str:
+    """Name of the macro that writes a block."""
+    return type(block).__name__.lower()
+
+
+def _note_groups(notes: Sequence[Note]) -> list[tuple[str, list[Note], bool]]:
+    """Notes by code in the order of their first, and whether the group is folded."""
+    order = {code: k for k, code in reversed(list(enumerate(note.code for note in notes)))}
+    groups = groupby(sorted(notes, key=lambda note: order[note.code]), lambda note: note.code)
+    listed = [(code, list(group)) for code, group in groups]
+    return [
+        (code, group, bool(code) and (len(group) > MANY_NOTES or sum(len(note.text) for note in group) > LONG_NOTE))
+        for code, group in listed
+    ]
+
+
+def _cell_hover(column: Column, text: str) -> str:
+    """The whole text of a name that the page cuts."""
+    return text if column.kind == "name" and len(text) > LONG_NAME else ""
+
+
+def _is_verdict(value: object) -> bool:
+    return isinstance(value, Verdict)
+
+
+def _width(block: Block) -> str:
+    """Class of style.css: how much of the width of its section a block takes; others stand beside it where they fit."""
+    match block:
+        case Picture(wide=False):
+            return "small"
+        case Picture() | Plot():
+            return "wide"
+        case Prose() | Notes() | Code():
+            return "whole"
+        case _:
+            return "whole" if block.folded else "natural"
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=PackageLoader("crosscheck.report", "page"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update(
+        kind=_kind,
+        width=_width,
+        note_groups=_note_groups,
+        page_blocks=lambda blocks: list(shown(blocks, "page")),
+        zip=zip,
+    )
+    environment.tests.update(verdict=_is_verdict)
+    environment.globals.update(
+        SYMBOLS=SYMBOLS, hover=_cell_hover, plot_data=plot_data, plot_picture=plot_picture, LONG_NOTE=LONG_NOTE
+    )
+    return environment

@@ -1,0 +1,28 @@
+// What every page does with script: copy buttons, and a line above the tables that can be scrolled sideways.
+"use strict";
+for (const button of document.querySelectorAll(".copyable button")) {
+  if (!navigator.clipboard) continue;
+  button.hidden = false;
+  button.addEventListener("click", async () => {
+    await navigator.clipboard.writeText(button.parentElement.querySelector("pre").textContent);
+    button.textContent = "copied";
+  });
+}
+function tellScrolling() {
+  for (const box of document.querySelectorAll(".scroll:has(table)")) {
+    const scrolls = box.scrollWidth > box.clientWidth + 1;
+    const told = box.previousElementSibling?.classList.contains("more");
+    box.classList.toggle("scrolls", scrolls);
+    if (scrolls && !told) {
+      const line = document.createElement("p");
+      line.className = "more";
+      line.textContent = "The table goes on to the right: scroll it sideways.";
+      box.before(line);
+    } else if (!scrolls && told) {
+      box.previousElementSibling.remove();
+    }
+  }
+}
+addEventListener("resize", tellScrolling);
+document.addEventListener("toggle", tellScrolling, true);
+tellScrolling();

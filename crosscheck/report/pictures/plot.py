@@ -1,0 +1,126 @@
+"""A plot in its two forms: data for the script of the page, and a static picture for print or without script."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from crosscheck.report.pictures.colors import CURVES, FAINT, INK
+from crosscheck.report.pictures.svg import picture
+from crosscheck.report.report import Panel, Plot, Series
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+WIDTH, HEIGHT = 7.6, 2.3
+"""Of the static picture, and of a panel of height 1 [inches]."""
+
+TITLES, LEFT, RIGHT = 0.55, 0.09, 0.66
+"""Room above a panel and below it [inches]; edges of the axes, as parts of the width: the names stand on the right."""
+
+MOST_POINTS = 350
+"""Of a static curve, each with the smallest and the largest of the values it stands for."""
+
+
+def plot_data(plot: Plot) -> Markup:
+    """JSON for page/plots.js; numbers as base64 of single precision."""
+    return Markup(
+        json.dumps(
+            {
+                "x": _numbers(plot.x),
+                "x_title": plot.x_title,
+                "log_x": plot.log_x,
+                "panels": [
+                    {
+                        "title": panel.title,
+                        "unit": panel.unit,
+                        "log": panel.log,
+                        "level": panel.level,
+                        "height": panel.height,
+                        "series": [
+                            {
+                                "name": one.name,
+                                "style": one.style,
+                                "color": one.color,
+                                "hidden": one.hidden,
+                                "y": _numbers(one.y),
+                            }
+                            for one in panel.series
+                        ],
+                    }
+                    for panel in plot.panels
+                ],
+            }
+        ).replace("<", "\\u003c")
+    )
+
+
+def plot_picture(key: str, plot: Plot) -> Markup:
+    """The same curves, thinned, as an <svg>."""
+    height = sum(HEIGHT * panel.height + TITLES for panel in plot.panels)
+    return picture(key, plot.label, (WIDTH, height), lambda axes: _draw(axes, plot, height))
+
+
+def thinned(y: Array, points: int = MOST_POINTS) -> NDArray[np.intp]:
+    """Rows at which a curve (N,) takes the smallest and the largest value of every part, in order; gaps are kept."""
+    if len(y) <= 2 * points:
+        return np.arange(len(y))
+    rows: list[int] = []
+    for part in np.array_split(np.arange(len(y)), points):
+        values = y[part]
+        if np.isnan(values).all():
+            rows.append(int(part[0]))
+            continue
+        rows += sorted({int(part[np.nanargmin(values)]), int(part[np.nanargmax(values)])})
+        gaps = part[np.isnan(values)]
+        rows += [int(gaps[0])] if gaps.size else []
+    return np.unique(rows)
+
+
+def _numbers(values: Array) -> str:
+    with np.errstate(over="ignore"):
+        return b64encode(np.asarray(values, dtype="<f4").tobytes()).decode()
+
+
+def _draw(axes: Axes, plot: Plot, height: float) -> None:
+    axes.set_axis_off()
+    top = height
+    for k, panel in enumerate(plot.panels):
+        bottom = top - HEIGHT * panel.height - TITLES
+        place = (LEFT, (bottom + 0.6 * TITLES) / height, RIGHT - LEFT, HEIGHT * panel.height / height)
+        _draw_panel(axes.inset_axes(place), plot, panel, last=k == len(plot.panels) - 1)
+        top = bottom
+
+
+def _draw_panel(axes: Axes, plot: Plot, panel: Panel, *, last: bool) -> None:
+    axes.set_facecolor("none")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.tick_params(labelsize=8, length=2, color=INK)
+    axes.set(xscale="log" if plot.log_x else "linear", yscale="log" if panel.log else "linear")
+    axes.grid(color=FAINT, linewidth=0.5)
+    if panel.level is not None:
+        axes.axhline(panel.level, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
+    for one in panel.series:
+        if not one.hidden:
+            _draw_series(axes, plot.x, one, panel.log)
+    axes.set_title(f"{panel.title} [{panel.unit}]" if panel.unit else panel.title, fontsize=8.5, color=INK, loc="left")
+    axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=8, frameon=False, borderpad=0)
+    if last:
+        axes.set_xlabel(plot.x_title, fontsize=8.5, color=INK, labelpad=1)
+
+
+def _draw_series(axes: Axes, x: Array, one: Series, log: bool) -> None:
+    y = np.where(one.y > 0, one.y, np.nan) if log else one.y
+    rows = thinned(y)
+    color = CURVES[one.color % len(CURVES)]
+    if one.style == "marks":
+        axes.plot(x[rows], y[rows], linestyle="", marker="o", markersize=3, color=color, label=one.name)
+    else:
+        dash = (0, (4, 1.4)) if one.style == "dashed" else "-"
+        axes.plot(x[rows], y[rows], linestyle=dash, linewidth=1.3, color=color, label=one.name)
