@@ -9,8 +9,9 @@ from crosscheck.judging.judgement import Judgement
 from crosscheck.referee.compare import compare
 from crosscheck.referee.comparison import Comparison
 from crosscheck.referee.subject import Robot
-from crosscheck.report.comparisons import as_text
+from crosscheck.report.commands.crosscheck import crosscheck_report
 from crosscheck.report.judgements import judgement_text
+from crosscheck.report.text import as_text
 
 
 class Disagreement(AssertionError):
@@ -18,7 +19,9 @@ class Disagreement(AssertionError):
 
     def __init__(self, comparison: Comparison):
         self.comparison = comparison
-        super().__init__(f"graphdyn and Pinocchio disagree on '{comparison.robot}'\n{as_text(comparison)}")
+        super().__init__(
+            f"graphdyn and Pinocchio disagree on '{comparison.robot}'\n{as_text(crosscheck_report([comparison]))}"
+        )
 
 
 class WrongDynamics(AssertionError):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from crosscheck.cli.console import complain, err, out, progress, warnings_shown
+from crosscheck.cli.console import complain, err, progress, warnings_shown
 from crosscheck.cli.crosscheck_folder import is_folder, sweep
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import (
     EXAMPLES,
@@ -27,7 +28,7 @@ from graphdyn import GraphDynError
 from graphdyn.kernels.running import cores
 
 if TYPE_CHECKING:
-    from crosscheck.referee.comparison import Comparison
+    pass
 
 DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
     ("kr500", {}),
@@ -86,6 +87,7 @@ def run(
         raise typer.Exit(sweep(context, robots or [], samples, seed, processes, resume, json_file, html_file))
     choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
     from crosscheck.referee.compare import compare
+    from crosscheck.report.commands.crosscheck import crosscheck_report
     from crosscheck.report.comparisons import JSON_FORMAT, as_json, versions, write_json
 
     comparisons, failures = [], []
@@ -98,11 +100,7 @@ def run(
         except (GraphDynError, OSError) as error:
             complain(error, context)
             failures.append({"robot": robot, "message": str(error)})
-    _print(comparisons)
-    if html_file is not None:
-        from crosscheck.report.pages import comparison_page, write_page
-
-        write_page(html_file, comparison_page(comparisons, command_line(), failures))
+    deliver(crosscheck_report(comparisons, failures), html_file)
     if json_file is not None:
         record = {
             "format": JSON_FORMAT,
@@ -129,17 +127,3 @@ def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], ch
     with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
         model = urdf.load(robot, chain=chain, lock=locked or None)
     return sum(len(case.q) for case in cases(model, samples, seed))
-
-
-def _print(comparisons: Sequence[Comparison]) -> None:
-    from crosscheck.report.comparisons import detail, footnotes, heading, overview
-
-    if len(comparisons) == 1:
-        out.print(detail(comparisons[0], out.width))
-        return
-    for table in overview(comparisons, out.width):
-        out.print(table)
-    for comparison in comparisons:
-        out.print(heading(comparison))
-        for line in footnotes(comparison):
-            out.print(f"  {line}")

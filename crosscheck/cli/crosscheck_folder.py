@@ -8,7 +8,8 @@ from pathlib import Path
 import typer
 
 from crosscheck.cli import processes
-from crosscheck.cli.console import complain, err, out, progress
+from crosscheck.cli.console import complain, err, progress
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import command_line
 from graphdyn import GraphDynError
@@ -33,10 +34,9 @@ def sweep(
 ) -> int:
     """Compare all robots and files below folders, report, and return the exit code."""
     from crosscheck.cli.crosscheck_folder_file import SweepFile, taken_over
-    from crosscheck.cli.crosscheck_folder_table import table
     from crosscheck.cli.crosscheck_worker import Details, Task, examine
-    from crosscheck.report.pages.summary import FEW, summary_page
-    from crosscheck.report.summary import DISAGREES, compared_row, counts, failed_row
+    from crosscheck.report.commands.crosscheck_folder import FEW, folder_report
+    from crosscheck.report.summary import DISAGREES, compared_row, failed_row
 
     robots, failures = [], []
     for argument in given:
@@ -75,14 +75,8 @@ def sweep(
         compared_row(file.records[robot]) if robot in file.records else failed_row(file.failures[robot])
         for robot in robots
     ]
-    if rows:
-        out.print(table(rows))
-    out.print(counts(rows))
-    if html_file is not None:
-        from crosscheck.report.pages import write_page
-
-        detailed = [comparisons[robot] for robot in robots if robot in comparisons]
-        write_page(html_file, summary_page(rows, detailed, command_line()))
+    detailed = [comparisons[robot] for robot in robots if robot in comparisons]
+    deliver(folder_report(rows, detailed), html_file)
     if file.failures:
         return BAD_INPUT
     return DISAGREED if any(row.verdict == DISAGREES for row in rows) else AGREED

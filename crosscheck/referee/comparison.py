@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,6 +15,13 @@ from graphdyn.layout import Array
 
 QUANTILES = (0.0, 0.5, 0.9, 0.99, 1.0)
 """Parts of the states of which QuantityResult.quantiles tells the error."""
+
+
+def part_of_bound(error: float, bound: float) -> float:
+    """How much of its bound an error takes; of a bound that is zero, nothing or infinitely much."""
+    if bound == 0:
+        return math.inf if error > 0 else 0.0
+    return error / bound
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,10 @@ class QuantityResult:
     @property
     def agrees(self) -> bool:
         return self.max_relative_error <= self.quantity.tolerance.bound
+
+    @property
+    def part_of_bound(self) -> float:
+        return part_of_bound(self.max_relative_error, self.quantity.tolerance.bound)
 
     @property
     def quantiles(self) -> dict[str, float]:

@@ -22,6 +22,7 @@ from crosscheck.report.report import (
     Block,
     Code,
     Column,
+    Hover,
     Note,
     Notes,
     Picture,
@@ -111,8 +112,11 @@ def _note_groups(notes: Sequence[Note]) -> list[tuple[str, list[Note], bool]]:
     ]
 
 
-def _cell_hover(column: Column, text: str) -> str:
-    """The whole text of a name that the page cuts."""
+def _hover(column: Column, value: object) -> str:
+    """What a cell says where a pointer rests on it: its own words, or the whole of a name that the page cuts."""
+    if isinstance(value, Hover):
+        return value.more
+    text = column.text(value)
     return text if column.kind == "name" and len(text) > LONG_NAME else ""
 
 
@@ -151,6 +155,6 @@ def _environment() -> Environment:
     )
     environment.tests.update(verdict=_is_verdict)
     environment.globals.update(
-        SYMBOLS=SYMBOLS, hover=_cell_hover, plot_data=plot_data, plot_picture=plot_picture, LONG_NOTE=LONG_NOTE
+        SYMBOLS=SYMBOLS, hover=_hover, plot_data=plot_data, plot_picture=plot_picture, LONG_NOTE=LONG_NOTE
     )
     return environment

@@ -22,6 +22,9 @@ Kind = Literal["name", "text", "number", "vector", "verdict"]
 SYMBOLS: dict[State, str] = {"agrees": "✓", "undecided": "?", "disagrees": "✗", "plain": ""}
 """Before a verdict on the page: no reader depends on colour."""
 
+ROOMY = 120
+"""Characters of a line from which tables have room for columns that explain."""
+
 FAILURES_FIRST: dict[State, int] = {"disagrees": 0, "undecided": 1, "agrees": 2, "plain": 2}
 NOTHING = "–"
 """A cell without a value."""
@@ -45,7 +48,7 @@ class Column:
     unit: shown behind the title
     form: how a value becomes text: a format such as ".1e", or a function; None and NaN are NOTHING in any case
     meaning: shown on hover
-    roomy: left out on terminals narrower than ROOMY characters
+    from_width: left out on terminals narrower than this [characters]; the page has all columns
     """
 
     title: str
@@ -53,13 +56,15 @@ class Column:
     unit: str = ""
     form: str | Callable[[Any], str] = ""
     meaning: str = ""
-    roomy: bool = False
+    from_width: int = 0
 
     @property
     def heading(self) -> str:
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
     def text(self, value: Any) -> str:
+        if isinstance(value, Hover):
+            return self.text(value.value)
         if isinstance(value, Verdict):
             return value.words
         if value is None or (isinstance(value, float) and value != value):
@@ -67,6 +72,14 @@ class Column:
         if isinstance(value, float) and abs(value) == float("inf"):
             return "∞" if value > 0 else "−∞"
         return self.form(value) if callable(self.form) else format(value, self.form)
+
+
+@dataclass(frozen=True)
+class Hover:
+    """A cell that says more where a pointer rests on it."""
+
+    value: Any
+    more: str
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
+from crosscheck.referee.comparison import part_of_bound
+
 AGREES, DISAGREES, KINEMATICS_ONLY, REFUSED = VERDICTS = ("agrees", "DISAGREES", "kinematics only", "refused")
 """Kinematics only: everything that was compared agrees, but forward dynamics could not be compared."""
 
@@ -18,7 +20,7 @@ _ABOUT_MASS = ("no body has mass", "moving links without <inertial>")
 
 
 @dataclass(frozen=True)
-class Row:
+class RobotSummary:
     """The outcome of one robot.
 
     routes: of the comparison; empty where there was none
@@ -35,13 +37,13 @@ class Row:
     reason: str
 
 
-def compared_row(record: Mapping[str, Any]) -> Row:
+def compared_row(record: Mapping[str, Any]) -> RobotSummary:
     """The row of a robot that was compared. record: as in the JSON file (docs/json.md)."""
     quantities = record["quantities"]
     errors = {name: math.inf if (x := q["max_relative_error"]) is None else x for name, q in quantities.items()}
     nearest = max(quantities, key=lambda name: part_of_bound(errors[name], quantities[name]["bound"]))
     verdict = DISAGREES if not record["agrees"] else KINEMATICS_ONLY if record["not_compared"] else AGREES
-    return Row(
+    return RobotSummary(
         record["robot"],
         verdict,
         tuple(record["routes"]),
@@ -52,13 +54,13 @@ def compared_row(record: Mapping[str, Any]) -> Row:
     )
 
 
-def failed_row(failure: Mapping[str, str]) -> Row:
+def failed_row(failure: Mapping[str, str]) -> RobotSummary:
     """The row of a robot that could not be compared. failure: robot, message."""
     robot = failure["robot"]
-    return Row(robot, REFUSED, (), None, None, None, _one_line(failure["message"], robot))
+    return RobotSummary(robot, REFUSED, (), None, None, None, _one_line(failure["message"], robot))
 
 
-def counts(rows: Sequence[Row]) -> str:
+def counts(rows: Sequence[RobotSummary]) -> str:
     """How many robots have each verdict, in one line."""
     number = Counter(row.verdict for row in rows)
     alone = sum(row.routes == ("model",) for row in rows)
@@ -69,18 +71,11 @@ def counts(rows: Sequence[Row]) -> str:
     )
 
 
-def short_names(rows: Sequence[Row]) -> list[str]:
+def short_names(rows: Sequence[RobotSummary]) -> list[str]:
     """The robots without the folder that all of them share."""
     parts = [Path(row.robot).parts for row in rows]
     shared = len(list(takewhile(lambda folders: len(set(folders)) == 1, zip(*(p[:-1] for p in parts), strict=False))))
     return [str(Path(*p[shared:])) for p in parts]
-
-
-def part_of_bound(error: float, bound: float) -> float:
-    """How much of its bound an error takes; of a bound that is zero, nothing or infinitely much."""
-    if bound == 0:
-        return math.inf if error > 0 else 0.0
-    return error / bound
 
 
 def _reasons(record: Mapping[str, Any]) -> list[str]:

@@ -33,11 +33,14 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.report import Group as BlockGroup
 
-ROOMY = 120
-"""Characters of a line from which tables have their explaining columns."""
-
 MESSAGE_WIDTH = 140
 """Characters of a line in the messages of assertions."""
+
+LONG_HEADING = 14
+"""Characters of a heading from which it may be folded above a column of numbers."""
+
+LONG_NAME = 38
+"""Characters up to which the name of a row is never folded."""
 
 COLOURS: dict[State, str] = {"agrees": "green", "undecided": "yellow", "disagrees": "red", "plain": ""}
 
@@ -142,7 +145,7 @@ def _lines(blocks: Sequence[Lines], width: int) -> Iterator[RenderableType]:
 def _tables(table: Table, width: int) -> Iterator[RenderableType]:
     """One table, or several with the leading columns repeated where the line is too short for all columns."""
     yield from _title(table)
-    columns = [k for k, column in enumerate(table.columns) if width >= ROOMY or not column.roomy]
+    columns = [k for k, column in enumerate(table.columns) if width >= column.from_width]
     rest, first = columns[table.repeated :], True
     while rest or first:
         taken = _fitting(table, columns[: table.repeated], rest, width)
@@ -169,11 +172,15 @@ def _table(table: Table, columns: Sequence[int]) -> RichTable:
     rendered = RichTable()
     for k in columns:
         column = table.columns[k]
-        number = column.kind in ("number", "verdict")
+        whole = (
+            column.kind == "verdict"
+            or (column.kind == "number" and len(column.heading) <= LONG_HEADING)
+            or (k == columns[0] and max((len(column.text(row.cells[k])) for row in table.rows), default=0) <= LONG_NAME)
+        )
         rendered.add_column(
             column.heading,
             justify="right" if column.kind == "number" else "left",
-            no_wrap=number,
+            no_wrap=whole,
             overflow="fold",
         )
     for k, row in enumerate(table.ordered):

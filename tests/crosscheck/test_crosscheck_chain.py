@@ -15,7 +15,9 @@ import urdf
 from crosscheck.cli import app
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.report import comparisons as report
-from crosscheck.report.pages import comparison_page
+from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.report.html import page as page_of
+from crosscheck.report.text import as_text
 from graphdyn import InvalidInput, kr500
 from urdf._catalogue import locate
 
@@ -101,15 +103,15 @@ class TestReports:
         assert flagged(comparison) == set()
 
     def test_heading(self, comparison):
-        heading = report.heading(comparison)
-        assert "(7 joints from torso_2_link to gripper_left_base_link, locked: gripper_left_joint;" in heading
+        text = as_text(crosscheck_report([comparison]))
+        assert "7 joints from torso_2_link to gripper_left_base_link, locked: gripper_left_joint = 0.1; " in text
 
     def test_page(self, comparison):
-        page = " ".join(comparison_page([comparison], ["graphdyn"]).split())
+        page = " ".join(page_of(crosscheck_report([comparison]), ["graphdyn"], {}).split())
         assert "7 joints from torso_2_link to gripper_left_base_link, locked: gripper_left_joint = 0.1" in page
 
     def test_snippet(self, comparison):
-        page = comparison_page([comparison], ["graphdyn"]).replace("&#39;", "'").replace("&#x27;", "'")
+        page = page_of(crosscheck_report([comparison]), ["graphdyn"], {}).replace("&#39;", "'").replace("&#x27;", "'")
         assert "chain=('torso_2_link', 'gripper_left_base_link'), lock={'gripper_left_joint': 0.1}" in page
         assert "{'gripper_left_joint': 0.1}, cut=True)" in page
 
@@ -119,8 +121,8 @@ class TestReports:
     def test_without_a_chain(self, tree):
         comparison = crosscheck.compare(tree, 1)
         assert report.as_json(comparison)["chain"] is None
-        assert " from " not in report.heading(comparison)
-        assert "cut=" not in comparison_page([dataclasses.replace(comparison)], ["graphdyn"])
+        assert "3 joints; " in as_text(crosscheck_report([comparison]))
+        assert "cut=" not in page_of(crosscheck_report([dataclasses.replace(comparison)]), ["graphdyn"], {})
 
 
 def test_command(tilted, tmp_path):

@@ -1,6 +1,7 @@
 """The pages of a comparison and of a judgement: complete, self-contained, reproducible, and usable in a browser."""
 
 import dataclasses
+import hashlib
 import html
 import json
 import math
@@ -8,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from base64 import b64encode
 from pathlib import Path
 
 import identified_arm
@@ -24,11 +26,14 @@ from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, W
 from crosscheck.referee.comparison import QUANTILES, WorstState
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.referee.states import cases
+from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.report.commands.crosscheck_robot import error_text
 from crosscheck.report.comparisons import as_json, versions
-from crosscheck.report.pages import comparison_page, judgement_page, write_page
+from crosscheck.report.html import page as page_of
+from crosscheck.report.html import write_page
+from crosscheck.report.pages import judgement_page
 from crosscheck.report.pages.identification import identification_page
-from crosscheck.report.pages.rendering import error_text
-from crosscheck.report.pictures.spread import Row, spread
+from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT, pose, pose_text, stick_figure
 from crosscheck.report.snippets import CALLS, worst_state
 from graphdyn import Joint, Placement
@@ -90,6 +95,10 @@ def wrong(tree):
         return compared(tree)
 
 
+def comparison_page(comparisons, command, failures=()):
+    return page_of(crosscheck_report(comparisons, failures), command, versions())
+
+
 def parsed(text):
     return etree.fromstring(text.encode(), etree.HTMLParser(encoding="utf-8"))
 
@@ -123,9 +132,9 @@ class TestComparison:
                 "✓ agrees",
                 f"{result.max_relative_error:.1e}",
                 f"{quantity.tolerance.bound:.1e}",
-                quantity.scale,
                 quantity.against,
                 f"{result.worst.case} ({result.worst.route})" if result.worst else "all states",
+                quantity.scale,
             ]
             assert table[name] == expected
 
@@ -150,27 +159,28 @@ class TestComparison:
 
     def test_full_path_in_the_detail_only(self, page, small):
         assert "<h2>small.urdf: " in page
-        assert f"<dd>{small.robot}, 3 joints" in page
+        assert f"<dd>{small.robot}</dd>" in page
+        assert f"<p>{small.robot}: 3 joints; " in page
 
     def test_disagreement_comes_first(self, wrong):
         text = comparison_page([wrong], COMMAND)
         verdicts = [row[0] for row in rows(text, "Largest relative errors").values()]
         assert verdicts == sorted(verdicts, key=lambda verdict: verdict != "✗ DISAGREES")
         assert 0 < verdicts.count("✗ DISAGREES") < len(verdicts)
-        assert "graphdyn cross-check: DISAGREES</title>" in text
+        assert "<title>graphdyn against Pinocchio: DISAGREES</title>" in text
         assert "✗ joint_wrench" in text  # in the picture
 
     def test_notes_and_what_was_left_out(self, small):
         changed = dataclasses.replace(small, notes=("a note",), not_compared={"x": "why", "y": "why", "z": "other"})
         text = comparison_page([changed], COMMAND)
         assert "<li>a note</li>" in text
-        assert "<li>Not compared: x, y. why</li>" in text
-        assert "<li>Not compared: z. other</li>" in text
+        assert "<li>not compared: x, y: why</li>" in text
+        assert "<li>not compared: z: other</li>" in text
 
     def test_failures_and_nothing_else(self):
         text = comparison_page([], COMMAND, [{"robot": "nonsense", "message": "is not a file"}])
         assert "<strong>nonsense</strong>: is not a file" in text
-        assert "graphdyn cross-check: incomplete</title>" in text
+        assert "<title>graphdyn against Pinocchio: incomplete</title>" in text
 
     def test_locked_joints(self, small):
         assert "locked: grip = 0.25" in " ".join(
@@ -262,7 +272,8 @@ class TestForm:
         assert set(targets) <= set(ids)
 
     def test_nothing_is_fetched(self, page):
-        assert set(re.findall(r"""https?://[^"'\s<)]*""", page)) == {"http://www.w3.org/2000/svg"}
+        written = {"http://www.w3.org/2000/svg", "https://github.com/leeoniya/uPlot"}  # a namespace, the head of uPlot
+        assert set(re.findall(r"""https?://[^"'\s<)]*""", page)) == written
         root = parsed(page)
         assert not root.xpath("//link | //img | //iframe | //script[@src] | //style[contains(., '@import')]")
 
@@ -273,7 +284,7 @@ class TestForm:
         assert all(table.find("caption") is not None for table in root.iter("table"))
         assert all(cell.get("scope") in ("row", "col") for cell in root.iter("th"))
         pictures = root.xpath("//svg")
-        assert len(pictures) == 2
+        assert len(pictures) == 3
         assert all(svg.get("role") == "img" and svg.get("aria-label") for svg in pictures)
         assert all("<text" in etree.tostring(svg, encoding="unicode") for svg in pictures)
         assert all(button.get("hidden") is not None for button in root.iter("button"))  # until the script runs
@@ -308,13 +319,30 @@ class TestForm:
         assert len(list(tmp_path.iterdir())) == 1
 
     def test_templates_are_installed(self):
-        folder = Path(crosscheck.__file__).parent / "report" / "pages" / "templates"
-        assert {"base.html", "comparison.html", "judgement.html", "parts.html", "style.css"} <= {
-            path.name for path in folder.iterdir()
+        folder = Path(crosscheck.__file__).parent / "report"
+        assert {"page.html", "blocks.html", "style.css", "page.js", "plots.js"} <= {
+            path.name for path in (folder / "page").iterdir()
         }
 
+    def test_the_vendored_library_is_the_published_one(self):
+        """uPlot 1.6.32 as its authors published it: what is in the wheel is not changed."""
+        folder = Path(crosscheck.__file__).parent / "report" / "vendor"
+        published = dict(line.split()[::-1] for line in (folder / "SHA256").read_text(encoding="utf-8").splitlines())
+        found = {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in folder.glob("uPlot*")}
+        assert found == published
+        assert "The MIT License" in (folder / "uPlot.LICENSE").read_text(encoding="utf-8")
+
+    def test_scripts_are_those_of_the_policy(self, page):
+        """The content security policy names the hash of each script, and allows nothing to be evaluated."""
+        (policy,) = parsed(page).xpath("//meta[@http-equiv='Content-Security-Policy']/@content")
+        scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
+        hashes = {b64encode(hashlib.sha256(script.encode()).digest()).decode() for script in scripts}
+        assert {f"'sha256-{x}'" for x in hashes} == set(re.search("script-src(.*)", policy).group(1).split())
+        assert "unsafe-eval" not in policy
+        assert not any(re.search(r"\beval\(|new Function", script) for script in scripts)
+
     def test_matplotlib_is_not_imported_early(self):
-        code = "import sys, crosscheck, crosscheck.report.pages; sys.exit('matplotlib' in sys.modules)"
+        code = "import sys, crosscheck, crosscheck.report.html; sys.exit('matplotlib' in sys.modules)"
         assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
@@ -360,7 +388,9 @@ class TestQuantiles:
 
 class TestPictures:
     def test_zero_infinity_and_nan_have_places(self):
-        text = spread("k", [Row("a", np.array([0.0, 1e-16, math.inf]), 1e-13), Row("b", np.array([math.nan]), 1e-13)])
+        text = spread(
+            "k", [SpreadRow("a", np.array([0.0, 1e-16, math.inf]), 1e-13), SpreadRow("b", np.array([math.nan]), 1e-13)]
+        )
         assert ">0</text>" in text
         assert ">∞</text>" in text
         assert "✗ a" in text
@@ -368,14 +398,14 @@ class TestPictures:
         assert "the largest is inf of a" in text
 
     def test_axis_is_labelled_with_powers_of_ten(self):
-        text = spread("k", [Row("a", np.array([1e-16, 20.0]), 1e-13)])
+        text = spread("k", [SpreadRow("a", np.array([1e-16, 20.0]), 1e-13)])
         assert "10⁻" in text
         assert "10²" in text or "10¹" in text
         assert "relative error" in text
 
     def test_only_zeros(self):
-        assert "✗" not in spread("k", [Row("rank", np.zeros(3), 0.0)])
-        assert "✗ rank" in spread("k", [Row("rank", np.array([0.0, 0.1]), 0.0)])
+        assert "✗" not in spread("k", [SpreadRow("rank", np.zeros(3), 0.0)])
+        assert "✗ rank" in spread("k", [SpreadRow("rank", np.array([0.0, 0.1]), 0.0)])
 
     def test_straight_robot_is_bent(self):
         """Two revolute joints above each other: zero would hide everything in one line."""

@@ -1,7 +1,6 @@
 """Comparisons as text and as data."""
 
 import dataclasses
-import io
 import json
 import math
 import os
@@ -11,11 +10,13 @@ from pathlib import Path
 import pytest
 from planting import SAMPLES, SEED, compared
 from rich.cells import cell_len
-from rich.console import Console
 
 import crosscheck
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.report import comparisons as report
+from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.report.report import ROOMY
+from crosscheck.report.text import as_text
 from graphdyn import Body
 
 
@@ -31,44 +32,48 @@ def massless(tree):
     return compared(dataclasses.replace(tree, bodies=bodies))
 
 
-def printed(renderable, width):
-    console = Console(file=io.StringIO(), width=width)
-    console.print(renderable)
-    return console.file.getvalue()
+def printed(*comparisons, width=140):
+    return as_text(crosscheck_report(comparisons), width)
+
+
+def cells(text):
+    """Cells of the rows of the tables, by the first."""
+    rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in text.splitlines() if line.startswith("│")]
+    return {row[0]: row[1:] for row in rows}
 
 
 class TestText:
     def test_every_quantity_with_its_bound(self, comparison):
-        rows = {line.split("│")[1].strip(): line for line in report.as_text(comparison).splitlines() if "│" in line}
+        rows = cells(printed(comparison))
         for name, result in comparison.quantities.items():
-            assert f"{result.quantity.tolerance.bound:.1e}" in rows[name]
-            assert f"{result.max_relative_error:.1e}" in rows[name]
-            assert "agrees" in rows[name]
+            error, bound = f"{result.max_relative_error:.1e}", f"{result.quantity.tolerance.bound:.1e}"
+            assert rows[name][:3] == ["agrees", error, bound]
 
-    @pytest.mark.parametrize("width", [72, 100, 120, 160])
+    @pytest.mark.parametrize("width", [72, 100, 120, 160, 240])
     def test_the_table_of_one_robot_is_whole_at_every_width(self, comparison, width):
-        text = printed(report.detail(comparison, width), width)
+        text = printed(comparison, width=width)
         assert max(map(cell_len, text.splitlines())) <= width
         assert "…" not in "".join(line for line in text.splitlines() if line.startswith("│"))
         for name in comparison.quantities:
             assert f"│ {name} " in text
-        assert ("│ against " in text.replace("┃", "│")) == (width >= report.ROOMY)
+        assert ("┃ against Pinocchio's" in text) == (width >= ROOMY)
+        assert ("┃ scale" in text) == (width >= 2 * ROOMY)
 
     def test_heading(self, comparison, tree):
-        heading = report.heading(comparison)
-        assert heading.startswith(f"{tree.name}: agrees (3 joints; {SAMPLES} random states")
-        assert f"seed {SEED}" in heading
-        assert "routes: model" in heading
+        first, _, _, robot, what, *_ = printed(comparison).splitlines()
+        assert first.rstrip() == "graphdyn against Pinocchio: agrees"
+        assert robot.rstrip() == f"{tree.name}: agrees"
+        assert what.rstrip() == f"3 joints; {SAMPLES} random states and the special ones, seed {SEED}; routes: model"
 
     def test_heading_names_locked_joints(self, small_arm):
-        assert ", locked: a_slide;" in report.heading(crosscheck.compare(small_arm, 1, lock=["a_slide"]))
+        assert ", locked: a_slide = 0;" in printed(crosscheck.compare(small_arm, 1, lock=["a_slide"]))
 
     def test_what_is_left_out_is_said_once(self, massless):
-        lines = report.footnotes(massless)
+        text = " ".join(printed(massless).split())
         forward = [name for name, quantity in BY_NAME.items() if quantity.forward]
-        (line,) = [line for line in lines if line.startswith(f"not compared: {', '.join(forward)}: ")]
-        assert "singular" in line
-        assert "not compared: base_parameters: no body has mass: kinematics only" in lines
+        assert text.count(f"not compared: {', '.join(forward)}: ") == 1
+        assert "singular" in text
+        assert text.count("not compared: base_parameters: no body has mass: kinematics only") == 1
 
     def test_massless_robot_agrees_in_what_it_has(self, massless):
         """Torques vanish on both sides: zero differs from zero by zero, not by 0/0."""
@@ -82,24 +87,30 @@ class TestOverview:
     @pytest.mark.parametrize("width", [60, 80, 120, 200])
     def test_groups_fit_the_width(self, comparison, width):
         several = [dataclasses.replace(comparison, robot=f"robot{k}") for k in range(6)]
-        tables = report.overview(several, width)
-        texts = [printed(table, width) for table in tables]
-        assert max(len(line) for text in texts for line in text.splitlines()) <= width
+        lines = printed(*several, width=width).splitlines()
+        table = [line for line in lines if line.startswith(("┏", "┃", "┡", "│", "├", "└"))]
+        assert max(map(cell_len, table)) <= width
+        assert "…" not in "".join(table)
+        headings = [line for line in table if line.startswith("┃")]
         for k in range(6):  # each robot in one table, its name not cut
-            assert sum(f"robot{k}" in text for text in texts) == 1
-        for text in texts:
-            assert "…" not in text
-            for name in comparison.quantities:
-                assert f"│ {name} " in text
+            assert sum(f"robot{k}" in line for line in headings) == 1
+        for name in comparison.quantities:
+            assert sum(line.startswith(f"│ {name} ") for line in table) == len(headings)
 
     def test_narrow_means_more_tables(self, comparison):
         several = [comparison] * 6
-        assert len(report.overview(several, 60)) > len(report.overview(several, 120)) >= 1
+        assert printed(*several, width=60).count("┏") > printed(*several, width=120).count("┏") >= 1
 
     def test_missing_quantity_is_a_dash(self, comparison, massless):
-        (table,) = report.overview([comparison, massless], 120)
-        (row,) = [line for line in printed(table, 120).splitlines() if line.startswith("│ round_trip ")]
-        assert row.rstrip("│ ").endswith("–")
+        assert cells(printed(comparison, massless, width=120))["round_trip"][-1] == "–"
+
+    def test_a_disagreement_comes_first_and_is_marked(self, comparison):
+        torque = dataclasses.replace(comparison.quantities["torque"], max_relative_error=math.inf)
+        broken = dataclasses.replace(comparison, quantities={**comparison.quantities, "torque": torque})
+        rows = cells(printed(comparison, broken, width=120))
+        assert next(iter(rows)) == "torque"
+        assert rows["torque"][-1] == "∞ ✗"
+        assert rows["verdict"] == ["", "agrees", "DISAGREES"]
 
 
 class TestData:

@@ -19,10 +19,11 @@ from crosscheck.cli import main, processes
 from crosscheck.cli.crosscheck_folder_file import SweepFile
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
 from crosscheck.referee import compare as comparing
+from crosscheck.referee.comparison import part_of_bound
 from crosscheck.referee.subject import content_sha256
 from crosscheck.report import comparisons as report
 from crosscheck.report import summary
-from crosscheck.report.pages import summary as page
+from crosscheck.report.commands import crosscheck_folder as report_of_folder
 
 SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-1.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
@@ -152,7 +153,7 @@ class TestOutcomes:
 
     def test_not_finite_is_nearest(self, program, here, good_folder, plant: Plant):
         plant.referee_value("tau", lambda _: float("nan"))
-        assert program(good_folder, "--samples", 1).row("good.urdf")[3:5] == ["torque", "inf"]
+        assert program(good_folder, "--samples", 1).row("good.urdf")[3:5] == ["torque", "∞"]
 
     def test_refused_outweighs_disagreement(self, program, here, folder, plant: Plant):
         plant.referee_value("tau", lambda x: x * (1 + 1e-9))
@@ -337,9 +338,9 @@ class TestPage:
         path = tmp_path / "r.html"
         program(folder, "--samples", 1, "--html", path)
         html = path.read_text(encoding="utf-8")
-        assert html.count('<section class="part sheet"') == 2
+        assert html.count('class="sheet"') == 2
         assert '<a href="#robot-1">good.urdf</a>' in html
-        assert '<th scope="row">sub/broken.urdf</th>' in html
+        assert '<span class="name">sub/broken.urdf</span>' in html
         assert "no body has mass" in html
         assert "Robots taken over" not in html
 
@@ -348,16 +349,16 @@ class TestPage:
         program(good_folder, *options)
         program(good_folder, *options, "--resume", "--html", path)
         html = path.read_text(encoding="utf-8")
-        assert '<section class="part sheet"' not in html
+        assert 'class="sheet"' not in html
         assert "Robots taken over from an earlier run have no details here" in html
 
     def test_many(self, program, here, folder, tmp_path, plant: Plant, monkeypatch):
         plant.referee_value("tau", lambda x: x * (1 + 1e-9))
-        monkeypatch.setattr(page, "FEW", 1)
+        monkeypatch.setattr(report_of_folder, "FEW", 1)
         path = tmp_path / "r.html"
         program(folder, "--samples", 1, "--html", path)
         html = path.read_text(encoding="utf-8")
-        assert html.count('<section class="part sheet"') == 1
+        assert html.count('class="sheet"') == 1
         assert '<a href="#robot-1">good.urdf</a>' in html
         assert "Details are shown of robots that disagree" in html
 
@@ -388,7 +389,7 @@ class TestProcesses:
 class TestSummary:
     @pytest.mark.parametrize(("error", "bound", "part"), [(1, 2, 0.5), (0, 0, 0), (1e-300, 0, float("inf"))])
     def test_part_of_bound(self, error, bound, part):
-        assert summary.part_of_bound(error, bound) == part
+        assert part_of_bound(error, bound) == part
 
     @pytest.mark.parametrize(
         ("robots", "names"),

@@ -15,7 +15,7 @@ from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.report import snippets
 from crosscheck.report.comparisons import versions
 from crosscheck.report.pages.rendering import render
-from crosscheck.report.pictures.spread import Row, spread
+from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -102,7 +102,7 @@ def _section(judgement: Judgement, function: JudgedFunction, model: RobotModel, 
         _entries(model, function),
         len(function.worst.expected) == len(judgement.joint_names),
         snippets.worst_call(judgement, function),
-        spread(key, [Row(contest.who, contest.errors, function.bound) for contest in contests]),
+        spread(key, [SpreadRow(contest.who, contest.errors, function.bound) for contest in contests]),
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK
-from crosscheck.report.pictures.spread import Row, spread, superscript
+from crosscheck.report.pictures.spread import SpreadRow, spread, superscript
 from crosscheck.report.pictures.svg import picture
 from crosscheck.studies.errata import COSINES, Effect
 from crosscheck.studies.paper.checks import CORRECTED
@@ -32,7 +32,7 @@ MARKERS = {"kr500": "o", "ur5": "^"}
 def distributions(key: str, effects: Sequence[Effect]) -> Markup:
     """A1, A4, A5, A6: histograms of the printed and the corrected form, arm by arm."""
     rows = [
-        Row(f"{effect.erratum} {effect.robot}, {form}", errors, CORRECTED)
+        SpreadRow(f"{effect.erratum} {effect.robot}, {form}", errors, CORRECTED)
         for effect in sorted(effects, key=lambda effect: effect.erratum)
         if effect.erratum not in ("A2", "A3")
         for form, errors in (("printed", effect.errors), ("corrected", effect.corrected_errors))

@@ -37,7 +37,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class SpreadRow:
     """errors: relative, of all states (N,), zero, infinite or NaN among them; bound: what they must not exceed"""
 
     name: str
@@ -66,7 +66,7 @@ class _Scale:
         return float(np.log10(max(x, SMALLEST))) if np.isfinite(x) else self.infinity
 
 
-def spread(key: str, rows: Sequence[Row]) -> Markup:
+def spread(key: str, rows: Sequence[SpreadRow]) -> Markup:
     """The picture of all rows, the first on top."""
     worst = max(rows, key=lambda row: _largest(row.errors))
     label = (
@@ -81,7 +81,7 @@ def superscript(decade: int) -> str:
     return "10" + str(decade).translate(_SUPERSCRIPT)
 
 
-def _draw(axes: Axes, rows: Sequence[Row]) -> None:
+def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
     scale = _scale(rows)
     height = ROW * len(rows) + AXIS
     axes.set_position((0.31, (AXIS - 0.06) / height, 0.68, ROW * len(rows) / height))
@@ -104,7 +104,7 @@ def _draw(axes: Axes, rows: Sequence[Row]) -> None:
         _draw_row(axes, scale, row, k + 1.0)
 
 
-def _draw_row(axes: Axes, scale: _Scale, row: Row, foot: float) -> None:
+def _draw_row(axes: Axes, scale: _Scale, row: SpreadRow, foot: float) -> None:
     """Histogram, bound and largest error, standing on the line y = foot."""
     axes.plot([scale.zero - 0.3, scale.infinity + 0.3], [foot, foot], color=FAINT, linewidth=0.6, zorder=1)
     edges = np.arange(BINS_PER_DECADE * scale.low, BINS_PER_DECADE * scale.high + 1) / BINS_PER_DECADE
@@ -125,7 +125,7 @@ def _draw_row(axes: Axes, scale: _Scale, row: Row, foot: float) -> None:
     axes.plot([largest], [foot], marker="^", markersize=4, color=INK, clip_on=False, linewidth=0, zorder=4)
 
 
-def _scale(rows: Sequence[Row]) -> _Scale:
+def _scale(rows: Sequence[SpreadRow]) -> _Scale:
     errors = np.concatenate([[row.bound for row in rows], *(row.errors for row in rows)])
     decades = np.log10(np.maximum(errors[(errors > 0) & np.isfinite(errors)], SMALLEST))
     low, high = (decades.min(), decades.max()) if decades.size else (-16.0, -12.0)
@@ -136,9 +136,9 @@ def _largest(errors: Array) -> float:
     return float(np.where(np.isnan(errors), np.inf, errors).max())
 
 
-def _agrees(row: Row) -> bool:
+def _agrees(row: SpreadRow) -> bool:
     return _largest(row.errors) <= row.bound
 
 
-def _title(row: Row) -> str:
+def _title(row: SpreadRow) -> str:
     return row.name if _agrees(row) else f"✗ {row.name}"
