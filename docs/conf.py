@@ -1,0 +1,63 @@
+"""The site: `python -m pip install ".[docs]" && python -m sphinx -W docs build/docs`."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "site"))
+
+import docstrings  # noqa: E402
+import gallery  # noqa: E402
+import public_names  # noqa: E402
+import reference  # noqa: E402
+from sphinx.util import logging  # noqa: E402
+
+import graphdyn  # noqa: E402
+
+project = "graphdyn"
+author = "the graphdyn authors"
+copyright = "the graphdyn authors"
+release = version = graphdyn.__version__
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas"]
+exclude_patterns = ["site", "schemas"]
+default_role = "code"
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
+myst_heading_anchors = 3
+autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Method", "Coordinates", "JointKind")}
+autodoc_member_order = "bysource"
+python_maximum_signature_line_length = 88
+toc_object_entries_show_parents = "hide"
+html_math_renderer = "svg"
+html_theme = "furo"
+html_title = "graphdyn"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_show_sphinx = False
+html_extra_path = ["schemas", "gallery/pages"]
+LINKS = public_names.links()
+
+
+def process_docstring(app, what, name, thing, options, lines):
+    title = "Attributes" if what in ("class", "exception") else "Parameters"
+    lines[:] = docstrings.as_rst(lines, docstrings.names_of(thing), title, LINKS)
+
+
+def write_pages(app, config):
+    reference.write(HERE / "reference")
+    exhibits = () if app.tags.has("nogallery") else gallery.EXHIBITS
+    gallery.write(HERE / "gallery", exhibits + gallery.SLOW if app.tags.has("bench") else exhibits)
+
+
+def check_names(app, env):
+    documented = env.get_domain("py").objects
+    for name in reference.missing(documented):
+        logging.getLogger(__name__).warning("public name without an entry: %s", name)
+
+
+def setup(app):
+    app.connect("config-inited", write_pages)
+    app.connect("autodoc-process-docstring", process_docstring)
+    app.connect("env-check-consistency", check_names)

@@ -1,0 +1,117 @@
+"""The gallery: pages and terminal output of the commands, made by running them while the site is built."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from shutil import rmtree
+
+HERE = Path(__file__).parent
+PROGRAM = Path(sys.executable).with_name("graphdyn")
+WORKERS = 2
+
+
+@dataclass(frozen=True)
+class Exhibit:
+    """One command of the gallery.
+
+    name: of the page
+    about: what it shows, in a sentence
+    arguments: of the program graphdyn, without --html
+    exit_code: that it has to end with
+    """
+
+    name: str
+    about: str
+    arguments: tuple[str, ...]
+    exit_code: int = 0
+
+
+EXHIBITS = (
+    Exhibit("show", "A robot as it was read: bodies, joints, graph, pattern of the equations.", ("show", "ur5")),
+    Exhibit(
+        "crosscheck",
+        "Every quantity of graphdyn beside Pinocchio, with the error and its bound.",
+        ("crosscheck", "kr500", "--samples", "50"),
+    ),
+    Exhibit(
+        "judge",
+        "An inverse dynamics with one wrong sign, and the diagnosis.",
+        ("judge", "ur5", "--inverse-dynamics", "textbook.py:textbook_rnea"),
+        exit_code=1,
+    ),
+    Exhibit("inspect", "A file with faults: each with its line and a remedy.", ("inspect", "doubtful.urdf"), exit_code=1),
+    Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),
+    Exhibit(
+        "identify",
+        "A simulated robot identified by four methods, one of which to trust.",
+        (
+            *("identify", "--robot", "kr500", "--seconds", "10", "--poses", "200"),
+            *("--methods", "ols,wls,wls-pinocchio,consistent"),
+        ),
+    ),
+)
+SLOW = (
+    Exhibit(
+        "bench",
+        "Speed and accuracy beside Pinocchio and MuJoCo on the machine that built this site, with few samples.",
+        ("bench", "--quick", "--samples", "1000"),
+    ),
+)
+"""Made on request (`-t bench`): it takes as long as all the others together, and wants a quiet machine."""
+INTRODUCTION = "What the commands print, and the pages they write. All of it was made when this site was built."
+
+
+class WrongExit(RuntimeError):
+    """A command of the gallery that ended otherwise than it should."""
+
+
+def write(folder: Path, exhibits: Sequence[Exhibit]) -> None:
+    """index.md, and the pages below `pages`. Without an exhibit the index says that the gallery was left out."""
+    rmtree(folder, ignore_errors=True)
+    pages = folder / "pages" / "gallery-pages"
+    pages.mkdir(parents=True)
+    lines = ["# Gallery", ""]
+    _write_inputs(folder)
+    lines += [INTRODUCTION if exhibits else "This site was built without the gallery.", ""]
+    with ThreadPoolExecutor(WORKERS) as pool:
+        printed = pool.map(lambda exhibit: output_of(exhibit, folder, pages), exhibits)
+        for exhibit, text in zip(exhibits, printed, strict=True):
+            command = " ".join(("graphdyn", *exhibit.arguments, "--html", f"{exhibit.name}.html"))
+            lines += [f"## {exhibit.name}", "", exhibit.about, "", "```sh", command, "```", ""]
+            lines += [f'<p><a href="../gallery-pages/{exhibit.name}.html">Open the page</a></p>', ""]
+            lines += ["```text", text.rstrip(), "```", ""]
+    (folder / "index.md").write_text("\n".join(lines), encoding="utf-8")
+
+
+def output_of(exhibit: Exhibit, folder: Path, pages: Path) -> str:
+    """What the command prints; its page is written. Raises WrongExit."""
+    done = subprocess.run(
+        [PROGRAM, *exhibit.arguments, "--html", str(pages / f"{exhibit.name}.html")],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "COLUMNS": "110", "NO_COLOR": "1", "TERM": "dumb"},
+        check=False,
+    )
+    if done.returncode != exhibit.exit_code:
+        raise WrongExit(
+            f"graphdyn {' '.join(exhibit.arguments)} ended with {done.returncode}, not {exhibit.exit_code}:\n"
+            f"{done.stdout}{done.stderr}"
+        )
+    return done.stdout
+
+
+def _write_inputs(folder: Path) -> None:
+    """The files that the commands read: the worked example of judge.md, and a URDF file with faults."""
+    text = (HERE.parent / "judge.md").read_text(encoding="utf-8")
+    example = re.search(r"```python\n(.*?)\n\n\njudgement = ", text, re.DOTALL)
+    assert example, "docs/judge.md has no worked example that ends before 'judgement = '"
+    (folder / "textbook.py").write_text(example[1] + "\n", encoding="utf-8")
+    (folder / "doubtful.urdf").write_bytes((HERE / "robots" / "doubtful.urdf").read_bytes())

@@ -1,0 +1,55 @@
+"""The public names of the three packages, as their `__all__` say."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import warnings
+
+MODULES = {
+    "graphdyn": "Models, dynamics, recordings",
+    "graphdyn.motion_laws": "Prescribed motions",
+    "graphdyn.identification": "Identification",
+    "urdf": "URDF files",
+    "crosscheck": "Cross-check, judge, recordings, identification from files",
+}
+"""The public modules, and a title for the page of each."""
+
+
+def public_names(module: str) -> list[str]:
+    """`__all__`, or without one what the module itself defines and does not mark as private."""
+    loaded = importlib.import_module(module)
+    if hasattr(loaded, "__all__"):
+        return sorted(loaded.__all__)
+    return sorted(
+        name
+        for name, value in vars(loaded).items()
+        if not name.startswith("_") and getattr(value, "__module__", None) == module and callable(value)
+    )
+
+
+def value_of(module: str, name: str) -> object:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return getattr(importlib.import_module(module), name)
+
+
+def everything() -> dict[str, object]:
+    """What every public name stands for, by full name."""
+    return {f"{module}.{name}": value_of(module, name) for module in MODULES for name in public_names(module)}
+
+
+def kind_of(value: object) -> str:
+    """function, class, exception or data."""
+    if inspect.isclass(value):
+        return "exception" if issubclass(value, BaseException) else "class"
+    return "function" if callable(value) else "data"
+
+
+def links() -> dict[str, str]:
+    """Full name of every public error and warning, by its short name; that of the lowest package where two share it."""
+    found: dict[str, str] = {}
+    for full, value in everything().items():
+        if kind_of(value) == "exception":
+            found.setdefault(full.rpartition(".")[2], full)
+    return found

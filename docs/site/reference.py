@@ -1,0 +1,64 @@
+"""One page of reference per public module, and one over all of them, written before Sphinx reads the sources."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from pathlib import Path
+
+from public_names import MODULES, kind_of, public_names, value_of
+
+SECTIONS = {"function": "Functions", "class": "Classes", "data": "Constants", "exception": "Errors and warnings"}
+
+
+def page(module: str, title: str) -> str:
+    """The page of a module in reStructuredText: its names by kind, each from its docstring."""
+    heading = f"{module}: {title[0].lower()}{title[1:]}" if module != "urdf" else f"{module}: {title}"
+    lines = [heading, "=" * len(heading), "", f".. py:module:: {module}", ""]
+    by_kind: dict[str, list[str]] = {kind: [] for kind in SECTIONS}
+    for name in public_names(module):
+        by_kind[kind_of(value_of(module, name))].append(name)
+    for kind, names in by_kind.items():
+        if names:
+            lines += [SECTIONS[kind], "-" * len(SECTIONS[kind]), ""]
+        for name in names:
+            lines += _entry(kind, module, name)
+    return "\n".join(lines)
+
+
+def _entry(kind: str, module: str, name: str) -> list[str]:
+    if kind == "data":
+        return [f".. py:data:: {name}", f"   :value: {value_of(module, name)!r}", ""]
+    lines = [f".. auto{kind}:: {module}.{name}"]
+    if kind in ("class", "exception"):
+        lines += ["   :members:", "   :show-inheritance:" if kind == "exception" else "   :member-order: bysource"]
+    return [*lines, ""]
+
+
+def index() -> str:
+    """The page over all modules."""
+    lines = ["Reference", "=========", "", "Every public name of the three packages, from its docstring. Shapes are in"]
+    lines += ["round brackets, units in square ones; … stands for any leading dimensions, which broadcast.", ""]
+    return "\n".join([*lines, ".. toctree::", "   :maxdepth: 1", "", *(f"   {module}" for module in MODULES), ""])
+
+
+def write(folder: Path) -> None:
+    """All pages; files that are right already are left alone, so that Sphinx does not read them again."""
+    folder.mkdir(exist_ok=True)
+    pages = {"index": index()} | {module: page(module, title) for module, title in MODULES.items()}
+    for name, text in pages.items():
+        path = folder / f"{name}.rst"
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+    for path in folder.glob("*.rst"):
+        if path.stem not in pages:
+            path.unlink()
+
+
+def missing(documented: Collection[str]) -> list[str]:
+    """Public names that are not among the documented ones."""
+    return [
+        f"{module}.{name}"
+        for module in MODULES
+        for name in public_names(module)
+        if f"{module}.{name}" not in documented
+    ]
