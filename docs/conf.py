@@ -36,7 +36,7 @@ html_title = "graphdyn"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_show_sphinx = False
-html_extra_path = ["schemas", "gallery/pages"]
+html_extra_path = ["gallery/pages"]
 LINKS = public_names.links()
 
 

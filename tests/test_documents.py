@@ -2,6 +2,7 @@
 
 import importlib
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,9 @@ ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 EQUATIONS = 118
 """The paper numbers its equations from 1 to 118."""
+MADE_BY_THE_SITE = {"gallery/index", "reference/index"}
+CONTINUED = "tutorial.md"
+"""Its blocks build on one another."""
 
 
 def table_rows(document, first_cell):
@@ -54,11 +58,14 @@ def test_every_name_in_the_map_exists(name):
 
 
 def code_blocks():
-    return [
-        pytest.param(block, id=f"{document.name}-{k}")
-        for document in DOCUMENTS
-        for k, block in enumerate(re.findall(r"```python\n(.*?)```", document.read_text(encoding="utf-8"), re.DOTALL))
-    ]
+    """Every Python block alone; those of the tutorial, which build on one another, as one."""
+    found = []
+    for document in DOCUMENTS:
+        blocks = re.findall(r"```python\n(.*?)```", document.read_text(encoding="utf-8"), re.DOTALL)
+        if document.name == CONTINUED:
+            blocks = ["\n".join(blocks)]
+        found += [pytest.param(block, id=f"{document.name}-{k}") for k, block in enumerate(blocks)]
+    return found
 
 
 @pytest.mark.parametrize("block", code_blocks())
@@ -70,14 +77,41 @@ def test_code_blocks_run(block, capsys, tmp_path, monkeypatch):
         assert promised in printed
 
 
-def test_the_readme_table_has_every_quantity_within_its_bound():
-    rows = table_rows("README.md", r"[a-z_]+")
-    rows = [row for row in rows if row[0] in BY_NAME]
-    assert [row[0] for row in rows] == list(BY_NAME)
-    for name, bound, *errors in rows:
+def agreement(document):
+    return {row[0]: row[1:] for row in table_rows(document, r"[a-z_]+") if row[0] in BY_NAME}
+
+
+def test_the_table_of_agreement_has_every_quantity_within_its_bound():
+    rows = agreement("docs/agreement.md")
+    assert list(rows) == list(BY_NAME)
+    for name, (bound, *errors) in rows.items():
         assert bound == f"{BY_NAME[name].tolerance.bound:.1e}"
         assert len(errors) == 6
         assert all(error == "–" or float(error) <= BY_NAME[name].tolerance.bound for error in errors)
+
+
+def test_the_readme_shows_the_rows_that_come_closest_to_their_bounds():
+    def share(row):
+        bound, *errors = row
+        return max(float(error) for error in errors if error != "–") / (float(bound) or 1)
+
+    rows = agreement("docs/agreement.md")
+    shown = agreement("README.md")
+    worst = sorted(rows, key=lambda name: share(rows[name]), reverse=True)[: len(shown)]
+    assert len(shown) >= 5
+    assert shown == {name: rows[name] for name in worst}
+    assert f"of {len(rows)} (" in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_address_of_the_project_is_the_same_everywhere():
+    address = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]["Repository"]
+    for document in ("README.md", "docs/contributing.md"):
+        assert f"git clone {address} &&" in (ROOT / document).read_text(encoding="utf-8")
+    assert f"repository-code: {address}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+
+
+def test_the_citation_names_this_version():
+    assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
 def test_every_erratum_is_measured_and_explained():
@@ -95,7 +129,8 @@ def test_every_erratum_is_measured_and_explained():
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
 def test_links_lead_somewhere(document):
     for target in re.findall(r"\]\(([^)#]+)", document.read_text(encoding="utf-8")):
-        assert target.startswith("https://") or (document.parent / target).exists(), target
+        known = target.startswith("https://") or (document.parent / target).exists()
+        assert known or target in MADE_BY_THE_SITE, target
 
 
 def test_the_changelog_names_this_version():

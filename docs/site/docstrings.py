@@ -7,6 +7,7 @@ and everything else is escaped, so that |x| or θ* means itself.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import inspect
 import re
@@ -54,10 +55,8 @@ def names_of(thing: object) -> set[str]:
         if dataclasses.is_dataclass(thing):
             names |= {field.name for field in dataclasses.fields(thing)}
     if callable(thing):
-        try:
+        with contextlib.suppress(TypeError, ValueError):  # of some classes written in C
             names |= set(inspect.signature(thing).parameters)
-        except (TypeError, ValueError):
-            pass
     return names
 
 
@@ -155,9 +154,9 @@ def _escaped(text: str) -> str:
     """Plain text with `code` in single backticks, as reStructuredText."""
     pieces = text.split("`")
     if len(pieces) % 2 == 0:  # a backtick that stands for itself
-        pieces = ["\\`".join(pieces)]
+        pieces = [text]
     for k in range(0, len(pieces), 2):
-        pieces[k] = re.sub(r"([\\*|])", r"\\\1", pieces[k])
+        pieces[k] = re.sub(r"([\\*|`])", r"\\\1", pieces[k])
         pieces[k] = re.sub(r"_(?!\w)", r"\\_", pieces[k])
     for k in range(1, len(pieces), 2):
         pieces[k] = f"``{pieces[k]}``"
@@ -165,6 +164,4 @@ def _escaped(text: str) -> str:
 
 
 def _linked(text: str, links: Mapping[str, str]) -> str:
-    return re.sub(
-        r"\b[A-Z]\w+\b", lambda found: f":exc:`~{links[found[0]]}`" if found[0] in links else found[0], text
-    )
+    return re.sub(r"\b[A-Z]\w+\b", lambda found: f":exc:`~{links[found[0]]}`" if found[0] in links else found[0], text)

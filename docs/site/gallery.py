@@ -46,7 +46,7 @@ EXHIBITS = (
         ("judge", "ur5", "--inverse-dynamics", "textbook.py:textbook_rnea"),
         exit_code=1,
     ),
-    Exhibit("inspect", "A file with faults: each with its line and a remedy.", ("inspect", "doubtful.urdf"), exit_code=1),
+    Exhibit("inspect", "A file with faults, each with line and remedy.", ("inspect", "doubtful.urdf"), exit_code=1),
     Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),
     Exhibit(
         "identify",
@@ -86,7 +86,16 @@ def write(folder: Path, exhibits: Sequence[Exhibit]) -> None:
             command = " ".join(("graphdyn", *exhibit.arguments, "--html", f"{exhibit.name}.html"))
             lines += [f"## {exhibit.name}", "", exhibit.about, "", "```sh", command, "```", ""]
             lines += [f'<p><a href="../gallery-pages/{exhibit.name}.html">Open the page</a></p>', ""]
-            lines += ["```text", text.rstrip(), "```", ""]
+            lines += [
+                "<details><summary>What it prints</summary>",
+                "",
+                "```text",
+                text.rstrip(),
+                "```",
+                "",
+                "</details>",
+                "",
+            ]
     (folder / "index.md").write_text("\n".join(lines), encoding="utf-8")
 
 

@@ -1,0 +1,192 @@
+"""How the site is made from docstrings, public names and commands; .ci/run builds it as a whole."""
+
+import inspect
+import re
+from dataclasses import dataclass
+
+import docstrings
+import gallery
+import public_names
+import pytest
+import reference
+
+import graphdyn
+
+
+def parts(text, *names):
+    return docstrings.taken_apart(inspect.cleandoc(text).splitlines(), names)
+
+
+def rst(text, *names, links=()):
+    return "\n".join(docstrings.as_rst(inspect.cleandoc(text).splitlines(), names, "Parameters", dict(links))).strip(
+        "\n"
+    )
+
+
+class TestEntries:
+    def test_shape_and_unit_at_the_end_are_taken_off(self):
+        (entry,) = parts("a: joint acceleration          (…, n)     [rad/s² or m/s²]", "a").entries
+        assert entry == docstrings.Entry(("a",), "joint acceleration", "(…, n)", "[rad/s² or m/s²]")
+
+    def test_several_names_on_a_line(self):
+        (entry,) = parts("q, v, tau: joint state   (…, n)", "q", "v", "tau").entries
+        assert entry.names == ("q", "v", "tau")
+
+    def test_several_shapes(self):
+        text = "rotation, translation: placement of the carriage   (…, 3, 3), (…, 3)  [m]"
+        (entry,) = parts(text, "rotation", "translation").entries
+        assert (entry.meaning, entry.shape, entry.unit) == ("placement of the carriage", "(…, 3, 3), (…, 3)", "[m]")
+
+    def test_a_shape_without_a_meaning(self):
+        (entry,) = parts("q, v, a: (…, n)", "q", "v", "a").entries
+        assert (entry.meaning, entry.shape) == ("", "(…, n)")
+
+    @pytest.mark.parametrize("remark", ["(revolute without position limits)", "(a list)", "(see above)", "f(x)"])
+    def test_brackets_that_are_no_shape_stay_in_the_meaning(self, remark):
+        (entry,) = parts(f"kind: of the joint {remark}", "kind").entries
+        assert (entry.meaning, entry.shape) == (f"of the joint {remark}", "")
+
+    def test_an_indented_line_goes_on(self):
+        (entry,) = parts("base: motion of the carriage: rails, and at most one\n    turntable   (3,)", "base").entries
+        assert (entry.meaning, entry.shape) == ("motion of the carriage: rails, and at most one turntable", "(3,)")
+
+    def test_a_unit_on_a_line_of_its_own(self):
+        (entry,) = parts("center: box of the center (2, 3)\n                      [m]", "center").entries
+        assert (entry.meaning, entry.shape, entry.unit) == ("box of the center", "(2, 3)", "[m]")
+
+    def test_a_line_in_mid_sentence_goes_on(self):
+        (entry,) = parts("limits: on masses, the\nmodel's if left out", "limits").entries
+        assert entry.meaning == "on masses, the model's if left out"
+
+    def test_several_entries_on_a_line(self):
+        first, second = parts("names: of the bodies; units: of their parameters; of all", "names", "units").entries
+        assert (first.names, first.meaning) == (("names",), "of the bodies")
+        assert (second.names, second.meaning) == (("units",), "of their parameters; of all")
+
+    def test_only_names_of_the_thing_are_entries(self):
+        found = parts("Never the normal equations: they square the condition number.\ntolerance: smallest", "tolerance")
+        assert [entry.names for entry in found.entries] == [("tolerance",)]
+        assert found.prose == ["Never the normal equations: they square the condition number."]
+
+    def test_a_sentence_between_entries_is_prose(self):
+        found = parts("q, v: joint state\nA missing v stands for zero.\nbase: motion of the base", "q", "v", "base")
+        assert [entry.names for entry in found.entries] == [("q", "v"), ("base",)]
+        assert found.prose == ["A missing v stands for zero."]
+
+
+class TestRest:
+    def test_raises_and_warns_become_fields(self):
+        found = parts("The robot.\n\nRaises InvalidInput for NaN,\nand OSError.\nWarns ChainWarning.")
+        assert found.prose == ["The robot."]
+        assert found.fields == [("Raises", "InvalidInput for NaN, and OSError."), ("Warns", "ChainWarning.")]
+
+    def test_a_sentence_that_goes_on_with_raises_inside_is_prose(self):
+        assert parts("A method\nthat Raises nothing.").prose == ["A method that Raises nothing."]
+
+    def test_errors_are_linked_where_they_are_public(self):
+        text = rst("Raises InvalidInput for NaN, OSError.", links={"InvalidInput": "graphdyn.InvalidInput"}.items())
+        assert text == ":Raises: :exc:`~graphdyn.InvalidInput` for NaN, OSError."
+
+    @pytest.mark.parametrize(
+        ("plain", "escaped"),
+        [
+            ("|R_kk| / |R_11|", r"\|R_kk\| / \|R_11\|"),
+            ("S* and J_", r"S\* and J\_"),
+            ("t_1 × t_2", "t_1 × t_2"),
+            ("`model.base` stays", "``model.base`` stays"),
+            ("a lone ` stays", r"a lone \` stays"),
+        ],
+    )
+    def test_signs_of_the_markup_mean_themselves(self, plain, escaped):
+        assert rst(plain) == escaped
+
+    def test_a_list_of_parameters(self):
+        text = rst("Torques.\n\nq: joint state   (…, n)  [rad or m]\nv: (…, n)\nbase: its motion", "q", "v", "base")
+        assert text.splitlines() == [
+            "Torques.",
+            "",
+            ":Parameters:",
+            "    **q** : (…, n)  [rad or m]",
+            "        joint state",
+            "    **v**",
+            "        (…, n)",
+            "    **base**",
+            "        its motion",
+        ]
+
+    def test_names_of_a_function_and_of_a_class(self):
+        @dataclass
+        class Answer:
+            a: float
+
+            @property
+            def b(self):
+                return self.a
+
+        def verb(model, *, method="auto"):
+            return model, method
+
+        assert docstrings.names_of(verb) == {"model", "method"}
+        assert {"a", "b"} <= docstrings.names_of(Answer)
+
+
+class TestPublicNames:
+    @pytest.mark.parametrize("module", public_names.MODULES)
+    def test_every_public_name_has_an_entry(self, module):
+        page = reference.page(module, public_names.MODULES[module])
+        entries = re.findall(r"^\.\. (?:auto\w+:: |py:data:: )(\S+)$", page, re.MULTILINE)
+        assert sorted(entry.rpartition(".")[2] for entry in entries) == public_names.public_names(module)
+
+    @pytest.mark.parametrize("full", sorted(public_names.everything()))
+    def test_every_public_name_says_what_it_is(self, full):
+        value = public_names.everything()[full]
+        if public_names.kind_of(value) != "data":
+            assert value.__doc__
+            assert not value.__doc__.startswith(f"{full.rpartition('.')[2]}(")  # what @dataclass writes
+
+    @pytest.mark.parametrize("full", sorted(public_names.everything()))
+    def test_every_docstring_can_be_taken_apart(self, full):
+        value = public_names.everything()[full]
+        found = docstrings.taken_apart(inspect.getdoc(value).splitlines(), docstrings.names_of(value))
+        assert found.prose or found.entries
+        for entry in found.entries:
+            assert entry.meaning or entry.shape or entry.unit
+
+    def test_a_name_without_an_entry_is_found(self):
+        documented = set(public_names.everything())
+        assert reference.missing(documented) == []
+        assert reference.missing(documented - {"urdf.load"}) == ["urdf.load"]
+
+    def test_a_verb_by_hand(self):
+        found = docstrings.taken_apart(
+            inspect.getdoc(graphdyn.forward_dynamics).splitlines(), docstrings.names_of(graphdyn.forward_dynamics)
+        )
+        assert found.entries[0] == docstrings.Entry(
+            ("q", "v", "tau"), "joint state and actuator torques", "(…, n)", "[rad or m, …/s, N m or N]"
+        )
+        assert found.fields[0][0] == "Raises"
+        assert found.fields[0][1].startswith("SingularMassMatrix")
+
+    def test_pages_of_modules_that_are_gone_are_removed(self, tmp_path):
+        (tmp_path / "gone.rst").write_text("gone")
+        reference.write(tmp_path)
+        assert {path.stem for path in tmp_path.iterdir()} == {"index", *public_names.MODULES}
+
+
+class TestGallery:
+    def test_a_command_with_its_output_and_its_page(self, tmp_path):
+        show = gallery.Exhibit("robot", "The robot.", ("show", "kr500"))
+        gallery.write(tmp_path / "gallery", (show,))
+        index = (tmp_path / "gallery/index.md").read_text(encoding="utf-8")
+        assert "graphdyn show kr500 --html robot.html" in index
+        assert "kr500: 6 bodies on 6 joints" in index
+        page = tmp_path / "gallery/pages/gallery-pages/robot.html"
+        assert page.read_text(encoding="utf-8").lower().startswith("<!doctype html>")
+
+    def test_a_command_that_ends_otherwise_stops_the_build(self, tmp_path):
+        with pytest.raises(gallery.WrongExit, match=r"graphdyn show nothing ended with 2, not 0:\n.*nothing"):
+            gallery.write(tmp_path / "gallery", (gallery.Exhibit("show", "A robot.", ("show", "nothing")),))
+
+    def test_the_site_can_be_built_without_it(self, tmp_path):
+        gallery.write(tmp_path / "gallery", ())
+        assert "without the gallery" in (tmp_path / "gallery/index.md").read_text(encoding="utf-8")
