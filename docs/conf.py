@@ -10,6 +10,7 @@ import docstrings  # noqa: E402
 import gallery  # noqa: E402
 import public_names  # noqa: E402
 import reference  # noqa: E402
+import signatures  # noqa: E402
 from sphinx.util import logging  # noqa: E402
 
 import graphdyn  # noqa: E402
@@ -26,7 +27,7 @@ myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
-autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Method", "Coordinates", "JointKind")}
+autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Method", "Coordinates")}
 autodoc_member_order = "bysource"
 python_maximum_signature_line_length = 88
 toc_object_entries_show_parents = "hide"
@@ -45,6 +46,10 @@ def process_docstring(app, what, name, thing, options, lines):
     lines[:] = docstrings.as_rst(lines, docstrings.names_of(thing), title, LINKS)
 
 
+def process_signature(app, what, name, thing, options, signature, returned):
+    return signatures.readable(signature), signatures.readable(returned)
+
+
 def write_pages(app, config):
     reference.write(HERE / "reference")
     exhibits = () if app.tags.has("nogallery") else gallery.EXHIBITS
@@ -60,4 +65,5 @@ def check_names(app, env):
 def setup(app):
     app.connect("config-inited", write_pages)
     app.connect("autodoc-process-docstring", process_docstring)
+    app.connect("autodoc-process-signature", process_signature)
     app.connect("env-check-consistency", check_names)
