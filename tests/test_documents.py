@@ -133,5 +133,15 @@ def test_links_lead_somewhere(document):
         assert known or target in MADE_BY_THE_SITE, target
 
 
+def test_the_places_that_recipes_name_exist():
+    """Paths from the root of the repository, with the name of a test or of a group of tests after ::."""
+    text = (ROOT / "docs/recipes.md").read_text(encoding="utf-8")
+    places = re.findall(r"`((?:graphdyn|urdf|crosscheck|tests|docs)/[^`:]+)(?:::(\w+))?`", text)
+    assert len(places) > 20
+    for place, test in places:
+        assert (ROOT / place).exists(), place
+        assert not test or f"def {test}(" in (ROOT / place).read_text(encoding="utf-8"), (place, test)
+
+
 def test_the_changelog_names_this_version():
     assert f"## {__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
