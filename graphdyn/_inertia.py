@@ -27,6 +27,7 @@ class Consistency:
 
     @property
     def consistent(self) -> bool:
+        """A real body can have these inertials."""
         return not self.problems
 
 

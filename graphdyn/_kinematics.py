@@ -87,6 +87,7 @@ class MaximalState:
 
     @cached_property
     def vertices(self) -> Vertices:
+        """The bodies and the ground as vertices of the graph."""
         assert self.ground is not None
         return Vertices(self.model, self.position, self.rotation, self.velocity, self.ground)
 

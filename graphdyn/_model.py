@@ -144,6 +144,7 @@ class Joint:
 
     @property
     def is_prismatic(self) -> bool:
+        """The joint slides along its axis; the others turn about it."""
         return self.kind == "prismatic"
 
     @cached_property
@@ -227,18 +228,22 @@ class RobotModel:
 
     @property
     def n_bodies(self) -> int:
+        """n, the number of moving bodies and of joints."""
         return len(self.bodies)
 
     @property
     def body_names(self) -> tuple[str, ...]:
+        """In the order of the bodies."""
         return tuple(body.name for body in self.bodies)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
+        """In the order of the joints: that of q, v, a and τ."""
         return tuple(joint.name for joint in self.joints)
 
     @cached_property
     def graph(self) -> Graph:
+        """Bodies as vertices, joints as edges."""
         return Graph(tuple(joint.inside for joint in self.joints))
 
     def frame(self, name: str) -> Frame:

@@ -63,9 +63,13 @@ class HeldOutPrediction:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """subject: the robot; its parameters are the prior
-    recordings: as they were read; division: what was fitted and predicted
-    fit: the rows of the fit; trials: the rows that were predicted
+    """An identification: what was fitted, how every method did, and which result to use.
+
+    subject: the robot; its parameters are the prior
+    recordings: as they were read
+    division: what was fitted and predicted
+    fit: the rows of the fit
+    trials: the rows that were predicted
     comparison: every method; held-out errors are those of all trials together
     truth: the true parameters, where the robot is a virtual one  (p,)
     """
@@ -92,6 +96,7 @@ class Identified:
 
     @property
     def usable(self) -> bool:
+        """Some result can be recommended."""
         return self.recommendation.name is not None
 
     def shown(self, name: str | None = None) -> MethodResult | None:

@@ -96,6 +96,7 @@ class Judgement:
 
     @property
     def agrees(self) -> bool:
+        """Every function agrees with every referee."""
         return all(function.agrees for function in self.functions.values())
 
     @property

@@ -95,6 +95,7 @@ class Recording:
 
     @property
     def n_joints(self) -> int:
+        """n."""
         return len(self.joint_names)
 
     @property

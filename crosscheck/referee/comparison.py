@@ -62,6 +62,7 @@ class QuantityResult:
 
     @property
     def agrees(self) -> bool:
+        """The largest error is within the bound."""
         return self.max_relative_error <= self.quantity.tolerance.bound
 
     @property
@@ -107,4 +108,5 @@ class Comparison:
 
     @property
     def agrees(self) -> bool:
+        """Every quantity agrees."""
         return all(result.agrees for result in self.quantities.values())

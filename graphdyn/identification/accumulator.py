@@ -114,6 +114,7 @@ class Accumulator:
 
     @property
     def compressed(self) -> CompressedEquations:
+        """The equations added up to now."""
         return CompressedEquations(self.factors, self.counts.copy())
 
     def _check(self, rows: Array, right: Array, kept: Flags | None, weights: Array | None) -> None:

@@ -60,6 +60,7 @@ class BaseParameters:
 
     @property
     def rank(self) -> int:
+        """b, the number of base parameters."""
         return len(self.independent)
 
     @property

@@ -18,17 +18,23 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class CompressedEquations:
-    """factors: F (g, b + 1, b + 1); counts: equations of each group (g,)."""
+    """The equations W_g x = τ_g of every group, as a triangular factor of [W_g | τ_g].
+
+    factors: F                                              (g, b + 1, b + 1)
+    counts: equations of each group                         (g,)
+    """
 
     factors: Array
     counts: NDArray[np.int64]
 
     @property
     def n_groups(self) -> int:
+        """g."""
         return len(self.factors)
 
     @property
     def n_columns(self) -> int:
+        """b, the number of parameters x."""
         return self.factors.shape[-1] - 1
 
     @property

@@ -17,7 +17,9 @@ POSES_AT_ONCE = 256
 
 @dataclass(frozen=True, eq=False)
 class Plausibility:
-    """pseudo_inertia_eigenvalues: the smallest of every body, ≥ 0 for a real one (n,)
+    """Whether identified parameters can belong to a real robot.
+
+    pseudo_inertia_eigenvalues: the smallest of every body, ≥ 0 for a real one (n,)
     mass_matrix_eigenvalues: the smallest in every pose, > 0 for a real robot (poses,) [kg m² or kg]
     """
 

@@ -13,7 +13,11 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class Prior:
-    """mean: (p,); scale: expected distance from it, infinite where nothing is known (p,)."""
+    """Parameters expected before the measurement.
+
+    mean: expected values                                   (p,)
+    scale: expected distance from them, infinite where nothing is known   (p,)
+    """
 
     mean: Array
     scale: Array

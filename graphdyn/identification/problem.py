@@ -115,6 +115,7 @@ class Problem:
 
     @property
     def n_joints(self) -> int:
+        """Number of joints of the robot."""
         return self.torque_model.model.n_bodies
 
     @cached_property

@@ -37,8 +37,10 @@ class ResidualSizes:
 
 @dataclass(frozen=True, eq=False)
 class ResidualStatistics:
-    """everything: over all samples; moving: per joint over those with |v_j| > MOVING.
+    """Predicted minus measured torque.
 
+    everything: over all samples
+    moving: per joint over the samples with |v_j| > MOVING
     durbin_watson, ljung_box_p: per joint over all samples (n,); a p below 0.05 says that the residual is not white,
         and that standard deviations for white noise are too small
     """

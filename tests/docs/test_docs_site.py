@@ -1,5 +1,6 @@
 """How the site is made from docstrings, public names and commands; .ci/run builds it as a whole."""
 
+import functools
 import inspect
 import re
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ import pytest
 import reference
 
 import graphdyn
+from graphdyn.identification import Estimator
 
 
 def parts(text, *names):
@@ -145,12 +147,28 @@ class TestPublicNames:
             assert not value.__doc__.startswith(f"{full.rpartition('.')[2]}(")  # what @dataclass writes
 
     @pytest.mark.parametrize("full", sorted(public_names.everything()))
-    def test_every_docstring_can_be_taken_apart(self, full):
+    def test_every_docstring_begins_with_a_sentence(self, full):
         value = public_names.everything()[full]
+        if public_names.kind_of(value) == "data":
+            return
         found = docstrings.taken_apart(inspect.getdoc(value).splitlines(), docstrings.names_of(value))
-        assert found.prose or found.entries
+        assert found.prose
         for entry in found.entries:
             assert entry.meaning or entry.shape or entry.unit
+
+    @pytest.mark.parametrize("full", sorted(public_names.everything()))
+    def test_every_public_property_says_what_it_is(self, full):
+        value = public_names.everything()[full]
+        if public_names.kind_of(value) != "class":
+            return
+        parts = docstrings.taken_apart(inspect.getdoc(value).splitlines(), docstrings.names_of(value))
+        said = {name for entry in parts.entries for name in entry.names} | set(vars(Estimator))
+        properties = {
+            name: member
+            for name, member in vars(value).items()
+            if isinstance(member, (property, functools.cached_property)) and not name.startswith("_")
+        }
+        assert [name for name, member in properties.items() if not member.__doc__ and name not in said] == []
 
     def test_a_name_without_an_entry_is_found(self):
         documented = set(public_names.everything())

@@ -31,8 +31,11 @@ from graphdyn.identification.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class ConsistentLeastSquares:
-    """limits: on masses and centers of mass; prior: reference of the margin, and of what the data leave open, the
-    model's parameters if left out; margin: part of the prior that every body keeps.
+    """Weighted least squares among bodies that can be real, by linear matrix inequalities.
+
+    limits: on masses and centers of mass
+    prior: where the data leave parameters open, and what the margin refers to; the model's parameters if left out
+    margin: part of the prior's inertia that every body keeps
     """
 
     limits: PhysicalLimits = field(default_factory=PhysicalLimits)

@@ -38,8 +38,12 @@ STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5)
 
 @dataclass(frozen=True, eq=False)
 class ConsistentWithPrior:
-    """metric: "entropic" or "pullback"; strength: chosen by cross-validation from strengths if left out
-    prior: the model's parameters if left out; limits, margin: as in ConsistentLeastSquares
+    """Weighted least squares among bodies that can be real, drawn towards a prior by a distance between inertias.
+
+    metric: "entropic" or "pullback"
+    strength: of the prior; chosen by cross-validation from strengths if left out
+    prior: the model's parameters if left out
+    limits, margin: as in ConsistentLeastSquares
 
     Raises InvalidInput for another metric, or strengths that are negative or not increasing.
     """

@@ -23,7 +23,11 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True)
 class EssentialParameters:
-    """ratio: of the largest %σ to the smallest; increase: of the root mean square of the weighted residual."""
+    """Weighted least squares without the parameters that the data hardly determine, left out one after the other.
+
+    ratio: of the largest %σ to the smallest at which to stop
+    increase: of the root mean square of the weighted residual that is accepted
+    """
 
     ratio: float = 30.0
     increase: float = 0.02

@@ -32,8 +32,13 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class LogCholesky:
-    """prior: the model's parameters if left out; starts: the first from the prior, the others drawn around it
-    strength: of the quadratic prior, > 0; margin: as in ConsistentLeastSquares
+    """Nonlinear least squares in log-Cholesky parameters, whose every value is a body that can be real.
+
+    prior: the model's parameters if left out
+    starts: how many; the first from the prior, the others drawn around it
+    strength: of the quadratic prior, > 0
+    margin: as in ConsistentLeastSquares
+    seed: of the starts
     """
 
     prior: Prior | None = None

@@ -64,7 +64,10 @@ def tukey(c: float = 4.685) -> Norm:
 
 @dataclass(frozen=True)
 class ReweightedLeastSquares:
-    """norm: "huber" or "tukey". Every iteration reads the recording."""
+    """Weighted least squares that gives samples with large residuals less weight. Every iteration reads the recording.
+
+    norm: "huber" or "tukey"
+    """
 
     norm: Literal["huber", "tukey"] = "huber"
     assumptions: str = "most noise white, of its own size per joint, the rest outliers; q, v, a without error"
