@@ -1,16 +1,17 @@
 """The documents say what the code does: code blocks run, the equation map is whole, tables hold the named bounds."""
 
 import importlib
+import inspect
 import re
 import tomllib
 from pathlib import Path
 
 import pytest
 
+import graphdyn
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.referee.tolerances import EPS
 from crosscheck.studies.errata import ERRATA
-from graphdyn import __version__
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -111,7 +112,7 @@ def test_the_address_of_the_project_is_the_same_everywhere():
 
 
 def test_the_citation_names_this_version():
-    assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {graphdyn.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 
 
 def test_every_erratum_is_measured_and_explained():
@@ -133,6 +134,17 @@ def test_links_lead_somewhere(document):
         assert known or target in MADE_BY_THE_SITE, target
 
 
+def test_the_guide_to_the_dynamics_names_every_function_with_these_keywords():
+    with_keywords = {
+        name
+        for name in graphdyn.__all__
+        if inspect.isfunction(function := getattr(graphdyn, name))
+        and {"method", "threads"} <= set(inspect.signature(function).parameters)
+    }
+    named = {name for row in table_rows("docs/dynamics.md", r"`.*") for name in re.findall(r"`(\w+)[(`]", row[0])}
+    assert with_keywords <= named
+
+
 def test_the_places_that_recipes_name_exist():
     """Paths from the root of the repository, with the name of a test or of a group of tests after ::."""
     text = (ROOT / "docs/recipes.md").read_text(encoding="utf-8")
@@ -144,4 +156,4 @@ def test_the_places_that_recipes_name_exist():
 
 
 def test_the_changelog_names_this_version():
-    assert f"## {__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"## {graphdyn.__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
