@@ -20,6 +20,8 @@ _SIZE = r"(?:…|\w[\w +\-]{0,7})"
 _SHAPE = rf"\((?:{_SIZE},|{_SIZE}(?:, ?{_SIZE})+)\)"
 TAIL = re.compile(rf"[ ,;]*(?P<shape>{_SHAPE}(?:, ?{_SHAPE})*)?\s*(?P<unit>\[[^\[\]]*\])?$")
 FIELDS = ("Raises", "Warns")
+SENTENCE = re.compile(rf"(?<=[.)\]]) (?=(?:{'|'.join(FIELDS)}) [A-Z])")
+"""The space before a sentence of an error or a warning."""
 
 
 @dataclass(frozen=True)
@@ -67,10 +69,13 @@ def taken_apart(lines: list[str], names: Collection[str]) -> Parts:
         for kind, text in _pieces(paragraph, names):
             if kind == "entry":
                 parts.entries += _entries(text, names)
-            elif kind in FIELDS:
-                parts.fields.append((kind, text.removeprefix(kind).strip()))
             else:
-                parts.prose.append(text)
+                for sentence in SENTENCE.split(text):
+                    first, _, rest = sentence.partition(" ")
+                    if first in FIELDS:
+                        parts.fields.append((first, rest))
+                    else:
+                        parts.prose.append(sentence)
     return parts
 
 

@@ -82,6 +82,11 @@ class TestRest:
         assert found.prose == ["The robot."]
         assert found.fields == [("Raises", "InvalidInput for NaN, and OSError."), ("Warns", "ChainWarning.")]
 
+    def test_raises_in_the_middle_of_a_paragraph(self):
+        found = parts("The record of these rows. Raises InvalidInput for none,\nand others. Warns ChainWarning.")
+        assert found.prose == ["The record of these rows."]
+        assert found.fields == [("Raises", "InvalidInput for none, and others."), ("Warns", "ChainWarning.")]
+
     def test_a_sentence_that_goes_on_with_raises_inside_is_prose(self):
         assert parts("A method\nthat Raises nothing.").prose == ["A method that Raises nothing."]
 
