@@ -10,8 +10,10 @@ import gallery
 import public_names
 import pytest
 import reference
+import typer
 
 import graphdyn
+from crosscheck.cli import app
 from graphdyn.identification import Estimator
 
 
@@ -209,6 +211,14 @@ class TestGallery:
     def test_a_command_that_ends_otherwise_stops_the_build(self, tmp_path):
         with pytest.raises(gallery.WrongExit, match=r"graphdyn show nothing ended with 2, not 0:\n.*nothing"):
             gallery.write(tmp_path / "gallery", (gallery.Exhibit("show", "A robot.", ("show", "nothing")),))
+
+    def test_every_command_that_writes_a_page_has_one(self):
+        commands = typer.main.get_command(app).commands
+        writing = {
+            name for name, command in commands.items() if any("--html" in option.opts for option in command.params)
+        }
+        assert len(writing) >= 7
+        assert {exhibit.arguments[0] for exhibit in gallery.EXHIBITS + gallery.SLOW} == writing
 
     def test_the_site_can_be_built_without_it(self, tmp_path):
         gallery.write(tmp_path / "gallery", ())
