@@ -59,10 +59,10 @@ class WrenchData(Protocol):
 
 
 def body_wrenches(model: RobotModel, data: WrenchData) -> tuple[Array, Array]:
-    """Resultants of the joint force elements on every body, without gravity.
+    """Resultants of the joint force elements on every body, without gravity: forces, and moments.
 
-    force: F_i^R = -Σ S^e_ik F^e_k, world axes              (N, n, 3)  [N], Eq. (40), (44)
-    moment: M_i = -Σ C^e_ik × F^e_k - Σ S_ik M_k about the center of mass, body axes   (N, n, 3)  [N m], Eq. (19), (26)
+    The forces F_i^R = -Σ S^e_ik F^e_k are in world axes (N, n, 3) [N], Eq. (40), (44). The moments M_i =
+    -Σ C^e_ik × F^e_k - Σ S_ik M_k about the center of mass are in body axes (N, n, 3) [N m], Eq. (19), (26).
 
     The model gives the geometry (joints, centers of mass); its masses and moments of inertia are not read.
     Raises InvalidInput where the data do not fit the model, or are not finite.
