@@ -156,7 +156,7 @@ def _entries(text: str, names: Collection[str]) -> Iterator[Entry]:
 
 
 def _escaped(text: str) -> str:
-    """Plain text with `code` in single backticks, as reStructuredText."""
+    """Plain text with `code` in single backticks and pages as docs/NAME.md, as reStructuredText."""
     pieces = text.split("`")
     if len(pieces) % 2 == 0:  # a backtick that stands for itself
         pieces = [text]
@@ -165,7 +165,7 @@ def _escaped(text: str) -> str:
         pieces[k] = re.sub(r"_(?!\w)", r"\\_", pieces[k])
     for k in range(1, len(pieces), 2):
         pieces[k] = f"``{pieces[k]}``"
-    return "".join(pieces)
+    return re.sub(r"\bdocs/(\w+)\.md\b", r":doc:`docs/\1.md </\1>`", "".join(pieces))
 
 
 def _linked(text: str, links: Mapping[str, str]) -> str:

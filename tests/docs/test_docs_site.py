@@ -104,6 +104,7 @@ class TestRest:
             ("t_1 × t_2", "t_1 × t_2"),
             ("`model.base` stays", "``model.base`` stays"),
             ("a lone ` stays", r"a lone \` stays"),
+            ("(docs/deviations.md, A2)", "(:doc:`docs/deviations.md </deviations>`, A2)"),
         ],
     )
     def test_signs_of_the_markup_mean_themselves(self, plain, escaped):
