@@ -40,7 +40,10 @@ class HeldOut(Protocol):
 
 @dataclass(frozen=True)
 class ByTime:
-    """fit, predict: intervals of time since the first row of the recording [s]."""
+    """Fit one interval of time, predict another.
+
+    fit, predict: time since the first row of the recording   [s]
+    """
 
     fit: Interval
     predict: Interval
@@ -55,7 +58,10 @@ class ByTime:
 
 @dataclass(frozen=True)
 class ByRows:
-    """fit, predict: intervals of rows of the file, from 0, the last one not included."""
+    """Fit some rows, predict others.
+
+    fit, predict: intervals of rows of the file, from 0, the last one not included
+    """
 
     fit: Interval
     predict: Interval
@@ -67,7 +73,10 @@ class ByRows:
 
 @dataclass(frozen=True)
 class OtherRecordings:
-    """recordings: differentiated like those of the fit, and predicted."""
+    """Predict other recordings than those of the fit.
+
+    recordings: differentiated like those of the fit
+    """
 
     recordings: tuple[Recording, ...]
 
@@ -78,7 +87,10 @@ class OtherRecordings:
 
 @dataclass(frozen=True)
 class LastPart:
-    """part: of the rows of every recording, at its end."""
+    """Predict the end of every recording, fit the rest.
+
+    part: of the rows of every recording
+    """
 
     part: float = 0.25
 

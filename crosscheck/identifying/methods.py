@@ -41,7 +41,7 @@ STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "con
 
 
 def method_named(name: str) -> Estimator:
-    """Raises InvalidInput for an unknown name."""
+    """The method of this name (METHODS). Raises InvalidInput for an unknown one."""
     if name not in METHODS:
         raise InvalidInput(f"there is no method '{name}'; known: {', '.join(METHODS)}, all")
     return METHODS[name]()

@@ -21,7 +21,11 @@ TIE = 1e-6
 
 @dataclass(frozen=True)
 class Recommendation:
-    """name: of the method, None where no result can be used; reason: in a sentence."""
+    """Which result to use.
+
+    name: of the method, None where no result can be used
+    reason: in a sentence
+    """
 
     name: str | None
     reason: str

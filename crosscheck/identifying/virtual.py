@@ -49,7 +49,9 @@ CAD_ERROR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class VirtualRobot:
-    """subject: the robot with wrong inertial parameters, as CAD has them
+    """A simulated robot whose parameters are known, and its recordings.
+
+    subject: the robot with wrong inertial parameters, as CAD has them
     truth: parameters of the torque model, bodies first     (p,)
     fitted, held_out: recordings with different motions
     torque_model: the terms with the wrong bodies as the prior

@@ -27,7 +27,10 @@ RANK = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class FromWrenches:
-    """recording: the rows of the fit, with joint wrenches; None where only torques were measured."""
+    """The graph method of the paper, from force and moment in every joint.
+
+    recording: the rows of the fit, with joint wrenches; None where only torques were measured
+    """
 
     recording: Recording | None = None
     name: str = "graph method"

@@ -10,8 +10,10 @@ MODULES = {
     "graphdyn": "Models, dynamics, recordings",
     "graphdyn.motion_laws": "Prescribed motions",
     "graphdyn.identification": "Identification",
+    "graphdyn.identification.terms": "Terms of the torque",
     "urdf": "URDF files",
     "crosscheck": "Cross-check, judge, recordings, identification from files",
+    "crosscheck.identifying": "Options of an identification from files",
 }
 """The public modules, and a title for the page of each."""
 
@@ -37,6 +39,13 @@ def value_of(module: str, name: str) -> object:
 def everything() -> dict[str, object]:
     """What every public name stands for, by full name."""
     return {f"{module}.{name}": value_of(module, name) for module in MODULES for name in public_names(module)}
+
+
+def home(module: str, name: str) -> str:
+    """Full name under which it is documented: of the first module that has the same object under the same name."""
+    value = value_of(module, name)
+    homes = (other for other in MODULES if name in public_names(other) and value_of(other, name) is value)
+    return f"{next(homes)}.{name}"
 
 
 def kind_of(value: object) -> str:

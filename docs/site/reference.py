@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from public_names import MODULES, kind_of, public_names, value_of
+from public_names import MODULES, home, kind_of, public_names, value_of
 
 SECTIONS = {"function": "Functions", "class": "Classes", "data": "Constants", "exception": "Errors and warnings"}
 
@@ -21,13 +21,18 @@ def page(module: str, title: str) -> str:
         if names:
             lines += [SECTIONS[kind], "-" * len(SECTIONS[kind]), ""]
         for name in names:
-            lines += _entry(kind, module, name)
+            elsewhere = home(module, name)
+            lines += (
+                _entry(kind, module, name) if elsewhere == f"{module}.{name}" else [f"See :py:obj:`{elsewhere}`.", ""]
+            )
     return "\n".join(lines)
 
 
 def _entry(kind: str, module: str, name: str) -> list[str]:
     if kind == "data":
-        return [f".. py:data:: {name}", f"   :value: {value_of(module, name)!r}", ""]
+        value = value_of(module, name)
+        shown = list(value) if isinstance(value, Mapping) else value
+        return [f".. py:data:: {name}", f"   :value: {shown!r}" + (" by name" if shown is not value else ""), ""]
     lines = [f".. auto{kind}:: {module}.{name}"]
     if kind in ("class", "exception"):
         lines += ["   :members:", "   :show-inheritance:" if kind == "exception" else "   :member-order: bysource"]
@@ -60,5 +65,5 @@ def missing(documented: Collection[str]) -> list[str]:
         f"{module}.{name}"
         for module in MODULES
         for name in public_names(module)
-        if f"{module}.{name}" not in documented
+        if home(module, name) not in documented
     ]
