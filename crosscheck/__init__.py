@@ -1,7 +1,7 @@
 """graphdyn against Pinocchio, number by number. Needs `pin`; the only package that does.
 
 The public names are listed in __init__.pyi and imported when first used: the command line and the pytest fixture start
-without Pinocchio. The rooms below are not public.
+without Pinocchio. With those of crosscheck.identifying they are the whole public interface; other modules may change.
 """
 
 from typing import TYPE_CHECKING

@@ -1,3 +1,4 @@
+from . import identifying as identifying
 from .assertions import Disagreement, WrongDynamics, assert_agrees, assert_correct
 from .identifying import Identified, identify
 from .judging.judge import judge
@@ -42,6 +43,7 @@ __all__ = [
     "decimated",
     "differentiated",
     "identify",
+    "identifying",
     "inspect_recording",
     "judge",
     "load_mapping",

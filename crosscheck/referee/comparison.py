@@ -67,6 +67,7 @@ class QuantityResult:
 
     @property
     def part_of_bound(self) -> float:
+        """How much of its bound the largest error takes."""
         return part_of_bound(self.max_relative_error, self.quantity.tolerance.bound)
 
     @property
