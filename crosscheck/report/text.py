@@ -163,7 +163,7 @@ def _fitting(table: Table, leading: Sequence[int], rest: Sequence[int], width: i
     console = Console(width=10 * width, file=io.StringIO())
     for count in range(len(rest), 1, -1):
         rendered = _table(table, [*leading, *rest[:count]])
-        if Measurement.get(console, console.options, rendered).minimum <= width:
+        if Measurement.get(console, console.options, rendered).maximum <= width:
             return count
     return 1
 
