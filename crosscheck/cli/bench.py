@@ -57,9 +57,7 @@ def run(
     check_writable(json=json_file, html=html_file)
     import urdf
     from crosscheck.cli.bench_text import text
-    from crosscheck.report.comparisons import finite, versions, write_json
     from crosscheck.studies.bench.benchmark import PARTS, benchmark
-    from crosscheck.studies.bench.record import BENCH_FORMAT, as_json
 
     with warnings_shown():
         model = urdf.load(robot)
@@ -73,6 +71,8 @@ def run(
 
         write_page(html_file, bench_page(found, command_line()))
     if json_file is not None:
-        record = {"format": BENCH_FORMAT, "versions": versions(), "command": command_line(), **finite(as_json(found))}
-        write_json(json_file, record)
+        from crosscheck.report.json import write_json
+        from crosscheck.report.records.bench import record
+
+        write_json(json_file, record(found, command_line()))
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

@@ -88,7 +88,6 @@ def run(
     choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
     from crosscheck.referee.compare import compare
     from crosscheck.report.commands.crosscheck import crosscheck_report
-    from crosscheck.report.comparisons import JSON_FORMAT, as_json, versions, write_json
 
     comparisons, failures = [], []
     for number, (robot, frozen) in enumerate(choice, start=1):
@@ -102,16 +101,10 @@ def run(
             failures.append({"robot": robot, "message": str(error)})
     deliver(crosscheck_report(comparisons, failures), html_file)
     if json_file is not None:
-        record = {
-            "format": JSON_FORMAT,
-            "versions": versions(),
-            "command": command_line(),
-            "agrees": all(comparison.agrees for comparison in comparisons) and not failures,
-            "robots": [as_json(comparison) for comparison in comparisons],
-            "failures": failures,
-            "unfinished": [],
-        }
-        write_json(json_file, record)
+        from crosscheck.report.json import write_json
+        from crosscheck.report.records.crosscheck import record
+
+        write_json(json_file, record(comparisons, failures, command_line()))
     if failures:
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)

@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.referee.subject import content_sha256
-from crosscheck.report.comparisons import JSON_FORMAT, versions, write_json
+from crosscheck.report.json import write_json
+from crosscheck.report.records.crosscheck import CrosscheckRecord, sweep_record
+from crosscheck.report.versions import versions
 from graphdyn import InvalidInput
 from urdf import InvalidXacro
 
@@ -38,18 +40,7 @@ class SweepFile:
             return
         unfinished = [robot for robot in self.robots if robot not in self.records and robot not in self.failures]
         records = [self.records[robot] for robot in self.robots if robot in self.records]
-        write_json(
-            self._path,
-            {
-                "format": JSON_FORMAT,
-                "versions": versions(),
-                "command": self._command,
-                "agrees": all(record["agrees"] for record in records) and not self.failures and not unfinished,
-                "robots": records,
-                "failures": list(self.failures.values()),
-                "unfinished": unfinished,
-            },
-        )
+        write_json(self._path, sweep_record(records, list(self.failures.values()), unfinished, self._command))
         end = time.monotonic()
         self._not_before = end + (end - start) * (1 / SHARE - 1)
 
@@ -65,8 +56,10 @@ def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> di
         earlier = json.loads(path.read_bytes())
     except ValueError:
         earlier = None
-    if not isinstance(earlier, dict) or earlier.get("format") != JSON_FORMAT:
-        raise InvalidInput(f"--resume: {path} is not a file of the format '{JSON_FORMAT}'; name another, or delete it")
+    if not isinstance(earlier, dict) or earlier.get("format") != CrosscheckRecord.format:
+        raise InvalidInput(
+            f"--resume: {path} is not a file of the format '{CrosscheckRecord.format}'; name another, or delete it"
+        )
     if earlier.get("versions") != versions():
         return {}
     wanted = {"samples": samples, "seed": seed, "locked": {}, "chain": None}

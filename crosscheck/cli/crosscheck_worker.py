@@ -8,7 +8,8 @@ from typing import Any, Literal
 
 from crosscheck.referee import compare as comparing
 from crosscheck.referee.comparison import Comparison
-from crosscheck.report.comparisons import as_json
+from crosscheck.report.json import plain
+from crosscheck.report.records.crosscheck import robot_record
 from graphdyn import GraphDynError
 
 Details = Literal["none", "disagreeing", "all"]
@@ -51,4 +52,4 @@ def examine(task: Task) -> Outcome:
     notes = [*comparison.notes, *(str(warning.message).removeprefix(f"{task.robot}: ") for warning in caught)]
     comparison = replace(comparison, notes=tuple(notes))
     wanted = task.details == "all" or (task.details == "disagreeing" and not comparison.agrees)
-    return Outcome(task.robot, as_json(comparison), None, comparison if wanted else None)
+    return Outcome(task.robot, plain(robot_record(comparison)), None, comparison if wanted else None)

@@ -9,14 +9,18 @@ from crosscheck.cli.options import command_line
 from crosscheck.report.report import Report
 
 
-def deliver(report: Report, html_file: Path | None = None) -> None:
-    """Print it, and write the page whole or not at all. Raises OSError."""
+def deliver(report: Report, html_file: Path | None = None, json_file: Path | None = None) -> None:
+    """Print it, and write page and JSON file, each whole or not at all. Raises OSError."""
     from crosscheck.report.text import renderables
 
     for part in renderables(report, out.width):
         out.print(part)
     if html_file is not None:
-        from crosscheck.report.comparisons import versions
         from crosscheck.report.html import page, write_page
+        from crosscheck.report.versions import versions
 
         write_page(html_file, page(report, command_line(), versions()))
+    if json_file is not None:
+        from crosscheck.report.json import write_json
+
+        write_json(json_file, report.record())

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
     from crosscheck.studies.errata import Effect
 
-FORMAT = "graphdyn errata 1"
-
 EPILOG = f"""{EXAMPLES}  graphdyn errata --samples 20
   graphdyn errata --json errata.json
 """
@@ -32,7 +30,6 @@ def run(
     Each is put back alone into the correct model of two arms, and the result compared with Pinocchio.
     """
     check_writable(json=json_file)
-    from crosscheck.report.comparisons import finite, versions, write_json
     from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 
     with progress("errata", EFFECTS) as advance:
@@ -41,8 +38,10 @@ def run(
     for name, sentence in ERRATA.items():
         out.print(f"{name}: {sentence}", soft_wrap=True)
     if json_file is not None:
-        rows = [finite(effect.record) for effect in effects]
-        write_json(json_file, {"format": FORMAT, "versions": versions(), "effects": rows})
+        from crosscheck.report.json import write_json
+        from crosscheck.report.records.errata import record
+
+        write_json(json_file, record(effects))
 
 
 def effects_table(effects: Sequence[Effect]) -> Table:

@@ -225,11 +225,10 @@ def write_records(
 
         write_page(html_file, identification_page(found, shown, command_line()))
     if json_file is not None:
-        from crosscheck.identifying.plain import FORMAT, as_json
-        from crosscheck.report.comparisons import finite, versions, write_json
+        from crosscheck.report.json import write_json
+        from crosscheck.report.records.identify import record
 
-        recording = {"format": FORMAT, "versions": versions(), "command": command_line(), **as_json(found, shown)}
-        write_json(json_file, finite(recording))
+        write_json(json_file, record(found, shown, command_line()))
 
 
 def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, frozen: Frozen) -> bool:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -12,11 +11,6 @@ from crosscheck.cli.console import complain, err, out, progress
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, check_writable, command_line, robot_names
 from graphdyn import GraphDynError
-
-if TYPE_CHECKING:
-    from urdf import Report
-
-FORMAT = "graphdyn inspect 1"
 
 FilesArgument = Annotated[
     list[str],
@@ -45,7 +39,6 @@ def run(
     check_writable(json=json_file, html=html_file)
     from crosscheck.cli.inspect_many import sweep
     from crosscheck.cli.inspect_text import occurrences, one, several
-    from crosscheck.report.comparisons import versions, write_json
 
     robots, failures = [], []
     for given in files:
@@ -68,16 +61,10 @@ def run(
 
         write_page(html_file, inspection_page(reports, command_line(), failures))
     if json_file is not None:
-        record = {
-            "format": FORMAT,
-            "versions": versions(),
-            "command": command_line(),
-            "usable": all(report.usable for report in reports) and not failures,
-            "files": [as_json(report) for report in reports],
-            "occurrences": occurrences(reports),
-            "failures": failures,
-        }
-        write_json(json_file, record)
+        from crosscheck.report.json import write_json
+        from crosscheck.report.records.inspect import record
+
+        write_json(json_file, record(reports, occurrences(reports), failures, command_line()))
     if failures or any("unreadable-file" in report.codes for report in reports):
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(report.usable for report in reports) else DISAGREED)
@@ -96,15 +83,3 @@ def found(given: str) -> list[str]:
     if not files:
         raise RobotNotFound(f"no *.urdf in the folder '{given}'", "give a folder with URDF files")
     return files
-
-
-def as_json(report: Report) -> dict[str, Any]:
-    """A report as plain data; the format is described in docs/json.md."""
-    return {
-        "robot": report.robot,
-        "path": report.path,
-        "verdict": report.verdict,
-        "usable": report.usable,
-        "reasons": list(report.reasons),
-        "findings": [asdict(finding) for finding in report.findings],
-    }

@@ -78,8 +78,7 @@ def run(
     }
     from crosscheck.judging.judge import judge
     from crosscheck.referee.tolerances import FOREIGN
-    from crosscheck.report.comparisons import versions, write_json
-    from crosscheck.report.judgements import JSON_FORMAT, as_table, judgement_json
+    from crosscheck.report.judgements import as_table
 
     with progress(robot) as advance, warnings_shown():
         judgement = judge(
@@ -98,6 +97,8 @@ def run(
 
         write_page(html_file, judgement_page(judgement, command_line()))
     if json_file is not None:
-        record = {"format": JSON_FORMAT, "versions": versions(), "command": command_line(), **judgement_json(judgement)}
-        write_json(json_file, record)
+        from crosscheck.report.json import write_json
+        from crosscheck.report.records.judge import record
+
+        write_json(json_file, record(judgement, command_line()))
     raise typer.Exit(AGREED if judgement.agrees and judgement.decided else DISAGREED)

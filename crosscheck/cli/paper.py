@@ -36,9 +36,7 @@ def run(
     """
     check_writable(json=json_file, html=html_file)
     from crosscheck.cli.paper_text import text
-    from crosscheck.report.comparisons import finite, versions, write_json
     from crosscheck.studies.errata import EFFECTS
-    from crosscheck.studies.paper.record import PAPER_FORMAT, as_json
     from crosscheck.studies.paper.reproduction import PARTS, reproduce
 
     with progress("paper", len(PARTS) + EFFECTS) as advance:
@@ -51,6 +49,8 @@ def run(
 
         write_page(html_file, paper_page(found, command_line()))
     if json_file is not None:
-        record = {"format": PAPER_FORMAT, "versions": versions(), "command": command_line(), **finite(as_json(found))}
-        write_json(json_file, record)
+        from crosscheck.report.json import write_json
+        from crosscheck.report.records.paper import record
+
+        write_json(json_file, record(found, command_line()))
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

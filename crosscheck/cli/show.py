@@ -35,13 +35,9 @@ def run(
     check_writable(json=json_file, html=html_file)
     import urdf
     from crosscheck.report.commands.show import show_report
-    from crosscheck.report.comparisons import finite, versions, write_json
     from crosscheck.studies.describing import describe
-    from crosscheck.studies.description import SHOW_FORMAT, as_json
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
     description = describe(model, robot, locked)
-    deliver(show_report(description), html_file)
-    if json_file is not None:
-        write_json(json_file, {"format": SHOW_FORMAT, "versions": versions(), **finite(as_json(description))})
+    deliver(show_report(description), html_file, json_file)

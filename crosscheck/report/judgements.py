@@ -1,20 +1,17 @@
-"""Judgements as text for people and as JSON for machines."""
+"""Judgements as text."""
 
 from __future__ import annotations
 
 import io
-from typing import Any
 
-import numpy as np
 from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from crosscheck.judging.judgement import Diagnosis, Judgement
-from crosscheck.report.comparisons import TEXT_WIDTH, finite
-from graphdyn.layout import Array
 
-JSON_FORMAT = "graphdyn judge 1"
+TEXT_WIDTH = 140
+"""Characters of a line in the messages of assert_correct."""
 
 VERDICTS = {(True, True): "agrees", (False, True): "DISAGREES"}
 
@@ -58,44 +55,6 @@ def judgement_text(judgement: Judgement) -> str:
     buffer = io.StringIO()
     Console(file=buffer, width=TEXT_WIDTH, markup=False).print(as_table(judgement))
     return buffer.getvalue()
-
-
-def judgement_json(judgement: Judgement) -> dict[str, Any]:
-    """Everything as plain data; numbers that are not finite become null. The format is described in docs/json.md."""
-    record = {
-        "robot": judgement.robot,
-        "verdict": verdict_of(judgement).lower(),
-        "agrees": judgement.agrees,
-        "decided": judgement.decided,
-        "joint_names": list(judgement.joint_names),
-        "samples": judgement.samples,
-        "seed": judgement.seed,
-        "locked": dict(judgement.locked),
-        "referees": list(judgement.referees),
-        "functions": {
-            name: {
-                "agrees": function.agrees,
-                "bound": function.bound,
-                "scale": function.scale,
-                "errors": {referee: _quantiles(error) for referee, error in function.errors.items()},
-                "referees_differ": {referee: _quantiles(error) for referee, error in function.referees_differ.items()},
-                "worst": {
-                    "arguments": {key: list(value) for key, value in function.worst.arguments.items()},
-                    "expected": list(function.worst.expected),
-                    "answer": list(function.worst.answer),
-                },
-            }
-            for name, function in judgement.functions.items()
-        },
-        "diagnoses": [vars(diagnosis) for diagnosis in judgement.diagnoses],
-        "notes": list(judgement.notes),
-    }
-    plain: dict[str, Any] = finite(record)
-    return plain
-
-
-def _quantiles(errors: Array) -> dict[str, float]:
-    return {f"{level:g}": float(np.quantile(errors, level, method="higher")) for level in (0.5, 0.9, 1.0)}
 
 
 def _said(diagnosis: Diagnosis) -> str:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +11,6 @@ from numpy.typing import NDArray
 from graphdyn import RobotModel
 from graphdyn._graph import IntArray
 from graphdyn.layout import Array
-
-SHOW_FORMAT = "graphdyn show 1"
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,24 +133,3 @@ class RobotDescription:
     frames: tuple[FrameRecord, ...]
     graph: GraphRecord
     system: SystemRecord
-
-
-def as_json(description: RobotDescription) -> dict[str, Any]:
-    """Everything as plain data; the pattern as one string of 0 and 1 per row."""
-    kept = {name: value for name, value in vars(description).items() if name not in ("model", "graph", "system")}
-    for name in ("bodies", "joints", "frames"):
-        kept[name] = [asdict(record) for record in kept[name]]
-    system = asdict(description.system)
-    system["size"] = len(system["pattern"])
-    system["pattern"] = ["".join("01"[entry] for entry in row) for row in system["pattern"].astype(int)]
-    plain: dict[str, Any] = _plain({**kept, "graph": asdict(description.graph), "system": system})
-    return plain
-
-
-def _plain(value: Any) -> Any:
-    """Arrays as lists."""
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return value.tolist() if isinstance(value, np.ndarray) else value

@@ -75,12 +75,6 @@ class Effect:
         """Largest error of the corrected form."""
         return float(self.corrected_errors.max())
 
-    @property
-    def record(self) -> dict[str, float | str]:
-        """As in docs/schemas/errata-1.schema.json."""
-        names = ("erratum", "robot", "measure", "median", "upper", "largest", "corrected")
-        return {name: getattr(self, name) for name in names}
-
 
 def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] | None = None) -> list[Effect]:
     """Effects of all errata on KR500 and UR5, at random states.

@@ -1,6 +1,7 @@
 """The benchmark: who takes part, that its numbers fit together, and what it says. Nothing is said about time."""
 
 import json
+import math
 import os
 import re
 import shutil
@@ -13,13 +14,16 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from lxml import etree
+from planted_records import planted
 from typer.testing import CliRunner
 
 import graphdyn
 from crosscheck.cli import app
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.report.json import plain
 from crosscheck.report.pages.bench import bench_page
+from crosscheck.report.records.bench import record as record_of
 from crosscheck.studies.bench import benchmark, casadi_forms, cold, graphdyn_forms, identification, mujoco_forms, texts
 from crosscheck.studies.bench.benchmark import PARTS, Effort, thread_numbers
 from crosscheck.studies.bench.casadi_forms import CasadiRefuses
@@ -29,7 +33,6 @@ from crosscheck.studies.bench.contender import Entry, Measured
 from crosscheck.studies.bench.curves import Line
 from crosscheck.studies.bench.floor import REQUESTS, floating_point_operations, machine
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
-from crosscheck.studies.bench.record import as_json
 from crosscheck.studies.bench.states import random_states
 from crosscheck.studies.bench.timing import Times, fitting_count, in_turns, ratio
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
@@ -37,6 +40,7 @@ from graphdyn.kernels.expressions import Recorder
 from graphdyn.kernels.programs import record
 
 ROOT = Path(__file__).parents[2]
+SCHEMA = Draft202012Validator(json.loads((ROOT / "docs/schemas/bench-1.schema.json").read_text(encoding="utf-8")))
 SMALL = Effort(duration=1e-3, repeats=3, processes=1, most_loop=300, lengths=(2, 3, 4))
 SAMPLES = 60
 
@@ -114,7 +118,7 @@ class TestNumbers:
                     assert entry.judged > 0
 
     def test_ratios_are_quotients(self, found):
-        for work in as_json(found)["works"]:
+        for work in plain(record_of(found, []))["works"]:
             entries = by_name(work["entries"])
             assert work["ratios"]
             for one in work["ratios"]:
@@ -137,7 +141,7 @@ class TestNumbers:
                 for inner in value:
                     inspect(inner)
 
-        inspect(as_json(found))
+        inspect(plain(record_of(found, [])))
 
     def test_samples(self, found):
         for measured in found.works:
@@ -193,8 +197,13 @@ class TestSaid:
         done = program("--json", path)
         assert done.exit_code == 0
         written = json.loads(path.read_text(encoding="utf-8"))
-        schema = json.loads((ROOT / "docs/schemas/bench-1.schema.json").read_text(encoding="utf-8"))
-        Draft202012Validator(schema).validate(written)
+        SCHEMA.validate(written)
+
+    @pytest.mark.parametrize("number", [math.nan, math.inf])
+    def test_every_number_that_may_be_null(self, found, number):
+        spoiled = plain(planted(record_of(found, []), number))
+        assert spoiled["works"][0]["entries"][0]["error"] is None
+        SCHEMA.validate(spoiled)
 
     def test_terminal(self, program, found):
         done = program()

@@ -14,9 +14,10 @@ import crosscheck
 import urdf
 from crosscheck.cli import app
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.report import comparisons as report
 from crosscheck.report.commands.crosscheck import crosscheck_report
 from crosscheck.report.html import page as page_of
+from crosscheck.report.json import plain
+from crosscheck.report.records.crosscheck import robot_record
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput, kr500
 from urdf._catalogue import locate
@@ -116,11 +117,11 @@ class TestReports:
         assert "{'gripper_left_joint': 0.1}, cut=True)" in page
 
     def test_json(self, comparison):
-        assert json.loads(json.dumps(report.as_json(comparison)))["chain"] == list(TORSO)
+        assert plain(robot_record(comparison))["chain"] == list(TORSO)
 
     def test_without_a_chain(self, tree):
         comparison = crosscheck.compare(tree, 1)
-        assert report.as_json(comparison)["chain"] is None
+        assert plain(robot_record(comparison))["chain"] is None
         assert "3 joints; " in as_text(crosscheck_report([comparison]))
         assert "cut=" not in page_of(crosscheck_report([dataclasses.replace(comparison)]), ["graphdyn"], {})
 

@@ -14,7 +14,7 @@ from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.referee.states import cases
-from crosscheck.report.comparisons import JSON_FORMAT, versions
+from crosscheck.report.versions import versions
 from graphdyn import inverse_dynamics
 
 PLANTED = 1e-9
@@ -27,7 +27,7 @@ class TestJson:
         path = tmp_path / "result.json"
         assert program("crosscheck", small_arm, "--samples", 2, "--json", path).code == AGREED
         record = json.loads(path.read_text(encoding="utf-8"))
-        assert record["format"] == JSON_FORMAT
+        assert record["format"] == "graphdyn crosscheck 1"
         assert record["versions"] == versions()
         assert record["command"][:3] == ["graphdyn", "crosscheck", str(small_arm)]
         assert record["agrees"] is True

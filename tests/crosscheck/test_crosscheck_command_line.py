@@ -19,7 +19,7 @@ from crosscheck.cli.crosscheck import DEFAULT_ROBOTS
 from crosscheck.cli.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
 from crosscheck.referee import compare as comparing
 from crosscheck.referee.quantities import BY_NAME
-from crosscheck.report.comparisons import versions
+from crosscheck.report.versions import versions
 from crosscheck.studies import errata
 from crosscheck.studies.bench.benchmark import Effort
 from crosscheck.studies.errata import EFFECTS, ERRATA, measure

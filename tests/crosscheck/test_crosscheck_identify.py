@@ -1,10 +1,15 @@
 """crosscheck.identify: a virtual robot whose truth is known, ways to hold out, baselines, recommendation, refusals."""
 
+import json
+import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from identified_arm import CUTOFF, POSES, compared, identified, virtual
+from jsonschema import Draft202012Validator
+from planted_records import planted
 from planting import mixed_tree
 
 import crosscheck
@@ -31,6 +36,8 @@ from crosscheck.identifying.pooling import pooled_sizes
 from crosscheck.identifying.recommending import joint_errors, mean_error
 from crosscheck.recordings import Recording, concatenated
 from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.report.json import plain
+from crosscheck.report.records.identify import record
 from graphdyn import EstimationFailed, InvalidInput, mass_matrix
 from graphdyn.identification import ResidualSizes, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
@@ -343,6 +350,30 @@ def mass_of_base(found, links):
     x = np.zeros(len(found.torque_model.columns))
     x[found.torque_model.slice_of(RigidBodies)] = links.ravel()
     return found.problem.base.values(x)
+
+
+class TestRecord:
+    """What --json writes, also of a method without an answer and of numbers that are not finite."""
+
+    def checked(self, whole):
+        schema = Path(__file__).parents[2] / "docs/schemas/identify-1.schema.json"
+        Draft202012Validator(json.loads(schema.read_text(encoding="utf-8"))).validate(plain(whole))
+        return plain(whole)
+
+    @pytest.mark.parametrize("number", [math.nan, math.inf])
+    def test_every_number_that_may_be_null(self, number):
+        found = compared()
+        whole = record(found, found.comparison.results[0], ["identify"])
+        spoiled = self.checked(planted(whole, number))
+        assert set(spoiled["methods"][0]["parameters"]) == {None}
+        assert spoiled["shown"]["base_parameters"][0]["error"] is None
+        assert set(self.checked(whole)["methods"][0]["parameters"]) != {None}
+
+    def test_failure(self):
+        found = identified_from(replace(virtual().fitted, joint_wrenches=None), ["graph", "wls"])
+        written = self.checked(record(found, None, []))
+        assert written["shown"] is written["methods"][0]["held_out"] is written["methods"][0]["parameters"] is None
+        assert written["methods"][1]["failure"] is None
 
 
 class TestNames:

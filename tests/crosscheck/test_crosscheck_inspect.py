@@ -14,11 +14,12 @@ from typer.testing import CliRunner
 
 import urdf
 from crosscheck.cli import app, console
-from crosscheck.cli import inspect as command
 from crosscheck.cli import inspect_many as sweeping
 from crosscheck.cli.inspect_many import FEW, sweep
 from crosscheck.cli.inspect_text import worst
+from crosscheck.report.json import plain
 from crosscheck.report.pages.inspection import inspection_page
+from crosscheck.report.records.inspect import file_record
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs/schemas/inspect-1.schema.json").read_text(encoding="utf-8"))
 NARROW = 80
@@ -160,7 +161,7 @@ class TestJson:
         assert done.exit_code == 1
         report = urdf.inspect(path)
         (file,) = record["files"]
-        assert file == command.as_json(report)
+        assert file == plain(file_record(report))
         assert (file["verdict"], file["usable"], record["usable"]) == ("refused", False, False)
         assert [finding["code"] for finding in file["findings"]][:2] == ["missing-mass", "missing-type"]
         assert file["findings"][0]["line"] == 6

@@ -15,6 +15,8 @@ import urdf
 from crosscheck.judging.foreign import ForeignFailure
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.report import judgements as verdict
+from crosscheck.report.json import plain
+from crosscheck.report.records.judge import record as record_of
 from graphdyn import InvalidInput, SingularMassMatrix, inverse_dynamics, joint_torque_regressor, kr500
 
 pytest_plugins = ["pytester"]
@@ -325,7 +327,7 @@ class TestTexts:
         assert "the same numbers: one; or two" in verdict.judgement_text(several)
 
     def test_json(self, wrong):
-        record = json.loads(json.dumps(verdict.judgement_json(wrong), allow_nan=False))
+        record = json.loads(json.dumps(plain(record_of(wrong, [])), allow_nan=False))
         assert record["verdict"] == "disagrees"
         function = record["functions"]["inverse_dynamics"]
         assert set(function["errors"]) == set(wrong.referees)
@@ -336,7 +338,7 @@ class TestTexts:
 
     def test_infinities_become_null(self):
         judgement = crosscheck.judge("ur5", inverse_dynamics=lambda q, v, a: q * np.nan, samples=1)
-        record = verdict.judgement_json(judgement)
+        record = plain(record_of(judgement, []))
         assert record["functions"]["inverse_dynamics"]["errors"]["graphdyn"]["1"] is None
         json.dumps(record, allow_nan=False)
 

@@ -28,14 +28,16 @@ from crosscheck.referee.quantities import BY_NAME
 from crosscheck.referee.states import cases
 from crosscheck.report.commands.crosscheck import crosscheck_report
 from crosscheck.report.commands.crosscheck_robot import error_text
-from crosscheck.report.comparisons import as_json, versions
 from crosscheck.report.html import page as page_of
 from crosscheck.report.html import write_page
+from crosscheck.report.json import plain
 from crosscheck.report.pages import judgement_page
 from crosscheck.report.pages.identification import identification_page
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT, pose, pose_text, stick_figure
+from crosscheck.report.records.crosscheck import robot_record
 from crosscheck.report.snippets import CALLS, worst_state
+from crosscheck.report.versions import versions
 from graphdyn import Joint, Placement
 
 COMMAND = ["graphdyn", "crosscheck", "my arm.urdf", "--html", "page.html"]
@@ -374,12 +376,12 @@ class TestQuantiles:
         assert result.quantiles == {"0": 0.0, "0.5": 4.0, "0.9": math.inf, "0.99": math.inf, "1": math.inf}
 
     def test_in_json_instead_of_the_errors(self, small):
-        record = as_json(small)["quantities"]["torque"]
+        record = plain(robot_record(small))["quantities"]["torque"]
         assert list(record["quantiles"]) == [f"{part:g}" for part in QUANTILES]
         assert record["quantiles"]["1"] == record["max_relative_error"]
         assert record["scale"] == BY_NAME["torque"].scale
         assert "errors" not in record
-        assert "model" not in as_json(small)
+        assert "model" not in plain(robot_record(small))
         json.dumps(record, allow_nan=False)
 
     def test_every_quantity_names_its_scale(self):

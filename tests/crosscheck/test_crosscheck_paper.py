@@ -12,19 +12,20 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from lxml import etree
+from planted_records import planted
 from typer.testing import CliRunner
 
 from crosscheck.cli import app, console
 from crosscheck.cli.paper_text import text
-from crosscheck.report.comparisons import finite, versions
+from crosscheck.report.json import plain
 from crosscheck.report.pages import write_page
 from crosscheck.report.pages.paper import paper_page
+from crosscheck.report.records.paper import record as record_of
 from crosscheck.studies.errata import ERRATA
 from crosscheck.studies.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
 from crosscheck.studies.paper.identification import SEEDS
 from crosscheck.studies.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
 from crosscheck.studies.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4, Printed
-from crosscheck.studies.paper.record import PAPER_FORMAT, as_json
 from crosscheck.studies.paper.reproduction import PARTS, reproduce
 from crosscheck.studies.paper.texts import error_text, printed_text, value_text
 from graphdyn import kr500
@@ -309,7 +310,7 @@ class TestCommand:
         assert "Table 3" in done.stdout
         record = json.loads(file.read_text(encoding="utf-8"))
         Draft202012Validator(SCHEMA).validate(record)
-        assert record["format"] == PAPER_FORMAT
+        assert record["format"] == "graphdyn paper 1"
         assert record["errata"]["samples"] == 10
         assert "<h1>The paper beside the corrected model</h1>" in page.read_text(encoding="utf-8")
 
@@ -334,17 +335,22 @@ class TestCommand:
 
 class TestRecord:
     def test_follows_the_schema(self, found):
-        record = finite(as_json(found))
-        whole = {"format": PAPER_FORMAT, "versions": versions(), "command": COMMAND, **record}
-        Draft202012Validator(SCHEMA).validate(json.loads(json.dumps(whole, allow_nan=False)))
+        record = plain(record_of(found, COMMAND))
+        Draft202012Validator(SCHEMA).validate(json.loads(json.dumps(record, allow_nan=False)))
+
+    @pytest.mark.parametrize("number", [math.nan, math.inf])
+    def test_every_number_that_may_be_null(self, found, number):
+        record = plain(planted(record_of(found, COMMAND), number))
+        assert record["corrected"]["difference"] is None
+        Draft202012Validator(SCHEMA).validate(record)
 
     def test_a_number_that_is_none(self, found):
         broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
-        record = finite(as_json(broken))
+        record = plain(record_of(broken, COMMAND))
         assert (record["agrees"], record["checks"][0]["measured"]) == (False, None)
 
     def test_undetermined_and_misprinted(self, found):
-        record = finite(as_json(found))
+        record = plain(record_of(found, COMMAND))
         assert [row[0] for row in record["identification"]["trials"][0]["values"].values()].count(None) == 3
         assert record["identification"]["table_3"]["J_33"][3] == {
             "printed": "5.4619",

@@ -3,16 +3,27 @@
 import json
 import math
 import re
+import subprocess
+import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from jsonschema import Draft202012Validator, ValidationError
+from planted_records import planted
 from planting import mixed_tree
 from typer.testing import CliRunner
 
 import crosscheck
+import urdf
 from crosscheck.cli import app
-from crosscheck.report.comparisons import as_json
+from crosscheck.report.json import main, plain, schemas
+from crosscheck.report.records import crosscheck as crosscheck_records
+from crosscheck.report.records import errata as errata_records
+from crosscheck.report.records import judge as judge_records
+from crosscheck.report.records import show as show_records
+from crosscheck.studies.describing import describe
+from crosscheck.studies.errata import Effect
 
 ROOT = Path(__file__).parents[2]
 SCHEMAS = {path.name: json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "docs/schemas").glob("*.json")}
@@ -85,6 +96,33 @@ class TestSchemas:
         } <= formats
         assert {file_name(form) for form in formats} == set(SCHEMAS)
 
+    def test_generated_from_the_records(self):
+        """Else: python -m crosscheck.report.json docs/schemas"""
+        assert schemas() == SCHEMAS
+
+    def test_command_that_generates_them(self, tmp_path):
+        folder = tmp_path / "new"
+        main(["program", str(folder)])
+        assert {path.name: json.loads(path.read_text(encoding="utf-8")) for path in folder.iterdir()} == SCHEMAS
+        with pytest.raises(SystemExit, match=r"usage: python -m crosscheck.report.json FOLDER"):
+            main(["program"])
+
+    def test_writing_needs_no_pydantic(self, tmp_path):
+        """It is imported where schemas are generated, and only there."""
+        code = """
+import sys
+from pathlib import Path
+from crosscheck.cli.show import run
+from crosscheck.report.json import schemas
+run("kr500", json_file=Path(sys.argv[1]))
+before = "pydantic" in sys.modules
+schemas()
+print(before, "pydantic" in sys.modules)
+"""
+        command = [sys.executable, "-c", code, str(tmp_path / "r.json")]
+        said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        assert said.splitlines()[-1] == "False True"
+
     def test_a_missing_field_is_noticed(self, written):
         record, _ = written("robots")
         del record["robots"][0]["licence"]
@@ -95,6 +133,33 @@ class TestSchemas:
         record, _ = written("robots")
         record["new"] = record["robots"][0]["new"] = 1
         assert Draft202012Validator(SCHEMAS["robots-1.schema.json"]).is_valid(record)
+
+
+class TestNumbers:
+    @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+    @pytest.mark.parametrize("kind", [float, np.float64, np.float32])
+    def test_not_finite_is_null(self, number, kind):
+        assert plain({"one": kind(number), "many": (kind(number), kind(1))}) == {"one": None, "many": [None, 1.0]}
+        assert plain(np.array([[number], [2]])) == [[None], [2.0]]
+
+    def test_of_numpy(self):
+        record = plain([np.int64(1), np.bool_(True), np.float64(0.5), np.array(3), np.array([True])])
+        assert record == [1, True, 0.5, 3, [True]]
+        assert [type(item) for item in record] == [int, bool, float, int, list]
+
+    @pytest.mark.parametrize("number", [math.nan, math.inf])
+    def test_every_number_that_may_be_null(self, number, small_arm):
+        """Of the formats whose records are quickly made; those of paper, bench and identify are tested beside them."""
+        judgement = crosscheck.judge("kr500", mass_matrix=lambda q: np.eye(6), samples=1)
+        for record in (
+            crosscheck_records.record([crosscheck.compare(small_arm, 1)], [], []),
+            judge_records.record(judgement, []),
+            show_records.record(describe(urdf.load(small_arm), "arm", {})),
+            errata_records.record([Effect("A1", "arm", "error", np.ones(2), np.zeros(2))]),
+        ):
+            spoiled = plain(planted(record, number))
+            assert spoiled != plain(record)
+            check(json.loads(json.dumps(spoiled, allow_nan=False)))
 
 
 class TestCrosscheck:
@@ -129,10 +194,10 @@ class TestCrosscheck:
         check(record)
 
     def test_a_model_without_a_file(self):
-        record = as_json(crosscheck.compare(mixed_tree(), 1))
+        record = plain(crosscheck_records.robot_record(crosscheck.compare(mixed_tree(), 1)))
         assert record["file"] is None
         schema = SCHEMAS["crosscheck-1.schema.json"]
-        Draft202012Validator({"$ref": "#/$defs/robot", "$defs": schema["$defs"]}).validate(record)
+        Draft202012Validator({"$ref": "#/$defs/RobotRecord", "$defs": schema["$defs"]}).validate(record)
 
 
 class TestOthers:

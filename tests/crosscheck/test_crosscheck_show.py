@@ -13,13 +13,14 @@ from typer.testing import CliRunner
 import urdf
 from crosscheck.cli import app, console
 from crosscheck.report.commands.show import show_report
-from crosscheck.report.comparisons import versions
 from crosscheck.report.html import page
+from crosscheck.report.json import plain
 from crosscheck.report.pattern import BRAILLE, HALF_BLOCKS, picture
 from crosscheck.report.plain_text import matrix_lines, vector_text
+from crosscheck.report.records.show import record as record_of
 from crosscheck.report.text import renderables
+from crosscheck.report.versions import versions
 from crosscheck.studies.describing import describe
-from crosscheck.studies.description import SHOW_FORMAT, as_json
 from graphdyn import kkt_system, kr500
 from graphdyn._rotation import rotation_about
 
@@ -211,8 +212,8 @@ class TestCommand:
         assert show("ur5", "--json", path).exit_code == 0
         record = json.loads(path.read_text(encoding="utf-8"))
         description = describe(urdf.load("ur5"), "ur5", {})
-        assert record["format"] == SHOW_FORMAT
-        assert {name: record[name] for name in as_json(description)} == json.loads(json.dumps(as_json(description)))
+        assert record["format"] == "graphdyn show 1"
+        assert record == plain(record_of(description))
         assert [[entry == "1" for entry in row] for row in record["system"]["pattern"]] == (
             description.system.pattern.tolist()
         )

@@ -21,7 +21,6 @@ from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
 from crosscheck.referee import compare as comparing
 from crosscheck.referee.comparison import part_of_bound
 from crosscheck.referee.subject import content_sha256
-from crosscheck.report import comparisons as report
 from crosscheck.report import summary
 from crosscheck.report.commands import crosscheck_folder as report_of_folder
 
@@ -282,7 +281,7 @@ class TestResume:
         assert sweep(*options)[0] == ["good.urdf", "bare.urdf"]
 
     def test_other_versions(self, sweep, monkeypatch):
-        monkeypatch.setattr(report, "PINOCCHIO_VERSION", "0")
+        monkeypatch.setattr("crosscheck.referee.pinocchio_model.VERSION", "0")
         assert sweep()[0] == ["good.urdf", "bare.urdf"]
 
     def test_failures_are_tried_again(self, sweep, good_folder):

@@ -11,6 +11,7 @@ import numpy as np
 from crosscheck.report.commands.robot_parts import locked_text, robot_picture
 from crosscheck.report.pattern import picture as character_pattern
 from crosscheck.report.plain_text import matrix_lines, vector_text
+from crosscheck.report.records.show import record
 from crosscheck.report.report import (
     Block,
     CharacterPicture,
@@ -27,7 +28,7 @@ from crosscheck.report.report import (
     Section,
     Table,
 )
-from crosscheck.studies.description import RobotDescription, SystemRecord, as_json
+from crosscheck.studies.description import RobotDescription, SystemRecord
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -47,7 +48,7 @@ def show_report(robot: RobotDescription) -> Report:
             Section("graph", "Graph", _graph(robot)),
             Section("equations", f"Eq. (111): {len(robot.system.pattern)} equations", _equations(robot.system)),
         ),
-        record=partial(as_json, robot),
+        record=partial(record, robot),
     )
 
 

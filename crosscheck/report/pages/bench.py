@@ -5,9 +5,9 @@ from __future__ import annotations
 import shlex
 from collections.abc import Sequence
 
-from crosscheck.report.comparisons import versions
 from crosscheck.report.pages.bench_curves import curve_picture, ratio_picture
 from crosscheck.report.pages.rendering import render
+from crosscheck.report.versions import versions
 from crosscheck.studies.bench import texts
 from crosscheck.studies.bench.benchmark import Benchmark
 from crosscheck.studies.bench.identification import OURS, THEIRS

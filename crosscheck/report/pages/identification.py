@@ -13,11 +13,11 @@ from markupsafe import Markup
 from crosscheck.identifying import Identified, TorqueCurve
 from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
 from crosscheck.identifying.recommending import joint_errors, mean_error, real
-from crosscheck.report.comparisons import versions
 from crosscheck.report.pages.rendering import render
 from crosscheck.report.pages.torque_curves import torque_curves
 from crosscheck.report.pictures.method_errors import method_errors, singular_values
 from crosscheck.report.pictures.parameter_bars import parameter_bars
+from crosscheck.report.versions import versions
 from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
 

@@ -7,8 +7,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from crosscheck.report.comparisons import versions
 from crosscheck.report.pages.rendering import render
+from crosscheck.report.versions import versions
 from urdf import Report
 
 SYMBOLS = {"dynamics": ("agrees", "✓"), "kinematics only": ("undecided", "?"), "refused": ("disagrees", "✗")}

@@ -13,10 +13,10 @@ from markupsafe import Markup
 
 from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.report import snippets
-from crosscheck.report.comparisons import versions
 from crosscheck.report.pages.rendering import render
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
+from crosscheck.report.versions import versions
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

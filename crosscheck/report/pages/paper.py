@@ -5,12 +5,12 @@ from __future__ import annotations
 import shlex
 from collections.abc import Sequence
 
-from crosscheck.report.comparisons import versions
 from crosscheck.report.pages.rendering import render
 from crosscheck.report.pages.time_curves import joint_curves
 from crosscheck.report.pictures.arm_poses import arm_pose
 from crosscheck.report.pictures.errata_pictures import distributions, missing_rank, towards_lock
 from crosscheck.report.pictures.identification_errors import identification_errors
+from crosscheck.report.versions import versions
 from crosscheck.studies.errata import ERRATA
 from crosscheck.studies.paper import why
 from crosscheck.studies.paper.identification import WHY_TABLE_3

@@ -39,27 +39,33 @@ REQUESTS = {
 
 @dataclass(frozen=True)
 class Machine:
-    """lanes: doubles in a vector; threads: that were at work; operations: floating point, a multiplication with an
-    addition counted as two [1/s]; bandwidth: bytes read or written [1/s]
-    """
+    """Measured limits."""
 
     lanes: int
+    """Doubles in a vector."""
+
     threads: int
+    """Threads at work together."""
+
     operations: float
+    """Floating-point operations per second, a multiplication with an addition counted as two [1/s]."""
+
     bandwidth: float
+    """Bytes read or written per second by a copy past the caches [1/s]."""
 
 
 @dataclass(frozen=True)
 class Floor:
-    """What a sample of a work takes at least.
-
-    operations: floating point; bytes: read and written; seconds: of what takes longer, if every addition came with
-    a multiplication and nothing ever waited
-    """
+    """What a sample of a work takes at least: of what takes longer, operations or bytes."""
 
     operations: int
+    """Floating-point operations of a sample."""
+
     bytes: int
+    """Bytes read and written per sample."""
+
     seconds: float
+    """If every addition came with a multiplication and nothing ever waited [s]."""
 
 
 def machine(threads: int) -> Machine | None:

@@ -1,0 +1,381 @@
+"""The format `graphdyn bench 1`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
+from crosscheck.report.versions import versions
+from crosscheck.studies.bench import timing
+from crosscheck.studies.bench.benchmark import Benchmark
+from crosscheck.studies.bench.contender import Measured
+from crosscheck.studies.bench.curves import ScalingCurve
+from crosscheck.studies.bench.floor import Floor, Machine
+from crosscheck.studies.bench.identification import Identifications
+
+Quartiles = Annotated[Sequence[float], Keywords(minItems=2, maxItems=2)]
+Repeats = Annotated[Sequence[float], Keywords(minItems=1)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Times:
+    """Times of one import, or one first call."""
+
+    median: float
+    """Median of the repeats [s]."""
+
+    fastest: float
+    """Fastest repeat [s]."""
+
+    quartiles: Quartiles
+    """Lower and upper quartile of the repeats [s]."""
+
+    seconds: Repeats
+    """Every repeat in its order [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ratio:
+    """One comparison."""
+
+    ours: str
+    """Our form."""
+
+    theirs: str
+    """The other."""
+
+    threads: int
+    """Threads that may be used."""
+
+    ratio: float
+    """How many times as long theirs takes: quotient of the medians."""
+
+    fastest_ratio: float
+    """Quotient of the fastest repeats."""
+
+    quartiles: Quartiles
+    """Quartiles of the quotients of repeats that followed each other."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contender:
+    """One contender."""
+
+    name: str
+    """Who."""
+
+    threads: int
+    """Threads that may be used."""
+
+    ours: bool
+    """A form of graphdyn whose ratios are asked for."""
+
+    samples: int
+    """Samples of each run."""
+
+    median: float
+    """Median of the repeats, per sample [s]."""
+
+    fastest: float
+    """Fastest repeat, per sample [s]."""
+
+    quartiles: Quartiles
+    """Lower and upper quartile of the repeats, per sample [s]."""
+
+    seconds: Repeats
+    """Every repeat in its order, per sample [s]."""
+
+    error: Number
+    """Largest relative error against Pinocchio; null where nothing was judged."""
+
+    judged: int
+    """Samples, or joints for sums of products, that were judged."""
+
+    included: str
+    """What the time includes beside the arithmetic."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """One work."""
+
+    name: Literal["inverse_dynamics", "forward_dynamics", "everything", "regressor", "single_inverse", "single_forward"]
+    """Which work."""
+
+    title: str
+    """Its name in words."""
+
+    scale: str
+    """What errors are relative to."""
+
+    bound: float
+    """Largest relative error that counts as agreement."""
+
+    agrees: bool
+    """Our answers are within the bound."""
+
+    floor: Floor | None | None
+    """What a sample takes at least on one thread of this machine; null where that is not known."""
+
+    ratios: Sequence[Ratio]
+    """Our forms against every other with the same number of threads."""
+
+    entries: Sequence[Contender]
+    """Everyone who took part."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentificationRatio:
+    """One comparison."""
+
+    threads: int
+    """Threads that may be used."""
+
+    ratio: float
+    """How many times as long theirs takes: quotient of the medians."""
+
+    fastest_ratio: float
+    """Quotient of the fastest repeats."""
+
+    quartiles: Quartiles
+    """Quartiles of the quotients of repeats that followed each other."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Way:
+    """One way."""
+
+    name: str
+    """Which way."""
+
+    threads: int
+    """Cores it is held to."""
+
+    samples: int
+    """That were worked on; where fewer than the recording has, the time of the whole is extrapolated in proportion."""
+
+    median: float
+    """Median of the repeats, per sample [s]."""
+
+    fastest: float
+    """Fastest repeat, per sample [s]."""
+
+    quartiles: Quartiles
+    """Lower and upper quartile of the repeats, per sample [s]."""
+
+    seconds: Repeats
+    """Every repeat in its order, per sample [s]."""
+
+    extra_bytes: int | None
+    """Peak of the memory beside the recording [bytes]; null where the system does not tell."""
+
+    error: float
+    """Largest error of torques predicted at other states, relative to the largest torque."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """From a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports are
+    not.
+    """
+
+    samples: int
+    """Length of the recording."""
+
+    ratios: Sequence[IdentificationRatio]
+    """Ours against Pinocchio's loop with lstsq, per number of threads."""
+
+    entries: Sequence[Way]
+    """Both ways, per number of threads."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """One point."""
+
+    x: int
+    """What is varied."""
+
+    median: float
+    """Median of the repeats, per sample or call [s]."""
+
+    fastest: float
+    """Fastest repeat, per sample or call [s]."""
+
+    quartiles: Quartiles
+    """Lower and upper quartile of the repeats, per sample or call [s]."""
+
+    seconds: Repeats
+    """Every repeat in its order, per sample or call [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """One contender."""
+
+    name: str
+    """Who."""
+
+    threads: int
+    """Threads that may be used; 0 where they are varied."""
+
+    exponent: Number
+    """k of a time that grows as x^k, from the fastest repeats of the upper half of the points; null for fewer than
+    three.
+    """
+
+    points: Sequence[Point]
+    """In ascending x."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """One diagram."""
+
+    name: str
+    """Which diagram."""
+
+    title: str
+    """Its name in words."""
+
+    x: str
+    """What is varied."""
+
+    seconds_of: str
+    """What the times are of: a sample, or a first call."""
+
+    notes: Sequence[str]
+    """What a reader must know."""
+
+    lines: Sequence[Line]
+    """One per contender."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchRecord:
+    """How fast graphdyn is beside other libraries, measured in turns in one run. Times in seconds."""
+
+    format: Annotated[Literal["graphdyn bench 1"], FORMAT] = "graphdyn bench 1"
+
+    versions: Versions = field(default_factory=versions)
+
+    command: Command
+
+    robot: str
+    """Name or file as given."""
+
+    n_bodies: int
+    """Moving bodies, and joints."""
+
+    samples: int
+    """Random states per run; the identification and the largest batch take ten times as many."""
+
+    seed: int
+    """Of the random states."""
+
+    quick: bool
+    """Fewer repeats and points were asked for."""
+
+    repeats: int
+    """Of every measurement, in turns."""
+
+    cores: int
+    """Processor cores that the program may use."""
+
+    threads: Sequence[int]
+    """Numbers of threads that were compared."""
+
+    backend: Literal["llvm", "numpy"]
+    """What runs graphdyn's recursive forms: compiled code or NumPy arrays."""
+
+    agrees: bool
+    """Every answer of graphdyn's own forms is within the bound of its work."""
+
+    peers: Mapping[str, str]
+    """What took part: version, instruction set of the build as far as it is known, and how it was used, by library."""
+
+    left_out: Mapping[str, str]
+    """Why a library took no part, by name."""
+
+    machine: Sequence[Machine]
+    """What this machine could do at best, by number of threads; empty where nothing can be compiled."""
+
+    works: Sequence[Work]
+    """What was done, in several ways."""
+
+    identification: Identification
+    """From a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports are
+    not.
+    """
+
+    imports: Mapping[str, Times]
+    """Seconds of an import in a fresh process, by module."""
+
+    first_calls: Mapping[str, Times]
+    """Seconds of the first call of a verb in a fresh process, which records and compiles, by verb; the first one loads
+    the compiler too.
+    """
+
+    curves: Sequence[Curve]
+    """Times against the size of a batch, the number of bodies or of threads."""
+
+
+def record(found: Benchmark, command: Sequence[str]) -> BenchRecord:
+    """A benchmark but for the model."""
+    return taken(
+        BenchRecord,
+        found,
+        command=command,
+        n_bodies=found.model.n_bodies,
+        repeats=found.effort.repeats,
+        works=[_work(measured, found.floors.get(measured.name)) for measured in found.works],
+        identification=_identification(found.identification),
+        imports={name: Times(**_times(times)) for name, times in found.imports.items()},
+        first_calls={name: Times(**_times(times)) for name, times in found.first_calls.items()},
+        curves=[_curve(curve) for curve in found.curves],
+    )
+
+
+def _work(measured: Measured, floor: Floor | None) -> Work:
+    return taken(
+        Work,
+        measured,
+        scale=measured.error,
+        floor=floor,
+        ratios=[taken(Ratio, compared, **_ratio(compared.ratio)) for compared in measured.comparisons],
+        entries=[taken(Contender, entry, **_times(entry.times)) for entry in measured.entries],
+    )
+
+
+def _identification(found: Identifications) -> Identification:
+    return Identification(
+        samples=found.samples,
+        ratios=[IdentificationRatio(threads=threads, **_ratio(ratio)) for threads, ratio in found.comparisons],
+        entries=[taken(Way, entry, **_times(entry.times)) for entry in found.entries],
+    )
+
+
+def _curve(curve: ScalingCurve) -> Curve:
+    return taken(
+        Curve,
+        curve,
+        seconds_of=curve.seconds,
+        lines=[
+            taken(
+                Line,
+                line,
+                points=[Point(x=x, **_times(times)) for x, times in zip(line.x, line.times, strict=True)],
+            )
+            for line in curve.lines
+        ],
+    )
+
+
+def _times(times: timing.Times) -> dict[str, Any]:
+    return {"median": times.median, "fastest": times.fastest, "quartiles": times.spread, "seconds": times.seconds}
+
+
+def _ratio(ratio: timing.Ratio) -> dict[str, Any]:
+    return {"ratio": ratio.median, "fastest_ratio": ratio.fastest, "quartiles": ratio.spread}

@@ -1,0 +1,475 @@
+"""The format `graphdyn identify 1`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+import numpy as np
+
+from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
+from crosscheck.identifying.recommending import mean_error
+from crosscheck.identifying.result import Identified
+from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
+from crosscheck.report.versions import versions
+from graphdyn._inertia import PARAMETER_NAMES
+from graphdyn.identification import MethodResult, ResidualStatistics
+
+Inertial = Annotated[
+    Mapping[str, float],
+    Keywords(
+        properties={
+            name: {"description": "In the link frame [kg, kg m, kg m²].", "type": "number"} for name in PARAMETER_NAMES
+        },
+        required=list(PARAMETER_NAMES),
+    ),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One finding."""
+
+    code: str
+    """Stable name."""
+
+    severity: Literal["error", "warning", "note"]
+    """How bad."""
+
+    file: str
+    """Where."""
+
+    column: str | None
+    """Where; null: whole rows."""
+
+    rows: Sequence[int]
+    """From 0; empty: all."""
+
+    message: str
+    """What."""
+
+    remedy: str
+    """What to do."""
+
+    lines: int | None
+    """Line minus row."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recording:
+    """What was fitted and predicted."""
+
+    files: Sequence[str]
+    """Fitted files."""
+
+    mapping: str
+    """How the columns were found."""
+
+    steps: Sequence[str]
+    """What was done to the numbers."""
+
+    decimate: Sequence[int]
+    """Factors of the stages."""
+
+    min_speed: float | Sequence[float]
+    """Rows of a joint slower than this were not fitted, one for all or one per joint [rad/s or m/s]."""
+
+    fitted_rows: int
+    """Rows of the fit."""
+
+    held_out: str
+    """What was predicted, in words."""
+
+    held_out_files: Sequence[str]
+    """Files of the predicted rows."""
+
+    held_out_rows: int
+    """Rows that were predicted."""
+
+    findings: Sequence[Finding]
+    """What is odd in the files, see recordings.md."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """A standard parameter."""
+
+    name: str
+    """Of the parameter."""
+
+    symbol: str
+    """As Khalil and Gautier write it."""
+
+    unit: str
+    """Of the parameter."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaseParameter:
+    """A base parameter."""
+
+    name: str
+    """In standard parameters."""
+
+    unit: str
+    """Of the parameter."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sizes:
+    """Sizes of residuals."""
+
+    count: Sequence[int]
+    """Rows, per joint, in the order of joint_names."""
+
+    mean: Sequence[Number]
+    """Of predicted minus measured torque, per joint, in the order of joint_names [N m or N]."""
+
+    rms: Sequence[Number]
+    """Root mean square of it, per joint, in the order of joint_names [N m or N]."""
+
+    largest: Sequence[Number]
+    """Largest absolute value of it, per joint, in the order of joint_names [N m or N]."""
+
+    relative: Sequence[Number]
+    """‖e‖ / ‖τ‖ with the measured torque, per joint, in the order of joint_names."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statistics:
+    """Sizes of the residuals; null where there are none."""
+
+    everything: Sizes
+    """Over all rows."""
+
+    moving: Sizes
+    """Per joint over its rows with |v| > 0.02 rad/s or m/s."""
+
+    durbin_watson: Sequence[Number]
+    """2 for white noise, per joint, in the order of joint_names."""
+
+    ljung_box_p: Sequence[Number]
+    """Below 0.05: not white, per joint, in the order of joint_names; null where several trials were put together."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Method:
+    """One method."""
+
+    name: str
+    """As in the tables."""
+
+    reference: str
+    """Where it is published."""
+
+    assumptions: str
+    """What has to hold."""
+
+    needs: str
+    """What has to be measured."""
+
+    failure: str | None
+    """Why there is no answer; null where there is one."""
+
+    seconds: Number
+    """Of the estimation [s]."""
+
+    mean_error: Number
+    """Mean over the joints of the held-out ‖e‖ / ‖τ‖ over moving rows."""
+
+    held_out: Statistics | None
+    """Errors on the predicted rows, of all trials together."""
+
+    training: Statistics | None
+    """Errors on the rows of the fit, slow ones included."""
+
+    fitted_relative: Sequence[Number] | None
+    """‖e‖ / ‖τ‖ over the rows that counted in the fit, per joint, in the order of joint_names."""
+
+    parameters: Sequence[Number] | None
+    """Standard parameters."""
+
+    base_values: Sequence[Number] | None
+    """Base parameters."""
+
+    standard_deviations: Sequence[Number] | None
+    """Of the base parameters, for white noise."""
+
+    block_deviations: Sequence[Number] | None
+    """The same, allowing for correlation in time."""
+
+    relative_deviations: Sequence[Number] | None
+    """100 σ / |value| [%]."""
+
+    noise: Sequence[Number] | None
+    """Standard deviation of the torque as the method sees it, per joint, in the order of joint_names [N m or N]."""
+
+    iterations: int | None
+    """How often the equations were solved."""
+
+    settings: Mapping[str, Number]
+    """Numbers that the method chose."""
+
+    remarks: Sequence[str]
+    """What the reader has to know."""
+
+    consistent: bool | None
+    """Every link can be a real body."""
+
+    pseudo_inertia_eigenvalues: Sequence[Number] | None
+    """The smallest of every link."""
+
+    positive_definite: int | None
+    """Poses with a positive definite mass matrix."""
+
+    poses: int | None
+    """Poses that were tried."""
+
+    smallest_mass_matrix_eigenvalue: Number
+    """Over all poses [kg m² or kg]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShownParameter:
+    """A base parameter of the shown result."""
+
+    name: str
+    """In standard parameters."""
+
+    unit: str
+    """Of the numbers."""
+
+    cad: float
+    """Of the robot as given; drives are zero."""
+
+    value: float
+    """Identified."""
+
+    deviation: Number
+    """Standard deviation for white noise."""
+
+    block_deviation: Number
+    """Allowing for correlation in time."""
+
+    relative_deviation: Number
+    """100 σ / |value| [%]."""
+
+    truth: Number
+    """True value, of a simulated robot."""
+
+    error: Number
+    """value minus truth."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """A link of the shown result."""
+
+    name: str
+    """Of the link."""
+
+    cad: Inertial
+    """As given."""
+
+    identified: Inertial
+    """What --urdf writes."""
+
+    center_of_mass: Sequence[Number]
+    """In link axes [m]."""
+
+    pseudo_inertia_eigenvalue: float
+    """The smallest; below zero: no real body."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shown:
+    """The result in the tables: the chosen one, else the recommended one, else the one that predicts best; null where
+    no method has an answer.
+    """
+
+    method: str
+    """Its name."""
+
+    deviations: str
+    """Whose standard deviations these are."""
+
+    base_parameters: Sequence[ShownParameter]
+    """Base parameters."""
+
+    bodies: Sequence[Body]
+    """Links."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentifyRecord:
+    """Parameters of a robot from recordings by several methods, and which one to trust."""
+
+    format: Annotated[Literal["graphdyn identify 1"], FORMAT] = "graphdyn identify 1"
+
+    versions: Versions = field(default_factory=versions)
+
+    command: Command
+
+    robot: str
+    """As given, or the name of a RobotModel."""
+
+    file: str | None
+    """Its URDF; null where a RobotModel was given."""
+
+    file_sha256: str | None
+    """Of the file."""
+
+    locked: Mapping[str, float]
+    """Value per joint that was held still [rad or m]."""
+
+    chain: Sequence[str] | None
+    """Base link and tip link where an arm was cut out."""
+
+    joint_names: Sequence[str]
+    """Order of all numbers per joint."""
+
+    usable: bool
+    """A model was found that can be trusted: see reason."""
+
+    recommended: str | None
+    """Name of the method to trust; null where there is none."""
+
+    reason: str
+    """Why this one, or why none."""
+
+    recording: Recording
+    """What was fitted and predicted."""
+
+    parameters: Sequence[Parameter]
+    """Standard parameters of the torque model, in order."""
+
+    rank: int
+    """Number of base parameters that the recording determines."""
+
+    structural_rank: int
+    """Number that any motion could determine."""
+
+    gap: Sequence[float]
+    """Smallest accepted and largest rejected pivot, relative to the first."""
+
+    condition_number: float
+    """Of the regressor, joints weighted by their torque, columns at unit length."""
+
+    base_parameters: Sequence[BaseParameter]
+    """Base parameters of the recording, in order."""
+
+    undetermined: Sequence[str]
+    """Standard parameters that are determined in combinations only, or not at all."""
+
+    lost: Sequence[str]
+    """Base parameters of the structure that the recording does not determine by themselves."""
+
+    methods: Sequence[Method]
+    """Every method, in the order asked for."""
+
+    shown: Shown | None
+    """The result in the tables: the chosen one, else the recommended one, else the one that predicts best; null where
+    no method has an answer.
+    """
+
+    truth: Sequence[float] | None
+    """True standard parameters of a simulated robot; null for a recording."""
+
+
+def record(found: Identified, shown: MethodResult | None, command: Sequence[str]) -> IdentifyRecord:
+    """Everything. shown: the result that the terminal shows"""
+    comparison, subject = found.comparison, found.subject
+    return taken(
+        IdentifyRecord,
+        comparison,
+        command=command,
+        robot=subject.name,
+        file=subject.file,
+        file_sha256=subject.file_sha256,
+        locked=subject.locked,
+        chain=subject.chain,
+        joint_names=found.torque_model.model.joint_names,
+        usable=found.usable,
+        recommended=found.recommendation.name,
+        reason=found.recommendation.reason,
+        recording=_recording(found),
+        parameters=[taken(Parameter, column) for column in found.torque_model.columns],
+        base_parameters=[
+            BaseParameter(name=name, unit=unit)
+            for name, unit in zip(comparison.base_names, comparison.base_units, strict=True)
+        ],
+        methods=[_method(found, result) for result in comparison.results],
+        shown=_shown(found, shown),
+        truth=found.truth,
+    )
+
+
+def _recording(found: Identified) -> Recording:
+    fit, test = found.division.fit, [split.test for split in found.division.trials]
+    return Recording(
+        files=fit.provenance.files,
+        mapping=fit.provenance.mapping,
+        steps=fit.provenance.steps,
+        decimate=found.preparation.decimate,
+        min_speed=np.asarray(found.preparation.min_speed).tolist(),
+        fitted_rows=sum(len(t) for t in found.fit.times),
+        held_out=found.division.words,
+        held_out_files=list(dict.fromkeys(name for recording in test for name in recording.provenance.files)),
+        held_out_rows=sum(len(t) for trial in found.trials for t in trial.times),
+        findings=[taken(Finding, finding) for recording in found.recordings for finding in recording.findings],
+    )
+
+
+def _method(found: Identified, result: MethodResult) -> Method:
+    estimate, plausible = result.estimate, result.plausibility
+    answered = estimate is not None and plausible is not None
+    return taken(
+        Method,
+        result,
+        mean_error=mean_error(result) if answered else None,
+        held_out=_statistics(result.held_out),
+        training=_statistics(result.training),
+        fitted_relative=found.fitted_errors(result) if answered else None,
+        parameters=estimate.parameters if estimate else None,
+        noise=estimate.noise if estimate else None,
+        iterations=estimate.iterations if estimate else None,
+        settings=estimate.settings if estimate else {},
+        remarks=estimate.remarks if estimate else (),
+        consistent=plausible.consistent if plausible else None,
+        pseudo_inertia_eigenvalues=plausible.pseudo_inertia_eigenvalues if plausible else None,
+        positive_definite=plausible.positive_definite if plausible else None,
+        poses=len(plausible.mass_matrix_eigenvalues) if plausible else None,
+        smallest_mass_matrix_eigenvalue=plausible.mass_matrix_eigenvalues.min() if plausible else None,
+    )
+
+
+def _statistics(statistics: ResidualStatistics | None) -> Statistics | None:
+    if statistics is None:
+        return None
+    return taken(
+        Statistics,
+        statistics,
+        everything=taken(Sizes, statistics.everything),
+        moving=taken(Sizes, statistics.moving),
+    )
+
+
+def _shown(found: Identified, result: MethodResult | None) -> Shown | None:
+    if result is None:
+        return None
+    return Shown(
+        method=result.name,
+        deviations=deviations_of(found, result)[1],
+        base_parameters=[taken(ShownParameter, row) for row in base_rows(found, result)],
+        bodies=[
+            Body(
+                name=row.name,
+                cad=dict(zip(PARAMETER_NAMES, row.cad_parameters, strict=True)),
+                identified=dict(zip(PARAMETER_NAMES, row.parameters, strict=True)),
+                center_of_mass=row.center.tolist(),
+                pseudo_inertia_eigenvalue=row.eigenvalue,
+            )
+            for row in body_rows(found, result)
+        ],
+    )

@@ -1,0 +1,169 @@
+"""The format `graphdyn judge 1`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
+
+import numpy as np
+
+from crosscheck.judging.judgement import JudgedFunction, Judgement
+from crosscheck.report.judgements import verdict_of
+from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
+from crosscheck.report.versions import versions
+from graphdyn.layout import Array
+
+LEVELS = {
+    "0.5": "Half of the states have no larger error.",
+    "0.9": "Nine of ten states have no larger error.",
+    "1": "The largest error.",
+}
+
+Quantiles = Annotated[
+    Mapping[str, Number],
+    Keywords(
+        description="Quantiles 0.5, 0.9 and 1 (the largest) of the relative error over the states, no unit; "
+        "null where infinite.",
+        properties={level: {"description": text, "type": ["number", "null"]} for level, text in LEVELS.items()},
+        required=list(LEVELS),
+    ),
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Worst:
+    """The state of the largest error, to be reproduced."""
+
+    arguments: Mapping[str, Annotated[Sequence[Number], Keywords(description="One array (n,).")]]
+    """What the function was called with, by name, in its own joint order [rad or m, rad/s or m/s, rad/s² or m/s², N m
+    or N].
+    """
+
+    expected: Sequence[Number]
+    """graphdyn's answer, flattened, in the order of urdf.load."""
+
+    answer: Sequence[Number]
+    """The function's answer, flattened, in the order of urdf.load."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Function:
+    """One function."""
+
+    agrees: bool
+    """With every referee, at every state."""
+
+    bound: float
+    """Largest relative error that is agreement."""
+
+    scale: str
+    """What the errors are relative to."""
+
+    errors: Mapping[str, Quantiles]
+    """Against each referee, by its name."""
+
+    referees_differ: Mapping[str, Quantiles]
+    """Of each other referee against graphdyn."""
+
+    worst: Worst
+    """The state of the largest error, to be reproduced."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiagnosisRecord:
+    """One fault."""
+
+    function: str
+    """The functions that show it."""
+
+    kind: str
+    """Its kind: docs/judge.md lists them."""
+
+    message: str
+    """What is wrong."""
+
+    evidence: str
+    """The experiments, and how many states deviate."""
+
+    remedy: str
+    """What to do about it."""
+
+    explains: Number
+    """Relative error that is left after putting the fault into graphdyn; null where there is no explanation."""
+
+    also: Sequence[str]
+    """Other faults that give the same numbers at all states tried."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgeRecord:
+    """Foreign dynamics functions against graphdyn, Pinocchio and MuJoCo, and what is wrong with them."""
+
+    format: Annotated[Literal["graphdyn judge 1"], FORMAT] = "graphdyn judge 1"
+
+    versions: Versions = field(default_factory=versions)
+
+    command: Command
+
+    robot: str
+    """As given."""
+
+    verdict: Literal["agrees", "disagrees", "undecided"]
+    """undecided: the referees differ among themselves."""
+
+    agrees: bool
+    """Every function agrees with every referee."""
+
+    decided: bool
+    """The referees agree among themselves."""
+
+    joint_names: Sequence[str]
+    """The order of the functions' joints."""
+
+    samples: int
+    """Random states; special ones come on top."""
+
+    seed: int
+    """Of the random states."""
+
+    locked: Mapping[str, float]
+    """Value of each joint that is held still [rad or m]."""
+
+    referees: Sequence[str]
+    """Who took part."""
+
+    functions: Mapping[str, Function]
+    """The judged functions, by name."""
+
+    diagnoses: Sequence[DiagnosisRecord]
+    """What is wrong; empty where nothing is."""
+
+    notes: Sequence[str]
+    """What a reader must know, for instance why a referee took no part."""
+
+
+def record(judgement: Judgement, command: Sequence[str]) -> JudgeRecord:
+    """A judgement but for the model."""
+    return taken(
+        JudgeRecord,
+        judgement,
+        command=command,
+        verdict=verdict_of(judgement).lower(),
+        functions={name: _function(function) for name, function in judgement.functions.items()},
+        diagnoses=[taken(DiagnosisRecord, diagnosis) for diagnosis in judgement.diagnoses],
+    )
+
+
+def _function(function: JudgedFunction) -> Function:
+    return taken(
+        Function,
+        function,
+        errors={referee: _quantiles(error) for referee, error in function.errors.items()},
+        referees_differ={referee: _quantiles(error) for referee, error in function.referees_differ.items()},
+        worst=taken(Worst, function.worst),
+    )
+
+
+def _quantiles(errors: Array) -> dict[str, float]:
+    return {level: float(np.quantile(errors, float(level), method="higher")) for level in LEVELS}

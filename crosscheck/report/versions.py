@@ -1,0 +1,14 @@
+"""Which versions of which libraries made a report."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+
+LIBRARIES = ("graphdyn", "numpy", "scipy", "yourdfpy", "example-robot-data")
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that takes part in a comparison."""
+    from crosscheck.referee.pinocchio_model import VERSION as PINOCCHIO_VERSION
+
+    return {**{name: version(name) for name in LIBRARIES}, "pinocchio": PINOCCHIO_VERSION}
