@@ -50,6 +50,7 @@ class ErrataRecord:
 
 
 def effect_record(effect: Effect) -> EffectRecord:
+    """One effect, as in the records of errata and paper."""
     return taken(EffectRecord, effect)
 
 
