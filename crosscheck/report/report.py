@@ -88,7 +88,7 @@ class Row:
 
     state: "disagrees" marks the row and, in a table that sorts, puts it first
     rule: a line above it, where a new group begins
-    link: key of the section that tells more
+    link: key of the section or group that tells more
     """
 
     cells: tuple[Any, ...]
@@ -230,9 +230,13 @@ class Plot(Block):
 
 @dataclass(frozen=True)
 class Group(Block):
-    """Blocks that belong together: folded as one, or beside other blocks as one."""
+    """Blocks that belong together: folded as one, or beside other blocks as one.
+
+    key: its anchor on the page, where a row links to it; unique in the report
+    """
 
     blocks: tuple[Block, ...]
+    key: str = ""
 
 
 @dataclass(frozen=True)

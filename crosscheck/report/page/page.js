@@ -1,4 +1,5 @@
-// What every page does with script: copy buttons, and a line above the tables that can be scrolled sideways.
+// What every page does with script: copy buttons, a line above the tables that can be scrolled sideways, and
+// opening what a link leads to.
 "use strict";
 for (const button of document.querySelectorAll(".copyable button")) {
   if (!navigator.clipboard) continue;
@@ -26,3 +27,12 @@ function tellScrolling() {
 addEventListener("resize", tellScrolling);
 document.addEventListener("toggle", tellScrolling, true);
 tellScrolling();
+function openTarget() {
+  const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  if (!target) return;
+  const inside = target.querySelector(":scope > details");
+  for (let place = inside ?? target; place; place = place.parentElement) if (place.tagName === "DETAILS") place.open = true;
+  target.scrollIntoView();
+}
+addEventListener("hashchange", openTarget);
+openTarget();
