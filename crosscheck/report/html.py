@@ -29,6 +29,7 @@ from crosscheck.report.report import (
     Plot,
     Prose,
     Report,
+    Table,
     Verdict,
     shown,
 )
@@ -40,6 +41,9 @@ LONG_NOTE = 240
 
 MANY_NOTES = 3
 """Notes of one code from which they are folded together."""
+
+LONG_TEXT = 90
+"""Characters of a cell from which the rows of its table are stacked on narrow screens."""
 
 LONG_NAME = 28
 """Characters from which the name in a table is cut (style.css), so that hovering has to show the whole."""
@@ -120,6 +124,16 @@ def _hover(column: Column, value: object) -> str:
     return text if column.kind == "name" and len(text) > LONG_NAME else ""
 
 
+def _wordy(table: Table) -> bool:
+    """Whether it has sentences in its cells, too wide for a narrow screen beside other columns."""
+    return any(
+        len(column.text(value)) > LONG_TEXT
+        for row in table.rows
+        for column, value in zip(table.columns, row.cells, strict=True)
+        if column.kind == "text"
+    )
+
+
 def _is_verdict(value: object) -> bool:
     return isinstance(value, Verdict)
 
@@ -155,6 +169,11 @@ def _environment() -> Environment:
     )
     environment.tests.update(verdict=_is_verdict)
     environment.globals.update(
-        SYMBOLS=SYMBOLS, hover=_hover, plot_data=plot_data, plot_picture=plot_picture, LONG_NOTE=LONG_NOTE
+        SYMBOLS=SYMBOLS,
+        hover=_hover,
+        wordy=_wordy,
+        plot_data=plot_data,
+        plot_picture=plot_picture,
+        LONG_NOTE=LONG_NOTE,
     )
     return environment
