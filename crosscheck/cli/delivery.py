@@ -10,7 +10,7 @@ from crosscheck.report.report import Report
 
 
 def deliver(report: Report, html_file: Path | None = None, json_file: Path | None = None) -> None:
-    """Print it, and write page and JSON file, each whole or not at all. Raises OSError."""
+    """Print it; write the page and the JSON file, each whole or not at all. Raises OSError."""
     from crosscheck.report.text import renderables
 
     for part in renderables(report, out.width):
@@ -23,4 +23,4 @@ def deliver(report: Report, html_file: Path | None = None, json_file: Path | Non
     if json_file is not None:
         from crosscheck.report.json import write_json
 
-        write_json(json_file, report.record())
+        write_json(json_file, report.record(command_line()))

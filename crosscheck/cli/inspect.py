@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli.console import complain, err, out, progress
+from crosscheck.cli.console import complain, err, progress
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, check_writable, command_line, robot_names
+from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, check_writable, robot_names
 from graphdyn import GraphDynError
 
 FilesArgument = Annotated[
@@ -38,7 +39,7 @@ def run(
     """
     check_writable(json=json_file, html=html_file)
     from crosscheck.cli.inspect_many import sweep
-    from crosscheck.cli.inspect_text import occurrences, one, several
+    from crosscheck.report.commands.inspect import inspect_report
 
     robots, failures = [], []
     for given in files:
@@ -49,22 +50,7 @@ def run(
             failures.append({"robot": given, "message": str(error)})
     with progress("inspect", len(robots) if err.is_terminal else None) as advance:
         reports = sweep(robots, advance)
-    if len(reports) == 1:
-        for part in one(reports[0]):
-            out.print(part)
-    elif reports:
-        for part in several(reports):
-            out.print(part)
-    if html_file is not None:
-        from crosscheck.report.pages import write_page
-        from crosscheck.report.pages.inspection import inspection_page
-
-        write_page(html_file, inspection_page(reports, command_line(), failures))
-    if json_file is not None:
-        from crosscheck.report.json import write_json
-        from crosscheck.report.records.inspect import record
-
-        write_json(json_file, record(reports, occurrences(reports), failures, command_line()))
+    deliver(inspect_report(reports, failures), html_file, json_file)
     if failures or any("unreadable-file" in report.codes for report in reports):
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(report.usable for report in reports) else DISAGREED)

@@ -19,6 +19,9 @@ State = Literal["agrees", "undecided", "disagrees", "plain"]
 Medium = Literal["text", "page"]
 Kind = Literal["name", "text", "number", "vector", "verdict"]
 
+Recorder = Callable[[Sequence[str]], object]
+"""Makes the record of the JSON file, a dataclass of crosscheck.report.records, from the arguments of the program."""
+
 SYMBOLS: dict[State, str] = {"agrees": "✓", "undecided": "?", "disagrees": "✗", "plain": ""}
 """Before a verdict on the page: no reader depends on colour."""
 
@@ -252,13 +255,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """command: name of the JSON format, such as "show"; record: makes the typed record of the JSON file"""
+    """record: makes the typed record of the JSON file, given the command line"""
 
-    command: str
     title: str
     verdict: Verdict | None
     sections: tuple[Section, ...]
-    record: Callable[[], Any] = field(repr=False)
+    record: Recorder = field(repr=False)
 
     @property
     def ordered(self) -> Sequence[Section]:

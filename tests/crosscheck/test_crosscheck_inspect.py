@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from browser import CHROMIUM, document
 from inspection_cases import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
 from inspection_workers import broken, fatal
 from jsonschema import Draft202012Validator
@@ -16,9 +17,9 @@ import urdf
 from crosscheck.cli import app, console
 from crosscheck.cli import inspect_many as sweeping
 from crosscheck.cli.inspect_many import FEW, sweep
-from crosscheck.cli.inspect_text import worst
+from crosscheck.report.commands.inspect import MANY_FILES, inspect_report, worst
+from crosscheck.report.html import MANY_NOTES, page
 from crosscheck.report.json import plain
-from crosscheck.report.pages.inspection import inspection_page
 from crosscheck.report.records.inspect import file_record
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs/schemas/inspect-1.schema.json").read_text(encoding="utf-8"))
@@ -43,6 +44,18 @@ def run(*arguments):
     return CliRunner().invoke(app, ["inspect", *map(str, arguments)])
 
 
+def page_of(*files, failures=()):
+    return page(inspect_report([urdf.inspect(file) for file in files], failures, dict), ["graphdyn"], {})
+
+
+def parsed(text):
+    return etree.fromstring(text.encode(), etree.HTMLParser(encoding="utf-8"))
+
+
+def words(element):
+    return " ".join("".join(element.itertext()).split())
+
+
 def recorded(path, *arguments):
     done = run(*arguments, "--json", path)
     record = json.loads(path.read_text(encoding="utf-8"))
@@ -56,18 +69,19 @@ class TestCommand:
         assert done.exit_code == 0
         assert done.stderr == ""
         assert "│ note     │ mass-matrix" in done.stdout
-        assert "a_dynamics.urdf: dynamics (0 errors, 0 warnings, 2 notes)" in done.stdout.replace("\n", "")
+        assert done.stdout.startswith("a_dynamics.urdf: dynamics\nFit for everything (0 errors, 0 warnings, 2 notes)\n")
+        assert str(folder / "a_dynamics.urdf") in done.stdout.replace("\n", "")
 
     def test_a_robot_of_the_catalogue(self):
         done = run("kr500")
         assert done.exit_code == 0
-        assert "kr500: dynamics (0 errors, " in done.stdout
+        assert done.stdout.startswith("kr500: dynamics\nFit for everything (0 errors, ")
 
     def test_kinematics_only(self, folder):
         done = run(folder / "b_kinematics.urdf")
         assert done.exit_code == 1
-        assert "b_kinematics.urdf: kinematics only" in done.stdout.replace("\n", "")
-        assert "  the mass matrix has rank 1 of 2 over 5 random states" in done.stdout
+        assert done.stdout.startswith("b_kinematics.urdf: kinematics only\n0 errors, ")
+        assert "1 note: the mass matrix has rank 1 of 2 over 5 random states" in done.stdout
 
     def test_refused(self, folder):
         done = run(folder / "more" / "c_refused.urdf")
@@ -75,7 +89,8 @@ class TestCommand:
         rows = re.findall(r"│ (error|warning|note) ", done.stdout)
         assert rows == sorted(rows, key=["error", "warning", "note"].index)
         assert rows[0] == "error"
-        assert "  <mass> of link 'upper': attribute 'value' is missing" in done.stdout
+        assert done.stdout.startswith("c_refused.urdf: refused\n2 errors, ")
+        assert "1 note: <mass> of link 'upper': attribute 'value' is missing" in done.stdout
 
     def test_findings_of_one_kind_share_a_row(self, tmp_path):
         path = tmp_path / "arm.urdf"
@@ -90,27 +105,32 @@ class TestCommand:
         assert "wrong-number-of-entries" in done.stdout
         assert "and 2 more" in done.stdout
         assert done.stdout.count("separate numbers by spaces") == 1
-        for old in ("lower", "upper", "effort", "velocity"):
-            path.write_text(path.read_text().replace(f'{old}="', f'{old}="x'), encoding="utf-8")
-        assert run(path).stdout.rstrip().endswith("more")
+        assert "refused 5 errors, 0 warnings, 1 note: <origin> of link 'upper': rpy=" in " ".join(done.stdout.split())
+        assert re.search(r"such an axis; and 4\s+more\n", done.stdout)  # of the same kind
+
+    def test_reasons_of_several_kinds(self):
+        kinds = [urdf.Finding(f"code-{k}", "error", f"link '{k}'", None, "is odd", "write it") for k in range(5)]
+        report = inspect_report([urdf.Report("arm", None, (*kinds, *kinds[:1]))], (), dict)
+        assert report.verdict.reason == (
+            "6 errors, 0 warnings, 0 notes: link '0': is odd; link '1': is odd; link '2': is odd; and 3 more"
+        )
 
     def test_folder(self, folder):
         done = run(folder)
         assert done.exit_code == 1
-        for name, verdict in (
-            ("a_dynamics", "dynamics"),
-            ("b_kinematics", "kinematics only"),
-            ("c_refused", "refused"),
-        ):
-            assert re.search(rf"{name}.urdf +│ {verdict} +│", done.stdout)
-        assert done.stdout.rstrip().endswith("3 files: 1 dynamics, 1 kinematics only, 1 refused")
-        assert re.search(r"│ rotor-inertia +│ 3 +│", done.stdout)
+        assert done.stdout.startswith(
+            f"3 robot files: 1 refused, 1 kinematics only, 1 dynamics\nIn the folder {folder}"
+        )
+        parts = re.split("^(?:Refused|Kinematics only|Dynamics): 1 file +$", done.stdout, flags=re.MULTILINE)
+        for name, part in zip(("c_refused", "b_kinematics", "a_dynamics"), parts[1:], strict=True):
+            assert re.search(rf"│ (more/)?{name}.urdf +│ +\d │ +\d │ +\d │", part)
+        assert re.search(r"│ rotor-inertia +│ +3 │", done.stdout)
         assert re.search(r"c_refused.* missing-mass", done.stdout)
 
     def test_files_and_names_together(self, folder):
         done = run(folder / "a_dynamics.urdf", "kr500")
         assert done.exit_code == 0
-        assert done.stdout.rstrip().endswith("2 files: 2 dynamics")
+        assert done.stdout.startswith("2 robot files: 2 dynamics\n")
 
     @pytest.mark.parametrize(
         ("argument", "message"),
@@ -128,11 +148,12 @@ class TestCommand:
         assert "a_dynamics.urdf: dynamics" in done.stdout.replace("\n", "")
 
     def test_nothing_but_bad_input(self, tmp_path):
-        page = tmp_path / "page.html"
-        record, done = recorded(tmp_path / "r.json", "ur55", "--html", page)
-        assert (done.exit_code, done.stdout, record["files"], record["usable"]) == (2, "", [], False)
+        file = tmp_path / "page.html"
+        record, done = recorded(tmp_path / "r.json", "ur55", "--html", file)
+        assert (done.exit_code, record["files"], record["usable"]) == (2, [], False)
+        assert done.stdout == "0 robot files: 1 could not be inspected\n"
         assert [failure["robot"] for failure in record["failures"]] == ["ur55"]
-        assert "<strong>ur55</strong>" in page.read_text(encoding="utf-8")
+        assert "<strong>ur55</strong>" in file.read_text(encoding="utf-8")
 
     def test_an_unreadable_file(self, folder, monkeypatch):
         def denied(*_arguments, **_options):
@@ -181,38 +202,88 @@ class TestJson:
 
 class TestPage:
     def test_every_finding(self, folder, tmp_path):
-        page = tmp_path / "page.html"
-        assert run(folder, "--html", page).exit_code == 1
-        root = etree.fromstring(page.read_bytes(), etree.HTMLParser(encoding="utf-8"))
-        text = " ".join("".join(root.itertext()).split())
+        file = tmp_path / "page.html"
+        assert run(folder, "--html", file).exit_code == 1
+        root = parsed(file.read_text(encoding="utf-8"))
+        text = words(root)
         for path in sorted(folder.rglob("*.urdf")):
             report = urdf.inspect(path)
+            assert str(path) in text
             for finding in report.findings:
                 assert finding.message in text
                 assert finding.remedy in text
-            for reason in report.reasons:
-                assert reason in text
-        assert "3 files inspected: 1 dynamics, 1 kinematics only, 1 refused." in text
-        ids = [element.get("id") for element in root.iter("section")]
-        assert {f"#{name}" for name in ids} == {link.get("href") for link in root.iter("a")}
-        assert all(table.find("caption") is not None for table in root.iter("table"))
+        assert words(root.find(".//title")) == "3 robot files: 1 refused, 1 kinematics only, 1 dynamics"
         assert not root.xpath("//link | //img | //iframe | //script[@src]")
 
+    def test_worst_files_first_and_folded_findings(self, folder):
+        root = parsed(page_of(*sorted(folder.rglob("*.urdf"))))
+        assert [words(title) for title in root.xpath("//section/h2")] == [
+            "Refused: ✗ 1 file", "Kinematics only: ? 1 file", "Dynamics: ✓ 1 file",
+        ]  # fmt: skip
+        (link,) = root.xpath("//a[contains(., 'c_refused')]")
+        (group,) = root.xpath(f"//*[@id='{link.get('href')[1:]}']")
+        assert words(group.find("details/summary")).startswith("more/c_refused.urdf: 2 errors, ")
+        assert not root.xpath("//details[@open]")
+        shown = root.xpath("//table[not(ancestor::details)]/tbody/tr")
+        assert len(shown) == 3
+
+    def test_every_link_leads_somewhere(self, folder):
+        root = parsed(page_of(*sorted(folder.rglob("*.urdf"))))
+        ids = root.xpath("//@id")
+        assert len(set(ids)) == len(ids)
+        links = root.xpath("//a/@href")
+        assert len(links) == 6
+        assert {link[1:] for link in links} <= set(ids)
+
+    @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
+    def test_a_link_opens_what_it_leads_to(self, folder, tmp_path):
+        file = tmp_path / "page.html"
+        file.write_text(page_of(*sorted(folder.rglob("*.urdf"))), encoding="utf-8")
+        root = parsed(document(f"{file.as_uri()}#refused-1", tmp_path / "profile"))
+        assert [words(details.find("summary")) for details in root.xpath("//details[@open]")] == [
+            "Findings of each file", "more/c_refused.urdf: 2 errors, 0 warnings, 1 note",
+        ]  # fmt: skip
+
+    def test_only_tables_with_sentences_are_stacked_on_narrow_screens(self, folder):
+        root = parsed(page_of(*sorted(folder.rglob("*.urdf"))))
+        headings = {words(table.find("thead/tr/th")): table.get("class") for table in root.iter("table")}
+        assert headings == {"file": None, "severity": "wordy", "finding": None}
+
+    def test_kinds_that_occur_more_than_once(self, tmp_path):
+        path = tmp_path / "arm.urdf"
+        path.write_text(re.sub(r' rpy="0 0 0"', ' rpy="0 0"', CLEAN), encoding="utf-8")
+        kind = [f for f in urdf.inspect(path).findings if f.code == "wrong-number-of-entries"]
+        assert len(kind) > MANY_NOTES
+        root = parsed(page_of(path))
+        (row,) = [row for row in root.xpath("//tbody/tr") if "wrong-number-of-entries" in words(row)]
+        assert f"wrong-number-of-entries {len(kind)}×" in words(row)
+        (group,) = root.xpath("//details[@class='notes']")
+        assert words(group.find("summary")) == f"✗ wrong-number-of-entries ({len(kind)})"
+        for finding in kind:
+            assert f"{finding.element}, line {finding.line}: {finding.message} → {finding.remedy}" in words(group)
+
+    def test_many_files_fit_for_dynamics_are_folded(self, folder):
+        path = folder / "a_dynamics.urdf"
+        for number, rows in ((MANY_FILES, MANY_FILES), (MANY_FILES + 1, 0)):
+            report = inspect_report([urdf.inspect(path)] * number, (), dict)
+            root = parsed(page(report, ["graphdyn"], {}))
+            assert len(root.xpath("//table[not(ancestor::details)]/tbody/tr")) == rows
+
     def test_one_file(self, folder):
-        page = inspection_page([urdf.inspect(folder / "a_dynamics.urdf")], ["graphdyn", "inspect", "a"])
-        assert "<title>a_dynamics.urdf: dynamics</title>" in page
-        assert "The verdict on every file" not in page
+        text = page_of(folder / "a_dynamics.urdf")
+        assert "<title>a_dynamics.urdf: dynamics</title>" in text
+        assert "How many files" not in text
 
     def test_names_are_escaped(self, tmp_path):
         path = tmp_path / "<b>.urdf"
         path.write_text(changed('name="flange"', 'name="&lt;i>/x"'), encoding="utf-8")
-        page = inspection_page([urdf.inspect(path)], ["graphdyn"], [{"robot": "<u>", "message": "<s>"}])
+        text = page_of(path, failures=[{"robot": "<u>", "message": "<s>"}])
         for forbidden in ("<b>", "<i>", "<u>", "<s>"):
-            assert forbidden not in page
+            assert forbidden not in text
 
     def test_the_same_input_gives_the_same_page(self, folder):
-        reports = [urdf.inspect(path) for path in sorted(folder.rglob("*.urdf"))]
-        assert inspection_page(reports, ["graphdyn"]) == inspection_page(reports, ["graphdyn"])
+        files = sorted(folder.rglob("*.urdf"))
+        assert page_of(*files) == page_of(*files)
 
 
 class TestSweep:
