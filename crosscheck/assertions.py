@@ -10,7 +10,7 @@ from crosscheck.referee.compare import compare
 from crosscheck.referee.comparison import Comparison
 from crosscheck.referee.subject import Robot
 from crosscheck.report.commands.crosscheck import crosscheck_report
-from crosscheck.report.judgements import judgement_text
+from crosscheck.report.commands.judge import judge_report
 from crosscheck.report.text import as_text
 
 
@@ -29,7 +29,7 @@ class WrongDynamics(AssertionError):
 
     def __init__(self, judgement: Judgement):
         self.judgement = judgement
-        super().__init__(judgement_text(judgement))
+        super().__init__(as_text(judge_report(judgement)))
 
 
 def assert_agrees(robot: Robot, samples: int = 1000, seed: int = 0, **options: Any) -> Comparison:

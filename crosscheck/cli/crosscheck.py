@@ -21,7 +21,6 @@ from crosscheck.cli.options import (
     SamplesOption,
     SeedOption,
     check_writable,
-    command_line,
     locked_joints,
 )
 from graphdyn import GraphDynError
@@ -99,12 +98,7 @@ def run(
         except (GraphDynError, OSError) as error:
             complain(error, context)
             failures.append({"robot": robot, "message": str(error)})
-    deliver(crosscheck_report(comparisons, failures), html_file)
-    if json_file is not None:
-        from crosscheck.report.json import write_json
-        from crosscheck.report.records.crosscheck import record
-
-        write_json(json_file, record(comparisons, failures, command_line()))
+    deliver(crosscheck_report(comparisons, failures), html_file, json_file)
     if failures:
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)

@@ -20,7 +20,7 @@ def deliver(report: Report, html_file: Path | None = None, json_file: Path | Non
         from crosscheck.report.versions import versions
 
         write_page(html_file, page(report, command_line(), versions()))
-    if json_file is not None:
+    if json_file is not None and report.record is not None:
         from crosscheck.report.json import write_json
 
         write_json(json_file, report.record(command_line()))

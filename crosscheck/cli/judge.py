@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli.console import out, progress, warnings_shown
+from crosscheck.cli.console import progress, warnings_shown
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
 from crosscheck.cli.foreign import foreign_function
 from crosscheck.cli.options import (
@@ -18,7 +19,6 @@ from crosscheck.cli.options import (
     SamplesOption,
     SeedOption,
     check_writable,
-    command_line,
     locked_joints,
 )
 
@@ -78,7 +78,7 @@ def run(
     }
     from crosscheck.judging.judge import judge
     from crosscheck.referee.tolerances import FOREIGN
-    from crosscheck.report.judgements import as_table
+    from crosscheck.report.commands.judge import judge_report
 
     with progress(robot) as advance, warnings_shown():
         judgement = judge(
@@ -91,14 +91,5 @@ def run(
             lock=locked_joints(lock) or None,
             progress=lambda what: advance(what, 1),
         )
-    out.print(as_table(judgement))
-    if html_file is not None:
-        from crosscheck.report.pages import judgement_page, write_page
-
-        write_page(html_file, judgement_page(judgement, command_line()))
-    if json_file is not None:
-        from crosscheck.report.json import write_json
-        from crosscheck.report.records.judge import record
-
-        write_json(json_file, record(judgement, command_line()))
+    deliver(judge_report(judgement), html_file, json_file)
     raise typer.Exit(AGREED if judgement.agrees and judgement.decided else DISAGREED)

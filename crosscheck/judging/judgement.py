@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -103,3 +104,10 @@ class Judgement:
     def decided(self) -> bool:
         """Whether the referees agree among themselves wherever they were asked."""
         return all(function.referees_agree for function in self.functions.values())
+
+    @property
+    def verdict(self) -> Literal["agrees", "DISAGREES", "UNDECIDED"]:
+        """UNDECIDED where the reference implementations differ among themselves."""
+        if not self.decided:
+            return "UNDECIDED"
+        return "agrees" if self.agrees else "DISAGREES"

@@ -255,12 +255,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """record: makes the typed record of the JSON file, given the command line"""
+    """record: makes the typed record of the JSON file; None where the command writes its file as it goes"""
 
     title: str
     verdict: Verdict | None
     sections: tuple[Section, ...]
-    record: Recorder = field(repr=False)
+    record: Recorder | None = field(default=None, repr=False)
 
     @property
     def ordered(self) -> Sequence[Section]:

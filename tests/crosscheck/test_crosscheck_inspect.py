@@ -45,7 +45,7 @@ def run(*arguments):
 
 
 def page_of(*files, failures=()):
-    return page(inspect_report([urdf.inspect(file) for file in files], failures, dict), ["graphdyn"], {})
+    return page(inspect_report([urdf.inspect(file) for file in files], failures), ["graphdyn"], {})
 
 
 def parsed(text):
@@ -110,7 +110,7 @@ class TestCommand:
 
     def test_reasons_of_several_kinds(self):
         kinds = [urdf.Finding(f"code-{k}", "error", f"link '{k}'", None, "is odd", "write it") for k in range(5)]
-        report = inspect_report([urdf.Report("arm", None, (*kinds, *kinds[:1]))], (), dict)
+        report = inspect_report([urdf.Report("arm", None, (*kinds, *kinds[:1]))], ())
         assert report.verdict.reason == (
             "6 errors, 0 warnings, 0 notes: link '0': is odd; link '1': is odd; link '2': is odd; and 3 more"
         )
@@ -265,7 +265,7 @@ class TestPage:
     def test_many_files_fit_for_dynamics_are_folded(self, folder):
         path = folder / "a_dynamics.urdf"
         for number, rows in ((MANY_FILES, MANY_FILES), (MANY_FILES + 1, 0)):
-            report = inspect_report([urdf.inspect(path)] * number, (), dict)
+            report = inspect_report([urdf.inspect(path)] * number, ())
             root = parsed(page(report, ["graphdyn"], {}))
             assert len(root.xpath("//table[not(ancestor::details)]/tbody/tr")) == rows
 

@@ -2,21 +2,27 @@
 
 import dataclasses
 import json
+import math
+import re
+import subprocess
 import sys
+import textwrap
 
 import numpy as np
 import pinocchio
 import pytest
 from planting import mixed_tree, with_body
+from rich.cells import cell_len
 from textbook import TextbookArm
 
 import crosscheck
 import urdf
 from crosscheck.judging.foreign import ForeignFailure
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
-from crosscheck.report import judgements as verdict
+from crosscheck.report.commands.judge import judge_report
 from crosscheck.report.json import plain
 from crosscheck.report.records.judge import record as record_of
+from crosscheck.report.text import as_text
 from graphdyn import InvalidInput, SingularMassMatrix, inverse_dynamics, joint_torque_regressor, kr500
 
 pytest_plugins = ["pytester"]
@@ -160,7 +166,7 @@ class TestVerdict:
             crosscheck.assert_correct("ur5", inverse_dynamics=arm.inverse_dynamics, samples=SAMPLES)
         judgement = caught.value.judgement
         assert not judgement.decided
-        assert verdict.verdict_of(judgement) == "UNDECIDED"
+        assert judgement.verdict == "UNDECIDED"
         assert any("the referees disagree among themselves" in note for note in judgement.notes)
 
     def test_nan_is_no_agreement(self, arm):
@@ -316,7 +322,7 @@ class TestTexts:
         assert isinstance(caught.value, AssertionError)
         assert "ur5: DISAGREES" in message
         assert "the terms ω × q̇ p in the angular accelerations have the opposite sign [coriolis]" in message
-        assert "remedy: " in message
+        assert "remedy " in message
         assert caught.value.judgement.diagnoses
 
     def test_assert_correct_returns(self, arm):
@@ -324,7 +330,33 @@ class TestTexts:
 
     def test_alternatives_are_shown(self, wrong):
         several = dataclasses.replace(wrong, diagnoses=(dataclasses.replace(wrong.diagnoses[0], also=("one", "two")),))
-        assert "the same numbers: one; or two" in verdict.judgement_text(several)
+        assert "same numbers from  one; or two" in as_text(judge_report(several))
+
+    def test_an_unexplained_deviation(self, wrong):
+        unknown = dataclasses.replace(wrong, diagnoses=(dataclasses.replace(wrong.diagnoses[0], explains=math.inf),))
+        assert "unexplained  the whole deviation" in as_text(judge_report(unknown))
+
+    @pytest.mark.parametrize("width", [80, 120])
+    def test_fits_the_terminal(self, wrong, width):
+        text = as_text(judge_report(wrong), width)
+        assert max(map(cell_len, text.splitlines())) <= width
+        assert re.search(r"│ inverse_dynamics │ DISAGREES │ +\d", text)
+        assert ("relative to" in text) == (width == 120)
+
+    def test_needs_neither_template_nor_plot(self):
+        """The message of a failed test costs no import that only pages need."""
+        code = textwrap.dedent(
+            """
+            import sys, crosscheck
+            try:
+                crosscheck.assert_correct("kr500", inverse_dynamics=lambda q, v, a: q, samples=1)
+            except crosscheck.WrongDynamics as wrong:
+                assert "inverse_dynamics" in str(wrong) and "DISAGREES" in str(wrong)
+                sys.exit(bool({"jinja2", "matplotlib"} & set(sys.modules)))
+            sys.exit(2)
+            """
+        )
+        assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
     def test_json(self, wrong):
         record = json.loads(json.dumps(plain(record_of(wrong, [])), allow_nan=False))

@@ -16,8 +16,10 @@ class TestJudge:
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == AGREED
         assert done.out.startswith(
-            "ur5: agrees (6 joints; 2 random states and special ones, seed 0; referees: graphdyn, "
+            "Foreign functions for ur5: agrees\nEvery function gives the same numbers as every referee (graphdyn, "
         )
+        assert re.search(r"^robot +ur5: 6 joints", done.out, re.MULTILINE)
+        assert "2 random states and special ones, seed 0" in done.out
 
     def test_wrong(self, program, my_code, tmp_path):
         done = program(

@@ -41,7 +41,7 @@ NUMBERS = Column("error", "number", "N m", ".1e")
 
 
 def report(*blocks, verdict=GOOD, sections=()):
-    return Report("test", "A title", verdict, (Section("first", "First", blocks), *sections), lambda: None)
+    return Report("A title", verdict, (Section("first", "First", blocks), *sections))
 
 
 def shown(*blocks, **options):

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from crosscheck.referee.comparison import Comparison, QuantityResult
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.report.commands.crosscheck_robot import ERROR, error_text, robot_section, verdict_of
+from crosscheck.report.records.crosscheck import record
 from crosscheck.report.report import (
     Column,
     Facts,
@@ -25,9 +26,7 @@ from crosscheck.report.report import (
 TITLE = "graphdyn against Pinocchio"
 
 
-def crosscheck_report(
-    comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, str]] = (), record: Any = None
-) -> Report:
+def crosscheck_report(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, str]] = ()) -> Report:
     """failures: robots that could not be compared: robot, message"""
     several = len(comparisons) > 1
     keys = [f"robot-{k}" for k in range(1, len(comparisons) + 1)]
@@ -38,11 +37,10 @@ def crosscheck_report(
         _verdicts(comparisons, keys),
     )
     return Report(
-        "crosscheck",
         TITLE,
         _verdict(comparisons, failures),
         (Section("robots", "", first), *robots, *((scales_section(),) if comparisons else ())),
-        record,
+        partial(record, comparisons, failures),
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from crosscheck.referee.comparison import Comparison
 from crosscheck.report.commands.crosscheck import TITLE, scales_section
@@ -31,7 +30,7 @@ STATES: dict[str, State] = {
 """In the order of the page."""
 
 
-def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison], record: Any = None) -> Report:
+def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison]) -> Report:
     """comparisons: those to be shown in detail, in the order of the rows"""
     keys = {comparison.robot: f"robot-{k}" for k, comparison in enumerate(comparisons, start=1)}
     named = list(zip(short_names(rows), rows, strict=True))
@@ -44,11 +43,9 @@ def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison
         blocks.append(Prose(_why_not_all(rows), soft=True, on=("page",)))
     robots = [robot_section(comparison, keys[comparison.robot], detailed=False) for comparison in comparisons]
     return Report(
-        "crosscheck",
         TITLE,
         _verdict(rows),
         (Section("robots", "", tuple(blocks)), *robots, *((scales_section(),) if comparisons else ())),
-        record,
     )
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import urdf
 from crosscheck.report.records.inspect import record as inspect_record
@@ -50,9 +49,7 @@ VERDICTS: dict[str, tuple[State, str]] = {
 """Per verdict, the worst first: how it looks, and what it means."""
 
 
-def inspect_report(
-    inspected: Sequence[urdf.Report], failures: Sequence[Mapping[str, str]]
-) -> Report:
+def inspect_report(inspected: Sequence[urdf.Report], failures: Sequence[Mapping[str, str]]) -> Report:
     """Every finding of one file, or several files by their verdicts.
 
     failures: what could not be found: robot, message
@@ -86,7 +83,6 @@ def _one(file: urdf.Report, missing: Notes, record: Recorder) -> Report:
     reason = f"{_counts(file)}: {'; '.join([*told, *more])}" if told else f"{meaning} ({_counts(file)})"
     blocks = (missing, *_findings(file))
     return Report(
-        "inspect",
         Path(file.robot).name,
         Verdict(state, file.verdict, reason),
         (Section("findings", "", blocks),),
@@ -109,7 +105,6 @@ def _several(inspected: Sequence[urdf.Report], missing: Notes, record: Recorder)
         folded=True,
     )
     return Report(
-        "inspect",
         f"{len(inspected)} robot files",
         Verdict(state, ", ".join(number), f"In the folder {folder}." if folder else ""),
         (

@@ -39,7 +39,6 @@ NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
 
 def show_report(robot: RobotDescription) -> Report:
     return Report(
-        "show",
         Path(robot.robot).name,
         None,
         (
@@ -48,7 +47,7 @@ def show_report(robot: RobotDescription) -> Report:
             Section("graph", "Graph", _graph(robot)),
             Section("equations", f"Eq. (111): {len(robot.system.pattern)} equations", _equations(robot.system)),
         ),
-        record=partial(record, robot),
+        record=lambda _: record(robot),
     )
 
 

@@ -1,4 +1,3 @@
-"""Comparisons and judgements as pages: one file each, readable without network, script or colour."""
+"""Pages that are not yet made of a report: one file each, readable without network, script or colour."""
 
-from crosscheck.report.pages.judgements import judgement_page as judgement_page
 from crosscheck.report.pages.rendering import write_page as write_page

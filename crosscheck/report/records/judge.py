@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 import numpy as np
 
 from crosscheck.judging.judgement import JudgedFunction, Judgement
-from crosscheck.report.judgements import verdict_of
 from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
 from crosscheck.report.versions import versions
 from graphdyn.layout import Array
@@ -149,7 +148,7 @@ def record(judgement: Judgement, command: Sequence[str]) -> JudgeRecord:
         JudgeRecord,
         judgement,
         command=command,
-        verdict=verdict_of(judgement).lower(),
+        verdict=judgement.verdict.lower(),
         functions={name: _function(function) for name, function in judgement.functions.items()},
         diagnoses=[taken(DiagnosisRecord, diagnosis) for diagnosis in judgement.diagnoses],
     )

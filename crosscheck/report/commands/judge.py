@@ -1,0 +1,112 @@
+"""`graphdyn judge`: foreign functions against the referees, and what is wrong with them, as a report."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from pathlib import Path
+
+from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
+from crosscheck.report.commands.judge_function import ERROR, counted, function_section, verdict_of
+from crosscheck.report.commands.robot_parts import joints_table, locked_text, robot_picture
+from crosscheck.report.records.judge import record
+from crosscheck.report.report import (
+    ROOMY,
+    Block,
+    Column,
+    Facts,
+    Group,
+    Note,
+    Notes,
+    Report,
+    Row,
+    Section,
+    Table,
+)
+
+
+def judge_report(judgement: Judgement) -> Report:
+    """The verdict and the diagnoses, then the numbers of every function."""
+    diagnoses = tuple(map(_diagnosis, judgement.diagnoses))
+    return Report(
+        f"Foreign functions for {Path(judgement.robot).name}",
+        verdict_of(judgement.agrees, judgement.decided, _reason(judgement)),
+        (
+            *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
+            Section("errors", "Errors", (_errors(judgement), _to_be_known(judgement))),
+            Section("judged", "What was judged", _judged(judgement)),
+            *(function_section(judgement, function) for function in judgement.functions.values()),
+        ),
+        record=partial(record, judgement),
+    )
+
+
+def _reason(judgement: Judgement) -> str:
+    functions, referees = judgement.functions.values(), ", ".join(judgement.referees)
+    if judgement.agrees and judgement.decided:
+        return f"Every function gives the same numbers as every referee ({referees}), within its bound."
+    wrong = ", ".join(function.name for function in functions if function.referees_agree and not function.agrees)
+    if judgement.decided:
+        return f"{wrong}: other numbers than the referees ({referees}), which agree among themselves."
+    undecided = ", ".join(function.name for function in functions if not function.referees_agree)
+    others = f" {wrong}: other numbers than all of them, which agree among themselves there." if wrong else ""
+    return f"The referees ({referees}) differ among themselves on {undecided}: no verdict there.{others}"
+
+
+def _diagnosis(diagnosis: Diagnosis) -> Facts:
+    left = (
+        f"a relative error of {diagnosis.explains:.1e} is left after putting this fault into graphdyn"
+        if math.isfinite(diagnosis.explains)
+        else "the whole deviation"
+    )
+    also = (("same numbers from", "; or ".join(diagnosis.also)),) if diagnosis.also else ()
+    items = (("evidence", diagnosis.evidence), ("remedy", diagnosis.remedy), *also, ("unexplained", left))
+    return Facts(items, title=f"{diagnosis.function}: {diagnosis.message} [{diagnosis.kind}]")
+
+
+def _errors(judgement: Judgement) -> Table:
+    """A row per function: its largest error against every referee."""
+    return Table(
+        (
+            Column("function", "name"),
+            Column("verdict", "verdict"),
+            *(Column(referee, **ERROR) for referee in judgement.referees),
+            Column("bound", **ERROR),
+            Column("relative to", from_width=ROOMY),
+        ),
+        tuple(
+            Row(
+                (
+                    function.name,
+                    verdict,
+                    *(_largest(function, referee) for referee in judgement.referees),
+                    function.bound,
+                    function.scale,
+                ),
+                verdict.state,
+                link=function.name,
+            )
+            for function in judgement.functions.values()
+            for verdict in [verdict_of(function.agrees, function.referees_agree)]
+        ),
+        caption="Largest error over all states against each referee",
+    )
+
+
+def _largest(function: JudgedFunction, referee: str) -> float | None:
+    return float(counted(function.errors[referee]).max()) if referee in function.errors else None
+
+
+def _to_be_known(judgement: Judgement) -> Notes:
+    return Notes(tuple(map(Note, judgement.notes)), title="To be known")
+
+
+def _judged(judgement: Judgement) -> tuple[Block, ...]:
+    model, names = judgement.model, judgement.joint_names
+    facts = (
+        ("robot", f"{judgement.robot}: {len(names)} joints{locked_text(judgement.locked)}"),
+        ("joint order", ", ".join(names)),
+        ("states", f"{judgement.samples} random states and special ones, seed {judgement.seed}"),
+        ("referees", ", ".join(judgement.referees)),
+    )
+    return robot_picture(model, Path(judgement.robot).name), Group((Facts(facts), joints_table(model)))

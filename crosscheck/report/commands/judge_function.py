@@ -1,0 +1,162 @@
+"""One judged function: its errors against every referee, over the states, and its worst call."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crosscheck.judging.judgement import JudgedFunction, Judgement
+from crosscheck.report.report import Code, Column, Panel, Picture, Plot, Row, Section, Series, Table, Verdict
+from crosscheck.report.snippets import worst_call
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+MOST_ENTRIES = 12
+"""Of a matrix, the entries shown at most, those that differ most; the code to reproduce them has all."""
+
+ERROR: dict[str, Any] = {"kind": "number", "form": ".1e"}
+
+SPREAD = (
+    "All states; heights are relative to the fullest bin of the row. The upright line is the bound, ▲ the largest "
+    "error; errors that are exactly zero stand at 0."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Contest:
+    """Errors (N,) of one side against another, infinite where they are no numbers."""
+
+    name: str
+    errors: Array
+    bound: float
+
+    @property
+    def agrees(self) -> bool:
+        return bool((self.errors <= self.bound).all())
+
+    @property
+    def median(self) -> float:
+        return float(np.sort(self.errors)[(len(self.errors) - 1) // 2])
+
+
+def verdict_of(agrees: bool, decided: bool, reason: str = "") -> Verdict:
+    if not decided:
+        return Verdict("undecided", "UNDECIDED", reason)
+    return Verdict("agrees", "agrees", reason) if agrees else Verdict("disagrees", "DISAGREES", reason)
+
+
+def counted(errors: Array) -> Array:
+    """Errors that are no numbers count as infinite."""
+    return np.where(np.isnan(errors), np.inf, errors)
+
+
+def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
+    """For the page: the errors in detail, and the worst call."""
+    contests = [
+        *(Contest(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
+        *(
+            Contest(f"referee {who} against graphdyn", counted(errors), function.bound)
+            for who, errors in function.referees_differ.items()
+        ),
+    ]
+    return Section(
+        function.name,
+        function.name,
+        (
+            _contests(contests, function.scale),
+            Picture(partial(_drawn, contests=contests), SPREAD, title="How the errors are distributed", on=("page",)),
+            *_over_states(contests),
+            _worst_call(judgement.model, function),
+            Code(
+                worst_call(judgement, function),
+                title="Python that computes the expected answer beside the one that was given",
+                on=("page",),
+            ),
+        ),
+        verdict_of(function.agrees, function.referees_agree),
+        sheet=True,
+    )
+
+
+def _contests(contests: Sequence[Contest], scale: str) -> Table:
+    return Table(
+        (
+            Column("comparison", "name"),
+            Column("verdict", "verdict"),
+            *(Column(title, **ERROR) for title in ("median", "largest", "bound")),
+        ),
+        tuple(
+            Row((contest.name, verdict, contest.median, contest.errors.max(), contest.bound), verdict.state)
+            for contest in contests
+            for verdict in [verdict_of(contest.agrees, decided=True)]
+        ),
+        caption=f"Errors over all states, relative to {scale}",
+        on=("page",),
+    )
+
+
+def _over_states(contests: Sequence[Contest]) -> tuple[Plot, ...]:
+    """In the order of the work; nothing where no error can be drawn on a logarithmic axis."""
+    drawn = [np.where(np.isinf(contest.errors), np.nan, contest.errors) for contest in contests]
+    if not any((errors > 0).any() for errors in drawn):
+        return ()
+    series = tuple(
+        Series(one.name, errors, color=k) for k, (one, errors) in enumerate(zip(contests, drawn, strict=True))
+    )
+    return (
+        Plot(
+            np.arange(1.0, len(drawn[0]) + 1),
+            "state, the random ones first",
+            (Panel("relative error", series, log=True, level=contests[0].bound),),
+            "Relative errors over the states against every referee",
+            "The broken line is the bound. Errors that are zero or infinite are not drawn.",
+            title="Errors over the states",
+            on=("page",),
+        ),
+    )
+
+
+def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
+    """All entries of a vector in their order, or the MOST_ENTRIES of a matrix that differ most, worst first."""
+    names, expected, answer = model.joint_names, function.worst.expected, function.worst.answer
+    width, chosen = len(expected) // len(names), list(range(len(expected)))
+    if width > 1:
+        difference = [math.inf if math.isnan(y) else abs(x - y) for x, y in zip(expected, answer, strict=True)]
+        chosen = sorted(chosen, key=lambda k: difference[k], reverse=True)[:MOST_ENTRIES]
+    differ = "Both answers where they differ most"
+    return Table(
+        (
+            Column("joint", "name"),
+            *([Column("column", "number")] if width > 1 else []),
+            *(Column(title, "number") for title in ("expected", "answer", "difference")),
+        ),
+        tuple(
+            Row(
+                (
+                    names[k // width],
+                    *([k % width + 1] if width > 1 else []),
+                    f"{expected[k]:.9g}",
+                    f"{answer[k]:.9g}",
+                    f"{answer[k] - expected[k]:.2g}",
+                )
+            )
+            for k in chosen
+        ),
+        title="The worst call",
+        caption=differ if width == 1 else f"Largest differences of {len(expected)} entries",
+        on=("page",),
+    )
+
+
+def _drawn(key: str, contests: Sequence[Contest]) -> Markup:
+    from crosscheck.report.pictures.spread import SpreadRow, spread
+
+    return spread(key, [SpreadRow(contest.name, contest.errors, contest.bound) for contest in contests])
