@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import groupby
+from math import ceil
 
+from rich.cells import cell_len
 from rich.columns import Columns
 from rich.console import Console, Group, RenderableType
-from rich.measure import Measurement
 from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text
@@ -33,14 +36,14 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.report import Group as BlockGroup
 
+LONG_NAME, SHORT_NAME = 38, 20
+"""Characters up to which the name of a row is never folded, and those that longer ones have at least."""
+
+WORD = re.compile(r"[^ _]+[ _]*")
+"""Of a heading; a name can be folded behind an underscore."""
+
 MESSAGE_WIDTH = 140
 """Characters of a line in the messages of assertions."""
-
-LONG_HEADING = 14
-"""Characters of a heading from which it may be folded above a column of numbers."""
-
-LONG_NAME = 38
-"""Characters up to which the name of a row is never folded."""
 
 COLOURS: dict[State, str] = {"agrees": "green", "undecided": "yellow", "disagrees": "red", "plain": ""}
 
@@ -145,49 +148,105 @@ def _lines(blocks: Sequence[Lines], width: int) -> Iterator[RenderableType]:
 def _tables(table: Table, width: int) -> Iterator[RenderableType]:
     """One table, or several with the leading columns repeated where the line is too short for all columns."""
     yield from _title(table)
-    columns = [k for k, column in enumerate(table.columns) if width >= column.from_width]
-    rest, first = columns[table.repeated :], True
+    columns = [
+        _Column(column, [column.text(row.cells[k]) for row in table.rows], k)
+        for k, column in enumerate(table.columns)
+        if width >= column.from_width
+    ]
+    leading, rest, first = columns[: table.repeated], columns[table.repeated :], True
     while rest or first:
-        taken = _fitting(table, columns[: table.repeated], rest, width)
-        yield _table(table, [*columns[: table.repeated], *rest[:taken]])
+        taken = _fitting(leading, rest, width)
+        yield _table(table, [*leading, *rest[:taken]], width)
         rest, first = rest[taken:], False
     if table.caption:
         yield Text(table.caption)
 
 
-def _fitting(table: Table, leading: Sequence[int], rest: Sequence[int], width: int) -> int:
-    """How many of the remaining columns stand beside the leading ones: all where the text in them can fold."""
-    foldable = any(table.columns[k].kind in ("text", "vector") for k in rest)
-    if foldable or not rest:
-        return len(rest)
-    console = Console(width=10 * width, file=io.StringIO())
-    for count in range(len(rest), 1, -1):
-        rendered = _table(table, [*leading, *rest[:count]])
-        if Measurement.get(console, console.options, rendered).maximum <= width:
-            return count
-    return 1
+@dataclass(frozen=True)
+class _Column:
+    """A column with the texts of its cells, in the order of table.rows, and its place in table.columns."""
+
+    column: Column
+    cells: Sequence[str]
+    place: int
+
+    @property
+    def wraps(self) -> bool:
+        return self.column.kind not in ("number", "verdict")
+
+    @property
+    def natural(self) -> int:
+        """Characters in which nothing is wrapped."""
+        return max(map(cell_len, [self.column.heading, *self.cells]))
+
+    @property
+    def least(self) -> int:
+        """Characters that suffice when the heading is folded, and text wrapped."""
+        words = [word.rstrip() for word in WORD.findall(self.column.heading)]
+        if self.column.kind == "name":
+            longest = max(map(cell_len, self.cells), default=0)
+            return max(*map(cell_len, words), longest if longest <= LONG_NAME else SHORT_NAME)
+        said = [word for cell in self.cells for word in cell.split()] if self.wraps else self.cells
+        return max(map(cell_len, [*words, *said]))
+
+    @property
+    def wanted(self) -> int:
+        """Characters beyond which nothing is gained when headings are folded."""
+        return max(self.least, *map(cell_len, self.cells), 0) if self.wraps else self.least
+
+    def folded_heading(self) -> str:
+        lines = [""]
+        for word in WORD.findall(self.column.heading):
+            if cell_len((lines[-1] + word).rstrip()) > self.wanted:
+                lines.append("")
+            lines[-1] += word
+        return "\n".join(line.rstrip() for line in lines)
 
 
-def _table(table: Table, columns: Sequence[int]) -> RichTable:
+def _fitting(leading: Sequence[_Column], rest: Sequence[_Column], width: int) -> int:
+    """How many of the remaining columns stand beside the leading ones; about as many in each of several tables."""
+    if not rest:
+        return 0
+    counts = range(len(rest), 1, -1)
+    most = next((k for k in counts if sum(c.least for c in [*leading, *rest[:k]]) <= _room(len(leading) + k, width)), 1)
+    return ceil(len(rest) / ceil(len(rest) / most))
+
+
+def _room(columns: int, width: int) -> int:
+    """Characters of a line without the borders of a table."""
+    return width - 3 * columns - 1
+
+
+def _table(table: Table, columns: Sequence[_Column], width: int) -> RichTable:
+    room = _room(len(columns), width)
+    narrow = sum(column.natural for column in columns) > room
+    widths = _shared(columns, room) if narrow else [None] * len(columns)
     rendered = RichTable()
-    for k in columns:
-        column = table.columns[k]
-        whole = (
-            column.kind == "verdict"
-            or (column.kind == "number" and len(column.heading) <= LONG_HEADING)
-            or (k == columns[0] and max((len(column.text(row.cells[k])) for row in table.rows), default=0) <= LONG_NAME)
-        )
+    for column, characters in zip(columns, widths, strict=True):
         rendered.add_column(
-            column.heading,
-            justify="right" if column.kind == "number" else "left",
-            no_wrap=whole,
+            column.folded_heading() if narrow else column.column.heading,
+            justify="right" if column.column.kind == "number" else "left",
+            no_wrap=not column.wraps,
             overflow="fold",
+            width=characters,
         )
     for k, row in enumerate(table.ordered):
         if row.rule and k:
             rendered.add_section()
-        rendered.add_row(*(_cell(table.columns[c], row, c) for c in columns))
+        rendered.add_row(*(_cell(table.columns[column.place], row, column.place) for column in columns))
     return rendered
+
+
+def _shared(columns: Sequence[_Column], room: int) -> list[int | None]:
+    """Widths: the least ones, and what is left over for those columns that can use it, the modest first."""
+    widths: list[int | None] = [column.least for column in columns]
+    spare = max(0, room - sum(column.least for column in columns))
+    by_want = sorted(range(len(columns)), key=lambda k: columns[k].wanted - columns[k].least)
+    for waiting, k in zip(range(len(columns), 0, -1), by_want, strict=True):
+        more = min(columns[k].wanted - columns[k].least, spare // waiting)
+        widths[k] = columns[k].least + more
+        spare -= more
+    return widths
 
 
 def _cell(column: Column, row: Row, k: int) -> Text:
