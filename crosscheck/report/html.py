@@ -16,7 +16,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from crosscheck.report.pictures.plot import plot_data, plot_picture
+from crosscheck.report.pictures.plot import plot_data, plot_picture, samples_per_curve
 from crosscheck.report.report import (
     SYMBOLS,
     Block,
@@ -56,7 +56,7 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
 
     command: the arguments that made it; versions: of everything that took part
     """
-    plots = any(isinstance(block, Plot) for section in report.sections for block in _all(section.blocks))
+    plots = [block for section in report.sections for block in _all(section.blocks) if isinstance(block, Plot)]
     scripts = [
         *([_text(VENDOR / "uPlot.iife.min.js"), _text(PAGE / "plots.js")] if plots else []),
         _text(PAGE / "page.js"),
@@ -75,6 +75,7 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
             command=shlex.join(command),
             versions=versions,
             key=map("p{}".format, count(1)).__next__,
+            samples=samples_per_curve(plots),
         )
     )
 
@@ -143,6 +144,8 @@ def _width(block: Block) -> str:
     match block:
         case Picture(wide=False):
             return "small"
+        case Plot(wide=False):
+            return "half"
         case Picture() | Plot():
             return "wide"
         case Prose() | Notes() | Code():

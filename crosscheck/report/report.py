@@ -220,7 +220,7 @@ class Plot(Block):
     """Curves in which one looks closely: zoom, values on hover, curves that switch off; an SVG in print.
 
     x: not decreasing, shared by all panels (N,); panels: from top to bottom, of relative heights
-    label: what a screen reader says
+    label: what a screen reader says; wide: alone in its line on screens of usual width, otherwise two beside each other
     """
 
     x: Array
@@ -229,6 +229,7 @@ class Plot(Block):
     label: str
     caption: str = ""
     log_x: bool = False
+    wide: bool = True
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 // Draws the plots of a page with uPlot, from the data beside each static picture, which stays for print.
 "use strict";
-const numbers = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
-const values = (text, log) => Array.from(numbers(text), (y) => (Number.isNaN(y) || (log && y <= 0) ? null : y));
+const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+const values = (text, log) => Array.from(new Float32Array(bytes(text)), (y) => (Number.isNaN(y) || (log && y <= 0) ? null : y));
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const short = (y) => (y == null ? "–" : Math.abs(y) >= 1e5 || (y !== 0 && Math.abs(y) < 1e-3) ? y.toExponential(2) : String(Number(y.toPrecision(5))));
 const POINTS_SHOWN = 60;
@@ -12,8 +12,8 @@ function axis(label, log) {
   return { label, labelSize: 18, labelFont: "12px system-ui", font: "11px system-ui", size: label ? 62 : 40, stroke: css("--ink"), grid, ticks: grid, ...ticks };
 }
 
-function drawPanel(place, plot, panel, width) {
-  const x = Array.from(numbers(plot.x));
+function drawPanel(place, plot, panel, width, last) {
+  const x = Array.from(new Float64Array(bytes(plot.x)));
   const series = panel.series.map((one) => ({
     label: one.name, show: !one.hidden, spanGaps: one.style !== "line" ? false : plot.log_x, value: (_, y) => short(y),
     stroke: css("--c" + (one.color % 8)), width: one.style === "dashed" ? 1.5 : one.style === "line" ? 2 : 0,
@@ -31,7 +31,10 @@ function drawPanel(place, plot, panel, width) {
     title: panel.title, width, height: Math.round(240 * panel.height) + 60,
     cursor: { sync: { key: plot.key, setSeries: false }, focus: { prox: 24 } },
     scales: { x: { time: false, distr: plot.log_x ? 3 : 1 }, y: { distr: panel.log ? 3 : 1 } },
-    axes: [{ ...axis(plot.x_title, plot.log_x), size: 48 }, axis(panel.unit, panel.log)],
+    axes: [
+      { ...axis(last ? plot.x_title : "", plot.log_x), size: last ? 48 : 30 },
+      { ...axis(panel.unit, panel.log), space: panel.height < 0.7 ? 18 : 30 },
+    ],
     series: [{ label: plot.x_title, value: (_, y) => short(y) }, ...series],
     hooks: { draw: [level], setScale: [(u, key) => key === "x" && follow(plot, u)] },
   }, [x, ...panel.series.map((one) => values(one.y, panel.log))], place);
@@ -54,12 +57,13 @@ function draw(figure, k) {
   plot.drawn = [];
   live.hidden = false;
   const width = Math.max(300, live.clientWidth);
-  for (const panel of plot.panels) plot.drawn.push(drawPanel(live, plot, panel, width));
+  for (const panel of plot.panels) plot.drawn.push(drawPanel(live, plot, panel, width, panel === plot.panels.at(-1)));
   figure.querySelector(".still").hidden = true;
   figure.querySelector(".how").hidden = false;
 }
 
-// Drawn when first seen: a page of many plots opens at once.
+// Drawn when near the window, the first ones before the first frame: a page of many plots opens at once.
+const NEAR = 600;
 const figures = [...document.querySelectorAll("figure.plot")];
 const watcher = new IntersectionObserver((seen) => {
   for (const { isIntersecting, target } of seen) {
@@ -67,8 +71,12 @@ const watcher = new IntersectionObserver((seen) => {
     watcher.unobserve(target);
     draw(target, figures.indexOf(target));
   }
-}, { rootMargin: "600px" });
-for (const figure of figures) watcher.observe(figure);
+}, { rootMargin: `${NEAR}px` });
+figures.forEach((figure, k) => {
+  const { top, bottom } = figure.getBoundingClientRect();
+  if (bottom > 0 && top < innerHeight + NEAR) draw(figure, k);
+  else watcher.observe(figure);
+});
 const again = () => figures.forEach((figure, k) => figure.plot && draw(figure, k));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
 let waiting;

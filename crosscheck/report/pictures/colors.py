@@ -1,7 +1,7 @@
 """Colours of the pictures. On the page each is a variable of page/style.css, so that it follows dark mode."""
 
 INK, SOFT, MIDDLE, FAINT, GROUND, BAR = "#222222", "#39424e", "#8a8f96", "#d9d9d9", "#eef0f2", "#7d96ad"
-CURVES = ("#14507f", "#a3161a", "#2f7d32", "#7a5200", "#5b2a86", "#00707a", "#b0487a", "#6b7075")
+CURVES = ("#14507f", "#a3161a", "#2f7d32", "#7a5200", "#5b2a86", "#00707a", "#b0487a", "#8b9096")
 """Of the curves of a plot and of other marks, in order."""
 
 VARIABLES = {

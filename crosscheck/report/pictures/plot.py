@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from base64 import b64encode
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,12 +29,29 @@ MOST_POINTS = 350
 """Of a static curve, each with the smallest and the largest of the values it stands for."""
 
 
-def plot_data(plot: Plot) -> Markup:
-    """JSON for page/plots.js; numbers as base64 of single precision."""
+MOST_SAMPLES = 6000
+"""Of a curve that can be zoomed, thinned in the same way."""
+
+MOST_CHARACTERS = 2_500_000
+"""Of the data of all plots of a page, so that it opens at once."""
+
+
+def samples_per_curve(plots: Sequence[Plot]) -> int:
+    """How many samples each curve of a page can have."""
+    numbers = sum(2 + sum(len(panel.series) for panel in plot.panels) for plot in plots)  # x has double precision
+    return min(MOST_SAMPLES, MOST_CHARACTERS * 3 // (4 * 4 * max(1, numbers)))
+
+
+def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
+    """JSON for page/plots.js; numbers as base64, those of x of double precision, the others of single precision.
+
+    samples: of a curve, at most; longer ones are thinned, all of a plot to the same rows
+    """
+    rows = _rows(plot, samples)
     return Markup(
         json.dumps(
             {
-                "x": _numbers(plot.x),
+                "x": b64encode(np.asarray(plot.x[rows], dtype="<f8").tobytes()).decode(),
                 "x_title": plot.x_title,
                 "log_x": plot.log_x,
                 "panels": [
@@ -49,7 +67,7 @@ def plot_data(plot: Plot) -> Markup:
                                 "style": one.style,
                                 "color": one.color,
                                 "hidden": one.hidden,
-                                "y": _numbers(one.y),
+                                "y": _numbers(one.y[rows]),
                             }
                             for one in panel.series
                         ],
@@ -81,6 +99,15 @@ def thinned(y: Array, points: int = MOST_POINTS) -> NDArray[np.intp]:
         gaps = part[np.isnan(values)]
         rows += [int(gaps[0])] if gaps.size else []
     return np.unique(rows)
+
+
+def _rows(plot: Plot, samples: int) -> NDArray[np.intp]:
+    """All of x, or those at which some curve is smallest or largest among its neighbours."""
+    if len(plot.x) <= samples:
+        return np.arange(len(plot.x))
+    curves = [one.y for panel in plot.panels for one in panel.series]
+    points = max(1, samples // (2 * len(curves)))
+    return np.unique(np.concatenate([thinned(y, points) for y in curves]))
 
 
 def _numbers(values: Array) -> str:

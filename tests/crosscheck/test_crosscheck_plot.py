@@ -1,0 +1,83 @@
+"""Plots of a page: the data that the script draws, and the drawing in a browser."""
+
+import base64
+import json
+
+import numpy as np
+import pytest
+from browser import CHROMIUM, document
+
+from crosscheck.report.html import page, write_page
+from crosscheck.report.pictures.plot import MOST_SAMPLES, plot_data, samples_per_curve
+from crosscheck.report.report import Panel, Plot, Report, Section, Series
+
+EPOCH = 1.7e9
+"""[s] Stamps of a clock, for which single precision has steps of two minutes."""
+
+
+def plot(samples, curves=2, **options):
+    rng = np.random.default_rng(0)
+    series = tuple(Series(f"curve {k}", rng.normal(size=samples)) for k in range(curves))
+    panels = Panel("upper", series[:1], "N m"), Panel("lower", series[1:], "N m", height=0.5)
+    return Plot(EPOCH + 0.001 * np.arange(samples), "t [s]", panels, "two curves", **options)
+
+
+def decoded(data):
+    """x, and y of every curve."""
+    kept = json.loads(data)
+    curves = [one["y"] for panel in kept["panels"] for one in panel["series"]]
+    x = np.frombuffer(base64.b64decode(kept["x"]), "<f8")
+    return x, [np.frombuffer(base64.b64decode(y), "<f4") for y in curves]
+
+
+def written(*plots):
+    report = Report("plots", None, (Section("plots", "Plots", plots),), dict)
+    return page(report, ["graphdyn"], {})
+
+
+class TestData:
+    def test_short_curves_are_whole(self):
+        original = plot(100)
+        x, ys = decoded(plot_data(original))
+        np.testing.assert_array_equal(x, original.x)
+        for y, panel in zip(ys, original.panels, strict=True):
+            np.testing.assert_array_equal(y, panel.series[0].y.astype("<f4"))
+
+    def test_long_curves_keep_extremes_and_gaps(self):
+        original = plot(50_000)
+        for panel, row in zip(original.panels, (12_345, 45_678), strict=True):
+            panel.series[0].y[row] = 100.0
+            panel.series[0].y[30_000] = np.nan
+        x, ys = decoded(plot_data(original, 3000))
+        assert 1000 < len(x) <= 3002  # one more per curve for its gap
+        assert np.all(np.diff(x) > 0)
+        rows = np.searchsorted(original.x, x)
+        for y, panel in zip(ys, original.panels, strict=True):
+            np.testing.assert_array_equal(y, panel.series[0].y[rows].astype("<f4"))
+            assert y[np.isfinite(y)].max() == 100.0
+            assert np.isnan(y).any()
+
+    def test_a_page_of_many_plots(self):
+        assert samples_per_curve([plot(10)]) == MOST_SAMPLES
+        assert samples_per_curve([]) == MOST_SAMPLES
+        many = [plot(20_000, 3) for _ in range(60)]
+        samples = samples_per_curve(many)
+        assert 500 < samples < MOST_SAMPLES
+        assert 60 * len(plot_data(many[0], samples)) < 3_000_000
+
+    def test_thinning_is_said(self):
+        assert "smallest or largest among their neighbours" not in written(plot(100))
+        assert "Of 7000 samples, those are drawn that are smallest or largest" in written(plot(7000))
+
+    def test_width(self):
+        assert '<div class="block wide">' in written(plot(10))
+        assert '<div class="block half">' in written(plot(10, wide=False))
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
+def test_in_a_browser(tmp_path):
+    """The script draws every panel on a canvas in place of the static picture, without complaint."""
+    write_page(tmp_path / "plots.html", written(plot(500), plot(9000, wide=False)))
+    shown = document((tmp_path / "plots.html").as_uri(), tmp_path / "profile")
+    assert shown.count("<canvas") == 4
+    assert shown.count('<div class="still scroll" hidden="">') == 2
