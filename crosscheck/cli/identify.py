@@ -11,6 +11,7 @@ import typer
 
 from crosscheck.cli import identify_options as options
 from crosscheck.cli.console import err, out, progress, warnings_shown
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
 from crosscheck.cli.options import (
     EXAMPLES,
@@ -20,7 +21,6 @@ from crosscheck.cli.options import (
     LockOption,
     SeedOption,
     check_writable,
-    command_line,
     locked_joints,
 )
 
@@ -88,7 +88,7 @@ def run(
     frozen = Frozen(locked_joints(lock) or None, chain, gravity)
     preparation, ways = prepared_as(cutoff, derive_velocity, decimate, min_speed), options.methods_of(methods)
     drives = options.terms_of(terms, width, stribeck_velocity, term)
-    from crosscheck.cli.identify_text import text
+    from crosscheck.report.commands.identify import identify_report
 
     if logs:
         load, known_load = options.payload_of(payload, payload_on)
@@ -119,9 +119,7 @@ def run(
         with warnings_shown():
             found = simulated(robot, drives, frozen, seconds, seed, methods=ways, preparation=preparation, poses=poses)
     shown = found.shown(None if choose is None else options.method_shown(choose))
-    for part in text(found, shown, out.width):
-        out.print(part)
-    write_records(found, shown, json_file, html_file)
+    deliver(identify_report(found, shown), html_file, json_file)
     if urdf_file is not None:
         written = shown is not None and write_urdf(found, shown, robot, urdf_file, frozen)
         if not written:
@@ -213,22 +211,6 @@ def simulated(robot: str, drives: Sequence[Term], frozen: Frozen, seconds: float
         **how,
     )
     return replace(found, subject=virtual.subject, truth=virtual.truth)
-
-
-def write_records(
-    found: Identified, shown: MethodResult | None, json_file: Path | None, html_file: Path | None
-) -> None:
-    """The files that were asked for."""
-    if html_file is not None:
-        from crosscheck.report.pages import write_page
-        from crosscheck.report.pages.identification import identification_page
-
-        write_page(html_file, identification_page(found, shown, command_line()))
-    if json_file is not None:
-        from crosscheck.report.json import write_json
-        from crosscheck.report.records.identify import record
-
-        write_json(json_file, record(found, shown, command_line()))
 
 
 def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, frozen: Frozen) -> bool:

@@ -112,9 +112,10 @@ class TestFiles:
             "Methods",
             "Errors, held out",
             "Errors, fitted",
-            "Base parameters by",
-            "Links by",
-            "use consistent",
+            "Parameters by consistent",
+            "Base parameters",
+            "Links",
+            "arm.urdf identified: use consistent",
         ):
             assert text in said
         assert "graph method: failed: the recording has torques about the joint axes alone" in said
@@ -141,12 +142,14 @@ class TestFiles:
         root = etree.fromstring(page.encode(), etree.HTMLParser(encoding="utf-8"))
         assert len(page) < LARGEST
         assert not re.findall(r'(?:src|href)="(?!#)', page)
-        assert len(root.findall(".//svg")) == len(recording["joint_names"]) + 3
+        assert len(root.findall(".//svg")) == 2 * len(recording["joint_names"]) + 3
         text = " ".join(" ".join(root.itertext()).split())
         for method in recording["methods"]:
             assert method["name"] in text
         for joint in recording["joint_names"]:
-            assert f"Measured and predicted torque of {joint}; fitted: root mean square error" in page
+            for side in ("fitted", "held out"):
+                measured = f"Measured and predicted (torque|force) of {joint}; {side}: root mean square error"
+                assert re.search(measured, page)
         assert "✓ use consistent" in text
         assert "None" not in text
         assert "nan" not in text.lower().split()
@@ -192,7 +195,7 @@ class TestSimulated:
         )
         assert code == 0, said
         assert "truth" in said
-        assert "held out: all of simulated motion 2 of" in said
+        assert "held out all of simulated motion 2 of" in said
         recording = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
         Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(recording)
         assert len(recording["truth"]) == len(recording["parameters"])

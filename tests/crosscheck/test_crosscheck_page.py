@@ -27,11 +27,11 @@ from crosscheck.referee.comparison import QUANTILES, WorstState
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.referee.states import cases
 from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.report.commands.identify import identify_report
 from crosscheck.report.commands.judge import judge_report
 from crosscheck.report.html import page as page_of
 from crosscheck.report.html import write_page
 from crosscheck.report.json import plain
-from crosscheck.report.pages.identification import identification_page
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT, pose, pose_text, stick_figure
 from crosscheck.report.records.crosscheck import robot_record
@@ -591,11 +591,12 @@ def test_in_a_browser(tmp_path, page, wrong, tree):
     """No page is wider than its window, no script fails, and the buttons appear."""
     function = judged(tree, "regressor", 1.5)
     verdict = judgement(tree, function, diagnoses=(DIAGNOSIS,))
+    identified = identified_arm.compared()
     pages = {
         "small.html": page,
         "wrong.html": comparison_page([wrong], COMMAND),
         "judged.html": judgement_page(verdict),
-        "identified.html": identification_page(identified_arm.compared(), identified_arm.compared().shown(), COMMAND),
+        "identified.html": page_of(identify_report(identified, identified.shown()), COMMAND, versions()),
     }
     frames = ""
     for name, text in pages.items():

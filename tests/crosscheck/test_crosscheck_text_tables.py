@@ -9,7 +9,7 @@ JOINTS = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_j
 
 
 def text(table, width):
-    return as_text(Report("test", "", None, (Section("one", "", (table,)),), dict), width)
+    return as_text(Report("", None, (Section("one", "", (table,)),), dict), width)
 
 
 def errors():

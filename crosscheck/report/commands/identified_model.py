@@ -1,0 +1,168 @@
+"""Of one result of an identification: its torques beside the measured ones, its parameters beside those of CAD."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from crosscheck.identifying import Identified, TorqueCurve
+from crosscheck.identifying.parameters import BaseRow, base_rows, body_rows, deviations_of
+from crosscheck.report.report import NOTHING, ROOMY, Column, Panel, Picture, Plot, Row, Section, Series, Table
+from graphdyn.identification import MethodResult
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+BLUE, RED, GREY = 0, 1, 7
+"""Colours of curves."""
+
+TORQUE_HEIGHT, RESIDUAL_HEIGHT = 0.8, 0.45
+"""Of the panels of a joint."""
+
+NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
+DEVIATION: dict[str, Any] = {"kind": "number", "form": ".2g"}
+
+
+def torques_section(found: Identified, shown: MethodResult) -> Section:
+    """For the page: every joint over the fitted rows and, beside it, over those held out."""
+    sides = {
+        "fitted": found.fit.curves(shown.name),
+        "held out": [curve for trial in found.trials for curve in trial.curves(shown.name)],
+    }
+    plots = tuple(
+        _torque_plot(joint.name, j, joint.is_prismatic, side, curves)
+        for j, joint in enumerate(found.torque_model.model.joints)
+        for side, curves in sides.items()
+        if curves
+    )
+    return Section("torques", f"Torques by {shown.name}", plots)
+
+
+def _torque_plot(joint: str, j: int, prismatic: bool, side: str, curves: Sequence[TorqueCurve]) -> Plot:
+    """j: number of the joint, from 0."""
+    torque, unit = ("force", "N") if prismatic else ("torque", "N m")
+    measured, predicted = (_joined([getattr(c, name)[:, j] for c in curves]) for name in ("measured", "predicted"))
+    t, restarts = _times([curve.t for curve in curves])
+    residual = predicted - measured
+    error = f"root mean square error {np.sqrt(np.nanmean(residual**2)):.3g} {unit}"
+    return Plot(
+        t,
+        "t [s], recordings one after another" if restarts else "t [s]",
+        (
+            Panel(
+                torque,
+                (Series("measured", measured, color=GREY), Series("predicted", predicted, "dashed", color=BLUE)),
+                unit,
+                height=TORQUE_HEIGHT,
+            ),
+            Panel(
+                "predicted minus measured",
+                (Series("residual", residual, color=RED),),
+                unit,
+                height=RESIDUAL_HEIGHT,
+            ),
+        ),
+        f"Measured and predicted {torque} of {joint}; {side}: {error}",
+        f"{len(t) - len(curves) + 1} rows, {error}",
+        wide=False,
+        title=f"{joint}, {side}",
+    )
+
+
+def _times(pieces: Sequence[Array]) -> tuple[Array, bool]:
+    """Times of the pieces as _joined joins them, and whether some begin before the one in front of them ends.
+
+    Those follow it at once, so that the times do not decrease.
+    """
+    parts, shift, restarts = [pieces[0]], 0.0, False
+    for piece in pieces[1:]:
+        end = parts[-1][-1]
+        if piece[0] + shift < end:
+            shift, restarts = end - piece[0], True
+        parts += [np.array([end]), piece + shift]
+    return np.concatenate(parts), restarts
+
+
+def _joined(pieces: Sequence[Array]) -> Array:
+    """The pieces (N_k,) one after another with NaN between them."""
+    return np.concatenate([part for piece in pieces for part in (np.array([np.nan]), piece)][1:])
+
+
+def parameters_section(found: Identified, shown: MethodResult) -> Section:
+    rows = base_rows(found, shown)
+    source = deviations_of(found, shown)[1]
+    caption = (
+        "Base parameters, each in the torque that it makes over the fitted rows of all joints. "
+        f"σ: {source}, for white noise."
+    )
+    return Section(
+        "parameters",
+        f"Parameters by {shown.name}",
+        (
+            Picture(partial(_bars_drawn, found, rows), caption),
+            _base_parameters(rows, source, virtual=found.truth is not None),
+            _links(found, shown),
+        ),
+    )
+
+
+def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> Table:
+    """virtual: the truth is known."""
+    blocks = any(np.isfinite(row.block_deviation) for row in rows)
+    columns = {
+        "name": Column("base parameter", "name"),
+        "cad": Column("CAD", **NUMBER),
+        **({"truth": Column("truth", **NUMBER)} if virtual else {}),
+        "value": Column("identified", **NUMBER),
+        **({"error": Column("error", **NUMBER)} if virtual else {}),
+        "deviation": Column("σ", **DEVIATION, from_width=ROOMY),
+        **({"block_deviation": Column("σ blocks", **DEVIATION)} if blocks else {}),
+        "relative_deviation": Column("%σ", **DEVIATION),
+        "unit": Column("unit"),
+    }
+    caption = f"σ: {source}, for white noise; CAD: the robot as given, drives zero"
+    return Table(
+        tuple(columns.values()),
+        tuple(Row(tuple(getattr(row, name) for name in columns)) for row in rows),
+        title="Base parameters",
+        caption=f"{caption}; σ blocks: allowing for correlation in time" if blocks else caption,
+    )
+
+
+def _links(found: Identified, shown: MethodResult) -> Table:
+    return Table(
+        (
+            Column("link", "name"),
+            Column("mass CAD", unit="kg", **NUMBER),
+            Column("mass", unit="kg", **NUMBER),
+            Column("centre of mass CAD", "vector", "m", _position_text),
+            Column("centre of mass", "vector", "m", _position_text),
+            Column("smallest pseudo-inertia eigenvalue", **DEVIATION),
+        ),
+        tuple(
+            Row((row.name, row.cad_mass, row.mass, row.cad_center, row.center, row.eigenvalue))
+            for row in body_rows(found, shown)
+        ),
+        title="Links",
+        caption="beyond the base parameters the values are those of CAD, or of the method's prior",
+    )
+
+
+def _position_text(position: Array) -> str:
+    return " ".join(f"{x:.4f}" for x in position) if np.all(np.isfinite(position)) else NOTHING
+
+
+def _bars_drawn(found: Identified, rows: Sequence[BaseRow], key: str) -> Markup:
+    from crosscheck.report.pictures.parameter_bars import parameter_bars
+
+    return parameter_bars(key, rows, _torque_sizes(found))
+
+
+def _torque_sizes(found: Identified) -> Array:
+    """Root mean square torque that each base parameter makes at 1, over the rows that count (r,)."""
+    factors = found.problem.equations.factors[..., :-1]
+    return np.asarray(np.sqrt(np.sum(factors**2, axis=(0, 1)) / found.problem.equations.counts.sum()))

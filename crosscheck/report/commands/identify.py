@@ -1,0 +1,230 @@
+"""`graphdyn identify`: what a recording determines, how each method predicts, which model to use, as a report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from crosscheck.identifying import Identified
+from crosscheck.identifying.recommending import joint_errors, mean_error, real
+from crosscheck.report.commands.identified_model import parameters_section, torques_section
+from crosscheck.report.records.identify import record
+from crosscheck.report.report import (
+    NOTHING,
+    Block,
+    Column,
+    Facts,
+    Note,
+    Notes,
+    Picture,
+    Prose,
+    Report,
+    Row,
+    Section,
+    Table,
+    Verdict,
+)
+from graphdyn.identification import MethodResult
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+MOST_NAMES = 6
+"""Parameters that a terminal names of a long list; the page and --json have all."""
+
+
+def identify_report(found: Identified, shown: MethodResult | None) -> Report:
+    """shown: the result whose torques and parameters are shown; None where no method has an answer."""
+    chosen = found.recommendation
+    last_line = f"use {chosen.name}: it is {chosen.reason}" if chosen.name else f"no usable model: {chosen.reason}"
+    model = (torques_section(found, shown), parameters_section(found, shown)) if shown is not None else ()
+    return Report(
+        f"{Path(found.subject.name).name} identified",
+        _verdict(found),
+        (
+            Section("recording", "", (_overview(found),)),
+            Section("methods", "Methods", _methods_blocks(found)),
+            *model,
+            Section("excitation", "What the motion excites", _excitation(found)),
+            Section("end", "", (Prose(f"\n{last_line}", on=("text",)),)),
+        ),
+        record=partial(record, found, shown),
+    )
+
+
+def _verdict(found: Identified) -> Verdict:
+    chosen = found.recommendation
+    if chosen.name is None:
+        return Verdict("disagrees", "no usable model", f"{chosen.reason[0].upper()}{chosen.reason[1:]}.")
+    return Verdict("agrees", f"use {chosen.name}", f"It is {chosen.reason}.")
+
+
+def _overview(found: Identified) -> Facts:
+    comparison, fit = found.comparison, found.division.fit.provenance
+    held_out_rows = sum(len(t) for trial in found.trials for t in trial.times)
+    return Facts(
+        (
+            ("fitted", f"{sum(map(len, found.fit.times))} rows of {', '.join(fit.files)}"),
+            ("held out", f"{found.division.words}, {held_out_rows} rows"),
+            *(("" if k else "prepared", step) for k, step in enumerate(fit.steps)),
+            (
+                "parameters",
+                f"{len(comparison.names)}, of which {comparison.rank} base parameters are determined; any motion could "
+                f"determine {comparison.structural_rank}",
+            ),
+            (
+                "condition number",
+                f"{comparison.condition_number:.3g}, joints weighted by their torque, columns at unit length",
+            ),
+        )
+    )
+
+
+def _methods_blocks(found: Identified) -> tuple[Block, ...]:
+    answered = [result for result in found.comparison.results if result.failure is None]
+    caption = "Held-out error per joint over its moving rows (|v| > 0.02 rad/s or m/s); over all rows for a joint that "
+    pictures = [Picture(partial(_errors_drawn, found, answered), f"{caption}hardly moves.")] if answered else []
+    assumed = tuple(
+        Note(f"{result.assumptions}. Needs {result.needs}. {result.reference}.", where=result.name)
+        for result in found.comparison.results
+    )
+    return (
+        _methods(found),
+        Notes(tuple(_remarks(found.comparison.results)), title="What the methods say"),
+        *pictures,
+        _errors(found, "held out"),
+        _errors(found, "fitted"),
+        Notes(assumed, title="What each method assumes and needs", on=("page",), folded=True),
+    )
+
+
+def _methods(found: Identified) -> Table:
+    return Table(
+        (
+            Column("method", "name"),
+            Column("verdict", "verdict"),
+            Column("held-out error", "number", "%", ".2f"),
+            Column("links real", "number", meaning="links that a real body can be"),
+            Column("M positive definite", "number", meaning="poses in which the mass matrix is positive definite"),
+            Column("smallest eigenvalue", "number", form=".2g", meaning="of the mass matrix, over all poses"),
+            Column("time", "number", "s", ".2f", meaning="of the estimation alone"),
+        ),
+        tuple(_method(found, result) for result in found.comparison.results),
+        caption="error: ‖e‖/‖τ‖ over the moving rows of each joint (all rows where it hardly moves), mean over joints; "
+        "M: the mass matrix in random poses",
+    )
+
+
+def _method(found: Identified, result: MethodResult) -> Row:
+    plausible = result.plausibility
+    if result.failure is not None or plausible is None:
+        return Row((result.name, Verdict("disagrees", "failed"), *4 * (None,), result.seconds), "disagrees")
+    verdict: Verdict | str = "" if real(result) else Verdict("disagrees", "no real robot")
+    if result.name == found.recommendation.name:
+        verdict = Verdict("agrees", "recommended")
+    links = int((plausible.pseudo_inertia_eigenvalues >= 0).sum())
+    return Row(
+        (
+            result.name,
+            verdict,
+            100 * mean_error(result),
+            f"{links} of {found.torque_model.model.n_bodies}",
+            f"{plausible.positive_definite} of {len(plausible.mass_matrix_eigenvalues)}",
+            plausible.mass_matrix_eigenvalues.min(),
+            result.seconds,
+        )
+    )
+
+
+def _remarks(results: Sequence[MethodResult]) -> list[Note]:
+    """Why methods failed, then what the others say of their answers."""
+    failed = [
+        Note(f"failed: {result.failure}", where=result.name, state="disagrees") for result in results if result.failure
+    ]
+    said = [
+        Note(remark, where=result.name) for result in results if result.estimate for remark in result.estimate.remarks
+    ]
+    return [*failed, *said]
+
+
+def _errors(found: Identified, which: Literal["held out", "fitted"]) -> Table:
+    """RMS over all rows, and relative errors, per joint."""
+    slow = which == "fitted" and bool(np.any(np.asarray(found.preparation.min_speed) > 0))
+    unit = "N m or N" if any(joint.is_prismatic for joint in found.torque_model.model.joints) else "N m"
+    rows = []
+    for result in found.comparison.results:
+        statistics = result.held_out if which == "held out" else result.training
+        if statistics is not None:
+            relative = [statistics.moving.relative, *([found.fitted_errors(result)] if slow else [])]
+            rows.append(Row((result.name, *zip(statistics.everything.rms, *relative, strict=True))))
+    return Table(
+        (
+            Column("method", "name"),
+            *(Column(name, "number", form=_error_text) for name in found.torque_model.model.joint_names),
+        ),
+        tuple(rows),
+        title=f"Errors, {which}",
+        caption=f"RMS of all rows [{unit}] / % of moving rows{' / % of fitted rows' if slow else ''}",
+    )
+
+
+def _error_text(errors: Sequence[float]) -> str:
+    """A root mean square, then relative errors as percentages."""
+    rms, *relative = errors
+    return " / ".join([f"{rms:.3g}", *(NOTHING if np.isnan(x) else f"{100 * x:.1f}" for x in relative)])
+
+
+def _excitation(found: Identified) -> tuple[Block, ...]:
+    comparison = found.comparison
+    caption = (
+        "Singular values of the regressor, joints weighted by their torque, columns at unit length: a small one is a "
+        f"combination that the noise hides. Smallest accepted pivot {comparison.gap[0]:.2g}, largest rejected one "
+        f"{comparison.gap[1]:.2g}, relative to the first."
+    )
+    shared = (
+        f"{len(comparison.undetermined)} of {len(comparison.names)} parameters are determined in combinations only, or "
+        "not at all"
+    )
+    return (
+        Picture(partial(_singular_values_drawn, found), caption),
+        *_listed("Not determined by this recording", comparison.lost, folded=False),
+        *_listed(shared, comparison.undetermined, folded=True),
+    )
+
+
+def _listed(title: str, names: Sequence[str], *, folded: bool) -> tuple[Block, ...]:
+    """A list of parameters: its beginning on the terminal, all of it on the page."""
+    if not names:
+        return ()
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return (
+        Prose(f"{title}: {'; '.join(names[:MOST_NAMES])}{more}", on=("text",)),
+        Prose("; ".join(names), title=title, on=("page",), folded=folded),
+    )
+
+
+def _errors_drawn(found: Identified, answered: Sequence[MethodResult], key: str) -> Markup:
+    from crosscheck.report.pictures.method_errors import method_errors
+
+    chosen: list[Any] = [result.held_out or result.training for result in answered]
+    errors = np.array([joint_errors(statistics) for statistics in chosen])
+    return method_errors(key, [result.name for result in answered], found.torque_model.model.joint_names, errors)
+
+
+def _singular_values_drawn(found: Identified, key: str) -> Markup:
+    from crosscheck.report.pictures.method_errors import singular_values
+
+    return singular_values(key, _singular_values(found))
+
+
+def _singular_values(found: Identified) -> Array:
+    """Of the regressor of the base parameters, joints weighted by their torque, columns at unit length (r,)."""
+    equations = found.problem.equations
+    size = np.sqrt(equations.measured_squares / np.maximum(equations.counts, 1))
+    r, _ = equations.weighted(np.where(size > 0, size, 1.0))
+    return np.asarray(np.linalg.svd(r / np.linalg.norm(r, axis=0), compute_uv=False))
