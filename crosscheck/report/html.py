@@ -16,7 +16,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from crosscheck.report.pictures.plot import plot_data, plot_picture, samples_per_curve
+from crosscheck.report.pictures.plot import plot_data, plot_picture, points_per_curve, samples_per_curve
 from crosscheck.report.report import (
     SYMBOLS,
     Block,
@@ -76,6 +76,7 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
             versions=versions,
             key=map("p{}".format, count(1)).__next__,
             samples=samples_per_curve(plots),
+            points=points_per_curve(plots),
         )
     )
 

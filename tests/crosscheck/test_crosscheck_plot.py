@@ -8,7 +8,14 @@ import pytest
 from browser import CHROMIUM, document
 
 from crosscheck.report.html import page, write_page
-from crosscheck.report.pictures.plot import MOST_SAMPLES, plot_data, samples_per_curve
+from crosscheck.report.pictures.plot import (
+    MOST_POINTS,
+    MOST_SAMPLES,
+    plot_data,
+    plot_picture,
+    points_per_curve,
+    samples_per_curve,
+)
 from crosscheck.report.report import Panel, Plot, Report, Section, Series
 
 EPOCH = 1.7e9
@@ -60,10 +67,12 @@ class TestData:
     def test_a_page_of_many_plots(self):
         assert samples_per_curve([plot(10)]) == MOST_SAMPLES
         assert samples_per_curve([]) == MOST_SAMPLES
-        many = [plot(20_000, 3) for _ in range(60)]
-        samples = samples_per_curve(many)
-        assert 500 < samples < MOST_SAMPLES
-        assert 60 * len(plot_data(many[0], samples)) < 3_000_000
+        many = [plot(20_000, 3)] * 96
+        samples, points = samples_per_curve(many), points_per_curve(many)
+        assert 400 < samples < MOST_SAMPLES
+        assert 20 < points < MOST_POINTS
+        length = len(plot_data(many[0], samples)) + len(plot_picture("p", many[0], points))
+        assert 96 * length < 4_500_000
 
     def test_thinning_is_said(self):
         assert "smallest or largest among their neighbours" not in written(plot(100))

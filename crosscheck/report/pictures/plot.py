@@ -32,14 +32,34 @@ MOST_POINTS = 350
 MOST_SAMPLES = 6000
 """Of a curve that can be zoomed, thinned in the same way."""
 
-MOST_CHARACTERS = 2_500_000
-"""Of the data of all plots of a page, so that it opens at once."""
+PAGE, AXES = 4_400_000, 13_500
+"""Characters that the plots of a page have in all, and of the axes of a static panel."""
+
+SCRIPTED = 0.6
+"""Part of what the axes leave that goes to the data for the script; the rest goes to the static curves."""
+
+NUMBER, POINT = 16 / 3, 45
+"""Characters of a number of single precision as base64, and of a point of a curve in an <svg>."""
 
 
 def samples_per_curve(plots: Sequence[Plot]) -> int:
-    """How many samples each curve of a page can have."""
-    numbers = sum(2 + sum(len(panel.series) for panel in plot.panels) for plot in plots)  # x has double precision
-    return min(MOST_SAMPLES, MOST_CHARACTERS * 3 // (4 * 4 * max(1, numbers)))
+    """How many samples each curve of a page can have for the script."""
+    numbers = _curves(plots) + 2 * len(plots)  # x has double precision
+    return min(MOST_SAMPLES, int(SCRIPTED * _characters(plots) / (NUMBER * max(1, numbers))))
+
+
+def points_per_curve(plots: Sequence[Plot]) -> int:
+    """The same of the static pictures; two values are drawn for each of these points."""
+    return min(MOST_POINTS, int((1 - SCRIPTED) * _characters(plots) / (2 * POINT * max(1, _curves(plots)))))
+
+
+def _characters(plots: Sequence[Plot]) -> int:
+    """Of all curves of a page; a quarter of PAGE at least."""
+    return max(PAGE // 4, PAGE - AXES * sum(len(plot.panels) for plot in plots))
+
+
+def _curves(plots: Sequence[Plot]) -> int:
+    return sum(len(panel.series) for plot in plots for panel in plot.panels)
 
 
 def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
@@ -79,10 +99,10 @@ def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
     )
 
 
-def plot_picture(key: str, plot: Plot) -> Markup:
-    """The same curves, thinned, as an <svg>."""
+def plot_picture(key: str, plot: Plot, points: int = MOST_POINTS) -> Markup:
+    """The same curves, thinned to the smallest and largest value of so many parts, as an <svg>."""
     height = sum(HEIGHT * panel.height + TITLES for panel in plot.panels)
-    return picture(key, plot.label, (WIDTH, height), lambda axes: _draw(axes, plot, height))
+    return picture(key, plot.label, (WIDTH, height), lambda axes: _draw(axes, plot, height, points))
 
 
 def thinned(y: Array, points: int = MOST_POINTS) -> NDArray[np.intp]:
@@ -115,17 +135,17 @@ def _numbers(values: Array) -> str:
         return b64encode(np.asarray(values, dtype="<f4").tobytes()).decode()
 
 
-def _draw(axes: Axes, plot: Plot, height: float) -> None:
+def _draw(axes: Axes, plot: Plot, height: float, points: int) -> None:
     axes.set_axis_off()
     top = height
     for k, panel in enumerate(plot.panels):
         bottom = top - HEIGHT * panel.height - TITLES
         place = (LEFT, (bottom + 0.6 * TITLES) / height, RIGHT - LEFT, HEIGHT * panel.height / height)
-        _draw_panel(axes.inset_axes(place), plot, panel, last=k == len(plot.panels) - 1)
+        _draw_panel(axes.inset_axes(place), plot, panel, points, last=k == len(plot.panels) - 1)
         top = bottom
 
 
-def _draw_panel(axes: Axes, plot: Plot, panel: Panel, *, last: bool) -> None:
+def _draw_panel(axes: Axes, plot: Plot, panel: Panel, points: int, *, last: bool) -> None:
     axes.set_facecolor("none")
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8, length=2, color=INK)
@@ -135,16 +155,16 @@ def _draw_panel(axes: Axes, plot: Plot, panel: Panel, *, last: bool) -> None:
         axes.axhline(panel.level, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
     for one in panel.series:
         if not one.hidden:
-            _draw_series(axes, plot.x, one, panel.log)
+            _draw_series(axes, plot.x, one, panel.log, points)
     axes.set_title(f"{panel.title} [{panel.unit}]" if panel.unit else panel.title, fontsize=8.5, color=INK, loc="left")
     axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=8, frameon=False, borderpad=0)
     if last:
         axes.set_xlabel(plot.x_title, fontsize=8.5, color=INK, labelpad=1)
 
 
-def _draw_series(axes: Axes, x: Array, one: Series, log: bool) -> None:
+def _draw_series(axes: Axes, x: Array, one: Series, log: bool, points: int) -> None:
     y = np.where(one.y > 0, one.y, np.nan) if log else one.y
-    rows = thinned(y)
+    rows = thinned(y, points)
     color = CURVES[one.color % len(CURVES)]
     if one.style == "marks":
         axes.plot(x[rows], y[rows], linestyle="", marker="o", markersize=3, color=color, label=one.name)
