@@ -114,6 +114,7 @@ class Table(Block):
     """caption: what its numbers are; failures_first: rows in the order of FAILURES_FIRST, otherwise as given
 
     repeated: number of leading columns that come again where a terminal is too narrow for all columns at once
+    compact: without frames on the terminal, columns one space apart: many short numbers beside each other
     """
 
     columns: tuple[Column, ...]
@@ -121,6 +122,7 @@ class Table(Block):
     caption: str = ""
     failures_first: bool = True
     repeated: int = 1
+    compact: bool = False
 
     @property
     def ordered(self) -> Sequence[Row]:

@@ -8,7 +8,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import ceil
+from typing import Any
 
+from rich import box
 from rich.cells import cell_len
 from rich.columns import Columns
 from rich.console import Console, Group, RenderableType
@@ -41,6 +43,9 @@ LONG_NAME, SHORT_NAME = 38, 20
 
 WORD = re.compile(r"[^ _]+[ _]*")
 """Of a heading; a name can be folded behind an underscore."""
+
+COMPACT: dict[str, Any] = {"box": box.SIMPLE_HEAD, "show_edge": False, "padding": 0}
+"""Style of compact tables."""
 
 MESSAGE_WIDTH = 140
 """Characters of a line in the messages of assertions."""
@@ -148,6 +153,8 @@ def _lines(blocks: Sequence[Lines], width: int) -> Iterator[RenderableType]:
 def _tables(table: Table, width: int) -> Iterator[RenderableType]:
     """One table, or several with the leading columns repeated where the line is too short for all columns."""
     yield from _title(table)
+    if table.compact and not table.title:
+        yield Text()
     columns = [
         _Column(column, [column.text(row.cells[k]) for row in table.rows], k)
         for k, column in enumerate(table.columns)
@@ -155,7 +162,7 @@ def _tables(table: Table, width: int) -> Iterator[RenderableType]:
     ]
     leading, rest, first = columns[: table.repeated], columns[table.repeated :], True
     while rest or first:
-        taken = _fitting(leading, rest, width)
+        taken = _fitting(leading, rest, width, table.compact)
         yield _table(table, [*leading, *rest[:taken]], width)
         rest, first = rest[taken:], False
     if table.caption:
@@ -203,25 +210,28 @@ class _Column:
         return "\n".join(line.rstrip() for line in lines)
 
 
-def _fitting(leading: Sequence[_Column], rest: Sequence[_Column], width: int) -> int:
+def _fitting(leading: Sequence[_Column], rest: Sequence[_Column], width: int, compact: bool) -> int:
     """How many of the remaining columns stand beside the leading ones; about as many in each of several tables."""
     if not rest:
         return 0
     counts = range(len(rest), 1, -1)
-    most = next((k for k in counts if sum(c.least for c in [*leading, *rest[:k]]) <= _room(len(leading) + k, width)), 1)
+    fitting = (
+        k for k in counts if sum(c.least for c in [*leading, *rest[:k]]) <= _room(len(leading) + k, width, compact)
+    )
+    most = next(fitting, 1)
     return ceil(len(rest) / ceil(len(rest) / most))
 
 
-def _room(columns: int, width: int) -> int:
-    """Characters of a line without the borders of a table."""
-    return width - 3 * columns - 1
+def _room(columns: int, width: int, compact: bool) -> int:
+    """Characters of a line without the borders of a table, or the spaces between the columns of a compact one."""
+    return width - columns if compact else width - 3 * columns - 1
 
 
 def _table(table: Table, columns: Sequence[_Column], width: int) -> RichTable:
-    room = _room(len(columns), width)
+    room = _room(len(columns), width, table.compact)
     narrow = sum(column.natural for column in columns) > room
     widths = _shared(columns, room) if narrow else [None] * len(columns)
-    rendered = RichTable()
+    rendered = RichTable(**(COMPACT if table.compact else {}))
     for column, characters in zip(columns, widths, strict=True):
         rendered.add_column(
             column.folded_heading() if narrow else column.column.heading,
