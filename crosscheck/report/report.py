@@ -196,6 +196,7 @@ class Series:
 
     style: "line", "dashed" (drawn over lines), or "marks"
     hidden: switched off until a reader switches it on; left out of the static picture
+    low, high: ends of an upright bar at every point, such as quartiles      (N,)
     """
 
     name: str
@@ -203,11 +204,13 @@ class Series:
     style: Literal["line", "dashed", "marks"] = "line"
     color: int = 0
     hidden: bool = False
+    low: Array | None = None
+    high: Array | None = None
 
 
 @dataclass(frozen=True)
 class Panel:
-    """Series on one axis. level: a line across, such as a bound."""
+    """Series on one axis. level: a line across, such as a bound; prefixes: numbers as 14.2 ns, not 1.42e-8 s"""
 
     title: str
     series: tuple[Series, ...]
@@ -215,6 +218,11 @@ class Panel:
     log: bool = False
     level: float | None = None
     height: float = 1.0
+    prefixes: bool = False
+
+    @property
+    def heading(self) -> str:
+        return f"{self.title} [{self.unit}]" if self.unit and not self.prefixes else self.title
 
 
 @dataclass(frozen=True)
@@ -222,6 +230,8 @@ class Plot(Block):
     """Curves in which one looks closely: zoom, values on hover, curves that switch off; an SVG in print.
 
     x: not decreasing, shared by all panels (N,); panels: from top to bottom, of relative heights
+    log_x: logarithmic, and lines go on where a series has no value at an x of another
+    upright: x of a line upright through all panels, such as an instant
     label: what a screen reader says; wide: alone in its line on screens of usual width, otherwise two beside each other
     """
 
@@ -232,6 +242,7 @@ class Plot(Block):
     caption: str = ""
     log_x: bool = False
     wide: bool = True
+    upright: float | None = None
 
 
 @dataclass(frozen=True)

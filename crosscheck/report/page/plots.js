@@ -4,39 +4,73 @@ const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buff
 const values = (text, log) => Array.from(new Float32Array(bytes(text)), (y) => (Number.isNaN(y) || (log && y <= 0) ? null : y));
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const short = (y) => (y == null ? "–" : Math.abs(y) >= 1e5 || (y !== 0 && Math.abs(y) < 1e-3) ? y.toExponential(2) : String(Number(y.toPrecision(5))));
-const POINTS_SHOWN = 60;
+const POINTS_SHOWN = 60, MOST_TICKS = 9;
+const PREFIXES = [[1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
+function prefixed(y, unit) {
+  if (y == null) return "–";
+  const [size, prefix] = PREFIXES.find(([one]) => Math.abs(y) > 0.9995 * one) ?? PREFIXES.at(-1);
+  return `${Number((y / size).toPrecision(3))} ${prefix}${unit}`;
+}
 
-function axis(label, log) {
+function axis(label, said) {
   const grid = { stroke: css("--faint"), width: 0.5 };
-  const ticks = log ? { values: (_, at) => at.map((y) => (y == null || Math.abs(Math.log10(y) % 1) > 1e-6 ? "" : y.toExponential(0))) } : {};
-  return { label, labelSize: 18, labelFont: "12px system-ui", font: "11px system-ui", size: label ? 62 : 40, stroke: css("--ink"), grid, ticks: grid, ...ticks };
+  const ticks = said ? { values: (_, at) => at.map((y) => (y == null ? "" : said(y))) } : {};
+  return { label, labelSize: 18, labelFont: "12px system-ui", font: "11px system-ui", size: label ? 62 : 52, stroke: css("--ink"), grid, ticks: grid, ...ticks };
+}
+
+function line(u, color, dash, x0, y0, x1, y1) {
+  u.ctx.save();
+  u.ctx.beginPath(); u.ctx.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height); u.ctx.clip();
+  u.ctx.strokeStyle = color; u.ctx.setLineDash(dash);
+  u.ctx.beginPath(); u.ctx.moveTo(x0, y0); u.ctx.lineTo(x1, y1); u.ctx.stroke(); u.ctx.restore();
+}
+
+// A logarithmic axis of x from its first to its last value, with its ticks at values.
+function logarithmic(x) {
+  const every = 1 + Math.floor(new Set(x).size / MOST_TICKS);
+  const ticks = [...new Set(x)].filter((_, k) => k % every === 0);
+  const scale = { time: false, distr: 3, range: (_, min, max) => (min < max ? [min, max] : [min / 2, 2 * max]) };
+  return [scale, { splits: (_, k, min, max) => ticks.filter((one) => min <= one && one <= max), filter: (_, at) => at }];
+}
+
+// The level and the upright line across a panel, and the bars of its points.
+function drawLines(u, plot, panel, x) {
+  const { left, top, width, height } = u.bbox;
+  const level = u.valToPos(panel.level, "y", true), upright = u.valToPos(plot.upright, "x", true);
+  if (panel.level != null) line(u, css("--ink"), [3, 3], left, level, left + width, level);
+  if (plot.upright != null) line(u, css("--middle"), [], upright, top, upright, top + height);
+  panel.series.forEach((one, k) => {
+    if (!one.low || !u.series[k + 1].show) return;
+    const high = new Float32Array(bytes(one.high));
+    new Float32Array(bytes(one.low)).forEach((low, i) => {
+      if (Number.isNaN(low)) return;
+      const at = u.valToPos(x[i], "x", true);
+      line(u, css("--c" + (one.color % 8)), [], at, u.valToPos(low, "y", true), at, u.valToPos(high[i], "y", true));
+    });
+  });
 }
 
 function drawPanel(place, plot, panel, width, last) {
   const x = Array.from(new Float64Array(bytes(plot.x)));
+  const [scale, ticks] = plot.log_x ? logarithmic(x) : [{ time: false }, {}];
+  const said = (y) => (panel.prefixes ? prefixed(y, panel.unit) : short(y));
   const series = panel.series.map((one) => ({
-    label: one.name, show: !one.hidden, spanGaps: one.style !== "line" ? false : plot.log_x, value: (_, y) => short(y),
+    label: one.name, show: !one.hidden, spanGaps: one.style !== "marks" && plot.log_x, value: (_, y) => said(y),
     stroke: css("--c" + (one.color % 8)), width: one.style === "dashed" ? 1.5 : one.style === "line" ? 2 : 0,
     dash: one.style === "dashed" ? [7, 4] : undefined,
     points: { show: one.style === "marks" || x.length <= POINTS_SHOWN, size: 5 },
     paths: one.style === "marks" ? () => null : undefined,
   }));
-  const level = (u) => {
-    if (panel.level == null) return;
-    const y = u.valToPos(panel.level, "y", true);
-    u.ctx.save(); u.ctx.strokeStyle = css("--ink"); u.ctx.setLineDash([3, 3]);
-    u.ctx.beginPath(); u.ctx.moveTo(u.bbox.left, y); u.ctx.lineTo(u.bbox.left + u.bbox.width, y); u.ctx.stroke(); u.ctx.restore();
-  };
   return new uPlot({
     title: panel.title, width, height: Math.round(240 * panel.height) + 60,
     cursor: { sync: { key: plot.key, setSeries: false }, focus: { prox: 24 } },
-    scales: { x: { time: false, distr: plot.log_x ? 3 : 1 }, y: { distr: panel.log ? 3 : 1 } },
+    scales: { x: scale, y: { distr: panel.log ? 3 : 1 } },
     axes: [
-      { ...axis(last ? plot.x_title : "", plot.log_x), size: last ? 48 : 30 },
-      { ...axis(panel.unit, panel.log), space: panel.height < 0.7 ? 18 : 30 },
+      { ...axis(last ? plot.x_title : "", plot.log_x && short), ...ticks, size: last ? 48 : 30 },
+      { ...axis(panel.prefixes ? "" : panel.unit, (panel.log || panel.prefixes) && said), space: panel.height < 0.7 ? 18 : 30 },
     ],
     series: [{ label: plot.x_title, value: (_, y) => short(y) }, ...series],
-    hooks: { draw: [level], setScale: [(u, key) => key === "x" && follow(plot, u)] },
+    hooks: { draw: [(u) => drawLines(u, plot, panel, x)], setScale: [(u, key) => key === "x" && follow(plot, u)] },
   }, [x, ...panel.series.map((one) => values(one.y, panel.log))], place);
 }
 

@@ -11,7 +11,8 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from crosscheck.report.pictures.colors import CURVES, FAINT, INK
+from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
+from crosscheck.report.pictures.spread import superscript
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.report import Panel, Plot, Series
 from graphdyn.layout import Array
@@ -24,6 +25,12 @@ WIDTH, HEIGHT = 7.6, 2.3
 
 TITLES, LEFT, RIGHT = 0.55, 0.09, 0.66
 """Room above a panel and below it [inches]; edges of the axes, as parts of the width: the names stand on the right."""
+
+MOST_TICKS = 9
+"""Of a logarithmic axis of x, which are at its values."""
+
+POINTS_SHOWN = 60
+"""Points up to which those of a line are marked, as in page/plots.js."""
 
 MOST_POINTS = 350
 """Of a static curve, each with the smallest and the largest of the values it stands for."""
@@ -74,12 +81,14 @@ def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
                 "x": b64encode(np.asarray(plot.x[rows], dtype="<f8").tobytes()).decode(),
                 "x_title": plot.x_title,
                 "log_x": plot.log_x,
+                "upright": plot.upright,
                 "panels": [
                     {
                         "title": panel.title,
                         "unit": panel.unit,
                         "log": panel.log,
                         "level": panel.level,
+                        "prefixes": panel.prefixes,
                         "height": panel.height,
                         "series": [
                             {
@@ -88,6 +97,8 @@ def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
                                 "color": one.color,
                                 "hidden": one.hidden,
                                 "y": _numbers(one.y[rows]),
+                                "low": None if one.low is None else _numbers(one.low[rows]),
+                                "high": None if one.high is None else _numbers(one.high[rows]),
                             }
                             for one in panel.series
                         ],
@@ -151,23 +162,48 @@ def _draw_panel(axes: Axes, plot: Plot, panel: Panel, points: int, *, last: bool
     axes.tick_params(labelsize=8, length=2, color=INK)
     axes.set(xscale="log" if plot.log_x else "linear", yscale="log" if panel.log else "linear")
     axes.grid(color=FAINT, linewidth=0.5)
+    _label_ticks(axes, plot, panel)
     if panel.level is not None:
         axes.axhline(panel.level, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
+    if plot.upright is not None:
+        axes.axvline(plot.upright, color=MIDDLE, linewidth=1)
     for one in panel.series:
         if not one.hidden:
-            _draw_series(axes, plot.x, one, panel.log, points)
-    axes.set_title(f"{panel.title} [{panel.unit}]" if panel.unit else panel.title, fontsize=8.5, color=INK, loc="left")
+            _draw_series(axes, plot, one, panel.log, points)
+    axes.set_title(panel.heading, fontsize=8.5, color=INK, loc="left")
     axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=8, frameon=False, borderpad=0)
     if last:
         axes.set_xlabel(plot.x_title, fontsize=8.5, color=INK, labelpad=1)
 
 
-def _draw_series(axes: Axes, x: Array, one: Series, log: bool, points: int) -> None:
+def _label_ticks(axes: Axes, plot: Plot, panel: Panel) -> None:
+    """Numbers as on the interactive plot: matplotlib would write powers of ten as formulas."""
+    from matplotlib.ticker import EngFormatter, FuncFormatter, NullFormatter
+
+    if panel.prefixes:
+        axes.yaxis.set_major_formatter(EngFormatter(panel.unit))
+    elif panel.log:
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: superscript(round(np.log10(y)))))
+    if panel.log:
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    if plot.log_x:
+        values = np.unique(plot.x)
+        axes.set_xticks(values[:: 1 + len(values) // MOST_TICKS], minor=False)
+        axes.set_xticks([], minor=True)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+
+
+def _draw_series(axes: Axes, plot: Plot, one: Series, log: bool, points: int) -> None:
     y = np.where(one.y > 0, one.y, np.nan) if log else one.y
     rows = thinned(y, points)
-    color = CURVES[one.color % len(CURVES)]
+    if plot.log_x and one.style != "marks":
+        rows = rows[~np.isnan(y[rows])]
+    x, color = plot.x[rows], CURVES[one.color % len(CURVES)]
     if one.style == "marks":
-        axes.plot(x[rows], y[rows], linestyle="", marker="o", markersize=3, color=color, label=one.name)
+        axes.plot(x, y[rows], linestyle="", marker="o", markersize=3, color=color, label=one.name)
     else:
         dash = (0, (4, 1.4)) if one.style == "dashed" else "-"
-        axes.plot(x[rows], y[rows], linestyle=dash, linewidth=1.3, color=color, label=one.name)
+        marker = "o" if len(plot.x) <= POINTS_SHOWN else ""
+        axes.plot(x, y[rows], linestyle=dash, linewidth=1.3, marker=marker, markersize=3, color=color, label=one.name)
+    if one.low is not None and one.high is not None:
+        axes.vlines(x, one.low[rows], one.high[rows], color=color, linewidth=0.8)
