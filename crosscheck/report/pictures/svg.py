@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 _SVG = "{http://www.w3.org/2000/svg}"
 _XLINK = "{http://www.w3.org/1999/xlink}"
 _COLOR = re.compile(r"#[0-9a-f]{6}\b")
+_FAMILY = re.compile(r"font-family: [^;]*;? ?")
 _UNWANTED = (f"{_SVG}metadata", f"{_SVG}style")
-"""Dates and addresses; a style sheet that would apply to the whole page (page/style.css has its one rule)."""
+"""Dates and addresses; a style sheet that would apply to the whole page."""
 
 
 def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axes], None]) -> Markup:
@@ -56,7 +57,7 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
 
 
 def _follow_the_page(root: etree._Element) -> None:
-    """Colours that are known to the style sheet become its variables; text without one has the ink of the page."""
+    """Colours that are known to the style sheet become its variables; text has the font of the page, and its ink."""
 
     def variable(found: re.Match[str]) -> str:
         color = found.group()
@@ -65,7 +66,7 @@ def _follow_the_page(root: etree._Element) -> None:
     for element in root.iter():
         attributes = cast("MutableMapping[str, str]", element.attrib)
         if "style" in attributes:
-            attributes["style"] = _COLOR.sub(variable, attributes["style"])
+            attributes["style"] = _FAMILY.sub("", _COLOR.sub(variable, attributes["style"]))
         if element.tag == f"{_SVG}text" and "fill" not in attributes.get("style", ""):
             attributes["style"] = f"fill: {variable(_COLOR.match(INK))}; {attributes.get('style', '')}"  # type: ignore[arg-type]
 
