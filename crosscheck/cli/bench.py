@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli.console import out, progress, warnings_shown
+from crosscheck.cli.console import progress, warnings_shown
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
 from crosscheck.cli.options import (
     EXAMPLES,
@@ -14,7 +15,6 @@ from crosscheck.cli.options import (
     JsonOption,
     SeedOption,
     check_writable,
-    command_line,
     robot_names,
 )
 
@@ -56,23 +56,12 @@ def run(
     """
     check_writable(json=json_file, html=html_file)
     import urdf
-    from crosscheck.cli.bench_text import text
+    from crosscheck.report.commands.bench import bench_report
     from crosscheck.studies.bench.benchmark import PARTS, benchmark
 
     with warnings_shown():
         model = urdf.load(robot)
         with progress("bench", PARTS) as advance:
             found = benchmark(robot, model, samples, seed, threads, quick, advance)
-    for part in text(found):
-        out.print(part)
-    if html_file is not None:
-        from crosscheck.report.pages import write_page
-        from crosscheck.report.pages.bench import bench_page
-
-        write_page(html_file, bench_page(found, command_line()))
-    if json_file is not None:
-        from crosscheck.report.json import write_json
-        from crosscheck.report.records.bench import record
-
-        write_json(json_file, record(found, command_line()))
+    deliver(bench_report(found), html_file, json_file)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

@@ -15,16 +15,22 @@ import pytest
 from jsonschema import Draft202012Validator
 from lxml import etree
 from planted_records import planted
+from rich.cells import cell_len
 from typer.testing import CliRunner
 
 import graphdyn
 from crosscheck.cli import app
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.report.commands.bench import bench_report, facts
+from crosscheck.report.durations import ratio_text, time_text
+from crosscheck.report.html import page
 from crosscheck.report.json import plain
-from crosscheck.report.pages.bench import bench_page
 from crosscheck.report.records.bench import record as record_of
-from crosscheck.studies.bench import benchmark, casadi_forms, cold, graphdyn_forms, identification, mujoco_forms, texts
+from crosscheck.report.report import Plot
+from crosscheck.report.text import as_text
+from crosscheck.report.versions import versions
+from crosscheck.studies.bench import benchmark, casadi_forms, cold, graphdyn_forms, identification, mujoco_forms
 from crosscheck.studies.bench.benchmark import PARTS, Effort, thread_numbers
 from crosscheck.studies.bench.casadi_forms import CasadiRefuses
 from crosscheck.studies.bench.chains import chain
@@ -210,11 +216,25 @@ class TestSaid:
         assert done.exit_code == 0
         words = " ".join(re.sub("[^\\w.×-]+", " ", done.stdout).split())
         for measured in found.works:
-            assert measured.title.split(",")[0] in words
+            assert measured.title.split(",")[0] in words.lower()
         first = found.works[0].comparisons[0]
-        assert texts.ratio_text(first.ratio.median) in words
+        assert ratio_text(first.ratio.median) in words
         assert "measured on 300 samples and extrapolated in proportion to 600" in words
         assert f"kr500 6 bodies {SAMPLES} random states seed 0" in words
+        assert words.startswith("Benchmark on kr500 agrees")
+        faster = sum(c.ratio.median > 1 for measured in found.works for c in measured.comparisons)
+        faster += sum(ratio.median > 1 for _, ratio in found.identification.comparisons)
+        assert f"Above 1× graphdyn is faster as in {faster} of " in words
+
+    @pytest.mark.parametrize("width", [80, 120])
+    def test_nothing_is_cut(self, found, width):
+        lines = as_text(bench_report(found), width).splitlines()
+        assert max(map(cell_len, lines)) <= width
+        for curve in found.curves:
+            for line in curve.lines:
+                said = " ".join(lines[next(k for k, one in enumerate(lines) if one.lower() == curve.title) :])
+                assert all(time_text(times.median) in said for times in line.times)
+        assert "…" not in " ".join(re.findall(r"[a-z]…", " ".join(lines)))
 
     def test_a_disagreement_is_exit_code_1(self, program, found):
         wrong = replace(found.works[0].entries[0], error=2 * found.works[0].bound)
@@ -230,21 +250,40 @@ class TestSaid:
         ids = [element.get("id") for element in root.iter() if element.get("id")]
         assert len(set(ids)) == len(ids)
         assert {*WORKS, *(curve.name for curve in found.curves), "identification", "once"} <= set(ids)
-        assert len(root.findall(".//svg")) == len(found.works) + len(found.curves)
+        assert len(root.findall(".//svg")) == len(found.works) + len(found.curves) + len(("identification",))
+        assert len(root.findall(".//figure[@class='plot']")) == len(found.curves)
         assert not re.search(r"""(src|href)=["'](https?:)?//""", page)
         assert "DISAGREES" not in page
-        assert texts.time_text(found.works[0].entries[0].times.median) in page
+        assert time_text(found.works[0].entries[0].times.median) in page
 
     def test_page_of_a_disagreement(self, found):
         wrong = replace(found.works[0].entries[0], error=float("inf"))
         works = (replace(found.works[0], entries=(wrong, *found.works[0].entries[1:])), *found.works[1:])
-        assert "DISAGREES" in bench_page(replace(found, works=works), ["graphdyn", "bench"])
+        html = page(bench_report(replace(found, works=works)), ["graphdyn", "bench"], versions())
+        assert "Benchmark on kr500: DISAGREES</title>" in html
+        assert f"further from Pinocchio&#39;s than its bound: {found.works[0].title}." in html
+
+    def test_curves_as_plots(self, found):
+        """Over the union of all x; lines that end early have gaps there, and the quartiles are around the median."""
+        sections = {section.key: section for section in bench_report(found).sections}
+        for curve in found.curves:
+            (plot,) = [block for block in sections[curve.name].blocks if isinstance(block, Plot)]
+            x = plot.x.tolist()
+            assert x == sorted({point for line in curve.lines for point in line.x})
+            for line, series in zip(curve.lines, plot.panels[0].series, strict=True):
+                assert dict(zip(x, series.y, strict=True)) == pytest.approx(
+                    {**dict.fromkeys(x, np.nan), **{p: t.median for p, t in zip(line.x, line.times, strict=True)}},
+                    nan_ok=True,
+                )
+                drawn = ~np.isnan(series.y)
+                assert (series.low[drawn] <= series.y[drawn]).all()
+                assert (series.y[drawn] <= series.high[drawn]).all()
 
     def test_what_could_not_take_part(self, found):
         there = replace(found, left_out={"mujoco": "it rains"}, backend="numpy", machine=(), peers={})
-        assert list(texts.facts(there))[1:] == [
-            "mujoco left out: it rains",
-            "graphdyn runs on NumPy arrays here: nothing is compiled",
+        assert list(facts(there))[3:] == [
+            ("mujoco", "left out: it rains"),
+            ("graphdyn", "runs on NumPy arrays here: nothing is compiled"),
         ]
 
     @pytest.mark.parametrize(
@@ -252,7 +291,7 @@ class TestSaid:
         [(2.5, "2.5 s"), (1.234e-3, "1.23 ms"), (45e-6, "45 µs"), (17.5e-9, "17.5 ns"), (1e-10, "0.1 ns")],
     )
     def test_units(self, seconds, said):
-        assert texts.time_text(seconds) == said
+        assert time_text(seconds) == said
 
 
 class TestRefusals:
