@@ -6,7 +6,8 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli.console import out, progress
+from crosscheck.cli.console import progress
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
 from crosscheck.cli.options import (
     EXAMPLES,
@@ -14,7 +15,6 @@ from crosscheck.cli.options import (
     JsonOption,
     SeedOption,
     check_writable,
-    command_line,
 )
 
 EPILOG = f"""{EXAMPLES}  graphdyn paper --samples 20
@@ -35,22 +35,11 @@ def run(
     where they differ; then what the printed errors do. Pinocchio is the judge.
     """
     check_writable(json=json_file, html=html_file)
-    from crosscheck.cli.paper_text import text
+    from crosscheck.report.commands.paper import paper_report
     from crosscheck.studies.errata import EFFECTS
     from crosscheck.studies.paper.reproduction import PARTS, reproduce
 
     with progress("paper", len(PARTS) + EFFECTS) as advance:
         found = reproduce(samples, seed, lambda what: advance(what, 1))
-    for part in text(found):
-        out.print(part)
-    if html_file is not None:
-        from crosscheck.report.pages import write_page
-        from crosscheck.report.pages.paper import paper_page
-
-        write_page(html_file, paper_page(found, command_line()))
-    if json_file is not None:
-        from crosscheck.report.json import write_json
-        from crosscheck.report.records.paper import record
-
-        write_json(json_file, record(found, command_line()))
+    deliver(paper_report(found), html_file, json_file)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

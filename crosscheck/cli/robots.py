@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from crosscheck.cli.console import out
+from crosscheck.cli.delivery import deliver
 from crosscheck.cli.options import EXAMPLES, JsonOption, check_writable
 
 EPILOG = f"""{EXAMPLES}  graphdyn robots
@@ -13,17 +13,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn robots
 def run(json_file: JsonOption = None) -> None:
     """List the robots known by name, with origin and licence."""
     check_writable(json=json_file)
-    from rich.table import Table
-
     import urdf
+    from crosscheck.report.commands.robots import robots_report
 
-    table = Table("name", "origin", "licence")
-    entries = urdf.robots()
-    for entry in entries:
-        table.add_row(entry.name, entry.origin, entry.licence)
-    out.print(table)
-    if json_file is not None:
-        from crosscheck.report.json import write_json
-        from crosscheck.report.records.robots import record
-
-        write_json(json_file, record(entries))
+    deliver(robots_report(urdf.robots()), json_file=json_file)

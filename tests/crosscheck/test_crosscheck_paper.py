@@ -13,21 +13,26 @@ import pytest
 from jsonschema import Draft202012Validator
 from lxml import etree
 from planted_records import planted
+from rich.cells import cell_len
 from typer.testing import CliRunner
 
 from crosscheck.cli import app, console
-from crosscheck.cli.paper_text import text
+from crosscheck.report.commands.paper import paper_report
+from crosscheck.report.commands.paper_over_time import MARKED
+from crosscheck.report.commands.paper_texts import error_text, misprints, printed_text, value_text
+from crosscheck.report.html import page as html_page
+from crosscheck.report.html import write_page
 from crosscheck.report.json import plain
-from crosscheck.report.pages import write_page
-from crosscheck.report.pages.paper import paper_page
 from crosscheck.report.records.paper import record as record_of
+from crosscheck.report.report import Plot
+from crosscheck.report.text import renderables
+from crosscheck.report.versions import versions
 from crosscheck.studies.errata import ERRATA
 from crosscheck.studies.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
 from crosscheck.studies.paper.identification import SEEDS
 from crosscheck.studies.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
 from crosscheck.studies.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4, Printed
 from crosscheck.studies.paper.reproduction import PARTS, reproduce
-from crosscheck.studies.paper.texts import error_text, printed_text, value_text
 from graphdyn import kr500
 
 ROOT = Path(__file__).parents[2]
@@ -55,7 +60,11 @@ def found():
 
 @pytest.fixture(scope="module")
 def page(found):
-    return paper_page(found, COMMAND)
+    return page_of(found)
+
+
+def page_of(found):
+    return html_page(paper_report(found), COMMAND, versions())
 
 
 def paper(*arguments):
@@ -66,7 +75,7 @@ def shown(found, monkeypatch, width=console.WIDTH):
     """What the terminal shows at this width."""
     monkeypatch.setattr(console.out, "width", width)
     with console.out.capture() as captured:
-        for part in text(found):
+        for part in renderables(paper_report(found), width):
             console.out.print(part)
     return captured.get()
 
@@ -267,38 +276,45 @@ class TestChecks:
 class TestText:
     def test_order_of_the_paper(self, found, monkeypatch):
         said = shown(found, monkeypatch)
-        titles = ["Table 2", "The experiment of section 3.1", "Table 3", "Table 4", "Section 3.2 as printed",
-                  "Section 3.2 corrected", "The printed errors", "What holds"]  # fmt: skip
+        titles = ["What holds", "Table 2", "The experiment of section 3.1", "Tables 3 and 4", "Table 3", "Table 4",
+                  "Section 3.2 as printed", "Section 3.2 corrected", "Over the whole motion",
+                  "What the printed errors do"]  # fmt: skip
         places = [said.index(f"\n{title}") for title in titles]
         assert places == sorted(places)
 
     def test_contents(self, found, monkeypatch):
         said = shown(found, monkeypatch)
         assert "5.4619 B5" in said
-        assert re.search(r"λ_33 +2\.393758e4 +-2\.393758e\+04 +7 +minus not printed \(B6\)", said)
-        assert re.search(r"λ_24 +-1\.233380e11 +– +not determined \(A2\)", said)
+        assert re.search(r"λ_33 +2\.393758e4 B6 +-2\.393758e\+04 +7 +reproduced", said)
+        assert "2.393758e4 is a misprint for -2.393758e4 (B6)." in " ".join(said.split())
+        assert re.search(r"λ_24 +-1\.233380e11 +– +not determined: .* \(A2\)", said)
         assert re.search(r"λ_14 .*not reproduced", said)
-        assert re.search(r"λ_61 +1\.356146e-4 +0 +zero; printed: rounding", said)
+        assert re.search(r"λ_61 +1\.356146e-4 +0 +zero; the paper prints rounding", said)
         assert re.search(r"J_22 +printed +982\.8120", said)
-        assert "every reproduced number is within its bound" in said
+        assert said.startswith("The paper beside the corrected model: every check holds\n")
+        assert "Every number that the text determines is reproduced within its bound" in said
         for sentence in found.corrected.reading:
             assert sentence[:60] in said
 
     def test_tables_of_the_paper_fit_into_80_characters(self, found, monkeypatch):
-        before = shown(found, monkeypatch, NARROW).partition("The printed errors")[0]
-        assert max(map(len, before.splitlines())) <= NARROW
-        assert "…" not in before.replace("1 … 6", "")
+        """None of them is taken apart or cut."""
+        said = shown(found, monkeypatch, NARROW)
+        assert max(map(cell_len, said.splitlines())) <= NARROW
+        assert "…" not in said.replace("A1, A3 …", "")
+        assert len(re.findall(r"parameter +source +B_1 +B_2 +B_3 +B_4 +B_5 +B_6\n", said)) == 3
 
     def test_failure_is_said(self, found, monkeypatch):
         broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
         said = shown(broken, monkeypatch)
+        assert "1 of 1 checks DO NOT HOLD" in said
         assert "DOES NOT HOLD" in said
-        assert "NOT every number is within its bound" in said
+        assert "Not every number is within its bound" in said
 
     def test_numbers(self):
         assert value_text(-0.00001) == "0.0000"
         assert value_text(math.nan) == error_text(math.nan) == printed_text(Printed(None)) == "–"
         assert (error_text(0.0), error_text(-3.4e-13)) == ("0", "-3e-13")
+        assert misprints([Printed("1"), Printed("2", "3", "B9")]) == "2 is a misprint for 3 (B9)."
 
 
 class TestCommand:
@@ -364,35 +380,37 @@ class TestPage:
     def test_tables(self, found, page):
         table_2 = rows(page, "from 7801 kg/m³")
         assert table_2[4] == ["m [kg]", "printed", *(number.text for number in TABLE_2.rows["m [kg]"])]
-        assert table_2[5] == ["graphdyn", *found.geometry.texts[2]]
+        assert table_2[5] == ["", "graphdyn", *found.geometry.texts[2]]
         table_3 = rows(page, "Table 3 [kg")
         assert len(table_3) == 18
         assert table_3[15][:3] == ["J_33", "printed", "982.8120"]
-        assert table_3[15][5] == "5.4619 5.6419 (B5)"
-        assert table_3[16][:2] == ["exact data", "–"]
+        assert table_3[15][5] == "5.4619 B5"
+        assert "5.4619 is a misprint for 5.6419 (B5)." in page
+        assert table_3[16][:3] == ["", "exact data", "–"]
         assert len(rows(page, "Table 4 [kg")) == 18
         assert len(rows(page, "Over the 33 entries")) == 3 + len(found.identification.rounded)
 
     def test_section_3_2(self, found, page):
         printed = {row[0]: row[1:] for row in rows(page, "Eq. (113)-(118)")}
         assert list(printed) == [number.name for number in found.numbers]
-        assert printed["λ_33"][:3] == ["2.393758e4 -2.393758e4 (B6)", "-2.393758e+04", "7"]
+        assert printed["λ_33"][:3] == ["2.393758e4 B6", "-2.393758e+04", "7"]
+        assert "2.393758e4 is a misprint for -2.393758e4 (B6)." in page
         assert printed["λ_24"][1] == "–"
         corrected = rows(page, "All thirty multipliers")
         assert len(corrected) == 12
-        assert corrected[0][2:] == corrected[1][1:]
+        assert corrected[0][2:] == corrected[1][2:]
         assert [row[0] for row in rows(page, "tan 33.75°")] == ["2", "3", "5"]
 
     def test_checks_and_errata(self, found, page):
-        assert [row[4] for row in rows(page, "Each number with its bound")] == ["✓ agrees"] * len(found.checks)
+        assert [row[1] for row in rows(page, "Each number with its bound")] == ["✓ holds"] * len(found.checks)
         assert len(rows(page, "Quantiles")) == len(found.effects)
 
     def test_failure(self, found):
         broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
-        html = paper_page(broken, COMMAND)
-        assert "✗ DISAGREES" in html
+        html = page_of(broken)
+        assert "✗ 1 of 1 checks DO NOT HOLD" in html
         assert "Not every number is" in html
-        assert rows(html, "Each number with its bound")[0][2] == "nan"
+        assert rows(html, "Each number with its bound")[0] == ["here", "✗ DOES NOT HOLD", "this", "–", "≤ 1", "because"]
 
     def test_pictures(self, page):
         labels = re.findall(r'<svg[^>]*aria-label="([^"]*)"', page)
@@ -404,6 +422,23 @@ class TestPage:
             for number in range(1, 6):
                 assert f">λ_{joint}{number}</text>" in page
 
+    def test_curves_over_the_motion(self, found):
+        """Every tenth sample of rnea lies on graphdyn's line."""
+        (section,) = [one for one in paper_report(found).sections if one.key == "over-time"]
+        plots = [block for block in section.blocks if isinstance(block, Plot)]
+        motion = found.over_time
+        assert [plot.title for plot in plots] == [f"Joint {j}" for j in range(1, 7)]
+        for j, plot in enumerate(plots):
+            assert np.array_equal(plot.x, motion.recording.time)
+            for panel in plot.panels:
+                assert [one.style for one in panel.series] == ["line"] * 3 + ["marks"] * 3
+                scale = max(np.abs(one.y).max() for one in panel.series[:3])
+                for line, marks in zip(panel.series[:3], panel.series[3:], strict=True):
+                    assert np.array_equal(np.flatnonzero(~np.isnan(marks.y)), np.arange(0, len(plot.x), MARKED))
+                    assert np.nanmax(np.abs(marks.y - line.y)) <= REFEREE * scale
+            assert np.array_equal(plot.panels[0].series[2].y, 1e-3 * motion.multipliers[:, j, 2])
+            assert np.array_equal(plot.panels[1].series[2].y, 1e-3 * motion.recording.tau[:, j])
+
     def test_well_formed(self, page):
         known = {"ERR_HTML_UNKNOWN_TAG", "HTML_UNKNOWN_TAG"}  # libxml2 knows no <svg>, <main>, <figure>
         parser = etree.HTMLParser()
@@ -414,7 +449,9 @@ class TestPage:
         assert set(re.findall(r'href="#([^"]+)"', page) + re.findall(r"url\(#([^)]+)\)", page)) <= set(ids)
 
     def test_needs_nothing_else(self, page):
-        assert set(re.findall(r"""https?://[^"'\s<)]*""", page)) == {"http://www.w3.org/2000/svg"}
+        written = re.sub(r"<script>.*?</script>", "", page, flags=re.DOTALL)  # a comment of uPlot names its home
+        assert set(re.findall(r"""https?://[^"'\s<)]*""", written)) == {"http://www.w3.org/2000/svg"}
+        assert "default-src 'none'" in page
         root = etree.fromstring(page.encode(), etree.HTMLParser())
         assert not root.xpath("//link | //img | //iframe | //script[@src]")
         assert len(page.encode()) < LARGEST
@@ -426,7 +463,7 @@ class TestPage:
         assert all(cell.get("scope") in ("row", "col", "rowgroup") for cell in root.iter("th"))
 
     def test_same_arguments_same_page(self, found, page):
-        assert paper_page(found, COMMAND) == page
+        assert page_of(found) == page
 
     @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
     def test_never_wider_than_its_window(self, tmp_path, page):
