@@ -111,6 +111,23 @@ class TestText:
         assert [text.count(f" {float(k)} ") for k in range(12)] == [1] * 12
         assert text.count("│ a ") == text.count("┏") > 1
 
+    def test_headings_fold_before_numbers_and_names_last(self):
+        columns = (Column("name", "name"), *(Column(f"a rather long heading {k}", "number") for k in range(3)))
+        long = Table(columns, (Row(("one two three", "10 ns", "20 ns", "30 ns")),))
+        for width, heading, name in ((120, 1, 1), (60, 5, 1), (41, 5, 2)):
+            lines = as_text(report(long), width).splitlines()
+            assert max(map(len, lines)) <= width
+            start, middle = (next(k for k, line in enumerate(lines) if line[:1] == mark) for mark in "┏┡")
+            assert middle - start - 1 == heading
+            assert sum(line.startswith("│") for line in lines) == name
+            assert all(f" {number} ns " in lines[middle + 1] for number in (10, 20, 30))
+
+    def test_compact_tables_have_no_frames(self):
+        columns = (Column("name", "name"), Column("p", "number"), Column("q", "number"))
+        text = as_text(report(Table(columns, (Row(("a", 1, 2)), Row(("b", 3, 4), rule=True)), compact=True)))
+        lines = [line.rstrip() for line in text.splitlines()]
+        assert lines[-6:] == ["", "name p q", "────────", "a    1 2", "", "b    3 4"]
+
     def test_lines_side_by_side_or_not_at_all(self):
         blocks = (Lines(("1 2", "3 4"), title="S"), Lines(("x" * 80,), title="T"))
         assert "1 2   " in as_text(report(*blocks), 120)
@@ -228,6 +245,38 @@ class TestPlots:
         assert np.isnan(y[rows]).any()
         assert np.all(np.diff(rows) > 0)
         assert np.array_equal(thinned(y[:100]), np.arange(100))
+
+    def test_times_in_units(self):
+        """As 10 µs, whatever the unit of the axis was."""
+        y = np.array([2e-7, 3e-5, 4e-3])
+        panel = Panel("time per call", (Series("ours", y, low=y / 2, high=2 * y),), "s", log=True, prefixes=True)
+        plot = Plot(np.array([1.0, 10.0, 100.0]), "samples", (panel,), "l", log_x=True, upright=10.0)
+        svg = plot_picture("k", plot)
+        for text in ("1 µs", "1 ms", "1", "10", "100", "time per call"):
+            assert f">{text}</text>" in svg
+        data = json.loads(plot_data(plot))
+        assert (data["upright"], data["panels"][0]["prefixes"]) == (10.0, True)
+        low, high = (np.frombuffer(base64.b64decode(data["panels"][0]["series"][0][e]), "<f4") for e in ("low", "high"))
+        assert np.array_equal(low, (y / 2).astype("f4"))
+        assert np.array_equal(high, (2 * y).astype("f4"))
+
+    @pytest.mark.parametrize(("log_x", "pieces"), [(True, 1), (False, 2)])
+    def test_lines_go_on_over_the_x_of_others(self, log_x, pieces):
+        """On a logarithmic x, where several numbers of samples share the axis; in time, a gap is a gap."""
+        y = np.array([1.0, 2.0, np.nan, 4.0, 5.0])
+        plot = Plot(np.arange(1.0, 6.0), "x", (Panel("p", (Series("e", y),)),), "l", log_x=log_x)
+        (line,) = re.findall(
+            r'<path d="([^"]*)"[^>]*stroke: var\(--c0[^>]*stroke-width: 1\.3', plot_picture("k", plot)
+        )[:1]
+        assert line.count("M") == pieces
+
+    def test_no_formula_in_a_label(self):
+        """Text is not typeset: matplotlib's powers of ten would come as their source."""
+        x = np.geomspace(1, 3, 4)
+        assert "$" not in plot_picture("k", Plot(x, "x", (Panel("p", (Series("e", x),), log=True),), "l", log_x=True))
+
+    def test_text_has_the_font_of_the_page(self):
+        assert "font-family" not in plot_picture("k", curves())
 
     def test_zeros_on_a_logarithmic_axis_are_left_out(self):
         x = np.arange(3.0)
