@@ -1,4 +1,4 @@
-"""Cross-check and judge for test suites: an AssertionError whose message is the table."""
+"""compare and judge for test suites: they raise an AssertionError whose message is the table of errors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""For foreign test suites: the fixture `judge_dynamics`, at hand wherever graphdyn is installed.
+"""A fixture for the test suites of other codes, `judge_dynamics`, available wherever graphdyn is installed.
 
 def test_dynamics(judge_dynamics):
     judge_dynamics("arm.urdf", inverse_dynamics=my_rnea)
@@ -18,6 +18,6 @@ if TYPE_CHECKING:
 @pytest.fixture(scope="session")
 def judge_dynamics() -> Callable[..., Judgement]:
     """crosscheck.assert_correct: fails with a table and the diagnoses where a function is wrong."""
-    from crosscheck.assertions import assert_correct  # Pinocchio takes half a second, and not every suite needs it
+    from crosscheck.assertions import assert_correct  # Pinocchio takes half a second to import
 
     return assert_correct

@@ -1,6 +1,6 @@
 """URDF files and graphdyn: load, inspect, save, and a catalogue of robots.
 
-Strict where parsers guess: what would have to be filled in is refused with file, line, element and remedy.
+Strict where other parsers guess: a missing value is refused, with file, line, element and remedy.
 """
 
 from urdf._catalogue import RobotEntry, robots

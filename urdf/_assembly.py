@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(eq=False)
 class Assembly:
-    """What the model is made of.
+    """The bodies, joints and frames of a model.
 
     massless: per body without any <inertial>, the names of its links
     fused: per fixed link with an <inertial>: number of the body that carries it, and what it adds to that body's
@@ -83,12 +83,12 @@ def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked
 
 
 def _placement(origin: np.ndarray | None) -> Placement:
-    """yourdfpy's homogeneous matrix (4, 4), None where the file has no <origin>."""
+    """Of yourdfpy's homogeneous matrix (4, 4); the identity for None, where the file has no <origin>."""
     return Placement() if origin is None else Placement(origin[:3, :3], origin[:3, 3])
 
 
 def _motion(joint: URDFJoint, value: float) -> Placement:
-    """The child link frame in the joint frame at this value [rad or m]."""
+    """Placement of the child link frame in the joint frame at this joint value [rad or m]."""
     if value == 0:
         return Placement()
     axis = _joint(joint, 0, Placement()).axis  # of unit length
@@ -98,7 +98,7 @@ def _motion(joint: URDFJoint, value: float) -> Placement:
 
 
 def _inertial(link: Link) -> Inertial | None:
-    """In the axes of the link frame; None where the file has no <inertial>."""
+    """Inertial of the link, in the axes of the link frame; None where the file has no <inertial>."""
     if link.inertial is None:
         return None
     inertial = Inertial(link.inertial.mass, np.zeros(3), link.inertial.inertia)

@@ -18,7 +18,7 @@ from urdf._wording import shortened
 
 DISTRIBUTION = "example-robot-data"
 SUFFIX = "_robot"
-"""Upstream's loader calls ur5_robot.urdf "ur5", and so do we."""
+"""Ending of file names that is not part of a robot's name: ur5_robot.urdf is "ur5", as in example_robot_data."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class RobotEntry:
 
 @cache
 def robots() -> tuple[RobotEntry, ...]:
-    """The catalogue, our own robot first. No file is opened."""
+    """The catalogue, the paper's KR500 first. No file is opened."""
     return (
         RobotEntry(
             "kr500",
@@ -61,7 +61,7 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
         entry = entries[str(path_or_name)]
         return entry.path, entry.gravity
     path = Path(path_or_name)
-    if os.path.isfile(path):  # unlike Path.is_file false for names that no file can have
+    if os.path.isfile(path):  # unlike Path.is_file, it does not raise for impossible names
         return path, STANDARD_GRAVITY
     if not entries:
         raise RobotNotFound(f"'{shortened(str(path))}' is not a file", "give a file, or a robot's name as a string")
@@ -73,7 +73,7 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
 
 
 def _files() -> list[metadata.PackagePath]:
-    """What the distribution installed; version 6 ships files without a Python module, found here only."""
+    """The files that the distribution installed; version 6 has no Python module through which to find them."""
     try:
         return metadata.files(DISTRIBUTION) or []
     except metadata.PackageNotFoundError:
@@ -100,7 +100,7 @@ def _example_robots() -> list[RobotEntry]:
 
 
 def _names(files: list[metadata.PackagePath]) -> dict[str, metadata.PackagePath]:
-    """A file's name is its stem without "_robot"; where several claim one name, the "_robot" file has it.
+    """A file's name is its stem without "_robot"; of several files with one name, the "_robot" file gets it.
 
     The others are called folder/stem: "ur_description/ur3", "anymal_c_simple_description/anymal".
     """

@@ -1,7 +1,7 @@
 """The strict pass over one file, before yourdfpy parses it.
 
-yourdfpy fills in silently (a missing ixx becomes 1, a missing mass 0), takes the first of several elements and has no
-line numbers. Everything it would guess is refused here.
+yourdfpy fills in missing values silently (1 for ixx, 0 for a mass), takes the first of several elements and has no line
+numbers. Everything it would guess is refused here.
 """
 
 from __future__ import annotations
@@ -37,16 +37,17 @@ _NUMBERS = {
     "dynamics": {"damping": 1, "friction": 1},
     "mimic": {"multiplier": 1, "offset": 1},
 }
-"""How many numbers each attribute holds."""
+"""Per element and attribute: how many numbers it holds."""
 
 LARGEST = 1e60
-"""Of masses, tensors, lengths and angles: products of several stay far below the largest double, 1.8e308."""
+"""Largest mass, tensor entry, length or angle [SI units]: products of several stay far below 1.8e308, the largest
+double."""
 
 SHORTEST_AXIS = 1e-60
-"""Readers that square lengths take a far shorter axis for zero."""
+"""Length of an axis below which it is refused as zero: readers that square the length of a far shorter one get zero."""
 
 _COMPUTED = ("origin", "mass", "inertia", "axis")
-"""What dynamics are computed from; a limit may be the largest double."""
+"""Elements that dynamics are computed from, held to LARGEST; a limit may be the largest double."""
 
 
 def check(source: Source) -> None:
@@ -89,7 +90,7 @@ def _repeated_names(source: Source, elements: list[etree._Element]) -> Iterator[
         yield from _name_faults(source, element)
         name = name_of(element)
         if name and name in lines:
-            problem = f"the name is used already in line {lines[name]}"
+            problem = f"the name is already used in line {lines[name]}"
             yield source.error(DuplicateEntry, "duplicate-name", element, problem, "rename one of the two")
         lines.setdefault(name, line_of(element))
 
@@ -119,7 +120,7 @@ def _limit_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:
 
 
 def _part_faults(source: Source, element: etree._Element) -> Iterator[URDFError]:
-    """Everything below a link or a joint: presence, uniqueness, numbers."""
+    """Faults of the elements within a link or a joint: missing, repeated, or without valid numbers."""
     tags = Counter(child.tag for child in element)
     for tag in _REQUIRED_CHILDREN.get(element.tag, ()):
         if tag not in tags:
@@ -127,7 +128,7 @@ def _part_faults(source: Source, element: etree._Element) -> Iterator[URDFError]
                 MissingEntry, f"missing-{tag}", element, f"<{tag}> is missing", "write it; nothing is assumed for it"
             )
     for child in element:
-        number = tags.pop(child.tag, 1)  # so that each is told once
+        number = tags.pop(child.tag, 1)  # so that each is reported once
         if number > 1:
             problem = f"{number} elements <{child.tag}>"
             yield source.error(DuplicateEntry, "duplicate-element", element, problem, "keep the one that is meant")
@@ -149,12 +150,12 @@ def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFE
         if isinstance(found, BadNumber):
             yield source.error(InvalidNumber, found.code, element, found.problem, found.remedy)
         elif element.tag in _COMPUTED and max(map(abs, found)) > LARGEST:
-            problem = f'{name}="{shortened(text or "")}" is larger than any robot: results would overflow'
+            problem = f'{name}="{shortened(text or "")}" is too large for a robot: results would overflow'
             yield source.error(InvalidNumber, "number-too-large", element, problem, "give kg, m and rad")
         elif element.tag == "mass" and found[0] < 0:
             problem = f"mass {found[0]} kg is negative"
             yield source.error(InvalidNumber, "negative-mass", element, problem, "give a mass of at least 0")
         elif element.tag == "axis" and math.hypot(*found) < SHORTEST_AXIS:
-            problem = f"the axis has length {math.hypot(*found):.3g}, and its square is zero"
+            problem = f"the axis has length {math.hypot(*found):.3g}, too short to give a direction"
             problem = problem if any(found) else "the axis is zero"
             yield source.error(InvalidNumber, "zero-axis", element, problem, "give a direction")

@@ -18,11 +18,11 @@ Chain = tuple[str, str] | None
 
 @dataclass(frozen=True)
 class Cut:
-    """What became of the joints beside the path from the base link to the tip link.
+    """The joints that are not on the path from the base link to the tip link.
 
-    held: movable joints on links that move; they are to be locked, because their links are carried along
-    left_out: movable joints on the base link and on what is fixed to it; gone with all that they carry
-    before: joints from the root to the base link, all gone
+    held: movable joints on links that move; they are to be locked, because the arm carries their links
+    left_out: movable joints on the base link and on links fixed to it; removed with all that they carry
+    before: joints from the root to the base link; removed
     """
 
     held: tuple[str, ...]
@@ -34,7 +34,7 @@ NOTHING = Cut((), (), ())
 
 
 def cut(source: Source, chain: Chain) -> Cut:
-    """Remove all links and joints that the arm does not need; source: a sound tree.
+    """Remove all links and joints that the arm does not need; source: a valid tree, which is modified.
 
     chain: base link, which becomes the root, and tip link. Links fixed to the path stay. Links behind other movable
     joints stay where the path moves them: their mass is part of what the arm carries.
@@ -95,14 +95,14 @@ def _path(source: Source, into: dict[str, etree._Element], base: str, tip: str) 
     if base != tip and (not path or end(path[-1], "parent") != base):
         if tip in (end(joint, "parent") for joint in _up(into, base)):
             raise _error(
-                source, f"link '{tip}' comes before link '{base}'", f"the other way round: chain=('{tip}', '{base}')"
+                source, f"link '{tip}' comes before link '{base}'", f"exchange them: chain=('{tip}', '{base}')"
             )
         above = [end(joint, "parent") for joint in _up(into, base)]
         common = next(name for name in (end(joint, "parent") for joint in path) if name in above)
         raise _error(
             source,
             f"no path leads from link '{base}' to link '{tip}': they are on different branches",
-            f"both hang on link '{common}'; chain=('{common}', '{tip}') is a path",
+            f"both branch off at link '{common}'; chain=('{common}', '{tip}') is a path",
         )
     if all(joint.get("type") == "fixed" for joint in path):
         raise _error(

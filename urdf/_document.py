@@ -14,13 +14,13 @@ from lxml import etree
 from urdf._errors import MalformedXML, TooLarge
 
 LARGEST_FILE = 10_000_000
-"""Bytes; a robot of 2000 links with long names takes 2 MB."""
+"""Largest size of a file [bytes]; a robot of 2000 links with long names takes 2 MB."""
 
 MOST_TAGS = 150_000
-"""Start and end tags of a document, counted as characters "<"."""
+"""Largest number of start and end tags of a document, counted as characters "<"."""
 
 MOST_ATTRIBUTES = 100
-"""Of one element; reading a million of them takes the square of the time of one."""
+"""Largest number of attributes of one element; the time to read them grows with the square of their number."""
 
 _EMPTY, _VERSION, _LIMIT = (
     etree.ErrorTypes.ERR_DOCUMENT_EMPTY,
@@ -31,7 +31,7 @@ _EMPTY, _VERSION, _LIMIT = (
 
 @dataclass(frozen=True)
 class Document:
-    """A file, its bytes, and its root element <robot>; path: what messages name."""
+    """A file, its bytes, and its root element <robot>; path: as messages give it."""
 
     path: Path
     content: bytes
@@ -39,9 +39,10 @@ class Document:
 
 
 def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bool = True) -> Document:
-    """The document of these bytes; path: what messages name.
+    """The document of these bytes; path: as messages give it.
 
-    encoding: overrides what the document declares; lines=False: its lines are not those of the file at path
+    encoding: overrides the one that the document declares; lines=False: no line numbers, which would not be those of
+        the file at path
 
     Raises MalformedXML where yourdfpy would fall back on a parser that guesses, and TooLarge.
     """
@@ -54,10 +55,10 @@ def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bo
         raise _syntax_error(path, content, error) from error
     _check_document_type(path, robot)
     if robot.xpath(f"boolean(//*[@*[{MOST_ATTRIBUTES + 1}]])"):
-        raise TooLarge(f"an element has more than {MOST_ATTRIBUTES} attributes", "leave out what is no URDF", path=path)
+        raise TooLarge(f"an element has more than {MOST_ATTRIBUTES} attributes", "remove what is not URDF", path=path)
     if not lines:
         for element in robot.iter():
-            element.sourceline = 0  # lxml's word for none
+            element.sourceline = 0  # lxml's value for an unknown line
     name = etree.QName(robot).localname
     if robot.prefix is not None or name != "robot":
         written = name if robot.prefix is None else f"{robot.prefix}:{name}"
@@ -72,11 +73,11 @@ def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bo
 
 
 def check_size(content: bytes, path: Path) -> None:
-    """Raise TooLarge for what takes long to parse."""
+    """Raise TooLarge for a document that would take long to parse."""
     if len(content) > LARGEST_FILE:
         raise TooLarge(
             f"the file is larger than {LARGEST_FILE // 1_000_000} MB",
-            "give a URDF file; meshes belong into files of their own",
+            "give a URDF file; put meshes into separate files",
             path=path,
         )
     tags = content.count(b"<")
@@ -89,7 +90,7 @@ def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> Ma
     if number == _LIMIT:
         return MalformedXML(
             f"the document exceeds a limit of the XML parser: {message}",
-            "give an ordinary URDF file, without entities, deep nesting and endless texts",
+            "give an ordinary URDF file, without entities, deep nesting and very long texts",
             code="xml-limits",
             path=path,
             line=error.lineno,
@@ -107,7 +108,7 @@ def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> Ma
 
 
 def _check_document_type(path: Path, robot: etree._Element) -> None:
-    """Refuse <!DOCTYPE>: entities change what other readers see, and nothing else in it is of use to a robot."""
+    """Refuse <!DOCTYPE>: its entities change what other readers read, and a robot needs nothing else in it."""
     grammar: Any = robot.getroottree().docinfo.internalDTD
     if grammar is None:
         return

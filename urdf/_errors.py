@@ -1,4 +1,4 @@
-"""What the importer and the exporter refuse, and what they warn about."""
+"""Errors and warnings of loading, saving and updating URDF files."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from graphdyn import GraphDynError
 
 
 class URDFError(GraphDynError, ValueError):
-    """Base of every refusal: where, what is wrong, and what to do about it.
+    """Base of every error of this package: where, what is wrong, and what to do about it.
 
     code: a stable name of the fault ("negative-mass"), for programs
-    path: the file, line: its line, element: the element there; None where the refusal has none
+    path: the file, line: its line, element: the element there; None where the error has none
     """
 
     default_code: ClassVar[str] = "invalid-robot"
@@ -41,7 +41,7 @@ class RobotNotFound(URDFError):
 
 
 class TooLarge(URDFError):
-    """A file beyond the limits of size: bytes, tags, links, joints."""
+    """A file that is too large: in bytes, tags, links or joints."""
 
     default_code = "too-large"
 
@@ -61,7 +61,7 @@ class DuplicateEntry(URDFError):
 
 
 class InvalidNumber(URDFError):
-    """Text that is not the finite number, or the three finite numbers, that belong there."""
+    """An attribute whose text is not the finite number, or the three finite numbers, that it should hold."""
 
 
 class UnsupportedJoint(URDFError):
@@ -77,7 +77,7 @@ class InvalidLock(URDFError):
 
 
 class InvalidChain(URDFError):
-    """Two links that do not span an arm."""
+    """A chain= that does not name the base link and the tip link of an arm."""
 
 
 class InvalidXacro(URDFError):
@@ -87,17 +87,17 @@ class InvalidXacro(URDFError):
 
 
 class XacroNotInstalled(InvalidXacro):
-    """A .xacro file, and no expander."""
+    """A .xacro file, where the package that expands it is not installed."""
 
     default_code = "xacro-not-installed"
 
 
 class InvalidRepair(URDFError):
-    """A repair that urdf.load does not know."""
+    """A repair= that urdf.load does not know."""
 
 
 class InvalidRobot(URDFError):
-    """A file that reads well and describes a robot that graphdyn refuses."""
+    """A readable file that describes a robot that graphdyn refuses."""
 
 
 class CannotSave(URDFError):
@@ -121,15 +121,15 @@ class AxisNotNormalizedWarning(URDFWarning):
 
 
 class ChainWarning(URDFWarning):
-    """What urdf.load decided where an arm is cut out of a larger robot."""
+    """Decisions of urdf.load about an arm that is cut out of a larger robot (chain=)."""
 
 
 class XacroWarning(URDFWarning):
-    """What the expander of .xacro files complains about."""
+    """Warnings of the program that expands .xacro files."""
 
 
 class RepairWarning(URDFWarning):
-    """What was mended at the caller's wish."""
+    """Repairs that the caller asked for (repair=)."""
 
 
 class MimicJointWarning(URDFWarning):

@@ -9,8 +9,8 @@ from pathlib import Path
 def write_whole(path: Path, content: bytes) -> None:
     """Write next to the target, then rename: no reader ever sees half a file.
 
-    A link is followed, an existing file keeps its permissions, and what is no regular file (a pipe, /dev/stdout) is
-    written to directly. Raises OSError, naming the path that was asked for.
+    A link is followed, an existing file keeps its permissions, and a target that is not a regular file (a pipe,
+    /dev/stdout) is written to directly. Raises OSError with the path that was given.
     """
     target = path.resolve()
     part = target.with_name(f".{target.name}.{uuid.uuid4().hex}")

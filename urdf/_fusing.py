@@ -21,9 +21,9 @@ class Inertial:
     tensor: Array
 
     def seen_from(self, placement: Placement) -> Inertial:
-        """The same inertial in the frame in which its own frame has this placement."""
+        """The same inertial in another frame; placement: of its own frame in that one."""
         rotation = placement.rotation
-        rotated = not np.array_equal(rotation, np.eye(3))  # an unrotated tensor stays bit by bit what the file says
+        rotated = not np.array_equal(rotation, np.eye(3))  # an unrotated tensor keeps every bit
         return Inertial(
             self.mass,
             rotation @ self.center + placement.translation,

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from xml.parsers import expat
 
 _TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
-"""A whole tag; values may hold '>'."""
+"""A whole tag; attribute values may contain '>'."""
 
 _LINE_START = re.compile(rb"[ \t]*$")
 
@@ -27,7 +27,7 @@ class Span:
 
 
 def inertial_spans(data: bytes) -> dict[str, Span]:
-    """By name of the link. data: a document that urdf._source has read, in an encoding that contains ASCII."""
+    """The span of every link by its name. data: a document that loads, in an encoding that contains ASCII."""
     spans: dict[str, Span] = {}
     path: list[str] = []
     link = ""

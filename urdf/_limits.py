@@ -11,15 +11,15 @@ if TYPE_CHECKING:
     import yourdfpy
 
 NO_LIMIT = sys.float_info.max
-"""Effort or velocity limit that save writes for "none".
+"""Effort or velocity limit that save writes where the model has none.
 
-The URDF schema demands both attributes wherever <limit> is, and <limit> for revolute and prismatic joints; urdfdom
+The URDF schema demands both attributes in every <limit>, and <limit> for revolute and prismatic joints; urdfdom
 (and so Pinocchio) refuses files without them. The largest double is a finite number that every reader accepts; zero
-would say that the joint cannot move.
+would mean that the joint cannot move.
 """
 
 ENDLESS = 1.79769e308
-"""From here on a limit says "none": SDFormat and others print the largest double with six digits."""
+"""Magnitude from which a limit counts as none: SDFormat and others print the largest double with six digits."""
 
 
 def from_urdf(joint: yourdfpy.urdf.Joint) -> JointLimits:

@@ -1,4 +1,4 @@
-"""urdf.load: any source, opened, parsed and told about."""
+"""urdf.load: open a source, parse it, warn of what is doubtful, build the model."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ def load(
         lines. A path that ends with .xacro is expanded, which needs the extra graphdyn[xacro]
     chain: (base_link, tip_link) cuts out the arm between two links; base_link becomes the root, at the origin.
         Links fixed to the path stay. Other movable joints are locked where the path carries them (at 0 unless lock
-        says otherwise), for their mass belongs to the load; on base_link itself they are left out
+        says otherwise), because the arm carries their mass; on base_link itself they are left out
     lock: joints to hold still: {name: value [rad or m]}, or names (value 0)
-    repair: what to mend, each change reported by RepairWarning: "axis" gives axes whose length misses 1 by less than
-        1e-3 unit length, "limits" exchanges lower and upper limits that are reversed
+    repair: what to repair, each change reported by RepairWarning: "axis" gives unit length to axes whose length
+        differs from 1 by less than 1e-3, "limits" exchanges lower and upper limits that are reversed
     gravity: (3,) in world axes [m/s²]; default: the catalogue's for a name, (0, 0, -9.81) for a file
     xacro: arguments and packages for a .xacro file
 
     Bodies are numbered parents first, depth first, siblings in the order of the <joint> elements; a body has the name
     of its link. Fixed and locked joints are fused and their links kept as frames, under the joint's name too unless a
-    link has that name. Angles are used as written: 1.5708 is not π/2. Mimic joints are independent, as in Pinocchio
-    unless it is asked otherwise. The inertia of the root link, which never moves, is dropped. A largest-double effort
-    or velocity limit means "none" (urdf.save writes it).
+    link has that name. Angles are used as written: 1.5708 is not π/2. Mimic joints are independent, as in Pinocchio by
+    default. The inertia of the root link, which never moves, is dropped. An effort or velocity limit that is the
+    largest double means "none" (urdf.save writes it).
 
     Raises URDFError (RobotNotFound, MalformedXML, TooLarge, MissingEntry, DuplicateEntry, InvalidNumber,
     UnsupportedJoint, NotATree, InvalidChain, InvalidLock, InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled)
-    with file, line and element for everything that would have to be guessed, and InvalidModel for a gravity that is not
-    three finite numbers.
+    with file, line and element, also for every value that would have to be guessed, and InvalidModel for a gravity that
+    is not three finite numbers.
     Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning, ChainWarning, RepairWarning,
     XacroWarning.
     """

@@ -1,4 +1,4 @@
-"""Joints that the caller holds still: they become fixed joints."""
+"""Joints that the caller locks: they become fixed joints."""
 
 from __future__ import annotations
 

@@ -13,18 +13,18 @@ from urdf._wording import shortened
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 
 _BLANKS = re.compile(r"[ \t\r\n]+")
-"""What XML takes for blank; str.split knows many more, which no other reader of URDF does."""
+"""White space of XML; str.split splits at many more characters, which no other reader of URDF accepts."""
 
 UNIT_LENGTH = 1e-9
-"""An axis whose length differs from 1 by no more is taken for a unit vector."""
+"""Largest difference from 1 of the length of an axis that is used as a unit vector."""
 
 UNEXPANDED = re.compile(r"\$[{(]")
-"""What xacro would have replaced: ${…} and $(…)."""
+"""Expressions that xacro would have replaced: ${…} and $(…)."""
 
 
 @dataclass(frozen=True)
 class BadNumber:
-    """Why a text is not the numbers that belong there."""
+    """Why a text is not the numbers that were expected."""
 
     code: str
     problem: str
@@ -32,7 +32,7 @@ class BadNumber:
 
 
 def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:
-    """The numbers of a text, so many, or what is wrong with it. said: how the text appears in the sentence."""
+    """The numbers of a text, which should be count, or what is wrong with it. said: the text as messages give it."""
     if UNEXPANDED.search(text):
         return BadNumber("unexpanded-number", f"{said} is not expanded", "expand the file with xacro")
     words = [word for word in _BLANKS.split(text) if word]
@@ -55,7 +55,7 @@ def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:
 
 
 def values(element: etree._Element | None, attribute: str, count: int) -> list[float] | None:
-    """The numbers of an attribute; None where the element, the attribute or a sound number is missing."""
+    """The numbers of an attribute; None where the element, the attribute or a valid number is missing."""
     text = None if element is None else element.get(attribute)
     found = None if text is None else numbers(text, count, "")
     return None if isinstance(found, BadNumber) else found

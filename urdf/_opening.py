@@ -1,4 +1,4 @@
-"""What urdf.load and urdf.inspect take: a robot's name, a path, XML as text or bytes, an open file."""
+"""The sources of urdf.load and urdf.inspect: a robot's name, a path, XML as text or bytes, an open file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]
 """A string is XML if it begins with "<" or has several lines, else a name of the catalogue or a path."""
 
 TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
-"""Stand in for the path, in messages, where there is none."""
+"""Path in messages about a source that has none."""
 
 UNNAMED = (TEXT, BYTES, STREAM)
 
@@ -40,7 +40,7 @@ class Xacro:
 class Opened:
     """A document, and the gravity that goes with it (3,) [m/s²].
 
-    complaints: of the expander, None where the file was not expanded
+    complaints: warnings of the expander, None where the file was not expanded
     """
 
     document: Document
@@ -49,7 +49,7 @@ class Opened:
 
 
 def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
-    """The document that is meant; a file whose name ends with .xacro is expanded first.
+    """The document of a source; a file whose name ends with .xacro is expanded first.
 
     Raises RobotNotFound, MalformedXML, TooLarge, InvalidXacro, XacroNotInstalled; OSError.
     """
@@ -60,7 +60,7 @@ def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
     check_size(content, path)
     if path.suffix.lower() == ".xacro":
         settings = xacro or Xacro()
-        document = parsed(path, content, encoding)  # refuses what no XML parser should be given
+        document = parsed(path, content, encoding)  # raises where the XML is malformed or unsafe
         text, complaints = expand(path, document.content, settings.arguments, settings.packages)
         check_size(text, path)
         return Opened(parsed(path, text, UTF8, lines=False), gravity, tuple(complaints))
@@ -74,12 +74,12 @@ def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
 
 
 def content_of(path: Path) -> bytes:
-    """The bytes of a file; of a .xacro file what it expands to. Raises as open_document does."""
+    """The bytes of a file; for a .xacro file, of its expansion. Raises as open_document does."""
     return open_document(path).document.content if path.suffix.lower() == ".xacro" else path.read_bytes()
 
 
 def path_of(given: Given) -> Path:
-    """The file that is meant, or TEXT, BYTES or STREAM. Raises RobotNotFound."""
+    """The file of a source, or TEXT, BYTES or STREAM. Raises RobotNotFound."""
     if isinstance(given, bytes):
         return BYTES
     if isinstance(given, str) and _is_xml(given):
@@ -91,7 +91,7 @@ def path_of(given: Given) -> Path:
 
 
 def said(given: Given) -> str:
-    """The name or path as it is given, or what stands for it."""
+    """The name or path as given; TEXT, BYTES or STREAM for other sources."""
     named = isinstance(given, str | PathLike) and not (isinstance(given, str) and _is_xml(given))
     return fspath(given) if named else str(path_of(given))  # type: ignore[arg-type]
 
@@ -106,7 +106,7 @@ def _read(given: Given) -> tuple[Path, str | bytes, tuple[float, float, float]]:
             return path, file.read(LARGEST_FILE + 1), gravity
     if not hasattr(given, "read"):
         raise RobotNotFound(
-            f"{type(given).__name__} is no robot", "give a name, a path, XML as text or bytes, or an open file"
+            f"a {type(given).__name__} is not a robot", "give a name, a path, XML as text or bytes, or an open file"
         )
     content = given.read(LARGEST_FILE + 1)
     if not isinstance(content, str | bytes):

@@ -1,4 +1,4 @@
-"""The stages between the document and the model: mend, check, cut, parse, fuse."""
+"""The stages between the document and the model: repair, check, cut, parse, fuse."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 class Parsed:
     """A file as yourdfpy reads it, and the bodies, joints and frames made of it.
 
-    locked: value per joint that is held still [rad or m]; stated: those of them that the caller named
-    changes: what was mended
+    locked: value per locked joint [rad or m]; stated: those of them that the caller named
+    changes: the repairs, in words
     """
 
     path: Path
@@ -45,7 +45,7 @@ class Parsed:
 
 
 def parse(source: Source, *, chain: Chain = None, lock: Lock = None, repair: Iterable[str] = ()) -> Parsed:
-    """The stages between the document and the model; the source is used up. Raises as load does."""
+    """The stages between the document and the model; the source is modified. Raises as load does."""
     path = source.path
     changes = mend(source, repair)
     check(source)
@@ -83,8 +83,8 @@ def build(parsed: Parsed, gravity: ArrayLike) -> RobotModel:
 
 
 def _robot(source: Source) -> yourdfpy.urdf.Robot:
-    """yourdfpy's robot of exactly the elements that were checked. Its import takes a second, hence here."""
+    """yourdfpy's robot of exactly the elements that were checked. Imported here, because that takes a second."""
     import yourdfpy
 
-    document = BytesIO(etree.tostring(source.robot, encoding="utf-8"))  # ASCII has no names such as <größe>
+    document = BytesIO(etree.tostring(source.robot, encoding="utf-8"))  # ASCII cannot hold the tag <größe>
     return yourdfpy.URDF.load(document, build_scene_graph=False, load_meshes=False).robot

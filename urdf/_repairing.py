@@ -13,13 +13,13 @@ from urdf._numerals import UNIT_LENGTH, values
 from urdf._source import Source, describe, line_of
 
 ROUNDED = 1e-3
-"""An axis whose length misses 1 by less was cut off when it was written."""
+"""Difference from 1 below which the length of an axis is 1, written with few digits."""
 
 
 def repair(source: Source, wanted: Iterable[str]) -> list[str]:
-    """Mend the elements of the source and tell every change. Raises InvalidRepair for names that are none.
+    """Repair the elements of the source; return every change, in words. Raises InvalidRepair for unknown names.
 
-    "axis": axes whose length misses 1 by less than ROUNDED get unit length
+    "axis": axes whose length differs from 1 by less than ROUNDED get unit length
     "limits": lower and upper limits of position that are reversed are exchanged
     """
     if isinstance(wanted, str):
@@ -32,7 +32,7 @@ def repair(source: Source, wanted: Iterable[str]) -> list[str]:
 
 
 def crossed_limits(joint: etree._Element) -> tuple[float, float] | None:
-    """Lower and upper limit of position where they are reversed; None where they are in order, endless or missing."""
+    """Lower and upper limit of position where they are reversed; None where they are in order, infinite or missing."""
     limit = joint.find("limit")
     lower, upper = values(limit, "lower", 1), values(limit, "upper", 1)
     if joint.get("type") not in ("revolute", "prismatic") or lower is None or upper is None:
@@ -64,4 +64,4 @@ def _limits(source: Source) -> Iterator[str]:
 
 
 REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {"axis": _axes, "limits": _limits}
-"""By the name that urdf.load takes."""
+"""The repairs, by the names that urdf.load takes."""

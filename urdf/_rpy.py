@@ -17,8 +17,8 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
 def rpy_from_rotation(rotation: Array) -> Array:
     """(roll, pitch, yaw) (3,) [rad], pitch in [-π/2, π/2], of a rotation (3, 3).
 
-    Roll is taken from R_z(-yaw) R, so that the three belong together: they return the matrix to rounding even at
-    pitch = ±π/2, where yaw alone is arbitrary. -0.0 becomes 0.0.
+    Roll is taken from R_z(-yaw) R, so that the three angles are consistent: they reproduce the matrix to rounding even
+    at pitch = ±π/2, where yaw alone is arbitrary. -0.0 becomes 0.0.
     """
     r = rotation
     yaw = np.arctan2(r[1, 0], r[0, 0])

@@ -19,10 +19,12 @@ _READ = {
     "inertial": ("origin", "mass", "inertia"),
     "joint": (*_RIGID, "axis", "limit", "dynamics", "mimic"),
 }
-"""The children that are read. The rest (visuals, transmissions, xacro leftovers, …) says nothing of dynamics."""
+"""Per element, its children that are read. The others (visuals, transmissions, xacro leftovers, …) do not affect
+dynamics."""
 
 MOST_LINKS = 2000
-"""And joints. Dense matrices of so many bodies fill gigabytes; the largest published robots have some 200 links."""
+"""Largest number of links, and of joints: dense matrices of more bodies fill gigabytes; the largest published robots
+have some 200 links."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +43,12 @@ class Source:
         return self.robot.findall("joint")
 
     def error(self, kind: type[URDFError], code: str, element: etree._Element, problem: str, remedy: str) -> URDFError:
-        """The refusal of this kind, with file, line and element."""
+        """An error of this kind, with file, line and element."""
         return kind(problem, remedy, code=code, path=self.path, line=line_of(element), element=describe(element))
 
 
 def reduced(document: Document) -> Source:
-    """The document without all that is not read; its own tree is used up. Raises TooLarge."""
+    """The document without the elements that are not read; its own tree is modified. Raises TooLarge."""
     robot = document.robot
     _reduce(robot)
     etree.cleanup_namespaces(robot)
@@ -67,7 +69,7 @@ def name_of(element: etree._Element) -> str:
 def tag_of(element: etree._Element) -> str:
     """Its tag as written, whatever namespace xmlns="…" puts it into; empty for comments and for tags with a prefix.
 
-    Pinocchio goes by tags as written too, and tags with a prefix are none of URDF's.
+    Pinocchio too compares tags as written, and URDF has no tags with a prefix.
     """
     tag = element.tag
     return tag.rpartition("}")[2] if isinstance(tag, str) and element.prefix is None else ""

@@ -1,4 +1,4 @@
-"""What urdf.load says about a file that it loads: each kind of warning once, with all names."""
+"""The warnings of urdf.load: each kind once per file, with all names."""
 
 from __future__ import annotations
 
@@ -24,22 +24,22 @@ from urdf._parsing import Parsed
 from urdf._rpy import rotation_from_rpy
 
 TILTED = 1e-9
-"""A base link is tilted if gravity differs by more than this part between its axes and those of the root."""
+"""Relative difference of gravity between the axes of the base link and of the root beyond which the base is tilted."""
 
 
 def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> None:
-    """The warnings, at the line that called load.
+    """Issue the warnings, at the line that called load.
 
-    gravity: of the model, None where the caller gave it (3,) [m/s²]; complaints: of the expander of .xacro files
+    gravity: of the model, None where the caller gave it (3,) [m/s²]; complaints: warnings of the expander of .xacro
     """
     _tell(XacroWarning, parsed, "expanding the file: ", complaints)
     joints, cut, assembly = parsed.robot.joints, parsed.cut, parsed.assembly
     _tell(RepairWarning, parsed, "repaired: ", parsed.changes)
     held = [f"'{name}'" for name in cut.held if name not in parsed.stated]
-    after = "; their links are carried along, and lock= holds them elsewhere"
+    after = "; the chain carries their links; lock= locks them at other values"
     _tell(ChainWarning, parsed, "movable joints beside the chain are locked at 0: ", held, after)
     left_out = [f"'{name}'" for name in cut.left_out]
-    after = "; what they carry stands on the base link and does not load the chain"
+    after = "; the base link supports what they carry, not the chain"
     _tell(ChainWarning, parsed, "movable joints on the base of the chain are left out: ", left_out, after)
     if gravity is not None:
         _tell(ChainWarning, parsed, "", _tilt(cut, parsed.root, gravity))
@@ -47,16 +47,14 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     odd = [f"joint '{name}' ({length:.9g})" for name, length in lengths.items() if abs(length - 1) > UNIT_LENGTH]
     _tell(AxisNotNormalizedWarning, parsed, "axis not of unit length, normalised: ", odd)
     mimics = [f"'{joint.name}'" for joint in joints if joint.mimic is not None and joint.name not in parsed.locked]
-    _tell(
-        MimicJointWarning, parsed, "mimic joints are loaded as independent joints: ", mimics, "; lock= holds them still"
-    )
+    _tell(MimicJointWarning, parsed, "mimic joints are loaded as independent joints: ", mimics, "; lock= locks them")
     massless = [f"'{name}'" for names in assembly.massless for name in names]
     after = "; their mass is zero and forward dynamics are not determined"
     _tell(MissingInertialWarning, parsed, "moving links without <inertial>: ", massless, after)
 
 
 def _tilt(cut: Cut, base: str, gravity: Array) -> list[str]:
-    """What gravity is in the axes of the base link, where the whole robot at zero has it tilted."""
+    """Gravity in the axes of the base link, if the link is tilted in the whole robot with all joints at 0."""
     rotation = np.eye(3)
     for joint in cut.before:
         rotation = rotation_from_rpy(*(values(joint.find("origin"), "rpy", 3) or (0.0, 0.0, 0.0))) @ rotation
@@ -65,8 +63,8 @@ def _tilt(cut: Cut, base: str, gravity: Array) -> list[str]:
         return []
     said = ", ".join(f"{x:.9g}" for x in there + 0.0)
     return [
-        f"base link '{base}' is tilted in the whole robot, and upright as the root of the chain; "
-        f"gravity=({said}) is what it has there with all joints at 0"
+        f"base link '{base}' is tilted in the whole robot, but upright as the root of the chain; "
+        f"gravity=({said}) restores the direction that gravity has in the whole robot with all joints at 0"
     ]
 
 

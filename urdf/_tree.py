@@ -11,7 +11,7 @@ from urdf._source import Source, name_of
 from urdf._wording import listed, shortened
 
 Joints = Mapping[str, Sequence[etree._Element]]
-"""Joints by the name of a link."""
+"""Per link, by name: joints."""
 
 
 def check_tree(source: Source) -> None:
@@ -21,13 +21,13 @@ def check_tree(source: Source) -> None:
 
 
 def joints_in_order(source: Source) -> tuple[str, list[str]]:
-    """Name of the root link, and the joint names, parents before children, of a sound tree."""
+    """Name of the root link, and the joint names, parents before children, of a valid tree."""
     (root,) = root_links(source)
     return root, [name_of(joint) for joint in walk(joints_by(source, "parent"), [root])]
 
 
 def tree_faults(source: Source) -> Iterator[URDFError]:
-    """Everything that keeps links and joints from being one tree."""
+    """Every reason why links and joints are not one tree."""
     links = {name_of(link) for link in source.links}
     for joint in source.joints:
         for side in ("parent", "child"):
@@ -59,7 +59,7 @@ def tree_faults(source: Source) -> Iterator[URDFError]:
 
 
 def root_links(source: Source) -> list[str]:
-    """Names of the links that are no child, in file order."""
+    """Names of the links that are not the child of a joint, in file order."""
     carried = joints_by(source, "child")
     return [name for name in dict.fromkeys(map(name_of, source.links)) if name not in carried]
 
@@ -75,7 +75,7 @@ def joints_by(source: Source, side: str) -> dict[str, list[etree._Element]]:
 
 
 def walk(carriers: Joints, roots: Sequence[str]) -> Iterator[etree._Element]:
-    """The joints reached from these links, parents first, depth first; each once, also where the tree is none.
+    """The joints reached from these links, parents first, depth first; each once, even where they are not a tree.
 
     carriers: per link, the joints that it is the parent of
     """

@@ -23,15 +23,15 @@ from urdf._locking import Lock
 from urdf._writing import inertial_element
 
 _OTHER_ENCODINGS = (b"\xff\xfe", b"\xfe\xff")
-"""Byte-order marks of UTF-16: ASCII text cannot be put between its bytes."""
+"""Byte-order marks of UTF-16: ASCII text cannot be inserted into such a file."""
 
 
 @dataclass(frozen=True)
 class Update:
     """What urdf.update did.
 
-    changed: links that have a new <inertial>; kept: links that were right already, to the last bit
-    notes: where the mass of fused links went
+    changed: links that have a new <inertial>; kept: links that had these parameters already, to the last bit
+    notes: the bodies whose mass is shared with links fixed to them
     """
 
     path: Path
@@ -54,14 +54,14 @@ def update(
     source: path, or name of the catalogue; destination: may be the same path
     parameters: ten per body of urdf.load(source, chain=chain, lock=lock), in its order
                                                             (n, 10) or (10n,)  [kg, kg m, kg m²]
-    chain, lock: as in urdf.load, where the parameters were identified on an arm cut out or with joints held still
+    chain, lock: as in urdf.load, if the parameters were identified on an arm cut out or with locked joints
     inconsistent: also write parameters that no real body can have
 
     A body may carry fixed or locked links. They keep their own <inertial>; the link of the body gets the rest, so that
     all together have the given parameters.
 
     Raises CannotUpdate for parameters of another shape, NaN or infinity, negative masses, physically inconsistent
-    parameters unless they are asked for, and files in UTF-16; urdf.load's errors for the source; OSError.
+    parameters unless inconsistent=True, and files in UTF-16; urdf.load's errors for the source; OSError.
     """
     path, _ = locate(source)
     if path.suffix.lower() == ".xacro":
@@ -100,7 +100,9 @@ def _checked(parameters: ArrayLike, n: int, path: Path) -> Array:
     try:
         wanted = np.asarray(parameters, dtype=float)
     except (TypeError, ValueError) as error:
-        raise CannotUpdate(f"the parameters are no numbers: {error}", "give ten numbers per body", path=path) from error
+        raise CannotUpdate(
+            f"the parameters are not numbers: {error}", "give ten numbers per body", path=path
+        ) from error
     if wanted.shape not in ((n, BODY_PARAMETERS), (n * BODY_PARAMETERS,)):
         raise CannotUpdate(
             f"the parameters have shape {wanted.shape}, expected ({n}, 10) or ({10 * n},)",
@@ -133,14 +135,14 @@ def _refuse_inconsistent(body: Body, path: Path) -> None:
     if problems:
         raise CannotUpdate(
             f"no real body has these parameters: {'; '.join(problems)}",
-            "identify with physical constraints, or write them all the same with inconsistent=True",
+            "identify with physical constraints, or write them nevertheless with inconsistent=True",
             path=path,
             element=f"link '{body.name}'",
         )
 
 
 def _edited(data: bytes, edits: list[tuple[Span, Body]]) -> bytes:
-    """The document with these elements, last one first so that the places stay right."""
+    """The document with these elements, inserted from the end so that earlier positions stay valid."""
     newline = b"\r\n" if b"\r\n" in data else b"\n"
     for span, body in sorted(edits, key=lambda edit: edit[0].start, reverse=True):
         element = inertial_element(body)

@@ -1,18 +1,18 @@
-"""Text of a file inside sentences: never endless, whatever the file contains."""
+"""Names and values of a file quoted in messages: shortened, whatever the file contains."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 LONGEST = 80
-"""Characters of a name or value."""
+"""Largest number of characters of a quoted name or value."""
 
 MOST = 20
-"""Names of a list."""
+"""Largest number of names in a quoted list."""
 
 
 def shortened(text: str) -> str:
-    """The text, its middle left out where it is long."""
+    """The text; beyond LONGEST characters, without its middle."""
     half = LONGEST // 2
     return text if len(text) <= LONGEST else f"{text[:half]} … {text[-half:]}"
 

@@ -41,7 +41,7 @@ def robot_element(model: RobotModel) -> etree._Element:
     etree.SubElement(robot, "link", name=model.base_name)
     for body in model.bodies:
         link = etree.SubElement(robot, "link", name=body.name)
-        if body.mass != 0 or body.inertia.any():  # without either it comes back with the warning that it deserves
+        if body.mass != 0 or body.inertia.any():  # without <inertial>, loading warns of the missing mass
             link.append(inertial_element(body))
     for frame in frames:
         etree.SubElement(robot, "link", name=frame.name)
@@ -75,7 +75,7 @@ def _fixed_links(model: RobotModel, links: tuple[str, ...]) -> list[_FixedLink]:
 
 
 def _free_name(wish: str, taken: Container[str]) -> str:
-    """The wished name, or the first of wish_1, wish_2, … that is not taken."""
+    """The wanted name, or the first of wish_1, wish_2, … that is not taken."""
     candidates = chain([wish], (f"{wish}_{k}" for k in count(1)))
     return next(name for name in candidates if name not in taken)
 
@@ -135,5 +135,5 @@ def _add_numbers(element: etree._Element, tag: str, values: Mapping[str, float])
 
 
 def _text(values: Array) -> str:
-    """Numbers as the shortest text that reads back to the same doubles."""
+    """Numbers as the shortest text that is read as the same doubles."""
     return " ".join(repr(float(value)) for value in values)

@@ -1,6 +1,6 @@
-"""Expand .xacro files, without ROS, in a process of its own that may read nothing but what the user named.
+"""Expand .xacro files, without ROS, in a separate process that can read only the folders that the user named.
 
-xacro evaluates Python expressions; see xacro_process for what these may do.
+xacro evaluates Python expressions; see _xacro_process for what these may do.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from urdf._errors import InvalidXacro, XacroNotInstalled
 from urdf._wording import MOST, shortened
 
 CPU_SECONDS = 1.5
-"""Time for expanding; the files of one arm take some 0.3 s."""
+"""Processor time allowed for expanding [s]; the files of one arm take some 0.3 s."""
 
 MEGABYTES = 300
-"""Memory for expanding."""
+"""Memory allowed for expanding [MB]."""
 
 WALL_SECONDS = 60
-"""On a busy machine the processor time may be long in coming."""
+"""Elapsed time allowed for expanding [s]: on a busy machine, far more than the processor time."""
 
 SCRIPT = Path(__file__).with_name("_xacro_process.py")
 
@@ -32,12 +32,12 @@ SCRIPT = Path(__file__).with_name("_xacro_process.py")
 def expand(
     path: Path, content: bytes, arguments: Mapping[str, object], packages: Mapping[str, str | PathLike[str]]
 ) -> tuple[bytes, list[str]]:
-    """The XML that a .xacro file stands for, in UTF-8, and what the expander complains about.
+    """The XML that a .xacro file expands to, in UTF-8, and the warnings of the expander.
 
     path: of the file; what it includes must lie in its folder or below, or in a package
     arguments: values of <xacro:arg> by name; packages: folder by the name that $(find NAME) gives
 
-    Raises XacroNotInstalled; InvalidXacro for faults, forbidden files and expansions without end.
+    Raises XacroNotInstalled; InvalidXacro for faults, forbidden files and expansions that do not end.
     """
     _check_packages(path, packages)
     if importlib.util.find_spec("xacro") is None:
@@ -82,7 +82,7 @@ def _check_packages(path: Path, packages: Mapping[str, str | PathLike[str]]) -> 
 
 
 def _complaints(written: bytes) -> list[str]:
-    """The lines that begin with "warning:"; the others say where."""
+    """The lines that begin with "warning:"; the others give the place."""
     lines = (re.sub(r"\x1b\[[\d;]*m", "", line).strip() for line in written.decode(errors="replace").splitlines())
     return [shortened(line.removeprefix("warning: ")) for line in lines if line.startswith("warning: ")][:MOST]
 

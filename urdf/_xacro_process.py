@@ -1,11 +1,11 @@
-"""The process that expands one .xacro file: a script by itself, run with an empty environment.
+"""The process that expands one .xacro file: a self-contained script, run with an empty environment.
 
 Standard input: a JSON object with path, content (a character per byte), arguments, packages, cpu_seconds, megabytes.
 Standard output: a JSON object with text, or with problem and remedy.
 
-xacro hands ${…} to Python's eval with most names removed, which alone stops nobody (a generator's frame leads to all of
-Python). Hence three fences: expressions that could reach a frame are refused; an audit hook refuses every file outside
-the given folders, all writing, and whatever is no plain computing; the kernel limits time and memory.
+xacro evaluates ${…} with Python's eval and most names removed, which alone is no protection (a generator's frame gives
+access to all of Python). Hence three barriers: expressions that could reach a frame are refused; an audit hook refuses
+every file outside the given folders, all writing, and everything but computation; the kernel limits time and memory.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 HARMLESS = {"compile", "exec", "glob.glob", "glob.glob/2", "builtins.id", "import"}
-"""Audit events let through; what an import then opens is looked at by itself."""
+"""Audit events that are allowed; the files that an import opens are audited separately."""
 
 FORBIDDEN_NODES = (ast.Lambda, ast.GeneratorExp, ast.Await, ast.NamedExpr)
 FORBIDDEN_ATTRIBUTES = ("format", "format_map")
 FORBIDDEN_FUNCTIONS = ("type", "vars")
-"""Ways from a value to its class or its frame."""
+"""Functions that lead from a value to its class or its frame."""
 
 
 LONGEST = 300
-"""Characters of a message, which may quote the file."""
+"""Largest number of characters of a message, which may quote the file."""
 
 
 class Refused(Exception):
-    """Something that no description of a robot needs."""
+    """The document asks for something that no description of a robot needs."""
 
     def __init__(self, problem: str, remedy: str):
         super().__init__(problem)
@@ -54,13 +54,13 @@ def main() -> None:
 
 
 def explained(error: Exception, megabytes: int) -> dict[str, str]:
-    """Problem and remedy. xacro wraps what its functions raise, so that the cause is further down."""
+    """Problem and remedy. xacro wraps the errors of its functions, so that the cause is further down the chain."""
     causes = list(chain_of(error))
     if any(isinstance(cause, MemoryError) for cause in causes):
         remedy = "expand the file yourself, if you trust it, and give the URDF"
         return {"problem": f"expanding takes more than {megabytes} MB", "remedy": remedy}
     if any(isinstance(cause, RecursionError) for cause in causes):
-        return {"problem": "macros or includes without end", "remedy": "correct the file"}
+        return {"problem": "endless recursion of macros or includes", "remedy": "correct the file"}
     for cause in causes:
         if isinstance(cause, Refused):
             return {"problem": str(cause), "remedy": cause.remedy}
@@ -69,7 +69,7 @@ def explained(error: Exception, megabytes: int) -> dict[str, str]:
 
 
 def chain_of(error: BaseException | None) -> Iterator[BaseException]:
-    """The error and what caused it."""
+    """The error and its causes."""
     while error is not None:
         yield error
         error = getattr(error, "exc", None) or error.__cause__ or error.__context__
@@ -97,7 +97,7 @@ def limit(cpu_seconds: float, megabytes: int) -> None:
 
 
 def offer_packages(packages: Mapping[str, str]) -> None:
-    """Answer $(find NAME) in place of the ROS package index, which xacro imports where it needs it."""
+    """Answer $(find NAME) in place of the ROS package index, which xacro imports when it needs it."""
 
     def get_package_share_directory(name: str) -> str:
         if name not in packages:
@@ -111,7 +111,7 @@ def offer_packages(packages: Mapping[str, str]) -> None:
 
 
 def guard_expressions(xacro: Any) -> None:
-    """Look at every expression before xacro evaluates it."""
+    """Check every expression before xacro evaluates it."""
     substitution: Any = importlib.import_module("xacro.substitution_args")
     safe_eval, evaluate = xacro.safe_eval, substitution._eval
     for name in FORBIDDEN_FUNCTIONS:
@@ -129,7 +129,7 @@ def guard_expressions(xacro: Any) -> None:
 
 
 def check_expression(expression: str) -> None:
-    """Raise Refused for what can lead out of the expression; SyntaxError."""
+    """Raise Refused for an expression that could reach beyond its own values; SyntaxError."""
     for node in ast.walk(ast.parse(expression.strip(), mode="eval")):
         hidden = isinstance(node, ast.Attribute) and (node.attr.startswith("_") or node.attr in FORBIDDEN_ATTRIBUTES)
         if hidden or isinstance(node, FORBIDDEN_NODES):
@@ -137,7 +137,7 @@ def check_expression(expression: str) -> None:
 
 
 def fence(folders: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
-    """An audit hook: reading below these folders, and computing; nothing else."""
+    """An audit hook that allows computing and reading below these folders, and nothing else."""
     roots = [os.path.realpath(folder) for folder in folders]
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:

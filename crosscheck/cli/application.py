@@ -27,7 +27,7 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    help="Constrained dynamics of robot arms as one linear system, proved number by number against Pinocchio.",
+    help="Constrained dynamics of robot arms as one linear system, checked number by number against Pinocchio.",
     epilog="`graphdyn COMMAND --help` explains a command and ends with examples. Exit codes: 0 agreed or done, "
     "1 disagreement found, 2 bad input, 3 error of the program itself, 130 interrupted.",
 )
@@ -37,7 +37,7 @@ for function, name, epilog in COMMANDS:
 
 @app.callback(invoke_without_command=True)
 def options(
-    show_version: Annotated[bool, typer.Option("--version", help="Print versions and leave.")] = False,
+    show_version: Annotated[bool, typer.Option("--version", help="Print versions and exit.")] = False,
     debug: Annotated[bool, typer.Option("--debug", help="Show errors with their traceback.")] = False,
 ) -> None:
     if show_version:
@@ -49,5 +49,5 @@ def options(
 
 
 def main() -> None:
-    """Entry point of the script. Errors end in crosscheck.cli.exits."""
+    """Entry point of the script. Errors are handled in crosscheck.cli.exits."""
     app()

@@ -1,4 +1,4 @@
-"""Standard output and standard error of the program: errors, warnings and progress are never mixed with results."""
+"""Standard output, for results, and standard error, for errors, warnings and progress."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import typer
 from rich.console import Console
 
 WIDTH = 120
-"""Characters of a line where the output is not a terminal (a log, a file, a pipe)."""
+"""Characters per line where the output is not a terminal (a file, a pipe)."""
 
 
 SHOWN = 40
-"""Characters of what was just done beside a progress bar; the end of a path tells more than its beginning."""
+"""Largest number of characters of the step shown beside a progress bar; of a long path, the end is shown."""
 
 
 class Output(Console):
-    """A console that leaves it to its caller what a reader who left means; rich would exit with code 1."""
+    """A console that raises BrokenPipeError when its reader has closed the pipe; rich would exit with code 1."""
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError
@@ -31,13 +31,13 @@ out = Output(markup=False, highlight=False, width=None if sys.stdout.isatty() el
 
 
 def complain(error: Exception, context: typer.Context) -> None:
-    """An error that is the user's to mend, as one line."""
+    """Print an error that the user can correct, as one line."""
     trace(error, context)
     err.print(f"error: {error}", style="red", soft_wrap=True)
 
 
 def trace(error: Exception, context: typer.Context) -> None:
-    """The traceback, if the program was called with --debug."""
+    """Print the traceback, if the program was called with --debug."""
     if context.find_root().params["debug"]:
         err.print("".join(traceback.format_exception(error)), end="", soft_wrap=True)
 
@@ -54,7 +54,7 @@ def warnings_shown() -> Iterator[None]:
 
 @contextmanager
 def progress(title: str, total: int | None = None) -> Iterator[Callable[[str, int], None]]:
-    """A bar on the terminal, silent elsewhere. Yields a function of what was just done, and how many steps of it."""
+    """A progress bar on the terminal, nothing elsewhere. Yields advance(what was just done, number of its steps)."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (

@@ -1,4 +1,4 @@
-"""`graphdyn crosscheck`: the comparison with Pinocchio."""
+"""`graphdyn crosscheck`: graphdyn against Pinocchio."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
     ("kinova", {}),
     ("z1", {"jointGripper": 0.0}),
 )
-"""What `graphdyn crosscheck` runs without arguments: six-joint arms, grippers locked."""
+"""The robots of `graphdyn crosscheck` without arguments, with locked joints: six-joint arms, grippers locked."""
 
 JobsOption = Annotated[
     int | None, typer.Option(min=1, metavar="N", help="Parallel processes for a folder; one per processor if left out.")
 ]
 ResumeOption = Annotated[
-    bool, typer.Option("--resume", help="Take over from --json FILE what would be compared again unchanged.")
+    bool, typer.Option("--resume", help="Keep the results in --json FILE whose robot and options are unchanged.")
 ]
 
 EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
@@ -68,9 +68,9 @@ def run(
 ) -> None:
     """Compare graphdyn with Pinocchio on robots of your choice.
 
-    Every quantity is compared at random and at awkward states: placements, torques, wrenches, multipliers,
-    accelerations, regressors, identified parameters. Without a robot, six arms are compared.
-    A folder stands for every *.urdf below it: one row per file, none of which stops the others.
+    Every quantity is compared at random and special states: placements, torques, wrenches, multipliers, accelerations,
+    regressors, identified parameters. Without a robot, six arms are compared.
+    A folder stands for every *.urdf below it: one row per file; a file that cannot be compared does not stop the rest.
     """
     locked = locked_joints(lock)
     folder = any(map(is_folder, robots or ()))
@@ -79,7 +79,7 @@ def run(
     if (jobs or resume) and not folder:
         raise typer.BadParameter("--jobs and --resume are for folders")
     if resume and json_file is None:
-        raise typer.BadParameter("--resume needs --json FILE, from which it takes over")
+        raise typer.BadParameter("--resume needs --json FILE, whose results it keeps")
     check_writable(json=json_file, html=html_file)
     if folder:
         processes = jobs or cores()
@@ -105,7 +105,7 @@ def run(
 
 
 def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], chain: tuple[str, str] | None) -> int:
-    """How many states will be compared: drawing them costs a hundredth of comparing them."""
+    """Number of states that will be compared: drawing them takes a hundredth of the time of comparing them."""
     import warnings
 
     import urdf

@@ -1,4 +1,4 @@
-"""`graphdyn crosscheck FOLDER`: many files in parallel, each with its outcome, whatever the others do."""
+"""`graphdyn crosscheck FOLDER`: many files in parallel; one that fails or ends its process does not stop the others."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from graphdyn import GraphDynError
 
 
 def is_folder(robot: str) -> bool:
-    """Whether an argument is a folder; a robot of the catalogue of that name comes first."""
+    """Whether an argument is a folder, and not the name of a robot of the catalogue."""
     from urdf._catalogue import robots
 
     return Path(robot).is_dir() and robot not in {entry.name for entry in robots()}
@@ -49,7 +49,7 @@ def sweep(
     file = SweepFile(json_file, command_line(), robots, failures)
     if resume and json_file is not None:
         file.records.update(taken_over(json_file, robots, samples, seed))
-        err.print(f"{len(file.records)} of {len(robots)} robots taken over from {json_file}", soft_wrap=True)
+        err.print(f"{len(file.records)} of {len(robots)} robots kept from {json_file}", soft_wrap=True)
     details: Details = "none" if html_file is None else "all" if len(robots) <= FEW else "disagreeing"
     tasks = [Task(robot, samples, seed, details) for robot in robots if robot not in file.records]
     comparisons = {}
@@ -83,7 +83,7 @@ def sweep(
 
 
 def _found(argument: str) -> list[str]:
-    """The robots that an argument stands for. Raises RobotNotFound for a folder without *.urdf."""
+    """The robots of an argument: itself, or the files of a folder. Raises RobotNotFound for a folder without *.urdf."""
     from crosscheck.cli.inspect import found
 
     return found(argument) if is_folder(argument) else [argument]

@@ -1,4 +1,4 @@
-"""The JSON file of a sweep: it grows with every robot, and a later sweep takes over what is still true."""
+"""The JSON file of a sweep: written as robots are finished, so that a later sweep can keep what is still valid."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from graphdyn import InvalidInput
 from urdf import InvalidXacro
 
 SHARE = 0.1
-"""Part of the time that may be spent on writing: the file is written whole, so that many robots take long."""
+"""Largest part of the time spent on writing: the file is always written whole, which takes long for many robots."""
 
 
 class SweepFile:
-    """Records and failures of a sweep, in a file where there is to be one.
+    """Records and failures of a sweep, and the file they are written to, if any.
 
-    robots: all of them, in order; records, failures: by robot, those already known
+    robots: all of them, in order; records, failures: by robot, those known so far
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class SweepFile:
         self._not_before = 0.0
 
     def write(self, finished: bool = False) -> None:
-        """Write all that is known, unless that was done a moment ago. finished: in any case. Raises OSError."""
+        """Write everything known, unless too much time went into writing. finished: write always. Raises OSError."""
         start = time.monotonic()
         if self._path is None or (start < self._not_before and not finished):
             return
@@ -48,7 +48,7 @@ class SweepFile:
 def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> dict[str, dict[str, Any]]:
     """Records of an earlier sweep, by robot, that a new one would repeat: same content, states, lock and versions.
 
-    Empty where there is no file. Raises InvalidInput for a file of something else, OSError.
+    Empty where there is no file. Raises InvalidInput for a file of another format, OSError.
     """
     if not path.exists():
         return {}
@@ -72,7 +72,7 @@ def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> di
 
 
 def _unchanged(record: Mapping[str, Any]) -> bool:
-    """Whether the file that a robot stands for still has the content that was compared."""
+    """Whether the file of a robot still has the content that was compared."""
     try:
         return content_sha256(record["robot"]) == record["file_sha256"]
     except (OSError, InvalidXacro):

@@ -1,4 +1,4 @@
-"""One robot among many: it is compared, or it is told why not. Runs in a process of its own."""
+"""One robot of a sweep, compared in a process of its own; a failure becomes part of the outcome."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from crosscheck.report.records.crosscheck import robot_record
 from graphdyn import GraphDynError
 
 Details = Literal["none", "disagreeing", "all"]
-"""Of which robots the whole Comparison is wanted: it is larger than its record."""
+"""The robots whose whole Comparison is returned, which is larger than its record."""
 
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be compared."""
+    """A robot to be compared, and how."""
 
     robot: str
     samples: int
@@ -28,9 +28,9 @@ class Task:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What became of it: a record as in the JSON file, or why there is none.
+    """The result of a task: a record as in the JSON file, or the reason for a failure.
 
-    comparison: where the task wants it
+    comparison: where the task asks for it
     """
 
     robot: str

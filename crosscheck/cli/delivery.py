@@ -1,4 +1,4 @@
-"""A report to everyone who asked for it: the terminal, the page, the JSON file."""
+"""Where a report goes: the terminal, and a page if asked for."""
 
 from __future__ import annotations
 

@@ -13,10 +13,10 @@ from crosscheck.cli.console import complain, err, trace
 from graphdyn import GraphDynError
 
 AGREED, DISAGREED, BAD_INPUT, INTERNAL_ERROR = 0, 1, 2, 3
-"""Agreed or done; a disagreement; bad input or a file that cannot be read or written; an error of the program."""
+"""Exit codes: agreed or done; a disagreement; bad input or a file that cannot be read or written; an internal error."""
 
 BROKEN_PIPE = 141
-"""What a shell reports of a program whose reader left: 128 + SIGPIPE."""
+"""Exit code where the reader of a pipe has closed it, as shells report it: 128 + SIGPIPE."""
 
 
 class Program(TyperGroup):
@@ -26,7 +26,7 @@ class Program(TyperGroup):
         try:
             return super().invoke(ctx)
         except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or the interpreter complains at its end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python warns at its exit
             raise typer.Exit(BROKEN_PIPE) from None
         except (GraphDynError, OSError) as error:
             complain(error, ctx)

@@ -27,14 +27,14 @@ def foreign_function(option: str, text: str) -> Callable[..., object]:
         ) from error
     function = getattr(module, name, None)
     if not callable(function):
-        reason = "is no function" if hasattr(module, name) else "does not exist"
+        reason = "is not a function" if hasattr(module, name) else "does not exist"
         raise typer.BadParameter(f"{option} {text}: {name} {reason} in {where}")
     found: Callable[..., object] = function
     return found
 
 
 def _file(path: Path) -> ModuleType:
-    """A file by itself; what lies beside it can be imported from it."""
+    """A file as a module, which can import other files of its folder."""
     if not path.is_file():
         raise FileNotFoundError(path)
     sys.path.insert(0, str(path.resolve().parent))

@@ -1,4 +1,4 @@
-"""Options that several commands share, and the checks that come before the work."""
+"""Options that several commands share, and checks of their values."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from typing import Annotated
 import typer
 
 EXAMPLES = "\b\nExamples:\n"
-"""Heads the epilog of every command; \\b keeps its lines as they are."""
+"""Heading of the examples in the help of a command; \\b keeps the line breaks."""
 
 
 def robot_names(incomplete: str) -> list[str]:
-    """Names of the catalogue that begin like this, for the shell; where none does, the shell completes files."""
+    """Names of the catalogue that begin like this, for completion by the shell, which completes files if none does."""
     from urdf._catalogue import robots
 
     return [entry.name for entry in robots() if entry.name.startswith(incomplete)]
@@ -34,11 +34,11 @@ RobotsArgument = Annotated[
 ]
 LockOption = Annotated[
     list[str] | None,
-    typer.Option(metavar="JOINT[=VALUE]", help="Freeze a joint at VALUE [rad or m], 0 if left out. Repeatable."),
+    typer.Option(metavar="JOINT[=VALUE]", help="Lock a joint at VALUE [rad or m], 0 if left out. Repeatable."),
 ]
 ChainOption = Annotated[
     tuple[str, str] | None,
-    typer.Option(metavar="BASE TIP", help="Cut out the arm from link BASE to link TIP; other joints are frozen at 0."),
+    typer.Option(metavar="BASE TIP", help="Cut out the arm from link BASE to link TIP; other joints are locked at 0."),
 ]
 SamplesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random states per robot.")]
 SeedOption = Annotated[int, typer.Option(min=0, metavar="N", help="Seed of the random states.")]
@@ -60,12 +60,12 @@ def _parse_lock(text: str) -> tuple[str, float]:
 
 
 def command_line() -> list[str]:
-    """The program as it was called, for the record."""
+    """The command line with which the program was called."""
     return ["graphdyn", *sys.argv[1:]]
 
 
 def check_writable(**files: Path | None) -> None:
-    """Fail before the work, not after it. files: by option, check_writable(json=…, html=…)."""
+    """Raise BadParameter now for files that could not be written later. files: by option, as json=…, html=…"""
     for option, path in files.items():
         if path is None:
             continue

@@ -1,4 +1,4 @@
-"""A function over many items in parallel processes, of which any may die: the item it held is then known."""
+"""A function over many items in parallel processes. A process that dies costs only the item it was working on."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True)
 class Died:
-    """In place of an answer. code: of the process's end, negative for the number of a signal."""
+    """In place of an answer where the process died. code: its exit code, or minus the number of a signal."""
 
     code: int | None
 
@@ -26,9 +26,9 @@ class Died:
 def each(
     function: Callable[[Item], Answer], items: Sequence[Item], processes: int
 ) -> Iterator[tuple[int, Answer | Died]]:
-    """Number and answer of each item, as they come. The processes end with the iterator, however it ends.
+    """Number and answer of each item, in the order of completion. The processes end when the iterator is closed.
 
-    function: one that can be pickled and raises nothing
+    function: can be pickled, and raises nothing
     """
     busy: dict[Connection, tuple[BaseProcess, int]] = {}
     waiting = iter(range(len(items)))
@@ -66,7 +66,7 @@ def _started(function: Callable[[Item], Answer]) -> tuple[BaseProcess, Connectio
 
 
 def _give(ours: Connection, item: object) -> None:
-    with suppress(OSError):  # a process that has just died is noticed where its answer is awaited
+    with suppress(OSError):  # that the process has died is noticed when its answer is awaited
         ours.send(item)
 
 
@@ -86,7 +86,7 @@ def _end(process: BaseProcess, ours: Connection) -> None:
 
 
 def _work(function: Callable[[Item], Answer], theirs: Connection) -> None:
-    """Answer until there is nobody to ask. Ctrl-C is for the program, which then ends its processes."""
+    """Answer until the pipe is closed. Ctrl-C is ignored: the main process ends its workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     with suppress(EOFError, OSError):
         while True:

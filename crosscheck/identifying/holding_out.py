@@ -1,4 +1,4 @@
-"""What is fitted and what is predicted: always whole pieces of time, never rows at random."""
+"""Which rows are fitted and which are predicted: always whole intervals of time, never rows at random."""
 
 from __future__ import annotations
 
@@ -13,16 +13,19 @@ from crosscheck.recordings.splits import Interval
 from graphdyn import InvalidInput
 
 GUARD = 0.25
-"""[s] between fit and prediction where the program chooses the border: neighbours share noise and filter."""
+"""Time left out between fit and prediction where the program chooses the border [s]: noise and filter correlate
+neighbouring rows."""
 
 NANOSECONDS = 9
-"""Digits of the time of the first row, which the filter has cut: rows times their step, with rounding."""
+"""Decimal places of the start time, computed with rounding from the rows that the filter cut off."""
 
 
 class Division(NamedTuple):
-    """fit: what the parameters come from; trials: pairs of fit and prediction that give the held-out error.
+    """Rows for the parameters and rows for the held-out error.
 
-    words: what is held out
+    fit: from which the parameters are identified
+    trials: pairs of fit and prediction, for the held-out error
+    words: what is held out, in words
     """
 
     fit: Recording
@@ -34,7 +37,7 @@ class HeldOut(Protocol):
     """A way to hold out rows of differentiated recordings."""
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
-        """Raises InvalidInput where nothing is left to fit or to predict."""
+        """Divide recordings. Raises InvalidInput where nothing is left to fit or to predict."""
         ...
 
 
@@ -73,9 +76,9 @@ class ByRows:
 
 @dataclass(frozen=True)
 class OtherRecordings:
-    """Predict other recordings than those of the fit.
+    """Predict recordings other than those of the fit.
 
-    recordings: differentiated like those of the fit
+    recordings: to predict, differentiated like those of the fit
     """
 
     recordings: tuple[Recording, ...]
@@ -89,7 +92,7 @@ class OtherRecordings:
 class LastPart:
     """Predict the end of every recording, fit the rest.
 
-    part: of the rows of every recording
+    part: fraction of the rows of every recording that is predicted
     """
 
     part: float = 0.25
@@ -108,7 +111,7 @@ class LastPart:
 
 @dataclass(frozen=True)
 class Folds:
-    """Blocked cross-validation: everything is fitted; each of the consecutive folds is predicted from the others."""
+    """Blocked cross-validation: parameters from all rows; each consecutive fold is predicted from the others."""
 
     folds: int = 5
 
@@ -121,7 +124,9 @@ class Folds:
 
 def _only(recordings: Sequence[Recording], what: str) -> Recording:
     if len(recordings) != 1:
-        raise InvalidInput(f"{len(recordings)} recordings cannot be divided by {what}; give one, or others to validate")
+        raise InvalidInput(
+            f"{len(recordings)} recordings cannot be divided by {what}; give one, or separate recordings to validate"
+        )
     return recordings[0]
 
 

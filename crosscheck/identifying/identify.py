@@ -26,7 +26,7 @@ from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
 from urdf._cutting import Chain
 
 TRIAL_POSES = 1
-"""The mass matrix is tested for the final fit; a trial only predicts."""
+"""Poses in which the mass matrix of a trial is tested: one, because a trial only predicts."""
 
 
 def identify(
@@ -48,14 +48,14 @@ def identify(
 
     robot: name, path of a URDF, or RobotModel; its inertial parameters are the prior
     recordings: with torques; several are fitted together
-    terms: unknown parts of the torque: rigid bodies, viscous and Coulomb friction and offset if left out
-    known: known parts; they are subtracted
+    terms: unknown parts of the torque; if left out, rigid bodies, viscous and Coulomb friction, and offset
+    known: known parts, which are subtracted
     methods: names (METHODS) or estimators
     preparation: filter, decimation, smallest speed
-    held_out: what is predicted; the last quarter of every recording if left out
+    held_out: rows to predict; if left out, the last quarter of every recording
     lock, chain, gravity: as in urdf.load, for names and paths only
     poses: random poses in which the mass matrix is tested
-    progress: called with what is done next: twice plus once for every method of the fit and of every trial
+    progress: called with the name of the next step: two, and one for every method of the fit and of every trial
 
     Raises InvalidInput for recordings of other joints or without torque, for a division that leaves nothing to fit or
     to predict, for unknown or repeated methods; urdf's errors.
@@ -110,7 +110,7 @@ def _trials(
     comparison: MethodComparison,
     say: Callable[[str], None],
 ) -> tuple[tuple[HeldOutPrediction, ...], MethodComparison]:
-    """Every trial by itself; the comparison with the held-out errors of all trials together."""
+    """The predictions of every trial, and the comparison with the held-out errors of all trials together."""
     trials, found = [], []
     for split in division.trials:
         train, test = (preparation.problem(torque_model, recording) for recording in split)
@@ -129,7 +129,7 @@ def _trials(
 
 
 def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Estimator]:
-    """The estimators; those that need wrenches get them."""
+    """The estimators; those that need wrenches are given the recording."""
     return [
         replace(estimator, recording=recording)
         if isinstance(estimator, FromWrenches) and not estimator.recording
@@ -139,13 +139,13 @@ def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Es
 
 
 def _with_referee(estimators: Sequence[Estimator], robot: Subject, cut: bool) -> list[Estimator]:
-    """The estimators; those on Pinocchio's regressor get its own reading of the file, where it can read it."""
+    """The estimators; those on Pinocchio's regressor use its own reading of the file, where it can read it."""
     wanting = [estimator for estimator in estimators if isinstance(estimator, WithPinocchio) and not estimator.referee]
     if not wanting or robot.file is None:
         return list(estimators)
     try:
         referee = PinocchioModel.from_urdf(Path(robot.file), robot.model, robot.locked, cut=cut)
-    except PinocchioRefuses:  # the referee is built from our model then, as `graphdyn crosscheck` reports
+    except PinocchioRefuses:  # Pinocchio's model is then built from ours, as `graphdyn crosscheck` reports
         return list(estimators)
     return [replace(estimator, referee=referee) if estimator in wanting else estimator for estimator in estimators]
 

@@ -1,4 +1,4 @@
-"""The methods of the program by name."""
+"""The identification methods by name."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ METHODS: dict[str, Callable[[], Estimator]] = {
 }
 
 STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "consistent", "entropic", "graph")
-"""One of each kind; "all" has the rest too."""
+"""The default methods, one of each kind; "all" has the others too."""
 
 
 def method_named(name: str) -> Estimator:

@@ -1,4 +1,4 @@
-"""Parameters of a result beside CAD, row by row, for tables and pages."""
+"""Identified parameters beside those of CAD, row by row, for tables and pages."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
 
 ROUNDING = 1e-13
-"""Relative to the largest: sums of terms that cancel leave no more than that."""
+"""Value, relative to the largest, that counts as zero: the rounding left where terms cancel."""
 
 LIKELIEST = ("WLS", "GLS", "OLS")
-"""Whose deviations stand in, in this order, where a method gives none."""
+"""Methods whose standard deviations are shown, the first available one, for a method that gives none."""
 
 
 @dataclass(frozen=True)
 class BaseRow:
-    """One base parameter; NaN where there is no such number.
+    """One base parameter; NaN for numbers that do not exist.
 
     name: in standard parameters; relative_deviation: [%]; error: of the value against the truth
     """
@@ -51,13 +51,13 @@ class BodyRow:
 
 
 def deviations_of(found: Identified, result: MethodResult) -> tuple[MethodResult | None, str]:
-    """The result whose standard deviations are shown, and in words whose they are."""
+    """The result whose standard deviations are shown, and a text that says so."""
     if result.standard_deviations is not None:
         return result, f"of {result.name}"
     for name in LIKELIEST:
         for other in found.comparison.results:
             if other.name == name and other.standard_deviations is not None:
-                return other, f"of {name}, for {result.name} gives none: what the data alone say"
+                return other, f"of {name}, because {result.name} gives none: from the data alone"
     return None, f"{result.name} gives none"
 
 
@@ -80,7 +80,7 @@ def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
 
 
 def _without_rounding(values: Array) -> Array:
-    """Zero where a value is rounding beside the largest of all."""
+    """The values, with zero for those that are rounding beside the largest."""
     return np.where(np.abs(values) < ROUNDING * np.nanmax(np.abs(values), initial=0.0), 0.0, values)
 
 

@@ -15,10 +15,12 @@ from graphdyn.identification.terms import RigidBodies
 
 @dataclass(frozen=True, eq=False)
 class WithPinocchio:
-    """estimator: what runs on both; referee: Pinocchio's reading of the robot, made from its RobotModel if left out.
+    """An estimator that runs on Pinocchio's regressor, and on ours for comparison.
 
-    Its estimate carries, as the setting "difference", how far the base parameters are from the estimator's on our
-    regressor: largest difference, in units of the torque they make, relative to the largest such torque.
+    estimator: runs on both; referee: Pinocchio's reading of the robot, made from its RobotModel if left out
+
+    The setting "difference" of its estimate compares the base parameters with those on our regressor: the largest
+    difference, as the torque it causes, relative to the largest torque of a base parameter.
     """
 
     estimator: Estimator

@@ -1,4 +1,4 @@
-"""Residuals of several trials as if they were of one recording."""
+"""Residual statistics of several trials, pooled into those of one recording."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from graphdyn.identification import ResidualSizes, ResidualStatistics
 
 
 def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
-    """Of all rows of all trials. The tests of whiteness are NaN: no two trials have the same parameters."""
+    """Statistics of all rows of all trials. Whiteness tests are NaN, since every trial has its own parameters."""
     unknown = np.full(len(parts[0].durbin_watson), np.nan)
     return ResidualStatistics(
         pooled_sizes([part.everything for part in parts]),
@@ -21,7 +21,7 @@ def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
 
 
 def pooled_sizes(parts: Sequence[ResidualSizes]) -> ResidualSizes:
-    """NaN where no part has a sample."""
+    """Sizes of the residuals of all parts together; NaN where no part has a sample."""
     counts = np.array([part.count for part in parts])
     total = counts.sum(axis=0)
     means, rms, relative = (np.array([getattr(part, name) for part in parts]) for name in ("mean", "rms", "relative"))

@@ -19,12 +19,12 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class Preparation:
-    """What is done to a recording before the fit.
+    """How a recording is prepared for the fit.
 
-    cutoff: of the zero-phase low-pass, as in crosscheck.differentiated
+    cutoff: of the zero-phase low-pass [Hz], as in crosscheck.differentiated
     velocity: "recorded" takes v where there is one, "derived" differentiates q
     decimate: factors of the stages, 2 … 13; torque and every column of the regressor go through the same filter
-    min_speed: rows of joint j with |v_j| below it are not fitted, one for all or (n,) [rad/s or m/s]
+    min_speed: rows of joint j with smaller |v_j| are not fitted; one for all joints, or (n,) [rad/s or m/s]
     """
 
     cutoff: Cutoff = "residual"
@@ -60,6 +60,6 @@ class Preparation:
 
 
 def samples_of(recording: Recording) -> Samples:
-    """One block of a recording as graphdyn.identification takes it. Raises InvalidInput for a missing channel."""
+    """A recording as samples of graphdyn.identification. Raises InvalidInput for a missing channel."""
     q, v, a, tau = (recording.channel(name) for name in ("q", "v", "a", "tau"))
     return Samples(q, v, a, tau)

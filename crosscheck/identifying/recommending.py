@@ -10,13 +10,13 @@ from graphdyn.identification import MethodComparison, MethodResult, ResidualStat
 from graphdyn.layout import Array
 
 LEAST_ROWS = 50
-"""Moving rows of a joint; with fewer, all its rows are taken."""
+"""Smallest number of moving rows of a joint; with fewer, its error is taken over all rows."""
 
 NOTHING = 1.0
-"""Relative error of a model that predicts no torque at all."""
+"""Relative error of a model that predicts zero torque."""
 
 TIE = 1e-6
-"""Errors this close, relative, are the same but for rounding; the first method of those is taken."""
+"""Relative difference of errors that counts as rounding; of methods so close, the first is taken."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Recommendation:
     """Which result to use.
 
     name: of the method, None where no result can be used
-    reason: in a sentence
+    reason: one sentence
     """
 
     name: str | None
@@ -32,19 +32,19 @@ class Recommendation:
 
 
 def joint_errors(statistics: ResidualStatistics) -> Array:
-    """‖e‖ / ‖τ‖ per joint over its moving rows, over all rows where it hardly moves (n,)."""
+    """‖e‖ / ‖τ‖ per joint (n,): over the rows in which it moves, or over all rows if these are too few."""
     enough = statistics.moving.count >= LEAST_ROWS
     return np.where(enough, statistics.moving.relative, statistics.everything.relative)
 
 
 def mean_error(result: MethodResult) -> float:
-    """Mean over the joints of the held-out error, of the training error where nothing was held out."""
+    """Mean over the joints of the held-out error, or of the training error where nothing was held out."""
     statistics = result.held_out or result.training
     return float(np.nanmean(joint_errors(statistics))) if statistics is not None else float("nan")
 
 
 def real(result: MethodResult) -> bool:
-    """Every link can be real, and the mass matrix is positive definite in every pose that was tried."""
+    """Whether every link is physically consistent, and the mass matrix positive definite in every tested pose."""
     plausible = result.plausibility
     return (
         plausible is not None
@@ -57,13 +57,13 @@ def recommendation(comparison: MethodComparison) -> Recommendation:
     """The physically consistent result with the smallest mean held-out error."""
     answered = [result for result in comparison.results if result.failure is None]
     if not answered:
-        return Recommendation(None, "no method has an answer")
+        return Recommendation(None, "no method has a result")
     consistent = [result for result in answered if real(result)]
     if not consistent:
         return Recommendation(
             None,
-            "no result is physically consistent: every one has a link that no real body can be, or a mass matrix that "
-            "is not positive definite in some pose; add the methods consistent, entropic or log-cholesky",
+            "no result is physically consistent: each has a link that cannot be a real body, or a mass matrix that is "
+            "not positive definite in some pose; add the methods consistent, entropic or log-cholesky",
         )
     smallest = min(map(mean_error, consistent))
     best = next(result for result in consistent if not mean_error(result) > smallest * (1 + TIE))
@@ -72,11 +72,12 @@ def recommendation(comparison: MethodComparison) -> Recommendation:
         return Recommendation(
             None,
             f"the best consistent result, {best.name}, predicts with a mean error of {100 * error:.0f} %, no better "
-            "than a torque of zero; the torque model or the recording is wrong, or held-out rows are all standstill",
+            "than a torque of zero; the torque model or the recording is wrong, or the robot stands still in all "
+            "held-out rows",
         )
     others = f"the smallest of {len(consistent)} such results" if len(consistent) > 1 else "the only such result"
     return Recommendation(
         best.name,
-        f"physically consistent in every link and pose, and its held-out error is {100 * error:.1f} % on the mean over "
-        f"the joints, {others}",
+        f"physically consistent in every link and pose, and its held-out error, averaged over the joints, is "
+        f"{100 * error:.1f} %, {others}",
     )

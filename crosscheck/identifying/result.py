@@ -1,4 +1,4 @@
-"""All that an identification has found."""
+"""The result of an identification."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class TorqueCurve:
-    """Measured and predicted torque of one piece of time.
+    """Measured and predicted torque of one interval of time.
 
     t (N,) [s]; measured, predicted (N, n) [N m or N]; velocity (N, n) [rad/s or m/s]
     """
@@ -35,9 +35,9 @@ class TorqueCurve:
 
 @dataclass(frozen=True, eq=False)
 class HeldOutPrediction:
-    """Rows that were predicted, with the parameters of every method that has an answer.
+    """Rows that were predicted, with the parameters of every method that has a result.
 
-    times: of the rows, piece by piece (N_k,) [s]; parameters: by method (p,)
+    times: of the rows, interval by interval (N_k,) [s]; parameters: by method (p,)
     """
 
     problem: Problem
@@ -50,9 +50,9 @@ class HeldOutPrediction:
         return cls(problem, times, found)
 
     def curves(self, method: str) -> list[TorqueCurve]:
-        """One per piece."""
+        """One curve per interval."""
         x = self.problem.structure.base.matrix @ self.parameters[method]
-        parts = [  # chunk by chunk: the regressor of a long recording does not fit into memory
+        parts = [  # in chunks, because the regressor of a long recording does not fit into memory
             (rows.measured, rows.measured + rows.matrix @ x - rows.right, rows.velocity) for rows in self.problem.rows()
         ]
         whole = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
@@ -63,15 +63,15 @@ class HeldOutPrediction:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """An identification: what was fitted, how every method did, and which result to use.
+    """An identification: what was fitted, the result of every method, and which one to use.
 
     subject: the robot; its parameters are the prior
-    recordings: as they were read
-    division: what was fitted and predicted
+    recordings: as read, before filtering
+    division: which rows were fitted and which predicted
     fit: the rows of the fit
     trials: the rows that were predicted
     comparison: every method; held-out errors are those of all trials together
-    truth: the true parameters, where the robot is a virtual one  (p,)
+    truth: the true parameters of a virtual robot           (p,)
     """
 
     subject: Subject
@@ -86,7 +86,7 @@ class Identified:
 
     @property
     def problem(self) -> Problem:
-        """Of the fit."""
+        """The equations of the fit."""
         return self.fit.problem
 
     @cached_property
@@ -96,13 +96,13 @@ class Identified:
 
     @property
     def usable(self) -> bool:
-        """Some result can be recommended."""
+        """Whether a result can be recommended."""
         return self.recommendation.name is not None
 
     def shown(self, name: str | None = None) -> MethodResult | None:
-        """The result to look at: the named one, else the recommended one, else the one that predicts best.
+        """The result to show: the named one, else the recommended one, else the one that predicts best.
 
-        None where no method has an answer. Raises InvalidInput for an unknown method, and for one that failed.
+        None where no method has a result. Raises InvalidInput for an unknown method, and for one that failed.
         """
         if name is not None:
             result = self.comparison.of(name)
@@ -116,7 +116,7 @@ class Identified:
 
     @property
     def prior_base_values(self) -> Array:
-        """Base parameters of the robot as it was given; drives are zero (r,)."""
+        """Base parameters of the robot as given; zero for those of the drives (r,)."""
         return self.problem.base.values(self.torque_model.prior())
 
     def fitted_errors(self, result: MethodResult) -> Array:

@@ -1,4 +1,4 @@
-"""What drives add to the torque of the bodies, by the names of the program."""
+"""Torque terms of the drives (friction, rotor inertia, …), by the names of the program."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from graphdyn.identification.terms import (
 )
 
 STRIBECK_VELOCITY = 0.1
-"""[rad/s or m/s] of a gear unless told otherwise."""
+"""Default Stribeck velocity of a gear [rad/s or m/s]."""
 
 STANDARD_TERMS = ("viscous", "coulomb", "offset")
 
@@ -34,7 +34,7 @@ TERMS: dict[str, Callable[[float | None, ArrayLike], Term]] = {
     "rotor": lambda width, velocity: RotorInertia(),
     "coupled-wrist": lambda width, velocity: CoupledWrist(width=width),
 }
-"""By name: the term, given the width of a smooth sign and the Stribeck velocity."""
+"""By name: a function of the width of the smooth sign and the Stribeck velocity that returns the term."""
 
 
 def friction_terms(

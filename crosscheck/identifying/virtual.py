@@ -1,6 +1,6 @@
-"""A robot whose parameters are known, recorded: excitation, friction, noise, and CAD values that are wrong.
+"""Virtual recordings of a robot whose parameters are known: excitation, friction, noise, and wrong CAD values.
 
-Everything that a real recording has, and the truth to compare with.
+They have everything that real recordings have, and true parameters to compare with.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from graphdyn.motion_laws import FourierSeries
 from urdf._cutting import Chain
 
 FREQUENCY, HARMONICS = 0.1, 5
-"""[Hz] of the fundamental; the excitation has no frequency above their product."""
+"""Fundamental frequency of the excitation [Hz], and number of its harmonics."""
 
 REACH = 0.9
 """Part of the limits of position and speed that the motion uses."""
 
 LARGEST_SPEED = 3.0
-"""[rad/s or m/s] Where a limit is missing or higher, so that torques stay those of an arm."""
+"""Speed limit where the robot's is missing or higher [rad/s or m/s], so that torques are those of an arm."""
 
 RATE = 250.0
 """[Hz]"""
@@ -38,20 +38,20 @@ ENCODER, TORQUE_NOISE = 2e-5, 0.01
 """Standard deviation of positions [rad or m], and of torques and wrenches as a part of their root mean square."""
 
 DRIVES = 0.05
-"""Root mean square of what each further parameter makes, as a part of that of the joint's torque."""
+"""Root mean square of the torque of each drive parameter, as a part of that of the joint's torque."""
 
 ENOUGH, PIECE = 2000, 512
-"""Rows that show how large torques are; rows whose regressor is in memory at once."""
+"""Number of rows from which the size of torques is found; number of rows whose regressor is in memory at once."""
 
 CAD_ERROR = 0.2
-"""The masses of the CAD model are wrong by up to this part, and the centers of mass by this part of their distance."""
+"""Largest relative error of the masses of the CAD model, and of its centers of mass relative to their distance."""
 
 
 @dataclass(frozen=True, eq=False)
 class VirtualRobot:
-    """A simulated robot whose parameters are known, and its recordings.
+    """A virtual robot whose parameters are known, and its recordings.
 
-    subject: the robot with wrong inertial parameters, as CAD has them
+    subject: the robot with wrong inertial parameters, as from CAD
     truth: parameters of the torque model, bodies first     (p,)
     fitted, held_out: recordings with different motions
     torque_model: the terms with the wrong bodies as the prior
@@ -75,11 +75,11 @@ def virtual_robot(
     gravity: ArrayLike | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> VirtualRobot:
-    """Recording a robot of known parameters twice; the second recording takes half the time.
+    """Record a robot of known parameters twice; the second recording is half as long.
 
-    terms: what its drives add; rigid bodies come before them
+    terms: torque of its drives, added to that of the rigid bodies
     lock, chain, gravity: as in urdf.load, for names and paths only
-    progress: called with what is done next, twice
+    progress: called with the name of the next step, twice
     Raises InvalidInput for a robot without mass, and for less than one period of the motion.
     """
     given = subject(robot, lock, gravity, chain)
@@ -121,7 +121,7 @@ def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Reco
 
 
 def _truth(torque_model: TorqueModel, motion: Recording, rng: np.random.Generator) -> Array:
-    """The bodies of the model, and drives as large as DRIVES says, by chance up to half more or less."""
+    """The bodies of the model, and drive parameters whose torques have the size DRIVES, randomly ±50 %."""
     samples = samples_of(motion.take(slice(None, None, -(-len(motion.t) // ENOUGH))))
     size = np.sqrt(np.mean(samples.tau**2, axis=0))
     columns = np.sqrt(np.mean(torque_model.rows(samples) ** 2, axis=0))
@@ -135,7 +135,7 @@ def _truth(torque_model: TorqueModel, motion: Recording, rng: np.random.Generato
 def _measured(
     torque_model: TorqueModel, truth: Array, motion: Recording, rng: np.random.Generator, name: str
 ) -> Recording:
-    """With friction and noise, as instruments show it: no velocities, no accelerations."""
+    """The motion as measured: with friction and noise, without velocities and accelerations."""
     exact = samples_of(motion)
     tau = np.concatenate([torque_model.torque(piece, truth) for piece in exact.pieces(PIECE)])
     wrenches = motion.channel("joint_wrenches")
@@ -157,7 +157,7 @@ def _measured(
 
 
 def _as_in_cad(model: RobotModel, rng: np.random.Generator) -> RobotModel:
-    """Real bodies beside the true ones: other masses, centers of mass moved."""
+    """The model with wrong but physically consistent bodies: other masses, centers of mass moved."""
     bodies = []
     for body in model.bodies:
         factor = rng.uniform(1 - CAD_ERROR, 1 + CAD_ERROR)

@@ -1,8 +1,8 @@
-"""The graph method of the paper among the methods: bodies one by one from the wrenches in all joints.
+"""The graph method of the paper as an estimator: bodies one by one from the wrenches in all joints.
 
 Eq. (53)-(64) of the paper in the general form of graphdyn.identification.inertial_parameters: all ten parameters of
-every body. What wrenches do not see, friction and undetermined parameters, comes from the torques: weighted least
-squares with the other parameters held, nearest to the model.
+every body. Friction, and parameters that the wrenches do not determine, come from the torques: weighted least squares
+with the other parameters held, nearest to the model.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 MOST_ROWS = 2000
-"""Of a longer recording, so many rows are taken, evenly: six equations per body each."""
+"""Largest number of rows used, taken evenly from a longer recording; each gives six equations per body."""
 
 RANK = 1e-9
-"""Relative singular value of the torque equations that counts."""
+"""Singular value of the torque equations, relative to the largest, above which it counts towards the rank."""
 
 
 @dataclass(frozen=True, eq=False)
 class FromWrenches:
     """The graph method of the paper, from force and moment in every joint.
 
-    recording: the rows of the fit, with joint wrenches; None where only torques were measured
+    recording: the rows of the fit, with joint wrenches; None where only torques were measured, then estimate fails
     """
 
     recording: Recording | None = None
@@ -39,7 +39,7 @@ class FromWrenches:
     needs: str = "force and moment in all joints, six components each"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed without wrenches, and where no body is unknown."""
+        """Estimate from wrenches. Raises EstimationFailed without wrenches, and where no body is unknown."""
         if self.recording is None or self.recording.joint_wrenches is None:
             raise EstimationFailed(
                 "the recording has torques about the joint axes alone; the method needs all six components of force "
@@ -59,18 +59,18 @@ class FromWrenches:
             noise=noise,
             settings={"determined by wrenches": float(seen.sum())},
             remarks=(
-                f"{int(seen.sum())} of {found.size} parameters of the bodies from wrenches, the other ones and the "
-                "drives from torques",
+                f"{int(seen.sum())} of {found.size} parameters of the bodies from wrenches, the others and those of "
+                "the drives from torques",
             ),
         )
 
 
 @dataclass(frozen=True, eq=False)
 class WrenchRows:
-    """Some rows of a recording as the identification from wrenches takes them: rotations, and vectors in world axes.
+    """Some rows of a recording, as the identification from wrenches needs them: rotations, and vectors in world axes.
 
     joint_names (n,); q, v, a (N, n); rotation (N, n, 3, 3); joint_forces, joint_moments (N, n, 3) [N, N m]
-    acceleration, angular_velocity, angular_acceleration: not read for ten parameters   (N, n, 3)
+    acceleration, angular_velocity, angular_acceleration: of the bodies; not used for ten parameters   (N, n, 3)
     """
 
     joint_names: tuple[str, ...]
@@ -96,7 +96,7 @@ class WrenchRows:
 
 
 def _completed(problem: Problem, x: Array, noise: Array) -> Array:
-    """x with its NaN from the torques."""
+    """x, with the entries that are NaN estimated from the torques."""
     matrix, right = problem.standard_equations(noise)
     prior = model_prior(problem.torque_model)
     held = np.isfinite(x)

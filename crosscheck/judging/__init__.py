@@ -1,1 +1,1 @@
-"""What is wrong with a foreign code: experiments on it, and faults put into graphdyn until the numbers match."""
+"""Diagnosis of foreign code: experiments on it, and faults put into graphdyn until the numbers match."""

@@ -1,4 +1,4 @@
-"""Columns of a foreign regressor: their order among the ten parameters, and factors on them."""
+"""Columns of a foreign regressor: the order of the ten parameters, and factors on them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 ALIKE = 1e-6
-"""A column is another one, times a factor, if less than this part of it is left."""
+"""Part of a column that may remain after subtracting a multiple of another one to count as that multiple."""
 
 
 def column_fault(answer: Array, ours: Array) -> FittedFault | None:
-    """Columns that are ours in another order or scale; None where they are not. answer, ours: (N, n, 10n)."""
+    """The fault that columns are ours in another order or scale; None if they are not. answer, ours: (N, n, 10n)."""
     there, here = (_by_parameter(regressor) for regressor in (answer, ours))
     places, factors, left = [], [], 0.0
     for column in there:

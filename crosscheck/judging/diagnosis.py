@@ -1,4 +1,4 @@
-"""From experiments to sentences: which fault, put into graphdyn, gives the numbers of a foreign function."""
+"""From experiments to diagnoses: which fault, put into graphdyn, gives the numbers of a foreign function."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 
 NOISE = 1e-9
-"""A part that deviates by less agrees: experiments are differences of torques, some digits are lost."""
+"""Relative deviation below which a part agrees: experiments are differences of torques, which lose some digits."""
 
 EXPLAINED = 1e-5
-"""A fault explains a deviation if less than this part of it is left: foreign codes round their constants."""
+"""Part of a deviation that a fault may leave and still explain it: foreign codes round their constants."""
 
 AS_GOOD = 30.0
-"""Explanations that leave up to this many times the least rest are as good as the best."""
+"""Factor on what the best explanation leaves: explanations that leave no more are as good."""
 
 SMALL = 1e-4
-"""A deviation below this without an explanation is a matter of digits."""
+"""Relative deviation below which one without an explanation is a lack of precision."""
 
 MOST_ALTERNATIVES = 4
 
@@ -81,7 +81,7 @@ def diagnose(
 def _of_part(
     part: str, model: RobotModel, trial: TrialStates, observed: Parts, own: Parts, scale: dict[str, float]
 ) -> Iterator[FittedFault]:
-    """Faults with a free number that touch one part alone."""
+    """Faults with free numbers that affect only this part."""
     if part == "gravity":
         yield gravity_vector(model, trial, observed, scale)
     elif part == "velocity":
@@ -123,7 +123,7 @@ def _diagnosis(function: str, findings: list[FittedFault], evidence: str) -> Dia
 
 
 def _unknown(function: str, message: str, evidence: str) -> Diagnosis:
-    remedy = "look at the worst state, and at the parts that are right: the fault is in what they do not use"
+    remedy = "look at the worst state; the fault is in terms that the parts that agree do not use"
     return Diagnosis(function, "unknown", message, evidence, remedy, np.inf)
 
 
@@ -144,7 +144,7 @@ def _evidence(before: Mapping[str, float], observed: Parts, own: Parts) -> str:
 
 
 def merged(diagnoses: list[Diagnosis]) -> tuple[Diagnosis, ...]:
-    """Each different sentence once, with the functions that show it."""
+    """Each different diagnosis once, with the functions that it applies to."""
     by_message: dict[tuple[str, str], Diagnosis] = {}
     for diagnosis in diagnoses:
         key = diagnosis.kind, diagnosis.message

@@ -1,6 +1,6 @@
 """Experiments that take a dynamics function apart: rest, acceleration from rest, velocity at no acceleration.
 
-τ(q, v, a) = g(q) + M(q) a + c(q, v). Whatever a function computes, these differences show which term is wrong.
+τ(q, v, a) = g(q) + M(q) a + c(q, v). Differences of the torques of any function show which term is wrong.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ PARTS = {
     "inertia": "accelerated from rest, one joint at a time, gravity subtracted",
     "velocity": "moving at a = 0, gravity subtracted",
 }
-"""The experiments, in words."""
+"""The experiment for each part, in words."""
 
 WEAK_VELOCITY = 1e-3
-"""Velocity torques are judged on no smaller scale than this part of the joint wrenches: they come as a difference."""
+"""Smallest scale of velocity torques, as a part of the joint wrenches: they are differences of torques."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class TrialStates:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """A function taken apart; None where it cannot be asked. The trailing dimensions are those of the function.
+    """The terms of a function; None where it does not give them. The trailing dimensions are those of the function.
 
     gravity: g                                              (N, n, …)
     inertia: one column of M per joint                      (N, n, n, …): state, accelerated joint, torque
@@ -73,7 +73,7 @@ def split(function: Function, trial: TrialStates) -> Parts:
 def observe(foreign: ForeignFunction, model: RobotModel, trial: TrialStates, torque: Array) -> Parts:
     """The experiments with a foreign function.
 
-    torque: usual size per joint (n,), for forward dynamics, which is asked for M⁻¹ and turned into the same terms
+    torque: usual size per joint (n,), for forward dynamics, which gives M⁻¹ and from it the same terms
     Raises numpy.linalg.LinAlgError where forward dynamics give a singular M⁻¹.
     """
     if foreign.name == "mass_matrix":
@@ -103,7 +103,7 @@ def observe(foreign: ForeignFunction, model: RobotModel, trial: TrialStates, tor
 
 
 def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str, float]:
-    """What each part is judged on: its largest entry, and for differences of torques the joint wrenches."""
+    """The scale of each part: its largest entry, and for differences of torques the joint wrenches."""
     wrench = float(np.abs(inverse_dynamics(model, trial.q, trial.v, 0 * trial.v).joint_wrenches).max())
     floor = {"gravity": wrench, "inertia": 0.0, "velocity": WEAK_VELOCITY * wrench}
     largest = {
@@ -114,14 +114,14 @@ def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str
 
 
 def deviations(x: Parts, y: Parts, scale: dict[str, float]) -> dict[str, float]:
-    """Largest relative difference of each part that both know; NaN counts as infinite."""
+    """Largest relative difference of each part that both have; NaN counts as infinite."""
     known = [part for part in x.known() if part in y.known()]
     found = {part: _size(getattr(x, part) - getattr(y, part)) / scale[part] for part in known}
     return {part: value if np.isfinite(value) else np.inf for part, value in found.items()}
 
 
 def stacked(parts: Parts, known: tuple[str, ...], scale: dict[str, float]) -> Array:
-    """All entries of some parts in one dimension, each on its scale; a regressor's last dimension stays."""
+    """All entries of some parts as one vector, each on its scale; a regressor keeps its last dimension."""
     trailing = () if parts.gravity is None or parts.gravity.ndim == 2 else parts.gravity.shape[2:]
     return np.concatenate([(getattr(parts, part) / scale[part]).reshape(-1, *trailing) for part in known])
 

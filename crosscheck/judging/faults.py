@@ -1,4 +1,4 @@
-"""Faults that codes really have, put into graphdyn one at a time: what a foreign code would compute that has them."""
+"""Common faults of dynamics codes, put into graphdyn one at a time: the torques of a code that has this fault."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from graphdyn.layout import Array, parameter_columns
 from urdf._rpy import rpy_from_rotation
 
 MOST_SUBSETS = 7
-"""Up to this many joints, every set of reversed axes is tried (2^n); beyond, single ones and all."""
+"""Largest number of joints for which every set of reversed axes is tried (2^n); beyond, single axes and all."""
 
 E1, E2, E3 = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
 class Fault:
-    """One fault: its kind and what to say and do about it, and the torques of a code that has it."""
+    """One fault: its kind, message and remedy, and the torques of a code that has it."""
 
     kind: str
     message: str
@@ -33,7 +33,7 @@ class Fault:
 
 
 def faults(model: RobotModel, links: Mapping[str, tuple[int, Array]]) -> Iterator[Fault]:
-    """All of them, the likelier of two indistinguishable ones first.
+    """All faults, the likelier of two indistinguishable ones first.
 
     links: fixed links by name: number of the body that they are fused into, and what they contribute to its
         inertial parameters (10,)
@@ -118,7 +118,7 @@ def _units(model: RobotModel) -> Iterator[Fault]:
             yield Fault(
                 "unit",
                 f"joint {what} are taken as {said}",
-                "convert angles to radians at the door",
+                "convert angles to radians when they are read",
                 _scaled_input(own, factor, which),
             )
     rpm = np.where(angle, 2 * np.pi / 60, 1.0)
@@ -126,7 +126,7 @@ def _units(model: RobotModel) -> Iterator[Fault]:
         yield Fault(
             "unit",
             f"joint velocities are taken as {said}",
-            "convert velocities to rad/s at the door",
+            "convert velocities to rad/s when they are read",
             _scaled_input(own, factor, slice(1, 2)),
         )
     for length, said in ((1e3, "millimetres"), (1e2, "centimetres"), (1 / 0.0254, "inches")):
@@ -147,7 +147,7 @@ def _units(model: RobotModel) -> Iterator[Fault]:
 
 
 def _angles(model: RobotModel) -> Iterator[Fault]:
-    """What becomes of the angle of joints that turn without end."""
+    """Wrong uses of the angle of a revolute or continuous joint."""
     own = torques(model)
     turning = [k for k, joint in enumerate(model.joints) if not joint.is_prismatic]
     lower, upper = (
@@ -158,8 +158,8 @@ def _angles(model: RobotModel) -> Iterator[Fault]:
         )
     )
     maps: tuple[tuple[str, Callable[[Array], Array]], ...] = (
-        ("is cut off at ±π", lambda q: np.clip(q, -np.pi, np.pi)),
-        ("is cut off at its limits", lambda q: np.clip(q, lower, upper)),
+        ("is clipped at ±π", lambda q: np.clip(q, -np.pi, np.pi)),
+        ("is clipped at its limits", lambda q: np.clip(q, lower, upper)),
         ("is replaced by its cosine", np.cos),
         ("is replaced by its sine", np.sin),
         ("is the other angle of (cos, sin), π/2 - q", lambda q: np.pi / 2 - q),
@@ -180,7 +180,7 @@ def _angles(model: RobotModel) -> Iterator[Fault]:
 
 
 def _frames(model: RobotModel) -> Iterator[Fault]:
-    """Placements of the joints: rotations, where translations are expressed, axes."""
+    """Wrong placements of the joints: rotations, axes in which translations are expressed, joint axes."""
     place = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
     changes: tuple[tuple[str, Callable[[Joint], Joint]], ...] = (
         ("the rotation of {who} is transposed", lambda j: _turned(j, j.placement.rotation.T)),
@@ -220,7 +220,7 @@ def _frames(model: RobotModel) -> Iterator[Fault]:
 
 
 def _inertials(model: RobotModel) -> Iterator[Fault]:
-    """Centres of mass and tensors: axes, left-out entries, exchanged bodies."""
+    """Wrong centres of mass and tensors: axes, missing entries, exchanged bodies."""
     axes = "the inertial frame's rotation turns the tensor into link axes: R J Rᵀ"
     changes: tuple[tuple[str, Callable[[Body, Array], Body]], ...] = (
         ("the centre of mass of {who} is expressed in the axes of the inside body", lambda b, r: _placed(b, r.T, None)),
@@ -271,7 +271,7 @@ def _inertials(model: RobotModel) -> Iterator[Fault]:
 def _of_joints(
     model: RobotModel, kind: str, message: str, remedy: str, change: Callable[[Joint], Joint]
 ) -> Iterator[Fault]:
-    """The same fault at each joint by itself, and at every joint."""
+    """The same fault at one joint, for each joint, and at every joint at once."""
     for name in model.joint_names:
         yield Fault(
             kind, message.format(who=f"joint '{name}'"), remedy,
@@ -284,7 +284,7 @@ def _of_joints(
 def _of_bodies(
     model: RobotModel, kind: str, message: str, remedy: str, change: Callable[[Body, Array], Body]
 ) -> Iterator[Fault]:
-    """The same fault at each body by itself, and at every body; change gets the rotation of its inside joint too."""
+    """The same fault at one body, for each body, and at every body at once; change(body, rotation of its joint)."""
     changed = []
     for body, joint in zip(model.bodies, model.joints, strict=True):
         other = change(body, joint.placement.rotation)

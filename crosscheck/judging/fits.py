@@ -1,4 +1,4 @@
-"""Linear fits: faults with a free number. The deviation is a combination of known columns, or it is not."""
+"""Linear fits: faults with free numbers, found by fitting known columns to the deviation."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from graphdyn._inertia import parallel_axis, parameters_from_inertia
 from graphdyn.layout import Array, parameter_columns
 
 ROUND = 1e-4
-"""A fitted factor this close to a round number is that number."""
+"""Relative distance from a round number within which a fitted factor is that number."""
 
 SETTLED = 1e-6
-"""Singular values below this part of the largest are directions that the numbers do not settle."""
+"""Part of the largest singular value below which the data do not determine a direction."""
 
 
 @dataclass(frozen=True)
 class FittedFault:
-    """What a fit says: kind, message, remedy, and the relative error that it leaves."""
+    """A fault found by a fit: kind, message, remedy, and the relative error that is left."""
 
     kind: str
     message: str
@@ -57,7 +57,7 @@ def gravity_vector(model: RobotModel, trial: TrialStates, observed: Parts, scale
         message = f"gravity is {np.linalg.norm(found):.6g} m/s², not {np.linalg.norm(ours):.6g} m/s²"
     else:
         message = f"gravity acts along ({shown}), not ({here}) m/s², or the base is turned"
-    unsettled = "" if settled else " (the torques of this robot do not settle all three components)"
+    unsettled = "" if settled else " (the torques of this robot do not determine all three components)"
     return FittedFault(
         "gravity", message + unsettled, f"use the gravity vector ({here}) m/s² in the axes of the base", left
     )
@@ -102,7 +102,7 @@ def rotor_inertia(deviation: Array, scale: float) -> FittedFault:
 
 
 def velocity_factors(model: RobotModel, trial: TrialStates, observed: Parts, scale: dict[str, float]) -> FittedFault:
-    """Wrong factors on the pieces of c(q, v), in the first way of writing it that leaves least."""
+    """Wrong factors on the terms of c(q, v), in the decomposition that leaves least, the first of equals."""
     assert observed.velocity is not None
     target = observed.velocity.ravel() / scale["velocity"]
     findings = [FittedFault("coriolis", "velocity terms appear where there are none", "compare with a = 0", np.inf)]
@@ -124,18 +124,18 @@ def velocity_factors(model: RobotModel, trial: TrialStates, observed: Parts, sca
 
 
 PIECES = ("mass", "first moment", "parallel-axis term", "tensor about the centre of mass")
-"""Each body's parameters are the sum of these, (10,) each: a wrong factor on one of them names itself."""
+"""Parts of a body's ten parameters, which are their sum: a wrong factor on one of them is a fault with a name."""
 
 _ABOUT = {
     0.0: "the tensor of {who} is about the centre of mass and used as if about the link origin",
     2.0: "the tensor of {who} is about the link origin and used as if about the centre of mass",
     -1.0: "the parallel-axis term of {who} has the opposite sign",
 }
-"""By the factor on the parallel-axis term."""
+"""Messages by the factor on the parallel-axis term."""
 
 
 class ParameterFits:
-    """Deviations explained by other inertial parameters: τ is linear in them.
+    """Deviations that other inertial parameters explain: τ is linear in them.
 
     target: the deviations
     """
@@ -147,11 +147,11 @@ class ParameterFits:
         self._regressor = stacked(parts, known, scale)
 
     def named(self) -> Iterator[FittedFault]:
-        """A factor that has a name, on a piece of the parameters: of every body together, then of one at a time."""
+        """Factors on parts of the parameters that are a known fault: of all bodies together, then of one at a time."""
         yield from (finding for finding, has_name in self._factors() if has_name)
 
     def unnamed(self) -> Iterator[FittedFault]:
-        """Any factors on the pieces; any ten parameters of one body; any parameters of all bodies."""
+        """Any factors on the parts; any ten parameters of one body; any parameters of all bodies."""
         yield from (finding for finding, has_name in self._factors() if not has_name)
         for k, name in enumerate(self._model.body_names, start=1):
             _, left = fit(self._regressor[:, parameter_columns(k)], self._deviation)
@@ -187,7 +187,7 @@ class ParameterFits:
 
 
 def _pieces(mass: float, center: Array, tensor: Array) -> Array:
-    """Ten parameters of each piece (4, 10)."""
+    """Ten parameters of each part (4, 10)."""
     zero = np.zeros(3)
     piece = np.zeros((4, 10))
     piece[0, 0] = mass
@@ -198,7 +198,7 @@ def _pieces(mass: float, center: Array, tensor: Array) -> Array:
 
 
 def _interpreted(who: str, m: float, mc: float, parallel: float, tensor: float) -> tuple[str, str, str] | None:
-    """Kind, message and remedy of factors on m, m c, the parallel-axis term and the tensor; None without a name."""
+    """Kind, message and remedy of factors on m, m c, the parallel-axis term and the tensor; None for no known fault."""
     if m == mc == tensor == 1 and parallel in _ABOUT:
         remedy = "a tensor about the centre of mass needs m (c·c E - c cᵀ) more about the link origin"
         return "inertia_point", _ABOUT[parallel].format(who=who), remedy

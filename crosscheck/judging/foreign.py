@@ -17,16 +17,19 @@ ARGUMENTS = {
     "mass_matrix": ("q",),
     "regressor": ("q", "v", "a"),
 }
-"""What each function takes, (n,) each. They return τ (n,), a (n,), M (n, n) and W (n, 10n)."""
+"""Arguments of each function, (n,) each. They return τ (n,), a (n,), M (n, n) and W (n, 10n)."""
 
 
 class ForeignFailure(GraphDynError):
-    """A foreign function raised an exception or returned something else than it should."""
+    """A foreign function raised an exception or returned an array of the wrong shape."""
 
 
 @dataclass(frozen=True, eq=False)
 class ForeignFunction:
-    """order: number of our joint at each place of the foreign arrays (n,)"""
+    """A function under test, with the joint order of its arrays.
+
+    order: number of our joint at each place of the foreign arrays (n,)
+    """
 
     name: str
     function: Callable[..., object]
@@ -44,7 +47,7 @@ class ForeignFunction:
         arguments = self.foreign_arguments(row)
         try:
             answer = np.asarray(self.function(*arguments.values()), dtype=float)
-        except Exception as error:  # whatever foreign code raises
+        except Exception as error:  # foreign code may raise anything
             where = ", ".join(f"{name} = {x.tolist()}" for name, x in arguments.items())
             raise ForeignFailure(f"{self.name} raised {type(error).__name__}: {error}; at {where}") from error
         n = len(self.order)

@@ -1,4 +1,4 @@
-"""The referee for other people's code: foreign functions against graphdyn, Pinocchio and, where installed, MuJoCo."""
+"""crosscheck.judge: foreign functions against graphdyn, Pinocchio and, where installed, MuJoCo."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 Foreign = Callable[..., ArrayLike]
-"""One state in, one answer out: arrays of shape (n,) in the order of joint_names."""
+"""A function of one state: arrays of shape (n,) in the order of joint_names."""
 
 Progress = Callable[[str], None]
-"""Called with what is done next."""
+"""Called with the name of the next step."""
 
 
 def judge(
@@ -46,20 +46,20 @@ def judge(
     gravity: ArrayLike | None = None,
     progress: Progress | None = None,
 ) -> Judgement:
-    """Hold foreign functions against graphdyn and Pinocchio at once, and say what is wrong with them.
+    """Compare foreign functions with graphdyn, Pinocchio and MuJoCo (where installed), and say what is wrong with them.
 
     robot: name (urdf.robots), path of a URDF, or RobotModel
     inverse_dynamics: (q, v, a) → τ (n,); forward_dynamics: (q, v, τ) → a (n,); mass_matrix: q → M (n, n);
         regressor: (q, v, a) → W (n, 10n) with the parameters of docs/notation.md. All arguments (n,), one state per
         call; [rad or m, …/s, …/s², N m or N]. No external forces, no friction.
     joint_names: the order of the foreign arrays; default: that of urdf.load
-    samples: random states within the limits; a few with whole turns added come on top
+    samples: random states within the limits, to which a few with whole turns are added
     tolerance: largest relative error that counts as agreement, on the scale of each function
     lock, gravity: as in urdf.load, for names and paths only
 
-    Raises InvalidInput for arguments that make no sense, ForeignFailure where a foreign function raises or returns
-    the wrong shape, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics of a
-    robot that has none.
+    Raises InvalidInput for invalid arguments, ForeignFailure where a foreign function raises or returns the wrong
+    shape, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics where the torques do
+    not determine the accelerations.
     """
     given = {
         "inverse_dynamics": inverse_dynamics,
@@ -80,12 +80,12 @@ def judge(
         notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):
         states = JudgedStates.draw(model, samples, seed, needs_tau=forward_dynamics is not None)
-        say("asking the referees")
+        say("evaluating the reference implementations")
         references = {"graphdyn": graphdyn_answers(states, given), "pinocchio": pinocchio_answers(states)}
         try:
             references["mujoco"] = MujocoModel(model).evaluate(states.q, states.v, states.a, states.tau)
         except MujocoRefuses as refusal:
-            notes.append(f"referee 'mujoco' took no part: {refusal}")
+            notes.append(f"MuJoCo is not among the reference implementations: {refusal}")
         trial = states.trial
         for function in functions:
             say(f"judging {function.name}")
@@ -108,7 +108,7 @@ def judge(
         notes=tuple(notes),
     )
     if not judgement.decided:
-        notes.append("the referees disagree among themselves: no verdict on the foreign code; please report this robot")
+        notes.append("the reference implementations disagree: no verdict on the foreign code; please report this robot")
     return replace(judgement, notes=tuple(notes))
 
 
@@ -169,9 +169,7 @@ def _diagnoses(
     found = diagnose(name, observed, model, trial, links)
     if found:
         return [replace(diagnosis, evidence=f"{diagnosis.evidence}; {count}") for diagnosis in found]
-    message = (
-        "gravity, mass matrix and velocity terms are right by themselves; only certain states or their sum deviate"
-    )
+    message = "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
     return [Diagnosis(name, "unknown", message, count, "look at the worst state", np.inf)]
 
 
@@ -182,4 +180,4 @@ def _check(given: Mapping[str, Foreign | None], tolerance: float) -> None:
         if function is not None and not callable(function):
             raise InvalidInput(f"{name} is of type {type(function).__name__}; give a function")
     if not isinstance(tolerance, Real) or not 0 < tolerance < 1:
-        raise InvalidInput(f"tolerance is {tolerance!r}; a relative error between 0 and 1 is needed")
+        raise InvalidInput(f"tolerance is {tolerance!r}; give a relative error between 0 and 1")

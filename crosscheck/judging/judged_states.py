@@ -1,4 +1,4 @@
-"""The states at which foreign functions are asked."""
+"""The states at which foreign functions are evaluated."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 
 EXPERIMENTS = 6
-"""States at which experiments are made; half of them with whole turns added where joints turn without end."""
+"""Number of states of the experiments; half of them with whole turns added to joints that can turn without end."""
 
 TURNED = 10
-"""Judged states with whole turns added, on top of the random ones."""
+"""Number of judged states with whole turns added, besides the random ones."""
 
 TURNS = 2
-"""Whole turns either way."""
+"""Largest number of whole turns added, in either direction."""
 
 
 class JudgedStates:
@@ -42,13 +42,13 @@ class JudgedStates:
 
     @property
     def trial(self) -> TrialStates:
-        """Generic states for the experiments: random ones, then turned ones."""
+        """States for the experiments: random ones, then ones with whole turns added."""
         rows = [*range(EXPERIMENTS // 2), *range(-TURNED, -TURNED + EXPERIMENTS // 2)]
         rows = [row if row < 0 else row % len(self.q) for row in rows]
         return TrialStates(self.q[rows], self.v[rows])
 
     def arguments(self, name: str) -> tuple[Array, ...]:
-        """What the function of this name is asked with."""
+        """The arguments of the function of this name."""
         return {
             "inverse_dynamics": (self.q, self.v, self.a),
             "forward_dynamics": (self.q, self.v, self.tau),

@@ -1,4 +1,4 @@
-"""The answer of crosscheck.judge: plain data that judges itself."""
+"""The answer of crosscheck.judge: plain data, and whether the functions agree."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True)
 class WorstCall:
-    """The state at which a foreign function is farthest from graphdyn, with both answers, to be reproduced.
+    """The state at which a foreign function is farthest from graphdyn, with both answers, so that it can be reproduced.
 
     arguments: what the function was called with, by name, in its own joint order
     expected, answer: flattened values of graphdyn and of the foreign function, both in the model's joint order
@@ -25,7 +25,7 @@ class WorstCall:
 
 @dataclass(frozen=True, eq=False)
 class JudgedFunction:
-    """One foreign function against every referee.
+    """One foreign function against every reference implementation ("referee").
 
     name: inverse_dynamics, forward_dynamics, mass_matrix or regressor
     errors: relative error per state (N,) against each referee: "graphdyn", "pinocchio", "mujoco"
@@ -42,12 +42,12 @@ class JudgedFunction:
 
     @property
     def agrees(self) -> bool:
-        """With every referee; NaN is no agreement."""
+        """Whether it agrees with every referee; NaN is not agreement."""
         return all(bool((error <= self.bound).all()) for error in self.errors.values())
 
     @property
     def referees_agree(self) -> bool:
-        """Two against one only counts if the two agree."""
+        """Whether the referees agree with one another; only then is there a verdict."""
         return all(bool((error <= self.bound).all()) for error in self.referees_differ.values())
 
 
@@ -60,7 +60,7 @@ class Diagnosis:
     message: one sentence that names the joint, the body, the term
     evidence: the experiment and its numbers
     remedy: what to do about it
-    explains: relative error that is left after putting this fault into graphdyn (rounding: it is the whole fault)
+    explains: relative error that is left after putting this fault into graphdyn; rounding, if it is the only fault
     also: other faults that give the same numbers at all states tried
     """
 
@@ -77,10 +77,10 @@ class Diagnosis:
 class Judgement:
     """The verdict on foreign functions for one robot.
 
-    robot: as it was given; file: whole path of its URDF, None where a RobotModel was given; model: what was judged
-    joint_names: the order in which the functions take and give joint quantities
-    referees: "graphdyn", "pinocchio", and "mujoco" where it is installed and takes the robot
-    notes: what the reader must know (a referee that could not take part, …)
+    robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded
+    joint_names: the order in which the functions take and return joint quantities
+    referees: "graphdyn", "pinocchio", and "mujoco" where it is installed and can represent the robot
+    notes: what the reader must know (a referee that cannot represent the robot, …)
     """
 
     robot: str
@@ -97,12 +97,12 @@ class Judgement:
 
     @property
     def agrees(self) -> bool:
-        """Every function agrees with every referee."""
+        """Whether every function agrees with every referee."""
         return all(function.agrees for function in self.functions.values())
 
     @property
     def decided(self) -> bool:
-        """Whether the referees agree among themselves wherever they were asked."""
+        """Whether the referees agree with one another on every function."""
         return all(function.referees_agree for function in self.functions.values())
 
     @property

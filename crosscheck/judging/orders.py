@@ -14,17 +14,18 @@ from graphdyn import RobotModel, mass_matrix
 from graphdyn.layout import Array
 
 MOST_PERMUTED = 6
-"""Up to this many joints all n! orders are tried; beyond, exchanges of two, rotations, the reverse and the alphabet."""
+"""Largest number of joints for which all n! orders are tried; beyond, exchanges of two joints, cyclic shifts, and the
+reverse and alphabetical orders."""
 
 
 SCREEN = 1e-3
-"""Orders farther off than this at one state are not tried at the others."""
+"""Relative error at one state beyond which an order is not tried at the others."""
 
 
 def order_faults(model: RobotModel, q: Array, v: Array, answer: Array | None, columns: Array | None) -> Iterator[Fault]:
-    """The orders that could be, screened at one state.
+    """The orders that are possible according to one state.
 
-    q, v: (n,); answer: torques at (q, v, a = 0) there (n,); columns: M there (n, n); None where they are not known
+    q, v: (n,); answer: torques at (q, v, a = 0) there (n,); columns: M there (n, n); None where unknown
     """
     own, names = torques(model), model.joint_names
     orders = np.array(list(_orders(model)))
@@ -81,7 +82,7 @@ def _screened(
 
 
 def _orders(model: RobotModel) -> Iterator[tuple[int, ...]]:
-    """Every order but ours, the ones that happen first."""
+    """Every order but ours, the common mistakes first."""
     n = model.n_bodies
     ours = tuple(range(n))
     alphabetical = tuple(sorted(ours, key=lambda k: model.joint_names[k]))

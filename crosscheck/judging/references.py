@@ -1,4 +1,4 @@
-"""What the referees answer, and how far a foreign answer is from theirs."""
+"""The answers of the reference implementations, and the errors of a foreign answer against them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SCALES = {
 
 
 def graphdyn_answers(states: JudgedStates, given: Mapping[str, object]) -> dict[str, Array]:
-    """By name of the function; only of those that are given, where they cost time."""
+    """Answers by name of the function; those that take time only if the function is given."""
     model, q, v, a = states.model, states.q, states.v, states.a
     answers = {
         "inverse_dynamics": graphdyn.inverse_dynamics(model, q, v, a).tau,
@@ -36,7 +36,7 @@ def graphdyn_answers(states: JudgedStates, given: Mapping[str, object]) -> dict[
 
 
 def pinocchio_answers(states: JudgedStates) -> dict[str, Array]:
-    """By name of the function."""
+    """Answers by name of the function."""
     no_load = np.zeros((*states.q.shape, 6))
     values = PinocchioModel.from_model(states.model).evaluate(states.q, states.v, states.a, states.tau, no_load)
     return {
@@ -48,7 +48,7 @@ def pinocchio_answers(states: JudgedStates) -> dict[str, Array]:
 
 
 def foreign_errors(name: str, answer: Array, reference: Array, states: JudgedStates) -> Array:
-    """Relative errors (N,) on the scale of the function; what is not finite counts as infinite."""
+    """Relative errors (N,) on the scale of the function; entries that are not finite count as infinite."""
     model, q, v, a = states.model, states.q, states.v, states.a
     dynamics = graphdyn.inverse_dynamics(model, q, v, a)
     if name == "inverse_dynamics":

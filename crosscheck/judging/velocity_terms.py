@@ -1,6 +1,6 @@
-"""The velocity torques c(q, v) in the pieces in which codes compute them: a wrong factor on one piece names itself.
+"""The velocity torques c(q, v) as the sums that codes compute, so that a wrong factor on one term can be found.
 
-Four ways to write the same sum: classical Newton-Euler, spatial vectors, Lagrange, and squares against products.
+Four decompositions: classical Newton-Euler, spatial vectors, Lagrange, and squares and products of joint velocities.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from graphdyn._linear import apply
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 Terms = dict[str, Array]
-"""By name: torques (N, n) that sum to c."""
+"""Torques (N, n) by the name of the term; their sum is c."""
 
 
 def velocity_terms(model: RobotModel, trial: TrialStates) -> tuple[Terms, ...]:
-    """The same c(q, v), as a whole and in four ways of writing it."""
+    """c(q, v) as a whole, and in four decompositions."""
     whole = _velocity_torque(model, trial.q, trial.v)
     return (
         {"all velocity terms": whole},
@@ -69,7 +69,7 @@ def _newton_euler(model: RobotModel, trial: TrialStates) -> Terms:
 
 
 def _spatial(model: RobotModel, trial: TrialStates, whole: Array) -> Terms:
-    """v ×* I v of every body, with the twist at the link origin, and the rest, from v × S q̇ in the accelerations."""
+    """v ×* I v of every body, v its twist at the link origin, and the rest, from v × S q̇ in the accelerations."""
     state = maximal_state(model, trial.q, trial.v)
     omega = state.velocity[..., ANGULAR]
     center, masses = np.stack([body.center_of_mass for body in model.bodies]), _masses(model)

@@ -1,4 +1,4 @@
-"""Recordings: read from files as they are found in the wild, checked, filtered, differentiated and split."""
+"""Recordings: read from files of many formats, checked, filtered, differentiated and split."""
 
 from crosscheck.recordings.decimation import decimated, decimated_columns
 from crosscheck.recordings.derivatives import chosen_cutoff, derivative, differentiated

@@ -17,7 +17,7 @@ from crosscheck.recordings.table import RecordedTable
 
 
 def read_parquet(path: Path) -> RecordedTable:
-    """Read a Parquet file; a column of lists becomes one column per element, name_1 and on."""
+    """Read a Parquet file; a column of lists becomes one column per element, name_1, name_2, …"""
     import pyarrow as pa
     from pyarrow import parquet
 
@@ -47,7 +47,7 @@ def read_npz(path: Path) -> RecordedTable:
                 try:
                     arrays[name] = archive[name]
                 except ValueError as error:
-                    raise BadRecordingFile(f"{path}: '{name}' is no array of numbers; save it as one") from error
+                    raise BadRecordingFile(f"{path}: '{name}' is not an array of numbers; save it as one") from error
     except (zipfile.BadZipFile, ValueError, EOFError, TypeError) as error:
         if isinstance(error, BadRecordingFile):
             raise
@@ -56,7 +56,7 @@ def read_npz(path: Path) -> RecordedTable:
 
 
 def read_mat(path: Path) -> RecordedTable:
-    """Read the variables of a MATLAB file, also inside structures (data.q); version 7.3 needs h5py."""
+    """Read the variables of a MATLAB file, including fields of structures (data.q); version 7.3 needs h5py."""
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
@@ -70,7 +70,7 @@ def read_mat(path: Path) -> RecordedTable:
 
 
 def _read_hdf5(path: Path) -> dict[str, Any]:
-    """The variables of a version 7.3 file, whose arrays are stored with their axes turned round."""
+    """The variables of a version 7.3 file, which stores arrays with their axes reversed."""
     try:
         import h5py
     except ImportError as error:
@@ -132,8 +132,10 @@ def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
             columns += list(array.T)
     findings = []
     if turned:
-        message = f"{', '.join(turned)} with one column per time"
+        message = f"{', '.join(turned)}: one column per time"
         findings.append(
-            RecordingFinding("turned-array", "note", str(path), None, (), message, "turned, so that rows are times")
+            RecordingFinding(
+                "turned-array", "note", str(path), None, (), message, "transposed, so that each row is a time"
+            )
         )
     return RecordedTable(path, tuple(names), np.column_stack(columns), left_out=left_out, findings=tuple(findings))

@@ -18,7 +18,7 @@ FIELDS = ("position", "velocity", "effort")
 def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | None = None) -> RecordedTable:
     """Read 'time' [s] since the first message (header stamp), 'receive_time', and 'position.<joint>' and so on.
 
-    joints: take only the messages that have all of these. Raises BadRecordingFile, AmbiguousColumns.
+    joints: read only the messages that have all of these. Raises BadRecordingFile, AmbiguousColumns.
     """
     try:
         from rosbags.highlevel import AnyReader, AnyReaderError
@@ -38,7 +38,7 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
             ]
     except AnyReaderError as error:
         raise BadRecordingFile(
-            f"{path}: not a readable bag ({error}); recording it again, or give the whole folder"
+            f"{path}: not a readable bag ({error}); record it again, or give the whole folder"
         ) from error
     if not messages:
         raise BadRecordingFile(f"{path}: no messages on {topic}; record at least one")
@@ -81,7 +81,7 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tupl
     if not stamps.any():
         text = f"the messages on {topic} have no header stamps"
         findings.append(
-            RecordingFinding("no-stamps", "warning", str(path), "time", (), text, "times of receiving are taken")
+            RecordingFinding("no-stamps", "warning", str(path), "time", (), text, "the times of receiving are used")
         )
         stamps = received
     names, columns = ["time", "receive_time"], [(stamps - stamps[0]) * 1e-9, (received - received[0]) * 1e-9]

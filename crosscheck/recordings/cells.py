@@ -10,7 +10,7 @@ from graphdyn.layout import Array
 
 
 def as_doubles(column: Any) -> Array:
-    """A column of text or numbers as doubles, NaN where a cell is none."""
+    """A column of text or numbers as doubles, NaN where a cell is not a number."""
     import pyarrow as pa
     from pyarrow import compute
 

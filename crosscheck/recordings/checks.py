@@ -1,4 +1,4 @@
-"""Faults of the numbers: cells, values, channels. Each check returns its findings; nothing is changed."""
+"""Checks of the numbers: cells, values, channels. Each check returns its findings and changes nothing."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from crosscheck.recordings.findings import RecordingFinding
 from graphdyn.layout import Array
 
 HELD_AT_LIMIT = 5
-"""Rows in a row at exactly the largest or smallest torque that count as saturation: noise never stays put so long."""
+"""Number of consecutive rows at exactly the largest or smallest torque that count as saturation: noise would change
+them."""
 
 SAME_MOTION = 0.1
-"""Allowed relative error of the travelled way from v against that from q; other units or another joint are far off."""
+"""Allowed relative error of the distance travelled by v against that by q; wrong units or joints give far more."""
 TRAVEL, WINDOWS = 0.05, 20
-"""[rad or m] way below which the two are not compared; pieces of the recording in which they are."""
+"""Distance travelled below which v and q are not compared [rad or m]; number of intervals in which they are."""
 
 
 def cell_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
-    """Cells that are no finite numbers, in sound rows (N,), that is, lines that were not malformed as a whole."""
+    """Cells that are not finite numbers, in sound rows (N,): those whose line is not malformed as a whole."""
     findings = []
     for column in columns:
         rows = tuple(np.flatnonzero(sound & ~np.isfinite(column.values)).tolist())
@@ -39,7 +40,7 @@ def cell_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[R
 def value_findings(
     file: str, joints: Iterable[str], slides: Iterable[bool], channels: Mapping[str, Array], lines: int | None
 ) -> list[RecordingFinding]:
-    """Joint coordinates beyond what a robot does, and positions that look like degrees."""
+    """Joint coordinates beyond what a robot can reach, and positions that look like degrees."""
     findings = []
     for j, (joint, sliding) in enumerate(zip(joints, slides, strict=True)):
         for name, values in channels.items():
@@ -57,13 +58,13 @@ def value_findings(
             sane = size[size <= limit.value]
             if name == "q" and not sliding and sane.size and sane.max() > limits.MANY_TURNS:
                 message = f"q of '{joint}' reaches {sane.max():.4g} rad"
-                remedy = "if these are degrees, or angles in front of the gears, say so in a mapping"
+                remedy = "if these are degrees, or motor angles in front of the gears, say so in a mapping"
                 findings.append(RecordingFinding("many-turns", "warning", file, None, (), message, remedy))
     return findings
 
 
 def channel_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
-    """Channels that say nothing, and torques held at their limits, among the sound rows."""
+    """Constant channels, and torques held at their limits, among the sound rows."""
     findings = []
     rows = np.flatnonzero(sound)
     for column in columns:
@@ -81,7 +82,7 @@ def channel_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> lis
             if held.any():
                 at = ", ".join(f"{value:g}" for value in np.unique(values[held]))
                 message = f"held at {at}, the end of its range, for {HELD_AT_LIMIT} rows or more"
-                remedy = "the drive or the sensor is saturated; drop the rows, or recording slower motion"
+                remedy = "the drive or the sensor is saturated; drop the rows, or record slower motion"
                 held_rows = tuple(rows[held].tolist())
                 findings.append(_of(column, "saturation", "warning", held_rows, message, remedy))
     return findings
@@ -90,7 +91,7 @@ def channel_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> lis
 def motion_findings(
     file: str, joints: Iterable[str], t: Array, block: NDArray[np.intp], q: Array, v: Array
 ) -> list[RecordingFinding]:
-    """Velocities that are not those of the positions: other units, signs or joints. Blocks: of the rows (N,)."""
+    """Velocities that do not fit the positions: other units, signs or joints. block: block number of each row (N,)."""
     inside = np.diff(block) == 0
     steps = np.diff(t)[inside, None]
     edges = np.unique(np.linspace(0, max(len(steps) - 1, 0), WINDOWS, dtype=int))
@@ -103,7 +104,7 @@ def motion_findings(
         way = float(np.linalg.norm(from_q[:, j]))
         error = float(np.linalg.norm(from_v[:, j] - from_q[:, j]))
         if max(way, float(np.linalg.norm(from_v[:, j]))) > TRAVEL and error > SAME_MOTION * way:
-            message = f"v of '{joint}' is not the rate of its q: integrated it is off by {error / (way or 1):.0%}"
+            message = f"v of '{joint}' is not the rate of its q: its integral is off by {error / (way or 1):.0%}"
             remedy = "check units, signs and order of the columns, or leave v out of the mapping and derive it"
             findings.append(RecordingFinding("velocity-mismatch", "warning", file, None, (), message, remedy))
     return findings

@@ -1,4 +1,4 @@
-"""Faults of the time stamps: those that do not increase, gaps, missing samples, jitter."""
+"""Checks of the time stamps: stamps that do not increase, gaps, missing samples, jitter."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from crosscheck.recordings.limits import TIME
 from graphdyn.layout import Array
 
 JITTER = 0.05
-"""Part of the sampling period by which a step may differ from it without being mentioned."""
+"""Difference of a step from the sampling period, as a part of it, from which it is reported."""
 
 MISSING = 1.5
-"""Steps of more periods have lost samples in between."""
+"""Number of periods from which a step has lost samples in between."""
 
 GAP = 5.5
-"""Steps of more periods divide a recording into blocks; over shorter ones, resampling interpolates."""
+"""Number of periods from which a step divides a recording into blocks; resampling interpolates over shorter ones."""
 
 SAME_RATE = 0.01
-"""Relative difference between a stated rate and the one of the stamps that is mentioned."""
+"""Relative difference between a given rate and that of the stamps from which it is reported."""
 
 
 def increasing(t: Array) -> NDArray[np.bool_]:
-    """The most rows (N,) whose stamps increase: a glitch forward costs one row, not all after it.
+    """The largest set of rows (N,) whose stamps increase: one stamp too late costs one row, not all rows after it.
 
     Longest increasing subsequence by patience sorting; of equal stamps the first.
     """
@@ -50,7 +50,7 @@ def increasing(t: Array) -> NDArray[np.bool_]:
 
 
 def stamp_findings(file: str, t: Array, sound: NDArray[np.bool_], lines: int | None) -> list[RecordingFinding]:
-    """Stamps that do not increase, or lie beyond any clock, among the sound rows (N,)."""
+    """Stamps that do not increase, or are too large for any clock, among the sound rows (N,)."""
     findings = []
 
     def found(code: str, where: NDArray[np.bool_], message: str, remedy: str) -> None:
@@ -67,7 +67,7 @@ def stamp_findings(file: str, t: Array, sound: NDArray[np.bool_], lines: int | N
         out = np.zeros(len(t), dtype=bool)
         out[rows[~kept]] = True
         repeated = out & np.isin(t, t[rows[kept]])
-        found("repeated-stamp", repeated, "a stamp that was there before", "drop the rows: the first of each stays")
+        found("repeated-stamp", repeated, "a repeated stamp", "drop the rows: the first of each stays")
         message, remedy = "a stamp out of order", "drop the rows, or split the file where its clock was set back"
         found("backward-stamp", out & ~repeated, message, remedy)
     return findings
@@ -76,7 +76,7 @@ def stamp_findings(file: str, t: Array, sound: NDArray[np.bool_], lines: int | N
 def step_findings(
     file: str, t: Array, rows: NDArray[np.intp], rate: float | None, lines: int | None
 ) -> list[RecordingFinding]:
-    """What the steps between increasing stamps (N,) say; rows: their rows in the file."""
+    """Gaps, missing samples and jitter of increasing stamps (N,); rows: their rows in the file."""
     if len(t) < 3:
         return []
     steps = np.diff(t)
@@ -97,15 +97,15 @@ def step_findings(
     message = f"steps differ from the period of {period:.4g} s by up to {worst:.0%}"
     found("jitter", uneven, message, "resampling makes them even; if only the stamps jitter, give a rate instead")
     if rate is not None and abs(rate * period - 1) > SAME_RATE:
-        message = f"the stamps say {1 / period:.5g} Hz, the mapping {rate:.5g} Hz"
+        message = f"the rate of the stamps is {1 / period:.5g} Hz, that of the mapping {rate:.5g} Hz"
         findings.append(
-            RecordingFinding("other-rate", "warning", file, None, (), message, "the stamps are taken; correct the rate")
+            RecordingFinding("other-rate", "warning", file, None, (), message, "the stamps are used; correct the rate")
         )
     return findings
 
 
 def blocks_of(t: Array) -> NDArray[np.intp]:
-    """The number of the block (N,) of each of the increasing stamps."""
+    """The block number (N,) of each of the increasing stamps."""
     steps = np.diff(t)
     period = np.median(steps) if steps.size else np.inf
     return np.concatenate([[0], np.cumsum(steps > GAP * period)]).astype(np.intp)

@@ -1,8 +1,8 @@
-"""What columns are, by their names: q_1, position.elbow, joint2.tau [N m], qd_shoulder_pan_joint, time_ms.
+"""The meaning of columns by their names: q_1, position.elbow, joint2.tau [N m], qd_shoulder_pan_joint, time_ms.
 
-A name says the quantity first (tau_motor_Nm_2) or, behind a dot, last (joint2.tau). What is left of it without the
-quantity and the unit is the joint. Columns that differ only in the joint are a family; two families of one quantity
-(motor and secondary encoder) leave open which is meant, and are refused.
+A name gives the quantity first (tau_motor_Nm_2) or, after a dot, last (joint2.tau). The rest, without the unit, is the
+joint. Columns that differ only in the joint are a family; two families of one quantity (motor and secondary encoder)
+are ambiguous, and refused.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ WORDS = {
     "a": ("a", "qdd", "ddq", "qddot", "acc", "acceleration", "accelerations", "joint_acceleration"),
     "tau": ("tau", "torque", "torques", "effort", "efforts", "joint_torque", "joint_torques", "joint_effort"),
 }
-"""What programs call the quantities; compared without regard to case."""
+"""Names of the quantities in files of many programs; upper and lower case are the same."""
 
 CURRENTS = re.compile(r"(?i)(actual_|motor_|target_)?(current|currents|i|amps)[ _.]?\d+|.*\.(current|i)$")
-"""Columns that are no torque without a gain: mentioned, never taken."""
+"""Columns of currents, which are torques only with a gain: reported, never used."""
 
 SUFFIX_UNITS = {
     "q": {"rad": "rad", "deg": "deg", "m": "m", "mm": "mm"},
@@ -30,11 +30,11 @@ SUFFIX_UNITS = {
     "tau": {"nm": "N m", "n_m": "N m"},
     "time": {"s": "s", "sec": "s", "ms": "ms", "us": "us", "ns": "ns"},
 }
-"""Units as parts of a name."""
+"""Units by the part of a name that stands for them."""
 
 
 class Meaning(NamedTuple):
-    """Of one column: quantity, family (the name with * for the joint), joint, unit ("" where the name has none)."""
+    """Meaning of a column: quantity, family (the name with * for the joint), joint, unit ("" if the name has none)."""
 
     quantity: str
     family: str
@@ -43,7 +43,7 @@ class Meaning(NamedTuple):
 
 
 def meaning(name: str, joints: Sequence[str] | None) -> Meaning | None:
-    """What the name says; None where it says nothing known."""
+    """The meaning of a name; None where it is unknown."""
     label, unit = name.strip(), ""
     bracket = re.fullmatch(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]", label)
     if bracket:
@@ -63,9 +63,10 @@ def meaning(name: str, joints: Sequence[str] | None) -> Meaning | None:
 
 
 def _joint(quantity: str, word: str, rest: str, joints: Sequence[str] | None, unit: str, dot: bool) -> Meaning | None:
-    """Take the rest of a name apart: what of it is unit, what is joint.
+    """Split the rest of a name into unit and joint.
 
-    What ends with a number ends with the number of a joint, unless all of it is a name: joint_1, or behind a dot.
+    A rest that ends with a number ends with the number of a joint, unless all of it is a joint name: joint_1, or a
+    name with a dot.
     """
     named = dot or re.match(r"(?i)(joint|axis)[ _]?\d", rest)
     for suffix, meant in sorted(SUFFIX_UNITS[quantity].items(), key=lambda pair: -len(pair[0])):

@@ -16,7 +16,7 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One mapped column: quantity, its table, its number there from 0, its numbers as recorded (N,)."""
+    """One mapped column: quantity, its table, its position there from 0, its values as recorded (N,)."""
 
     quantity: str
     table: RecordedTable
@@ -57,7 +57,7 @@ def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> d
 
 
 def joint_channels(columns: Mapping[str, Sequence[Column]], mapping: ColumnMapping) -> dict[str, Array]:
-    """q, v, a, tau (N, n) of the joints in SI units; rows with NaN stay rows with NaN."""
+    """q, v, a, tau (N, n) of the joints in SI units; NaN in a row stays NaN."""
     result = {}
     for name, channel in mapping.channels.items():
         values = np.column_stack([column.values for column in columns[name]]) * channel.factor
@@ -74,7 +74,7 @@ def _behind(transmission: Transmission, name: str, values: Array) -> Array:
 
 
 def sliding_joints(mapping: ColumnMapping) -> tuple[bool, ...]:
-    """Which joints slide: as the mapping says, else as the units do. Raises BadMapping where they disagree."""
+    """Which joints slide: by the mapping, else by the units. Raises BadMapping where they disagree."""
     slides = mapping.prismatic or [
         any(channel.slides[j] is True for channel in mapping.channels.values()) for j in range(len(mapping.joints))
     ]

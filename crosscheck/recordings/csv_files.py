@@ -20,7 +20,7 @@ NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
 
 
 def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
-    """Read delimited text. Raises BadRecordingFile where it is no table of numbers, and OSError."""
+    """Read delimited text. Raises BadRecordingFile where it is not a table of numbers, and OSError."""
     content = _content(path)
     head = content[:HEAD].decode(errors="ignore")  # the last character may be cut off
     layout = layout_of(path, head, delimiter)
@@ -38,7 +38,7 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     if 2 * len(wrong) > count:
         row, cells = next(iter(wrong.items()))
         raise BadRecordingFile(
-            f"{path}: {len(wrong)} of {count} lines do not have {n} cells as the first one "
+            f"{path}: {len(wrong)} of {count} lines do not have {n} cells like the first one "
             f"(line {row + lines} has {cells}); name the delimiter in a mapping, or repair the file"
         )
     values = np.full((count, n), np.nan)
@@ -58,7 +58,7 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
         message = "the first line holds numbers, so the columns have no names"
         findings.append(_note(path, "no-header", message, "they can be mapped by number only"))
     if layout.decimal_comma:
-        findings.append(_note(path, "decimal-comma", "the numbers have decimal commas", "they are read as such"))
+        findings.append(_note(path, "decimal-comma", "the numbers have decimal commas", "they are read with them"))
     return RecordedTable(path, layout.names, values, texts, lines, findings=tuple(findings))
 
 
@@ -67,7 +67,7 @@ def _note(path: Path, code: str, message: str, remedy: str) -> RecordingFinding:
 
 
 def _content(path: Path) -> bytes:
-    """The file with lines that end with a line feed, without a byte order mark. Raises BadRecordingFile for no text."""
+    """The file with line feeds at line ends, without byte order mark. Raises BadRecordingFile if it is not text."""
     content = path.read_bytes()
     try:
         content.decode()
@@ -82,7 +82,7 @@ def _content(path: Path) -> bytes:
 
 
 def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:
-    """The Arrow table of the lines with n cells, and the rows of the others with the numbers of their cells."""
+    """The Arrow table of the lines with n cells; and for the other lines, by row, how many cells they have."""
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 
@@ -121,7 +121,7 @@ def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, 
 
 
 def _numbers(column: Any, comma: bool) -> Array:
-    """Doubles; seconds since the first of them where the column holds calendar times."""
+    """A column as doubles; calendar times as seconds since the first of them."""
     import pyarrow as pa
     from pyarrow import compute
 
@@ -149,7 +149,7 @@ def _line_findings(path: Path, wrong: dict[int, int], n: int, count: int, lines:
         message, remedy = "an empty line", "it is left out"
         findings.append(RecordingFinding("blank-line", "note", str(path), None, blank, message, remedy, lines))
     if cut:
-        message, remedy = f"{wrong[cut[0]]} of {n} cells, the file breaks off", "the line is left out"
+        message, remedy = f"{wrong[cut[0]]} of {n} cells, the file is cut off", "the line is left out"
         findings.append(
             RecordingFinding("truncated-last-line", "warning", str(path), None, cut, message, remedy, lines)
         )
@@ -163,9 +163,9 @@ def _line_findings(path: Path, wrong: dict[int, int], n: int, count: int, lines:
 
 
 def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
-    """The last line has no end: its last cell may be cut off, and is where it is no number."""
+    """The finding for a last line without line end: its last cell may be cut off, and surely is if not a number."""
     if cut:
-        message, remedy = "the file breaks off inside a number", "the line is left out"
+        message, remedy = "the file is cut off inside a number", "the line is left out"
         return RecordingFinding("truncated-last-line", "warning", str(path), None, (row,), message, remedy, lines)
-    message, remedy = "the last line has no end, so its last number may be cut off", "drop it if it is"
+    message, remedy = "the last line has no line end, so its last number may be cut off", "drop it if it is"
     return RecordingFinding("unterminated-last-line", "note", str(path), None, (row,), message, remedy, lines)

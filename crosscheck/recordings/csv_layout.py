@@ -1,4 +1,4 @@
-"""How a text file lays out its table: delimiter, decimal sign, comments above, header; found from its beginning."""
+"""The layout of a table in a text file: delimiter, decimal sign, comments above, header; found from its beginning."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from typing import NamedTuple
 from crosscheck.recordings.errors import BadRecordingFile
 
 DELIMITERS = (";", "\t", ",", " ")
-"""Tried in this order: a comma may be the decimal sign of a file whose delimiter is another."""
+"""Delimiters, in the order in which they are tried: a comma may be the decimal sign of a file with another one."""
 
 HEAD, SAMPLED_LINES = 1 << 20, 50
-"""Characters among which comments, header and the lines are found that show the delimiter."""
+"""Number of characters read to find comments and header; number of lines from which the delimiter is found."""
 
 COMMENT = re.compile(r"\s*[#%]+\s*")
 
 
 class Layout(NamedTuple):
-    """Names: "" where there are none; above: lines before the first row, of length characters."""
+    """Layout of a table. names: "" where there are none; above: lines before the first row, length characters long."""
 
     delimiter: str
     decimal_comma: bool
@@ -37,7 +37,7 @@ def layout_of(path: Path, text: str, delimiter: str | None) -> Layout:
     if n_above is None:
         raise BadRecordingFile(f"{path}: the file holds no table; record at least one row")
     sample = [line for line in head[n_above:-1] if line.strip()][:SAMPLED_LINES]
-    sample = sample or head[n_above : n_above + 1]  # the last line, which may be cut off, only where it is the first
+    sample = sample or head[n_above : n_above + 1]  # the last line may be cut off, so it is used only if alone
     delimiter = delimiter or _delimiter(path, sample)
     comma = delimiter != "," and _has_decimal_comma(sample, delimiter)
     first = _cells(sample[0], delimiter)
@@ -48,9 +48,9 @@ def layout_of(path: Path, text: str, delimiter: str | None) -> Layout:
 
 
 def _delimiter(path: Path, sample: list[str]) -> str:
-    """The first of the usual delimiters that cuts half of the lines alike.
+    """The first of the usual delimiters that splits half of the lines into the same number of cells.
 
-    csv.Sniffer wants all lines alike, which those of dirty files are not.
+    csv.Sniffer needs all lines alike, which fails for files with faulty lines.
     """
     for delimiter in DELIMITERS:
         cells, lines = Counter(len(_cells(line, delimiter)) for line in sample).most_common(1)[0]
@@ -59,7 +59,7 @@ def _delimiter(path: Path, sample: list[str]) -> str:
     if 2 * sum(map(_is_number, sample)) > len(sample):  # one column
         return ","
     raise BadRecordingFile(
-        f"{path}: no delimiter (semicolon, tab, comma, space) cuts half of the first {len(sample)} lines alike; "
+        f"{path}: no delimiter (semicolon, tab, comma, space) splits half of the first {len(sample)} lines alike; "
         'name it in a mapping (delimiter = "|"), or repair the file'
     )
 
@@ -71,7 +71,7 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 
 def _is_number(cell: str, comma: bool = False) -> bool:
-    """Whether the cell is a number, a calendar time, or empty: what no header has."""
+    """Whether the cell is a number, a calendar time, or empty, as no cell of a header is."""
     for reads in (float, datetime.fromisoformat):
         try:
             reads(cell.replace(",", ".") if comma else cell)
@@ -87,6 +87,6 @@ def _has_decimal_comma(sample: list[str], delimiter: str) -> bool:
 
 
 def _commented_names(comments: list[str], delimiter: str, count: int) -> list[str]:
-    """Names from the comment right above the numbers, as numpy.savetxt writes them; else none."""
+    """Names from the comment directly above the numbers, as numpy.savetxt writes them; else empty names."""
     names = _cells(COMMENT.sub("", comments[-1], count=1), delimiter) if comments else []
     return names if len(names) == count and not all(map(_is_number, names)) else [""] * count

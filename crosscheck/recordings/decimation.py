@@ -1,4 +1,4 @@
-"""Fewer rows without folding high frequencies onto low ones, for any columns: torques, and the regressor with them."""
+"""Decimation without aliasing, for any columns: torques, and the regressor with them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 LARGEST_FACTOR = 13
-"""Per stage: beyond it the anti-aliasing filter is badly conditioned, says scipy.signal.decimate."""
+"""Largest factor of a stage: beyond it the anti-aliasing filter is ill-conditioned (see scipy.signal.decimate)."""
 
 PADDING = 27
-"""Rows by which scipy.signal.decimate continues the columns for its filter of order 8; a stage needs more."""
+"""Rows by which scipy.signal.decimate extends the columns for its filter of order 8; a stage needs more rows."""
 
 
 def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
-    """Columns (N, …) of one uninterrupted block as (K, …): per stage, every f-th row from the first on.
+    """Columns (N, …) of one uninterrupted block, decimated to (K, …): per stage, every f-th row from the first on.
 
     factors: f of each stage, 2 … 13: (10, 10) for a hundredth
     Before each stage scipy.signal.decimate's zero-phase low-pass: Chebyshev, order 8, 0.8 of the new Nyquist frequency.
@@ -43,7 +43,7 @@ def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
 
 @cache
 def _anti_aliasing(factor: int) -> Array:
-    """Second-order sections of scipy.signal.decimate, designed once: the columns of a regressor come one by one."""
+    """Second-order sections of the filter of scipy.signal.decimate, designed once for all columns of a regressor."""
     from scipy.signal import cheby1
 
     return np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
@@ -60,8 +60,8 @@ def rows_needed(factors: Sequence[int]) -> int:
 def decimated(recording: Recording, factors: Sequence[int]) -> Recording:
     """The recording with all its channels decimated, block by block; its time is that of the rows that stay.
 
-    Blocks too short for a stage are left out, which the provenance says. Raises InvalidInput as decimated_columns, and
-    where no block is left.
+    Blocks too short for a stage are left out, which the provenance states. Raises InvalidInput as decimated_columns,
+    and where no block is left.
     """
     _check(factors)
     needed = rows_needed(factors)

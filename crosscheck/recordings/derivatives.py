@@ -15,15 +15,15 @@ from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 STENCIL = 5
-"""Rows of the central difference of fourth order, (1, -8, 0, 8, -1) / 12 h."""
+"""Number of rows in the central difference of fourth order, (1, -8, 0, 8, -1) / 12 h."""
 
 Cutoff = float | Mapping[str, float] | Literal["residual"] | None
 
 
 def derivative(values: Array, rate: float) -> Array:
-    """d/dt of rows (N, …) at the rate [Hz], N ≥ 5, without phase: central difference of fourth order.
+    """d/dt of rows (N, …) at the rate [Hz], N ≥ 5, without phase shift: central difference of fourth order.
 
-    That is the slope of the quartic through five rows, so at the first and last two rows it is one-sided.
+    That is the slope of the quartic through five rows; at the first and last two rows the formula is one-sided.
     """
     from scipy.signal import savgol_filter
 
@@ -43,7 +43,7 @@ def chosen_cutoff(recording: Recording, order: int = 4) -> float:
 def differentiated(
     recording: Recording, cutoff: Cutoff, *, order: int = 4, velocity: Literal["recorded", "derived"] = "recorded"
 ) -> Recording:
-    """The recording with v and a: filtered without phase, differentiated, without the borders of its blocks.
+    """The recording with v and a: filtered without phase shift, differentiated, the borders of its blocks cut off.
 
     cutoff: [Hz] of all channels, or per channel ({"q": 100.0}; the others stay as they are), or "residual": chosen from
         the positions by residual analysis, or None: no filter
@@ -51,7 +51,7 @@ def differentiated(
     velocity: "recorded" takes v where the recording has it; "derived" differentiates q in any case
 
     v is the derivative of the filtered q unless recorded, a that of v unless recorded. A recording with uneven steps is
-    resampled first. Blocks shorter than their borders are left out; the provenance tells all of it.
+    resampled first. Blocks shorter than their borders are left out. The provenance lists these steps.
 
     Raises InvalidInput for other channels, cutoffs from half the sampling rate on, and where no block is left.
     """
@@ -83,7 +83,7 @@ def differentiated(
         longest = max(rows.stop - rows.start for rows in recording.block_slices)
         raise InvalidInput(
             f"the longest block has {longest} rows, {needed} are needed with borders of {cut} rows; "
-            "choose a higher cutoff, or recording longer"
+            "choose a higher cutoff, or record longer"
         )
     filtered = ", ".join(f"{name} {frequency:.4g} Hz" for name, frequency in cutoffs.items())
     steps = [f"zero-phase Butterworth low-pass of order {order}: {filtered}"] if cutoffs else ["no filter"]
@@ -98,7 +98,7 @@ def differentiated(
 
 
 def _cutoffs(recording: Recording, cutoff: Cutoff, order: int, recorded: list[str]) -> dict[str, float]:
-    """Per channel that is to be filtered."""
+    """Cutoff [Hz] of every channel that is to be filtered."""
     if cutoff is None:
         return {}
     if isinstance(cutoff, Mapping):

@@ -1,4 +1,4 @@
-"""What cannot be read as a recording, and why."""
+"""Errors of reading recordings."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ class BadRecordingFile(InvalidInput):
 
 
 class AmbiguousColumns(BadRecordingFile):
-    """Columns whose names leave open what they are; the message lists the candidates."""
+    """Columns whose names are ambiguous; the message lists the candidates."""
 
 
 class DirtyRecording(BadRecordingFile):
-    """A file with rows that nothing can be computed from.
+    """A file with faulty rows.
 
-    findings: all of them, those that do no harm too
+    findings: all findings, the harmless ones too
     """
 
     def __init__(self, findings: tuple[RecordingFinding, ...]):
@@ -27,4 +27,4 @@ class DirtyRecording(BadRecordingFile):
 
 
 class BadMapping(InvalidInput):
-    """A description of columns that is incomplete, contradicts itself or does not fit the file."""
+    """A mapping of columns that is incomplete, contradictory or does not fit the file."""

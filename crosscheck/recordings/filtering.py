@@ -1,4 +1,4 @@
-"""Low-pass filtering without phase: a Butterworth filter run forward and backward."""
+"""Zero-phase low-pass filtering: a Butterworth filter run forward and backward."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 BORDER_DECAY = 1e-3
-"""Part of its start that the slowest mode of the filter has decayed to where the border ends."""
+"""Part of its initial value to which the slowest mode of the filter has decayed at the end of the border."""
 
 
 def lowpass(values: Array, rate: float, cutoff: float, order: int = 4) -> Array:
     """Values (N, …) sampled at the rate [Hz], filtered along the rows; N must exceed padding(order).
 
-    cutoff [Hz], order: of one pass. The two passes together have no phase and twice the attenuation, 6 dB at the
+    cutoff [Hz], order: of one pass. The two passes together have zero phase and twice the attenuation, 6 dB at the
     cutoff (Gustafsson, Determining the initial states in forward-backward filtering, IEEE Trans. Signal Process. 1996).
 
     Raises InvalidInput for a cutoff outside 0 … rate/2, for an order below 1, for too few rows.
@@ -36,12 +36,12 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = 4) -> Array:
 
 
 def padding(order: int) -> int:
-    """Rows by which a block is continued on both sides, three times the memory of the filter, as in SciPy."""
+    """Rows by which a block is extended on both sides: three times the filter's number of coefficients, as in SciPy."""
     return 3 * (order + 1)
 
 
 def border(rate: float, cutoff: float, order: int = 4) -> int:
-    """Rows at each end where the filter still remembers how the data were continued beyond it.
+    """Number of rows at each end that still depend on how the data were extended beyond it.
 
     The slowest pair of poles of a Butterworth filter decays at 2π cutoff sin(π / 2 order).
     """

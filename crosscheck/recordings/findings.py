@@ -1,4 +1,4 @@
-"""What is wrong or odd in a recording, and in which rows."""
+"""Findings about a recording: what is wrong or odd, and in which rows."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from typing import Literal
 import numpy as np
 
 SHOWN_SPANS = 5
-"""Runs of rows that a message names at most; RecordingFinding.rows has them all."""
+"""Largest number of runs of rows that a message lists; RecordingFinding.rows has them all."""
 
 DROPPED_UNASKED = ("truncated-last-line", "blank-line")
-"""Codes of rows that hold no measurement, or half of the one after the end."""
+"""Codes of rows that are always dropped: they hold no measurement, or the last one cut off."""
 
 DROPPABLE = (
     *DROPPED_UNASKED,
@@ -24,7 +24,7 @@ DROPPABLE = (
     "saturation",
     "unterminated-last-line",
 )
-"""Codes whose rows can be dropped."""
+"""Codes of findings whose rows can be dropped."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class RecordingFinding:
     code: stable name of its kind ("repeated-stamp")
     severity: "error": refused unless its rows are dropped; "warning": doubtful; "note": good to know
     file, column: where; column is None where it concerns whole rows
-    rows: rows of data, counted from 0 as NumPy and pandas do, those of malformed lines included; empty: all of them
-    lines: what to add to a row for its line in the file; None where the file has no lines
+    rows: rows of data, counted from 0 as NumPy and pandas do, including malformed lines; empty: all rows
+    lines: line of row 0 in the file; None where the file has no lines
     """
 
     code: str
@@ -49,7 +49,7 @@ class RecordingFinding:
 
     @property
     def text(self) -> str:
-        """File, column, rows, what is there and what to do, in one line."""
+        """File, column, rows, message and remedy, in one line."""
         place = [
             self.file,
             *([f"column '{self.column}'"] if self.column else []),

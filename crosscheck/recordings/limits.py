@@ -1,4 +1,4 @@
-"""Beyond what a robot does: numbers that come from a mis-framed line, not from a joint.
+"""Limits beyond which a number comes from a corrupted line, not from a joint.
 
 Generous on purpose, by a factor of ten or more: they separate 1e157 from a measurement, not good robots from bad.
 """
@@ -29,4 +29,4 @@ SLIDING = {
 }
 
 MANY_TURNS = 40.0
-"""[rad] A joint beyond six turns is rare; angles in degrees taken for radians soon reach this."""
+"""Position beyond which an angle may be in degrees [rad]: few joints turn more than six times."""

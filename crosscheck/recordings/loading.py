@@ -27,7 +27,7 @@ Paths = str | PathLike[str] | Sequence[str | PathLike[str]]
 
 
 class _Content(NamedTuple):
-    """What the files say: mapping, time (N,), joint channels (N, n), which joints slide, all findings."""
+    """Content of the files: mapping, time (N,), joint channels (N, n), which joints slide, all findings."""
 
     files: tuple[str, ...]
     mapping: ColumnMapping
@@ -45,7 +45,7 @@ def load_recording(
     rate: float | None = None,
     drop: Collection[str] = (),
 ) -> Recording:
-    """Read a recording: one file, or several that a mapping joins because they have the same rows.
+    """Read a recording: one file, or several files with the same rows that a mapping puts together.
 
     mapping: a ColumnMapping or its TOML file; None finds the columns by their names
     joints: names in the order of the robot; the recording's joints are these, in this order
@@ -89,7 +89,7 @@ def inspect_recording(
     joints: Sequence[str] | None = None,
     rate: float | None = None,
 ) -> tuple[RecordingFinding, ...]:
-    """All that load_recording finds, errors first, without refusing faulty rows. Raises for unreadable files."""
+    """All findings of load_recording, errors first, without refusing faulty rows. Raises for unreadable files."""
     order = ("error", "warning", "note")
     findings = _read(paths, mapping, joints, rate).findings
     return tuple(sorted(findings, key=lambda finding: order.index(finding.severity)))
@@ -107,7 +107,7 @@ def _read(
     if mapping is not None and not isinstance(mapping, ColumnMapping):
         mapping = load_mapping(mapping)
     if len(files) != 1 and mapping is None:
-        raise BadMapping(f"{len(files)} files without a mapping; say in one which file has which columns")
+        raise BadMapping(f"{len(files)} files without a mapping; give one that says which file has which columns")
     tables = [read_table(path, mapping, tuple(joints) if joints else None) for path in files]
     findings = [finding for table in tables for finding in table.findings]
     if mapping is None:
@@ -144,7 +144,7 @@ def _time(mapping: ColumnMapping, column: list[Column] | None, count: int) -> Ar
 
 
 def _without(count: int, findings: Iterable[RecordingFinding]) -> NDArray[np.bool_]:
-    """The rows (N,) that none of the findings names."""
+    """The rows (N,) that are in none of the findings."""
     kept = np.ones(count, dtype=bool)
     for finding in findings:
         kept[list(finding.rows)] = False
@@ -152,7 +152,7 @@ def _without(count: int, findings: Iterable[RecordingFinding]) -> NDArray[np.boo
 
 
 def reordered(recording: Recording, joints: Sequence[str]) -> Recording:
-    """Its joints in this order. Raises BadMapping for others."""
+    """The recording with its joints in this order. Raises BadMapping for other joints."""
     missing = [joint for joint in joints if joint not in recording.joint_names]
     if missing:
         raise BadMapping(

@@ -1,10 +1,10 @@
-"""Which columns of which file are what, and how they become joint coordinates: a small TOML file.
+"""The mapping of columns to joint coordinates, a small TOML file.
 
 joints = ["shoulder", "elbow"]         # names, in the order of the robot
 rate = 1000                            # [Hz], where no column holds the time
 prismatic = [false, false]             # only where a joint slides
-delimiter = ";"                        # of text files, where it is not found
-topic = "/joint_states"                # of a bag with several
+delimiter = ";"                        # of text files, where it is not found by itself
+topic = "/joint_states"                # of a bag with several topics
 
 [time]
 column = "stamp"                       # name, or number from 1; unit = "s" unless given
@@ -52,7 +52,7 @@ class Channel:
     file: pattern of the name of the file that has them; motor: in front of the transmission
     factor: SI value per number in the column: unit, sign and gain    (n,)
     offset: added behind the transmission                             (n,)
-    slides: per joint, what the unit says; None: nothing
+    slides: per joint, whether it slides according to the unit; None where the unit is one of either
     """
 
     columns: tuple[str | int, ...]
@@ -82,7 +82,7 @@ class Transmission:
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """All of it; source: the file it was read from, or "by name"; rate [Hz], None where a column holds the time."""
+    """A whole mapping; source: its file, or "by name"; rate [Hz], None where a column holds the time."""
 
     source: str
     joints: tuple[str, ...]
@@ -96,7 +96,7 @@ class ColumnMapping:
 
 
 def load_mapping(path: str | PathLike[str]) -> ColumnMapping:
-    """Read a mapping. Raises BadMapping, naming table and key, and OSError."""
+    """Read a mapping. Raises BadMapping, with table and key, and OSError."""
     content = Path(path).read_bytes()
     try:
         document = tomllib.loads(content.decode("utf-8"))
@@ -110,7 +110,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
     _refuse_unknown(document, _TOP, source)
     joints = document.get("joints")
     if not isinstance(joints, list) or not joints or not all(isinstance(name, str) for name in joints):
-        raise BadMapping(f'{source}: joints is missing or no list of names; write joints = ["joint_1", …]')
+        raise BadMapping(f'{source}: joints is missing or not a list of names; write joints = ["joint_1", …]')
     if len(set(joints)) < len(joints):
         raise BadMapping(f"{source}: a joint is named twice; name each joint differently")
     if "q" not in document:
@@ -166,7 +166,7 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
         raise BadMapping(f"{where}: unit is {units!r}; give one text, or one per joint")
     known: list[Unit] = [known_unit(name, unit, where) for unit in units]
     if any(unit.needs_gain for unit in known) and "gain" not in table:
-        raise BadMapping(f"{where}: '{units[0]}' is no torque; give the gain in N m per {units[0]}")
+        raise BadMapping(f"{where}: '{units[0]}' is not a unit of torque; give the gain in N m per {units[0]}")
     side = table.get("side", "joint")
     if side not in ("joint", "motor"):
         raise BadMapping(f'{where}: side is {side!r}; use "joint" or "motor"')
@@ -215,7 +215,7 @@ def _square(table: Mapping[str, Any], key: str, n: int, where: str) -> Array:
 
 
 def _numbers(table: Mapping[str, Any], key: str, n: int, default: float, where: str) -> Array:
-    """n finite numbers; one number stands for all."""
+    """n finite numbers; a single number is used n times."""
     value = table.get(key, default)
     values = [value] * n if _is_number(value) else value
     if not isinstance(values, list) or len(values) != n or not all(_is_number(x) and np.isfinite(x) for x in values):

@@ -1,4 +1,4 @@
-"""The mapping that the names of the columns say, where they say only one."""
+"""The mapping that follows from the names of the columns, where they are unambiguous."""
 
 from __future__ import annotations
 
@@ -45,19 +45,19 @@ def mapping_by_name(
     channels = {name: _channel(where, name, families[name], order, findings) for name in QUANTITIES if name in families}
     currents = [name for name in table.names if CURRENTS.fullmatch(name)]
     if "tau" not in channels and currents:
-        message = f"no torques, but currents ({', '.join(currents)})"
+        message = f"currents instead of torques ({', '.join(currents)})"
         findings.append(_note(where, "current-without-gain", message, "give their gains in a mapping"))
     time = _time(where, families.get("time"), rate, findings)
     names = tuple(f"joint_{joint}" if joint.isdigit() else joint for joint in order)
     if joints and names != tuple(joints):
         names = tuple(joints)
-        message = f"the columns have numbers, the joints names ({', '.join(names)})"
-        findings.append(_note(where, "numbered-joints", message, "they are taken in this order"))
+        message = f"columns with numbers, joints with names ({', '.join(names)})"
+        findings.append(_note(where, "numbered-joints", message, "the joints are used in this order"))
     return ColumnMapping("by name", names, channels, time=time, rate=rate), findings
 
 
 def _families(table: RecordedTable, joints: Sequence[str] | None) -> dict[str, Family]:
-    """The one family of each quantity that there is. Raises AmbiguousColumns."""
+    """The family of each quantity. Raises AmbiguousColumns where a quantity has several."""
     found: dict[str, dict[str, Family]] = {name: {} for name in WORDS}
     for number, name in enumerate(table.names, start=1):
         said = meaning(name, joints)
@@ -81,7 +81,7 @@ def _families(table: RecordedTable, joints: Sequence[str] | None) -> dict[str, F
 
 
 def _order(where: str, found: list[str], joints: Sequence[str] | None) -> list[str]:
-    """The joints in the order of the robot, if it is known; numbers in their order, names in that of the columns."""
+    """The joints in the order of the robot, if known; else numbers ascending, names in the order of the columns."""
     if all(joint.isdigit() for joint in found):
         if joints and len(joints) != len(found):
             raise BadMapping(f"{where}: positions of {len(found)} joints, the robot has {len(joints)}; give a mapping")
@@ -101,7 +101,7 @@ def _channel(where: str, name: str, family: Family, order: list[str], findings: 
     units = [_unit(where, name, column) for column in columns]
     if not all(column.unit for column in columns):
         message = f"{name} in columns without units ({_listed(family)})"
-        remedy = f"{SI_UNITS[name]} is taken; name units in the header"
+        remedy = f"{SI_UNITS[name]} is assumed; give units in the header"
         findings.append(_note(where, "assumed-unit", message, remedy))
     return Channel(
         tuple(column.number for column in columns),
@@ -119,16 +119,16 @@ def _time(where: str, family: Family | None, rate: float | None, findings: list[
     column = family[""]
     if not column.unit:
         message = f"time in a column without unit ({column.name})"
-        findings.append(_note(where, "assumed-unit", message, "s is taken; name the unit in the header"))
+        findings.append(_note(where, "assumed-unit", message, "s is assumed; give the unit in the header"))
     return TimeColumn(column.number, _unit(where, "time", column).factor)
 
 
 def _unit(where: str, quantity: str, column: Named) -> Unit:
-    """The unit that the name says, else SI. A drive's current is no torque."""
+    """The unit in the name, else SI. A drive's current is refused as a torque."""
     unit = unit_of(quantity, column.unit or SI_UNITS.get(quantity, "s"))
     if unit is None or unit.needs_gain:
         raise BadMapping(
-            f"{where}: column '{column.name}' is in '{column.unit}', which is no unit of {quantity}; give a mapping"
+            f"{where}: column '{column.name}' is in '{column.unit}', which is not a unit of {quantity}; give a mapping"
         )
     return unit
 

@@ -1,13 +1,13 @@
 """A cutoff from the data: residual analysis, section 3.4.4.3 of Winter, Biomechanics and Motor Control (2009).
 
 R(f) is the root mean square of what a filter with the cutoff f removes. At high f it removes noise only. Winter extends
-that part of the curve as a straight line to f = 0, where it would be all the noise without any signal, and takes the
-cutoff where R(f) has this size: as much signal is lost there as noise is let through. For white noise the square of
-R(f) is known from the response of the filter, so this curve is fitted instead of a line.
+that part of the curve as a straight line to f = 0, where it gives the size of all the noise, and takes the cutoff where
+R(f) has this size: the signal removed there is as large as the noise let through. For white noise the square of R(f) is
+known from the response of the filter, so this curve is fitted instead of a line.
 
-It balances errors of the filtered quantity itself, so it is an upper bound for what follows: derivatives amplify noise
-by the frequency, and above the motion that was commanded lie vibrations of the arm, which are signal to the encoder and
-no rigid-body motion. Blocked cross-validation tells whether a lower cutoff predicts better.
+This balances the errors of the filtered quantity itself, so for identification the cutoff is an upper bound:
+derivatives amplify noise by the frequency, and above the commanded motion lie vibrations of the arm, which the encoder
+measures but which are not rigid-body motion. Blocked cross-validation shows whether a lower cutoff predicts better.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 CUTOFFS = 60
-"""Trial cutoffs, evenly in the logarithm."""
+"""Number of trial cutoffs, evenly spaced in the logarithm."""
 
 GRID = 1024
-"""Frequencies at which the response of a filter is averaged."""
+"""Number of frequencies over which the response of a filter is averaged."""
 
 LOWEST, NOISE_FROM, HIGHEST = 0.002, 0.5, 0.9
-"""Parts of the Nyquist frequency: trial cutoffs range from the first to the last, noise alone is expected from the
-middle one on; above the last hardly any noise is removed."""
+"""Parts of the Nyquist frequency: trial cutoffs range from LOWEST to HIGHEST, above which hardly any noise is removed;
+from NOISE_FROM on, only noise is expected."""
 
 
 @dataclass(frozen=True, eq=False)
 class ResidualAnalysis:
-    """Of one column.
+    """Residual analysis of one column.
 
-    cutoff: the chosen one [Hz]; noise: its standard deviation, where the curve of white noise meets f = 0
+    cutoff: the chosen one [Hz]; noise: standard deviation of the noise, the value at f = 0 of the fitted curve
     frequencies, residuals: the curve R(f)   (K,) [Hz], units of the column
     """
 
@@ -48,8 +48,8 @@ class ResidualAnalysis:
 def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAnalysis:
     """Choose the cutoff [Hz] for a column (N,) sampled evenly at the rate [Hz].
 
-    A constant column, and one whose noise floor is hidden by signal up to the highest trial, get the lowest and the
-    highest trial. Raises InvalidInput where the column is too short for a trial.
+    A constant column gets the lowest trial; one whose noise floor is hidden by signal at all trials gets the highest.
+    Raises InvalidInput where the column is too short for a trial.
     """
     values = np.asarray(values, dtype=float)
     nyquist = rate / 2
@@ -70,7 +70,7 @@ def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAna
 
 
 def _removed(cutoff: float, rate: float, order: int) -> float:
-    """The part of the power of white noise that the filter, run forward and backward, takes out."""
+    """The part of the power of white noise that the filter, run forward and backward, removes."""
     from scipy.signal import butter, sosfreqz
 
     _, response = sosfreqz(butter(order, cutoff, fs=rate, output="sos"), GRID, fs=rate)

@@ -1,4 +1,4 @@
-"""Which reader takes which file."""
+"""The reader of each kind of file."""
 
 from __future__ import annotations
 
@@ -36,4 +36,4 @@ def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...
     if suffix in ARRAYS:
         return ARRAYS[suffix](path)
     known = ", ".join(SUFFIXES)
-    raise BadRecordingFile(f"{path}: no recordings are read from '{suffix}' files; convert it to one of: {known}")
+    raise BadRecordingFile(f"{path}: recordings cannot be read from '{suffix}' files; convert it to one of: {known}")

@@ -1,4 +1,4 @@
-"""A recording as identification takes it: plain arrays of the joints over time, and where they come from."""
+"""A recording for identification: arrays of the joints over time, and where they come from."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from graphdyn.layout import Array
 
 JOINT_CHANNELS = ("q", "v", "a", "tau")
 OPTIONAL_CHANNELS = {"joint_wrenches": 6, "body_accelerations": 6}
-"""Channels with so many numbers per joint."""
+"""Further channels, with their numbers per joint."""
 
 
 @dataclass(frozen=True)
 class Provenance:
     """Where a recording comes from.
 
-    files: as they were named
+    files: as given
     mapping: how its columns were found: a mapping file, or "by name"
-    steps: what was done to the numbers since, in order
+    steps: the operations on the numbers since, in order
     """
 
     files: tuple[str, ...] = ()
@@ -47,7 +47,7 @@ class Recording:
     rows: row in its file, from 0; after resampling, the nearest       (N,)
     file: number of the file in provenance.files                       (N,)
 
-    Arrays are copied and read-only. Raises InvalidInput, naming channel and row, for wrong shapes, NaN or infinity,
+    Arrays are copied and read-only. Raises InvalidInput, with channel and row, for wrong shapes, NaN or infinity, and
     times that do not increase inside a block.
     """
 
@@ -73,7 +73,7 @@ class Recording:
             raise InvalidInput(f"prismatic has {len(self.prismatic)} entries for {n} joints")
         count = np.asarray(self.t).size
         if count == 0:
-            raise InvalidInput("a recording without rows; nothing is left to identify from")
+            raise InvalidInput("the recording has no rows; give at least one")
         shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | dict.fromkeys(JOINT_CHANNELS, (count, n))
         shapes |= {name: (count, n, width) for name, width in OPTIONAL_CHANNELS.items()}
         for name, shape in shapes.items():
@@ -114,7 +114,7 @@ class Recording:
         values = getattr(self, name)
         if values is None:
             remedy = (
-                "derive it with crosscheck.differentiated" if name in ("v", "a") else "recording it, or map its columns"
+                "derive it with crosscheck.differentiated" if name in ("v", "a") else "record it, or map its columns"
             )
             raise InvalidInput(f"{', '.join(self.provenance.files) or 'the recording'} has no {name}; {remedy}")
         return np.asarray(values)
@@ -140,7 +140,7 @@ def _checked(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[
 
 
 def recording_of(recording: VirtualRecording) -> Recording:
-    """The recording of a virtual experiment, with joint wrenches and body accelerations turned into link axes."""
+    """The recording of a virtual experiment, with joint wrenches and angular accelerations in link axes."""
     into_body = np.swapaxes(recording.rotation, -1, -2)
 
     def turned(vectors: Array) -> Array:
@@ -162,17 +162,17 @@ def recording_of(recording: VirtualRecording) -> Recording:
 def concatenated(recordings: Sequence[Recording]) -> Recording:
     """Recordings one after another, each in blocks of its own. Channels that one of them lacks are left out.
 
-    Raises InvalidInput for none, and for other joints.
+    Raises InvalidInput for an empty sequence, and for recordings of different joints.
     """
     if not recordings:
-        raise InvalidInput("no recordings to put one after another; give at least one")
+        raise InvalidInput("no recordings to concatenate; give at least one")
     first = recordings[0]
     for other in recordings[1:]:
         if (other.joint_names, other.prismatic) != (first.joint_names, first.prismatic):
             raise InvalidInput(
                 f"{', '.join(other.provenance.files)} has the joints {', '.join(other.joint_names)}, "
                 f"{', '.join(first.provenance.files)} {', '.join(first.joint_names)}; "
-                "only recordings of the same joints go together"
+                "give recordings of the same joints"
             )
     joined: dict[str, Any] = {}
     for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "rows"):

@@ -1,4 +1,4 @@
-"""Even steps inside each block: what filters and differences need."""
+"""Resampling to even steps inside each block, which filters and differences need."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from crosscheck.recordings.recording import JOINT_CHANNELS, OPTIONAL_CHANNELS, R
 from graphdyn import InvalidInput
 
 EVEN = 1e-3
-"""Part of the period by which steps may differ before resampling: what a difference quotient errs by."""
+"""Part of the period by which steps may differ without resampling: the relative error of a difference quotient."""
 
 SHORTEST = 4
-"""Rows that a cubic spline needs."""
+"""Smallest number of rows for a cubic spline."""
 
 
 def sampling_rate(recording: Recording) -> float:
@@ -31,8 +31,8 @@ def is_even(recording: Recording) -> bool:
 def resampled(recording: Recording, rate: float | None = None) -> Recording:
     """The recording at even steps, by a cubic spline inside each block; rate [Hz]: the recording's own unless given.
 
-    Blocks of fewer than 4 rows are left out, which its provenance says. Raises InvalidInput for a lower rate, which
-    would fold high frequencies onto low ones, and where no block is left.
+    Blocks of fewer than 4 rows are left out, which its provenance states. Raises InvalidInput for a lower rate, which
+    would alias high frequencies, and where no block is left.
     """
     from scipy.interpolate import CubicSpline
 
@@ -49,7 +49,7 @@ def resampled(recording: Recording, rate: float | None = None) -> Recording:
             short.append(int(recording.block[rows][0]))
             continue
         even = t[0] + np.arange(int((t[-1] - t[0]) * rate * (1 + 1e-9)) + 1) / rate
-        even = np.minimum(even, t[-1])  # rounding must not lead beyond the data
+        even = np.minimum(even, t[-1])  # against extrapolation by rounding
         for name in names:
             parts[name].append(even if name == "t" else CubicSpline(t, getattr(recording, name)[rows], axis=0)(even))
         middles = (t[1:] + t[:-1]) / 2

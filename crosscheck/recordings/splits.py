@@ -1,4 +1,4 @@
-"""Train and test: by time, by rows or by file, in whole pieces; rows next to each other are too alike to be divided."""
+"""Train and test: by time, by rows or by file, in whole intervals, since neighbouring rows are correlated."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Interval = tuple[float, float]
 
 
 class Split(NamedTuple):
-    """What is fitted, and what is predicted."""
+    """Rows that are fitted, and rows that are predicted."""
 
     train: Recording
     test: Recording
@@ -40,7 +40,7 @@ def split_by_file(recording: Recording, test: Sequence[str]) -> Split:
     files = recording.provenance.files
     unknown = [name for name in test if name not in files]
     if unknown or not test:
-        named = f"'{unknown[0]}' is no file of the recording" if unknown else "no file is named"
+        named = f"'{unknown[0]}' is not a file of the recording" if unknown else "no file is named"
         raise InvalidInput(f"{named}; it has {', '.join(files)}")
     mask = np.isin(recording.file, [number for number, name in enumerate(files) if name in test])
     if mask.all():
@@ -52,7 +52,7 @@ def split_by_file(recording: Recording, test: Sequence[str]) -> Split:
 
 
 def fold_numbers(recording: Recording, folds: int) -> NDArray[np.intp]:
-    """A number 0 … folds - 1 for each row (N,): consecutive pieces of equally many rows, for cross-validation."""
+    """The fold 0 … folds - 1 of each row (N,), for cross-validation: consecutive pieces of equally many rows."""
     if not 2 <= folds <= len(recording.t):
         raise InvalidInput(f"{folds} folds of {len(recording.t)} rows; choose from 2 to the number of rows")
     return np.arange(len(recording.t)) * folds // len(recording.t)
@@ -61,7 +61,7 @@ def fold_numbers(recording: Recording, folds: int) -> NDArray[np.intp]:
 def time_folds(recording: Recording, folds: int, guard: float = 0.0) -> list[Split]:
     """Blocked cross-validation: each fold is predicted once from the others.
 
-    guard: time [s] next to the test that is not fitted either, longer than noise and filter stay correlated
+    guard: time [s] before and after the test that is not fitted either; longer than noise and filter are correlated
     Raises InvalidInput where the guard leaves nothing to fit.
     """
     if not guard >= 0:
@@ -91,7 +91,7 @@ def time_folds(recording: Recording, folds: int, guard: float = 0.0) -> list[Spl
 
 def _split(recording: Recording, values: NDArray[Any], train: Interval, test: Interval, what: str, unit: str) -> Split:
     if max(train[0], test[0]) < min(train[1], test[1]):
-        raise InvalidInput(f"{what}: train {train} and test {test} overlap; a test of fitted rows says nothing")
+        raise InvalidInput(f"{what}: train {train} and test {test} overlap; choose intervals without common rows")
     parts = []
     for use, (start, stop) in (("fit", train), ("test", test)):
         mask = (values >= start) & (values < stop)
@@ -105,7 +105,7 @@ def _split(recording: Recording, values: NDArray[Any], train: Interval, test: In
 
 
 def _pieces(recording: Recording, mask: NDArray[np.bool_], step: str) -> Recording:
-    """The rows of the mask; a hole in them divides a block."""
+    """The rows of the mask; rows left out in between divide a block."""
     rows = np.flatnonzero(mask)
     divides = (np.diff(rows) > 1) | (np.diff(recording.block[rows]) > 0)
     return recording.take(rows, step, block=np.concatenate([[0], np.cumsum(divides)]))

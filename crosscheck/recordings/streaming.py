@@ -1,7 +1,7 @@
 """Recordings larger than memory: read in windows, filtered and differentiated with overlap, as pieces of samples.
 
-Every window reaches over its neighbours by the borders that the filter needs, so that the pieces follow each other
-without a gap, and differ from those of the whole file by what the filter has not forgotten there, BORDER_DECAY squared.
+Every window overlaps its neighbours by the borders that the filter needs, so that the pieces follow each other without
+a gap. They differ from those of the whole file by the response of the filter that remains there, BORDER_DECAY squared.
 """
 
 from __future__ import annotations
@@ -31,26 +31,26 @@ from graphdyn.identification import Samples
 from graphdyn.layout import Array
 
 WINDOW = 20_000
-"""Rows in memory at once unless told otherwise: 4 MB for a six-axis arm."""
+"""Default number of rows in memory at once: 4 MB for a six-axis arm."""
 
 BORDERS = 2
-"""Between windows so many borders of the filter are left out on both sides: derivatives enlarge what is left of one."""
+"""Number of filter borders that are cut off on both sides of a window: derivatives amplify what one border leaves."""
 
 AT_ONCE = 1 << 20
-"""[bytes] of a CSV file that are parsed at once."""
+"""Part of a CSV file that is parsed at once [bytes]."""
 
 
 @dataclass(frozen=True)
 class StreamedRecording:
-    """A long recording for graphdyn.identification.Problem(data=…), read anew whenever it is iterated over.
+    """A long recording for graphdyn.identification.Problem(data=…), read again by every iteration.
 
     path: Parquet, or .csv with a header
     mapping, joints, rate: as in load_recording; joints in the order of the robot, those of the mapping if left out
     cutoff: as in differentiated, [Hz] of all channels or per channel; None: no filter
     window: rows in memory at once
 
-    There is no list of findings: what load_recording would have to mend is refused, with InvalidInput that names the
-    row (NaN, stamps that are not even), or BadRecordingFile.
+    There is no list of findings: rows that load_recording would drop or resample (NaN, uneven stamps) raise
+    InvalidInput, with the row, or BadRecordingFile.
     """
 
     path: str | PathLike[str]
@@ -139,13 +139,13 @@ def _appended(recording: Recording, part: Recording) -> Recording:
 
 
 def _samples(done: Recording, before: int, after: int) -> Samples:
-    """Without so many rows at both ends."""
+    """The recording as samples, without these numbers of rows at its beginning and end."""
     q, v, a, tau = (done.channel(name)[before : len(done.t) - after] for name in ("q", "v", "a", "tau"))
     return Samples(q, v, a, tau)
 
 
 def _tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[RecordedTable]:
-    """The file as tables of at most so many rows."""
+    """The file as tables of at most this number of rows."""
     import pyarrow as pa
 
     if not path.exists():
@@ -164,7 +164,7 @@ def _tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[Re
             columns: list[Array] = [as_doubles(column) for column in batch.columns]
             yield RecordedTable(path, tuple(batch.schema.names), np.column_stack(columns))
     except pa.ArrowException as error:
-        raise BadRecordingFile(f"{path}: {error}; load_recording says more, or repair the file") from error
+        raise BadRecordingFile(f"{path}: {error}; load_recording gives details, or repair the file") from error
 
 
 def _csv_batches(path: Path, mapping: ColumnMapping | None) -> Any:

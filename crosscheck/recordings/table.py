@@ -1,4 +1,4 @@
-"""The numbers of one file, before anyone knows what they mean."""
+"""The numbers of one file, before a mapping gives them a meaning."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class RecordedTable:
-    """N rows of k named columns; every line of the file is a row, also what is no measurement.
+    """N rows of k named columns; every line of the file is a row, even one that holds no measurement.
 
-    values: NaN where a cell is no number        (N, k)
+    values: NaN where a cell is not a number     (N, k)
     names: as in the file; "" where it has none
-    texts: per column number, what stands in cells that are no number
-    lines: what to add to a row for its line in the file; None where the file has no lines
-    left_out: names in the file that are no columns, and why
+    texts: per column number, the text of cells that are not numbers
+    lines: line of row 0 in the file; None where the file has no lines
+    left_out: names in the file that are not columns, and why
     """
 
     path: Path
@@ -47,6 +47,6 @@ class RecordedTable:
             listed = " and ".join(str(number + 1) for number in numbers)
             raise BadMapping(f"{where}: {self.path} has '{column}' in the columns {listed}; give the number of one")
         if column in self.left_out:
-            raise BadMapping(f"{where}: '{column}' of {self.path} is no column: {self.left_out[column]}")
+            raise BadMapping(f"{where}: '{column}' of {self.path} is not a column: {self.left_out[column]}")
         there = ", ".join(self.names) if self.has_names else f"{len(self.names)} columns without names; give numbers"
         raise BadMapping(f"{where}: {self.path} has no column '{column}'; it has {there}")

@@ -26,11 +26,11 @@ SLIDING_UNITS = {
     "tau": {"N": 1.0, "kN": 1e3},
 }
 DRIVE_UNITS = {"A": 1.0, "mA": 1e-3, "%": 1.0}
-"""What drives report instead of a torque: current, or a part of the rated torque. They need a gain."""
+"""Units in which drives report current, or torque as a part of the rated one; they need a gain."""
 
 
 class Unit(NamedTuple):
-    """Factor to SI; whether it is one of a sliding joint (None: either); whether a gain must make a torque of it."""
+    """Factor to SI; whether the unit is for sliding joints (None: for both); whether it needs a gain to be a torque."""
 
     factor: float
     slides: bool | None
@@ -38,7 +38,7 @@ class Unit(NamedTuple):
 
 
 def _spelling(unit: str) -> str:
-    """Spellings that mean the same unit, as one: 'N·m', 'Nm' and 'N m'; 'rad/s²' and 'rad/s^2'; '°' and 'deg'."""
+    """One spelling for 'N·m', 'Nm' and 'N m', for 'rad/s²' and 'rad/s^2', for '°' and 'deg'."""
     for old, new in (("·", ""), ("*", ""), (" ", ""), ("²", "2"), ("^", ""), ("°", "deg"), ("µ", "u"), ("μ", "u")):
         unit = unit.replace(old, new)
     return unit

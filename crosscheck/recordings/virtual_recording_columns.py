@@ -15,7 +15,7 @@ from typing import NamedTuple
 from crosscheck.recordings.errors import BadRecordingFile
 
 JOINT_UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s^2", "m/s^2"), "tau": ("N m", "N")}
-"""Of a joint's channels, which are their own symbols: turning, sliding."""
+"""Units of a joint's channels, for a turning and a sliding joint; the channel is its own symbol."""
 
 BODY_COLUMNS = {
     "cardano": ("rad", ("alpha", "beta", "gamma")),
@@ -26,7 +26,7 @@ BODY_COLUMNS = {
     "joint_forces": ("N", ("F_x", "F_y", "F_z")),
     "joint_moments": ("N m", ("M_x", "M_y", "M_z")),
 }
-"""Unit and symbols of a body's channels."""
+"""Unit and symbols of the channels of a body."""
 
 ROBOT, TIME = "robot", "time [s]"
 
@@ -34,7 +34,7 @@ _BODY_SYMBOLS = {symbol for _, symbols in BODY_COLUMNS.values() for symbol in sy
 
 
 class Column(NamedTuple):
-    """A column, and which one of its channel, seen as (N, n) or (N, 3 n)."""
+    """A column: its channel, and its index there, with the channel as an array (N, n) or (N, 3 n)."""
 
     label: str
     unit: str
@@ -89,7 +89,7 @@ def elements_of(path: Path, headers: Iterable[str]) -> Elements:
 
 
 def check_headers(path: Path, headers: list[str], expected: Iterable[Column]) -> None:
-    """Every column there, once, in its unit, and no other: else BadRecordingFile."""
+    """Raise BadRecordingFile unless every expected column occurs once, in its unit, and no other column does."""
     units = dict([_split(ROBOT), _split(TIME)]) | {column.label: column.unit for column in expected}
     seen = set()
     for number, header in enumerate(headers, start=1):
@@ -106,7 +106,7 @@ def check_headers(path: Path, headers: list[str], expected: Iterable[Column]) ->
     missing = [f"{label} [{unit}]" if unit else label for label, unit in units.items() if label not in seen]
     if missing:
         names = f"column '{missing[0]}'" + (f" and {len(missing) - 1} more" if len(missing) > 1 else "")
-        raise BadRecordingFile(f"{path}, header: without {names}; recording every channel of every joint and body")
+        raise BadRecordingFile(f"{path}, header: without {names}; record every channel of every joint and body")
 
 
 def _split(header: str) -> tuple[str, str]:

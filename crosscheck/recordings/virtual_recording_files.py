@@ -1,4 +1,4 @@
-"""Recordings in files: CSV or Parquet, one row per time, the columns of recording_columns in any order."""
+"""Virtual recordings in files: CSV or Parquet, one row per time, the columns of virtual_recording_columns."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from graphdyn.layout import Array
 from urdf._files import write_whole
 
 FIRST_ROW = {".csv": ("line", 2), ".parquet": ("row", 1)}
-"""Per kind of file: how a row is called, and the number of the first."""
+"""Per kind of file: what a row is called in messages, and the number of the first."""
 
 
 def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str]) -> None:
-    """Write the recording as CSV or Parquet, by the suffix; load_virtual_recording gives it back bit for bit.
+    """Write the recording as CSV or Parquet, by the suffix; load_virtual_recording reads it back bit for bit.
 
     The file appears complete or not at all. Raises InvalidInput for another suffix, and for names that begin or end
-    with a space or contain what cannot be printed; OSError where the file cannot be written.
+    with a space or contain unprintable characters; OSError where the file cannot be written.
     """
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
@@ -45,7 +45,7 @@ def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str
     suffix = _suffix(path)
     for name in (recording.robot, *recording.joint_names, *recording.body_names):
         if name != name.strip() or not name.isprintable():
-            raise InvalidInput(f"{path}: the name {name!r} would not come back from a header; rename it")
+            raise InvalidInput(f"{path}: the name {name!r} cannot be read back from a header; rename it")
     cells = {ROBOT: pa.array([recording.robot] * len(recording.time)), TIME: pa.array(recording.time)}
     for column in columns(Elements(recording.joint_names, recording.prismatic, recording.body_names)):
         cells[column.header] = pa.array(_flat(getattr(recording, column.channel))[:, column.number].copy())
@@ -110,18 +110,18 @@ def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:
 
 
 def _flat(channel: Array) -> Array:
-    """(N, n) or (N, n, 3) seen with one column per number."""
+    """A channel (N, n) or (N, n, 3) with one column per number."""
     return channel.reshape(len(channel), -1)
 
 
 def _suffix(path: Path) -> str:
     if path.suffix.lower() not in FIRST_ROW:
-        raise InvalidInput(f"{path}: a recording is kept as .csv or .parquet, not as '{path.suffix}'; rename the file")
+        raise InvalidInput(f"{path}: a recording is saved as .csv or .parquet, not as '{path.suffix}'; rename the file")
     return path.suffix.lower()
 
 
 def _read_csv(path: Path) -> Any:
-    """An Arrow table with all cells as text, so that a bad one can be shown as it stands."""
+    """An Arrow table with all cells as text, so that a bad one can be shown as written."""
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 
@@ -134,7 +134,7 @@ def _read_csv(path: Path) -> Any:
     try:
         return arrow_csv.read_csv(
             pa.BufferReader(content),
-            read_options=arrow_csv.ReadOptions(use_threads=False),  # only then are bad lines numbered
+            read_options=arrow_csv.ReadOptions(use_threads=False),  # otherwise bad lines have no numbers
             parse_options=arrow_csv.ParseOptions(ignore_empty_lines=False),
             convert_options=arrow_csv.ConvertOptions(column_types=dict.fromkeys(header, pa.string())),
         )

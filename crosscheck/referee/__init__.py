@@ -1,1 +1,1 @@
-"""The same robot in Pinocchio and in MuJoCo, what is compared, on which states, scales and bounds. Not public."""
+"""The cross-check: the robot in Pinocchio and in MuJoCo; quantities, states, scales and bounds. Not public."""

@@ -1,4 +1,4 @@
-"""The baseline identifier: the same least squares, with Pinocchio's regressor and with ours, gives the same answer.
+"""The baseline identification: the same least squares with Pinocchio's regressor and with ours.
 
 PinocchioBodies puts Pinocchio's regressor into a torque model, so that every estimator runs on it unchanged.
 """
@@ -20,19 +20,19 @@ from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 STATES_PER_PARAMETER = 4
-"""Random states per standard parameter: each gives n equations, far more than the at most 10n unknowns."""
+"""Number of random states per standard parameter: each gives n equations, so far more than the at most 10n unknowns."""
 
 
 SPEED = 10.0
-"""Largest joint speed [rad/s or m/s]: beyond, centrifugal torques drown the rest, and rounding with them."""
+"""Largest joint speed [rad/s or m/s]: beyond, the rounding of centrifugal torques hides the other torques."""
 
 
 @dataclass(frozen=True, eq=False)
 class PinocchioBodies(RigidBodies):
-    """The same term with computeJointTorqueRegressor in place of our regressor.
+    """RigidBodies with computeJointTorqueRegressor in place of our regressor.
 
     referee: Pinocchio's reading of the robot of the torque model
-    Raises InvalidInput for samples with a moving base, which Pinocchio's regressor does not have.
+    Raises InvalidInput for samples with a moving base, because Pinocchio's regressor has a fixed base.
     """
 
     referee: PinocchioModel
@@ -47,10 +47,10 @@ class PinocchioBodies(RigidBodies):
 class BaselineIdentification:
     """Base parameters from simulated torques, by both regressors.
 
-    rank, rank_there: number of base parameters by our regressor and by Pinocchio's
-    condition_number: of our regressor's independent columns at unit length
+    rank, rank_there: number of base parameters according to our regressor and to Pinocchio's
+    condition_number: of our regressor's independent columns, scaled to unit length
     gap: smallest accepted and largest rejected pivot
-    difference: between the two estimates, relative to cond ‖x‖∞ max(1, rounding of a column) in units of torque
+    difference: between the two estimates, as torques, relative to cond ‖x‖∞ max(1, rounding of a column)
     error: of our estimate against the model's own base parameters, on that scale plus cond × rounding of the torques
     """
 
@@ -78,7 +78,7 @@ def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int
     ours = ordinary_least_squares(here[:, base.independent], torque)
     try:
         theirs = ordinary_least_squares(there[:, base.independent], torque).parameters
-    except InvalidInput:  # columns that are independent here are not there
+    except InvalidInput:  # columns independent by our regressor are dependent by Pinocchio's
         theirs = np.full(base.rank, np.inf)
     true = base.values(pi)
     column_terms, torque_terms = _terms(model, q, v, a)
@@ -102,10 +102,10 @@ def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int
 
 
 def _rounding(difference: Array, terms: Array) -> Array:
-    """By how many eps two correct computations may differ: what they differ by, but no more than the summed terms.
+    """By how many eps two correct computations may differ: their difference, at most that of the summed terms.
 
-    Columns or torques are short where terms cancel, as when a center of mass nearly follows gravity; at unit length
-    they carry their rounding into the parameters.
+    Where terms cancel, as for a center of mass whose acceleration nearly equals gravity, columns or torques are short;
+    scaled to unit length, they carry a large relative rounding into the parameters.
     """
     return np.minimum(np.linalg.norm(difference, axis=0) / EPS, terms)
 

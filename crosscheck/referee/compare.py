@@ -34,7 +34,7 @@ from graphdyn.layout import Array
 from urdf._cutting import Chain
 
 CHUNK = 250
-"""States handled at once: keeps the dense 11n × 11n systems of a chunk within some tens of megabytes."""
+"""Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
 
 Progress = Callable[[str, int], None]
 """Called with the name of a case and the number of states just done."""
@@ -50,15 +50,18 @@ def compare(
     chain: Chain = None,
     progress: Progress | None = None,
 ) -> Comparison:
-    """Compare all quantities at random and at awkward states.
+    """Compare all quantities at random and at special states.
+
+    Pinocchio's model of the robot is made in two ways, called routes: "urdf", where Pinocchio reads the same file, and
+    "model", where it is built from our RobotModel.
 
     robot: name (urdf.robots), path of a URDF (both routes), or RobotModel (route "model" only, and notes say so)
-    samples: random states; the awkward ones come on top. From 1000 on the recursive method is compiled, as it is for
-        batches of that size; with fewer it runs on NumPy
+    samples: random states, to which the special ones are added. From 1000 on the recursive method is compiled, as it is
+        for batches of that size; with fewer it runs on NumPy
     lock, gravity, chain: as in urdf.load, for names and paths only
 
-    Raises InvalidInput for samples or a seed that are no such numbers, or lock, gravity or chain with a RobotModel;
-    urdf's errors for a file that cannot be loaded.
+    Raises InvalidInput for invalid samples or seed, and for lock, gravity or chain with a RobotModel; urdf's errors for
+    a file that cannot be loaded.
     """
     check_counts(samples, seed)
     compared = subject(robot, lock, gravity, chain)
@@ -77,9 +80,9 @@ def compare(
     skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
     singular_states: dict[str, int] = {}
     compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
-    with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads only hinder on matrices this small
+    with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
         for case in cases(model, samples, seed):
-            recursive = case.name == RANDOM  # recorded for one model: the awkward cases are of many
+            recursive = case.name == RANDOM  # compiled for one model: the special cases have many
             for chunk in _chunks(case):
                 regular = np.zeros(len(chunk.q), dtype=bool) if reason else ~singular(mass_matrix(model, chunk.q))
                 if not reason and not regular.all():
@@ -146,7 +149,7 @@ def _chunks(case: Case) -> Iterable[Case]:
 
 
 def _forward_errors(case: Case, tau: Array, reference: RefereeValues, *, recursive: bool) -> dict[str, Array]:
-    """forward_errors, infinite where a system is exactly singular: the rank quantities then say why."""
+    """forward_errors, infinite where a system is exactly singular: the rank quantities then show the reason."""
     try:
         return forward_errors(case, tau, reference, recursive=recursive)
     except np.linalg.LinAlgError:
@@ -155,7 +158,7 @@ def _forward_errors(case: Case, tau: Array, reference: RefereeValues, *, recursi
 
 
 def _why_not_forward(model: RobotModel) -> str | None:
-    """Why forward dynamics cannot be compared, or None. Judged at random states, where no pose is special."""
+    """Why forward dynamics cannot be compared, or None. Tested at random states, which avoid special poses."""
     q, v = model.random_state(np.random.default_rng(0), 10)
     try:
         forward_dynamics(model, q, v, np.zeros_like(q))
@@ -165,7 +168,7 @@ def _why_not_forward(model: RobotModel) -> str | None:
 
 
 class _Record:
-    """All errors so far, and where the largest are."""
+    """All errors so far, and the states of the largest ones."""
 
     def __init__(self) -> None:
         self._errors: dict[str, list[Array]] = {}
@@ -183,7 +186,7 @@ class _Record:
                 self._worst[name] = float(values[k]), _worst_state(route, case, k)
 
     def add_summary(self, route: str, name: str, error: float) -> None:
-        """An error that belongs to all samples together."""
+        """Add an error that belongs to all samples together."""
         self._note(name, route, "all states", np.array([error]))
         self._worst[name] = error, None
 

@@ -1,4 +1,4 @@
-"""The answer of a cross-check: plain data that judges itself."""
+"""The answer of a cross-check: plain data, and whether the two codes agree."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 
 QUANTILES = (0.0, 0.5, 0.9, 0.99, 1.0)
-"""Parts of the states of which QuantityResult.quantiles tells the error."""
+"""Probabilities of QuantityResult.quantiles."""
 
 
 def part_of_bound(error: float, bound: float) -> float:
-    """How much of its bound an error takes; of a bound that is zero, nothing or infinitely much."""
+    """Error over bound; for a bound of zero, zero without an error and else infinite."""
     if bound == 0:
         return math.inf if error > 0 else 0.0
     return error / bound
@@ -26,11 +26,11 @@ def part_of_bound(error: float, bound: float) -> float:
 
 @dataclass(frozen=True)
 class WorstState:
-    """Where an error is largest, with the numbers to reproduce it.
+    """The state at which an error is largest, with the numbers to reproduce it.
 
     q, v, a: (n,); external_wrenches: (n, 6)
-    tau: given torques (n,), or None for those that produce a
-    turn: rotation of the world that the base was given (3, 3); gravity: of the case (3,) [m/s²]
+    tau: given torques (n,), or None for the torques that cause a
+    turn: rotation of base and gravity in the world (3, 3); gravity: in this case (3,) [m/s²]
     """
 
     route: str
@@ -48,7 +48,7 @@ class WorstState:
 class QuantityResult:
     """One quantity over all routes, cases and samples.
 
-    errors: of every route and state, in the order of the work; NaN counts as infinite   (N,)
+    errors: of every route and state, in the order of computation; NaN counts as infinite   (N,)
     max_relative_error: the largest of them, on the scale of crosscheck.referee.quantities
     by_case: largest error of each case; by_route: of each route
     """
@@ -62,7 +62,7 @@ class QuantityResult:
 
     @property
     def agrees(self) -> bool:
-        """The largest error is within the bound."""
+        """Whether the largest error is within the bound."""
         return self.max_relative_error <= self.quantity.tolerance.bound
 
     @property
@@ -72,7 +72,7 @@ class QuantityResult:
 
     @property
     def quantiles(self) -> dict[str, float]:
-        """The error that a part of the states (QUANTILES) does not exceed; each is an error that occurred."""
+        """Quantiles of the errors by probability (QUANTILES); each is an error that occurred."""
         ordered = np.sort(self.errors)
         ranks = np.ceil(np.array(QUANTILES) * (len(ordered) - 1)).astype(int)
         return {f"{part:g}": float(ordered[rank]) for part, rank in zip(QUANTILES, ranks, strict=True)}
@@ -82,13 +82,13 @@ class QuantityResult:
 class Comparison:
     """The verdict on one robot.
 
-    robot: as given; file: where its URDF is, None where a RobotModel was given; file_sha256: of its content, likewise
+    robot: as given; file: path of its URDF, file_sha256: of its content; both None where a RobotModel was given
     model: the robot that was compared
     chain: base link and tip link where an arm was cut out of a larger robot
     quantities: by name, in the order of the table
     not_compared: quantities left out, with the reason
-    routes: "urdf" (Pinocchio builds the same file), "model" (Pinocchio is built from our model)
-    notes: what the reader must know (a route that Pinocchio refused, …)
+    routes: "urdf" (Pinocchio reads the same file), "model" (Pinocchio's model is built from ours)
+    notes: what the reader must know (a file that Pinocchio refused, …)
     """
 
     robot: str
@@ -109,5 +109,5 @@ class Comparison:
 
     @property
     def agrees(self) -> bool:
-        """Every quantity agrees."""
+        """Whether every quantity agrees."""
         return all(result.agrees for result in self.quantities.values())

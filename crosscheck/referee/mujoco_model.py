@@ -1,6 +1,6 @@
-"""The RobotModel in MuJoCo, a second referee: the only file that imports mujoco, and only when it is asked.
+"""The RobotModel in MuJoCo, a second reference implementation. The only file that imports mujoco, when first needed.
 
-Constraints, contacts, limits, damping and armature are off: rigid-body dynamics alone.
+Constraints, contacts, limits, damping and armature are switched off, which leaves rigid-body dynamics.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ class MujocoRefuses(GraphDynError):
 
 
 class MujocoModel:
-    """One robot in MuJoCo, driven with graphdyn's joint order."""
+    """One robot in MuJoCo, used with graphdyn's joint order."""
 
     def __init__(self, model: RobotModel):
-        """Raises MujocoRefuses without the library, and for bodies without mass or with tensors no real body has."""
+        """Raises MujocoRefuses without the library, and for bodies without mass or with inconsistent inertia."""
         try:
             import mujoco
         except ImportError:
@@ -49,7 +49,7 @@ class MujocoModel:
             q,
             v,
             a,
-        )  # one position per freedom: hinge and slide
+        )  # one position per degree of freedom: hinge and slide
         mujoco.mj_inverse(native, data)
         required = data.qfrc_inverse[columns].copy()
         data.qfrc_applied[columns] = tau
@@ -64,7 +64,7 @@ class MujocoModel:
         }
 
     def inverse_loop(self, q: Array, v: Array, a: Array, out: Array) -> Array:
-        """mj_inverse at N states, as a user writes it: torques (N, n) in MuJoCo's order, which is asked to be ours."""
+        """mj_inverse at N states, as a user writes it: torques (N, n) in MuJoCo's order, which must be ours."""
         mj_inverse, native, data = self._mujoco.mj_inverse, self._native, self._data
         self._check_order()
         for k in range(len(q)):
@@ -76,9 +76,9 @@ class MujocoModel:
         return out
 
     def rollout(self, q: Array, v: Array, tau: Array, threads: int) -> Callable[[int], Array]:
-        """run(count): one step from each of the first states, on so many threads; accelerations (count, n).
+        """run(count): one step from each of the first count states, on several threads; accelerations (count, n).
 
-        The step is a second long, so that velocities change by the accelerations.
+        The step is one second long, so that the change of a velocity equals the acceleration.
         """
         from mujoco.rollout import Rollout
 
@@ -114,7 +114,7 @@ class MujocoModel:
 
 
 def _spec(mujoco: Any, model: RobotModel) -> Any:
-    """MuJoCo's description of the robot. Names are numbers, since MuJoCo's may hold no '/'."""
+    """MuJoCo's description of the robot, with numbers as names: MuJoCo's must not contain '/'."""
     spec = mujoco.MjSpec()
     spec.option.gravity = np.array(model.gravity)
     spec.option.disableflags = (
@@ -135,7 +135,7 @@ def _spec(mujoco: Any, model: RobotModel) -> Any:
 
 
 def _set_inertial(mujoco: Any, native: Any, body: Body) -> None:
-    """Mass, centre and tensor, in principal axes: MuJoCo holds no other."""
+    """Mass, centre and tensor, in principal axes, the only form that MuJoCo has."""
     moments, axes = np.linalg.eigh(body.inertia)
     axes = axes * np.sign(np.linalg.det(axes))
     native.explicitinertial = True

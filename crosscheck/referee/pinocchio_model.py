@@ -1,7 +1,7 @@
-"""The referee: the same robot in Pinocchio. The only file that imports it.
+"""The reference implementation: the same robot in Pinocchio. The only file that imports it.
 
-Two routes lead here: Pinocchio builds the URDF file itself (which checks our import), or it is built from our
-RobotModel through its API (which checks our dynamics). Results come back in the order and the axes of graphdyn.
+There are two routes: Pinocchio reads the URDF file itself (which checks our import), or its model is built from our
+RobotModel through its API (which checks our dynamics). Results are returned in the order and the axes of graphdyn.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ VERSION: str = pin.__version__
 
 
 GROUND = "universe"
-"""Joint 0 of every model of Pinocchio, which finds joints by name."""
+"""Name of joint 0 in every model of Pinocchio, which finds joints by name."""
 
 
 class PinocchioRefuses(GraphDynError, ValueError):
@@ -37,9 +37,9 @@ class PinocchioRefuses(GraphDynError, ValueError):
 
 
 class PinocchioModel:
-    """One robot in Pinocchio, driven with graphdyn's joint order and plain joint angles.
+    """One robot in Pinocchio, used with graphdyn's joint order and plain joint angles.
 
-    said: what Pinocchio's reader wrote about a file that it made do with
+    said: what Pinocchio's reader wrote about errors in a file that it read nevertheless
     """
 
     said: tuple[str, ...] = ()
@@ -49,7 +49,7 @@ class PinocchioModel:
         self._data = native.createData()
         if GROUND in model.joint_names:
             raise PinocchioRefuses(
-                f"robot '{model.name}': Pinocchio calls the ground '{GROUND}' and mixes it up with the joint of this "
+                f"robot '{model.name}': Pinocchio calls the ground '{GROUND}' and confuses it with the joint of this "
                 "name; rename the joint"
             )
         expected, known = set(model.joint_names), set(native.names[1:])
@@ -67,7 +67,7 @@ class PinocchioModel:
     def from_urdf(cls, path: Path, model: RobotModel, lock: Mapping[str, float], cut: bool = False) -> PinocchioModel:
         """Pinocchio's own reading of the file, with joints locked as in urdf.load. Raises PinocchioRefuses.
 
-        What the reader writes to standard error is kept from it.
+        The reader's output on standard error is not shown but kept in said.
 
         A .xacro file is expanded. cut: the model is a chain; all other joints are locked, its base link is the ground.
         """
@@ -95,7 +95,7 @@ class PinocchioModel:
 
     @classmethod
     def from_model(cls, model: RobotModel) -> PinocchioModel:
-        """The RobotModel, body by body through Pinocchio's API."""
+        """Pinocchio's model of the RobotModel, built body by body through its API."""
         native = pin.Model()
         native.name = model.name
         ids = {0: 0}
@@ -113,7 +113,7 @@ class PinocchioModel:
         return cls(native, model).turned(model.base, model.gravity)
 
     def turned(self, base: Placement, gravity: Array) -> PinocchioModel:
-        """The same robot with its ground frame moved by base, under another gravity."""
+        """The same robot with its ground frame moved by the placement base, under another gravity."""
         native = pin.Model(self._native)
         for k in range(1, native.njoints):
             if native.parents[k] == 0:
@@ -163,7 +163,7 @@ class PinocchioModel:
         rotations, positions = [], []
         for row in q:
             pin.framesForwardKinematics(self._native, self._data, self.configuration(row))
-            # copied at once: these are views of data, which the next state overwrites
+            # copied: these are views of data, which the next state overwrites
             rotations.append(np.array([self._data.oMf[k].rotation for k in ids]))
             positions.append(np.array([self._data.oMf[k].translation for k in ids]))
         return np.array(rotations), np.array(positions)
@@ -198,9 +198,9 @@ class PinocchioModel:
         return np.array(rows).reshape(*q.shape, BODY_PARAMETERS * q.shape[-1])
 
     def bare_calls(self) -> BareCalls:
-        """The library's own functions, with nothing of this class around them. Raises PinocchioRefuses.
+        """Pinocchio's own functions, without any code of this class. Raises PinocchioRefuses.
 
-        They take arrays in Pinocchio's order, which is asked to be that of graphdyn.
+        They take arrays in Pinocchio's order, which must be that of graphdyn.
         """
         native = self._native
         if native.nq != native.nv or not np.array_equal(self._columns, np.arange(native.nv)):
@@ -217,11 +217,11 @@ class PinocchioModel:
         )
 
     def evaluate(self, q: Array, v: Array, a: Array, tau: Array, external_wrenches: Array) -> RefereeValues:
-        """Everything that is compared, at N states: q, v, a, tau (N, n), external_wrenches (N, n, 6)."""
+        """All reference values at N states: q, v, a, tau (N, n), external_wrenches (N, n, 6)."""
         rows = [self._evaluate_one(*state) for state in zip(q, v, a, tau, external_wrenches, strict=True)]
         values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         rotation, velocity = values["rotation"], values["velocity"]
-        # raw spatial vectors so far; moved to the centers of mass for all states at once
+        # still spatial vectors; moved to the centers of mass for all states at once
         centers = self._centers()
         _, forward = at_centers(centers, rotation, velocity, values["a_body_accelerations"])
         values["velocity"], values["acceleration"] = at_centers(centers, rotation, velocity, values["acceleration"])
@@ -283,8 +283,8 @@ class PinocchioModel:
     def _centers(self) -> Array:
         """Centers of mass (n, 3) in link axes.
 
-        Pinocchio loses that of a body without mass or nearly so, for it divides m c by at least eps; ours stands in, so
-        that the same point is compared.
+        Pinocchio loses the center of a body with zero or tiny mass, because it divides m c by at least eps; then ours
+        is used, so that the same point is compared.
         """
         inertias = [self._native.inertias[k] for k in self._ids]
         return np.array(
@@ -311,7 +311,7 @@ def _se3(placement: Placement) -> pin.SE3:
 
 
 def _inertia(body: Body) -> pin.Inertia:
-    """As mass, center and tensor; from the ten parameters where the tensor is not positive, which that form refuses."""
+    """From mass, center and tensor; from the ten parameters where Pinocchio refuses a tensor that is not positive."""
     if np.linalg.eigvalsh(body.inertia)[0] < 0:
         return pin.Inertia.FromDynamicParameters(np.array(body.parameters))
     return pin.Inertia(body.mass, np.array(body.center_of_mass), np.array(body.inertia))

@@ -1,4 +1,4 @@
-"""What is compared, and how each error is measured (docs/notation.md names the quantities).
+"""The compared quantities, and how each error is measured (docs/notation.md describes the quantities).
 
 Every function returns one relative error per sample (N,): ‖x - reference‖∞ over a scale that cannot vanish.
 """
@@ -57,10 +57,10 @@ from graphdyn.layout import ANGULAR, LINEAR, Array
 
 @dataclass(frozen=True)
 class Quantity:
-    """One row of the table: what, against which function of Pinocchio, judged how.
+    """One row of the table: a quantity, the function of Pinocchio it is compared with, and the bound of its error.
 
-    scale: what the error is relative to beside the largest reference value, in the words of docs/notation.md
-    forward: needs a regular mass matrix
+    scale: besides the largest reference value, what the error is relative to, in the terms of docs/notation.md
+    forward: whether it needs a regular mass matrix
     """
 
     name: str
@@ -141,7 +141,7 @@ QUANTITIES = (
     Quantity("base_parameters", "same least squares with Pinocchio's regressor", _BASE, IDENTIFICATION),
 )
 RECURSIVE = "_recursive"
-"""Ends the names of what the recursive method computes; compared at random states only."""
+"""Ending of the names of quantities that the recursive method computes; compared at random states only."""
 
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 
@@ -162,7 +162,7 @@ class Conditioning:
 
 
 def passive_errors(case: Case, ref: RefereeValues, *, recursive: bool = False) -> dict[str, Array]:
-    """Errors of everything that does not need a regular mass matrix; recursive: of that method too."""
+    """Errors of the quantities that do not need a regular mass matrix; recursive: also of the recursive method."""
     model, q, v, a, external = case.model, case.q, case.v, case.a, case.external_wrenches
     state = maximal_state(model, q, v, a)
     assert state.acceleration is not None
@@ -218,7 +218,7 @@ def _of_recursive(errors: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
-    """Placements of the links that the import fused, against Pinocchio's reading of the same file."""
+    """Errors of the placements of fused links, against Pinocchio's reading of the same file."""
     names = [frame.name for frame in case.model.frames]
     rotation, position = referee.frame_placements(case.q, names)
     ours = [frame_placement(case.model, case.q, name) for name in names]
@@ -231,7 +231,7 @@ def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
 
 
 def forward_errors(case: Case, tau: Array, ref: RefereeValues, *, recursive: bool = False) -> dict[str, Array]:
-    """Errors of everything that solves for accelerations; recursive: of that method too."""
+    """Errors of the quantities solved for accelerations; recursive: also of the recursive method."""
     model, q, v, external = case.model, case.q, case.v, case.external_wrenches
     dense = forward_dynamics(model, q, v, tau, method="dense")
     projected = forward_dynamics(model, q, v, tau)
@@ -278,7 +278,7 @@ def forward_errors(case: Case, tau: Array, ref: RefereeValues, *, recursive: boo
 def rank_errors(case: Case, tau: Array, regular: NDArray[np.bool_]) -> tuple[dict[str, Array], Conditioning]:
     """Missing ranks of φ_q and of the matrix of Eq. (111), as parts of the full rank, and the conditioning.
 
-    regular: at which states the mass matrix is regular (N,); only there the matrix must have full rank
+    regular: states with a regular mass matrix (N,); only there the matrix of Eq. (111) must have full rank
     """
     system = kkt_batch(case, tau)
     rank, kkt_rank = np.asarray(system.constraint_rank()), np.asarray(system.rank())
@@ -307,7 +307,7 @@ def kkt_batch(case: Case, tau: Array) -> KKTSystem:
 
 
 def multipliers_of(model: RobotModel, rotation: Array, wrenches: Array) -> Array:
-    """The 30 multipliers that a referee's joint wrenches amount to (N, n, 5), by the definition of docs/notation.md.
+    """The multipliers (N, n, 5) of a reference implementation's joint wrenches, as docs/notation.md defines them.
 
     rotation: R_0j of all bodies (N, n, 3, 3); wrenches: at O_j in link axes (N, n, 6)
     """

@@ -1,4 +1,4 @@
-"""What the referee answers, in the order and the axes of graphdyn."""
+"""The reference values of Pinocchio, in the order and the axes of graphdyn."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class RefereeValues:
     mass_matrix, bias: crba, nonLinearEffects               (N, n, n), (N, n)
     torque_regressor, body_regressor: computeJointTorqueRegressor, jointBodyRegressor   (N, n, 10n), (N, n, 6, 10)
     tau_external, joint_wrenches_external, a_external: rnea, data.f and aba with the external wrenches
-    a_wrenches, a_body_accelerations: data.f and body accelerations at a, the answer of the forward problem
+    a_wrenches, a_body_accelerations: data.f and body accelerations at a, the solution of forward dynamics
     a_wrenches_external: data.f at a_external with the external wrenches
     """
 
@@ -52,7 +52,7 @@ class RefereeValues:
 
 @dataclass(frozen=True, eq=False)
 class CarriedValues:
-    """Pinocchio's answers for a robot on a carriage: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
+    """Pinocchio's values for a robot on a carriage: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
 
     tau: Array
     joint_wrenches: Array
@@ -61,8 +61,10 @@ class CarriedValues:
 
 @dataclass(frozen=True, eq=False)
 class BareCalls:
-    """Pinocchio's functions as a user calls them: function(model, data, q, v, …); in parallel: function(threads,
-    pool(threads), q, v, …, out), arrays (n, N) in columns, which are (N, n) in rows.
+    """Pinocchio's functions as a user calls them.
+
+    One state: function(model, data, q, v, …). Many states on several threads: function(threads, pool(threads), q, v, …,
+    out), with arrays (n, N) stored by columns, the memory layout of (N, n) by rows.
     """
 
     model: Any

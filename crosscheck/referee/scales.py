@@ -1,7 +1,7 @@
 """Relative errors on scales that cannot vanish: the sizes of the terms that are summed to get a value.
 
 Reference values may cancel to exactly zero, or to rounding: a moment of an upright arm at rest, the acceleration of a
-joint that does not move. Each function works per sample (N,).
+joint that does not move. Each function returns one number per sample (N,).
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from graphdyn import RobotModel
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array
 
 SHORTEST_LEVER = 1e-3
-"""Added to every lever [m], so that moments have a scale where all levers are zero. Far below any arm's."""
+"""Length added to every lever [m], so that moments have a scale where all levers are zero; far below any arm's."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """How large the summed terms are at N states (N,).
+    """Sizes of the summed terms at N states (N,).
 
     lever: from the base to a link origin, plus from there to a center of mass   [m]
     velocity, acceleration: of a center of mass                                  [m/s, m/s²]
-    turn: ‖ω̇‖ + ‖ω‖², what angular accelerations sum                             [rad/s²]
+    turn: ‖ω̇‖ + ‖ω‖², terms of angular accelerations                             [rad/s²]
     compensated: gravity-compensated acceleration, r̈ − g                         [m/s²]
     force, moment: of all bodies together                                        [N, N m]
     spin: of the inertia tensors alone, about any axis                           [N m]
@@ -39,7 +39,7 @@ class Sizes:
     spin: Array
 
     def loaded(self, wrenches: Array) -> Sizes:
-        """The same with external wrenches (N, n, 6) among the terms."""
+        """The same sizes with external wrenches (N, n, 6) among the terms."""
         force = largest(wrenches[..., LINEAR])
         moment = largest(wrenches[..., ANGULAR]) + force * self.lever
         return replace(self, force=self.force + force, moment=self.moment + moment)
@@ -84,7 +84,7 @@ def largest(x: Array) -> Array:
 
 
 def ratio(error: Array, scale: Array) -> Array:
-    """error / scale; an error without any scale counts as infinite, none as zero."""
+    """error / scale; for a scale of zero, zero without an error and else infinite."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(error == 0, 0.0, error / scale)
 
@@ -95,7 +95,7 @@ def relative(x: Array, reference: Array, *sizes: Array) -> Array:
 
 
 def by_part(x: Array, reference: Array, linear: Array, angular: Array) -> Array:
-    """Linear and angular parts (forces and moments) apart, each on its own scale; the larger error counts."""
+    """The larger error of the linear and angular parts (forces and moments), each on its own scale (N,)."""
     return np.maximum(
         relative(x[..., LINEAR], reference[..., LINEAR], linear),
         relative(x[..., ANGULAR], reference[..., ANGULAR], angular),
@@ -103,14 +103,14 @@ def by_part(x: Array, reference: Array, linear: Array, angular: Array) -> Array:
 
 
 def by_parameter_type(x: Array, reference: Array, mass: Array, first_moment: Array, tensor: Array) -> Array:
-    """Columns of m, of m c and of I apart, each on its own scale. (N, …, 10 k) → (N,)."""
+    """The largest error of the columns of m, of m c and of I, each on its own scale. (N, …, 10 k) → (N,)."""
     x, reference = (w.reshape(len(w), -1, BODY_PARAMETERS) for w in (x, reference))
     columns = ((slice(0, 1), mass), (slice(1, 4), first_moment), (slice(4, 10), tensor))
     return np.maximum.reduce([relative(x[..., part], reference[..., part], size) for part, size in columns])
 
 
 def acceleration_scale(mass: Array, a: Array, tau: Array, wrenches: Array) -> Array:
-    """cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench): what one relative rounding of the data does to a (N,)."""
+    """cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench): the change of a by a relative rounding of the data (N,)."""
     finite = np.isfinite(largest(mass))
     mass = np.where(finite[:, None, None], mass, np.eye(mass.shape[-1]))
     inverse_norm = np.abs(np.linalg.inv(mass)).sum(axis=-1).max(axis=-1)

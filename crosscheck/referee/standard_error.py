@@ -1,4 +1,4 @@
-"""What C++ libraries write past Python to standard error."""
+"""Output of C++ libraries on standard error, which bypasses Python."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def kept_standard_error() -> Iterator[list[str]]:
-    """Keeps it from the terminal; at the end the list holds its lines. For the whole process, so keep it short."""
+    """Collect standard error instead of showing it; at the end the list holds its lines. Affects the whole process."""
     written: list[str] = []
     kept = os.dup(2)
     with tempfile.TemporaryFile() as file:

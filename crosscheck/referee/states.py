@@ -1,4 +1,4 @@
-"""The states at which two dynamics codes are compared: random ones, and the awkward ones on purpose."""
+"""The states at which two dynamics codes are compared: random ones, and special ones where codes tend to fail."""
 
 from __future__ import annotations
 
@@ -12,29 +12,29 @@ from graphdyn import Placement, RobotModel, inverse_dynamics, maximal_state
 from graphdyn.layout import Array
 
 ACCELERATION_RANGE = 10.0
-"""Joint accelerations are uniform in ± this [rad/s² or m/s²]."""
+"""Largest joint acceleration of random states, uniform in ± this range [rad/s² or m/s²]."""
 
 FAST = 10.0
-"""Factor on velocities and accelerations of the fast states."""
+"""Factor on the velocities and accelerations of the fast states."""
 
 LOAD = 0.1
-"""Size of the external forces [N] and moments [N m], as a part of the robot's weight in standard gravity."""
+"""Size of external forces [N] and moments [N m], as a part of the robot's weight in standard gravity [N]."""
 
 RANDOM = "random"
-"""Name of the first case."""
+"""Name of the first case, the random states."""
 
 AWKWARD = 50
-"""States of each awkward kind that is not bound to one body."""
+"""Largest number of states of each special case that does not concern a single body."""
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """N states of one kind, of a robot that may be mounted and weighted differently from the original.
+    """N states of one kind, of a robot whose mounting and gravity may differ from the original.
 
-    model: the robot, its base and gravity turned where the case needs it
-    turn: rotation of the world that base and gravity were given
+    model: the robot, with base and gravity rotated if the case needs it
+    turn: this rotation of base and gravity
     q, v, a: (N, n); external_wrenches: (N, n, 6)
-    tau: given torques (N, n), or None for those that produce exactly a (everything cancels)
+    tau: given torques (N, n), or None for the torques that cause exactly a (then terms cancel)
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""What compare and judge take alike: a robot in one of three forms, and counts."""
+"""Arguments that compare, judge and identify share: the robot, by name, path or RobotModel, and counts."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ Lock = Mapping[str, float] | Iterable[str] | None
 class Subject:
     """The robot to be compared.
 
-    name: as it was given
-    file: whole path of its URDF, None where a RobotModel was given; file_sha256: of its content, likewise
-    locked: value per joint that is held still [rad or m]
-    chain: base link and tip link of the arm that was cut out, None where the whole robot is meant
+    name: as given
+    file: whole path of its URDF, file_sha256: of its content; both None where a RobotModel was given
+    locked: value per locked joint [rad or m]
+    chain: base link and tip link of the arm that was cut out, None for the whole robot
     """
 
     name: str
@@ -58,13 +58,13 @@ def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = 
 
 
 def content_sha256(robot: str | PathLike[str]) -> str:
-    """Of the file of a name or path, a .xacro file expanded. Raises RobotNotFound, InvalidXacro, OSError."""
+    """Hash of the file of a name or path, a .xacro file expanded. Raises RobotNotFound, InvalidXacro, OSError."""
     return hashlib.sha256(content_of(locate(robot)[0])).hexdigest()
 
 
 def check_counts(samples: int, seed: int) -> None:
-    """Raises InvalidInput."""
+    """Raise InvalidInput for an invalid number of samples or seed."""
     if not isinstance(samples, Integral) or samples < 1:
-        raise InvalidInput(f"samples is {samples!r}; a whole number of random states, at least one, is needed")
+        raise InvalidInput(f"samples is {samples!r}; give a whole number of random states, at least 1")
     if not isinstance(seed, Integral) or seed < 0:
-        raise InvalidInput(f"seed is {seed!r}; a whole number from 0 on is needed")
+        raise InvalidInput(f"seed is {seed!r}; give a whole number from 0 on")

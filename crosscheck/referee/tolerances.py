@@ -12,7 +12,7 @@ EPS = float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class Tolerance:
-    """A bound on a relative error, and why it is what it is."""
+    """A bound on a relative error, and its reason."""
 
     bound: float
     why: str

@@ -1,4 +1,4 @@
-"""Gathers what `graphdyn show` tells of a robot; terminal, JSON file and page are made of it."""
+"""Computes the description of a robot that `graphdyn show` shows."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
 from urdf._rpy import rpy_from_rotation
 
 SEED = 0
-"""Of the state at which the matrix of Eq. (111) is shown."""
+"""Seed of the random state at which the matrix of Eq. (111) is shown."""
 
 ROUNDING = 1e-14
-"""An entry below this part of the largest of its block (one body or joint by one body or joint) counts as zero."""
+"""Part of the largest entry of its block (one body or joint by one body or joint) below which an entry is zero."""
 
 
 def describe(model: RobotModel, robot: str, locked: Mapping[str, float]) -> RobotDescription:

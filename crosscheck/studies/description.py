@@ -1,4 +1,4 @@
-"""What `graphdyn show` tells of a robot, as data: bodies, joints, frames, graph matrices, the 11n equations."""
+"""The description of a robot that `graphdyn show` shows: bodies, joints, frames, graph matrices, the 11n equations."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ class SystemRecord:
 class RobotDescription:
     """All that `graphdyn show` shows, and the model itself for drawing it.
 
-    robot: as asked for; gravity: world axes (3,) [m/s²]; total_mass: of the moving bodies [kg]
+    robot: as given; gravity: world axes (3,) [m/s²]; total_mass: of the moving bodies [kg]
     base_xyz, base_rpy: the ground frame in the world       (3,) [m], (3,) [degree]
     """
 

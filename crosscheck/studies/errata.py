@@ -1,6 +1,6 @@
-"""The paper's printed errors, each put back alone into the correct model, and what it does (docs/deviations.md).
+"""The paper's printed errors, each put back alone into the correct model, and its effect (docs/deviations.md).
 
-The judge is Pinocchio: aba for accelerations, rnea for joint forces.
+The reference is Pinocchio: aba for accelerations, rnea for joint forces.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ ERRATA = {
 }
 
 CLEAR_OF_LOCK = 0.05
-"""A1 and A4 are measured where every |cos β| exceeds this, so that they do not show A3."""
+"""Smallest |cos β| of the states at which A1 and A4 are measured, so that they do not include A3."""
 
 COSINES = (1e-2, 1e-3, 1e-4, 1e-6)
-"""|cos β| at which A3 is measured."""
+"""Values of |cos β| at which A3 is measured."""
 
 EFFECTS = 2 * (len(ERRATA) - 1 + len(COSINES))
-"""How many effects `measure` returns: one per arm and erratum, A3 at every |cos β|."""
+"""Number of effects that `measure` returns: one per arm and erratum, for A3 one per value of |cos β|."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """Forms of the equations as the paper prints them where they are wrong (docs/deviations.md). Revolute joints only.
 
-They take the correct system and put one error back; nothing but `crosscheck.studies.errata` uses them.
+Each takes the correct system and puts one error back; only `crosscheck.studies.errata` uses them.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""What a URDF file says and what becomes of it: every fault, every oddity, and whether it is fit for dynamics."""
+"""urdf.inspect: every fault and every oddity of a URDF file, and whether it is fit for dynamics."""
 
 from urdf.inspection.findings import Finding, Report, Severity, Verdict
 from urdf.inspection.inspecting import inspect

@@ -1,4 +1,4 @@
-"""What is found around the robot: the text of the file, xacro leftovers, meshes, materials."""
+"""Findings about what surrounds the robot: the text of the file, xacro leftovers, meshes, materials."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _PREFIX = re.compile(rb"\bxmlns:([\w.-]+)\s*=")
 
 
 def document_findings(document: Document) -> Iterator[Finding]:
-    """Findings of a document that is still complete."""
+    """Findings of a document that still has all its elements."""
     yield from _text(document.content)
     namespace = etree.QName(document.robot).namespace
     if namespace:
@@ -53,7 +53,7 @@ def _text(content: bytes) -> Iterator[Finding]:
 
 
 def _elements(robot: etree._Element) -> Iterator[Finding]:
-    """One pass over all elements, also those that say nothing of dynamics."""
+    """One pass over all elements, including those that do not affect dynamics."""
     xacro: Counter[str] = Counter()
     lines: dict[str, int | None] = {}
     meshes, packages, unexpanded = 0, 0, 0

@@ -7,13 +7,13 @@ from typing import Literal
 
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
-"""urdf.load refuses the file; it loads and its dynamics are doubtful; good to know."""
+"""In this order: urdf.load refuses the file; it loads, but its dynamics are doubtful; good to know."""
 
 Verdict = Literal["dynamics", "kinematics only", "refused"]
 VERDICTS: tuple[Verdict, ...] = ("dynamics", "kinematics only", "refused")
 
 NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite")
-"""Codes of what leaves only kinematics."""
+"""Codes of the findings that leave a robot fit for kinematics only."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Finding:
 class Report:
     """All findings of one file.
 
-    robot: path or name as asked for; path: of the file, None where there is none
+    robot: path or name as given; path: of the file, None where there is none
     findings: errors, warnings, notes, each in the order of the file
     """
 
@@ -74,7 +74,7 @@ class Report:
         return tuple(dict.fromkeys(finding.code for finding in self.findings))
 
     def count(self, severity: Severity) -> int:
-        """How many findings are so severe."""
+        """Number of findings of this severity."""
         return sum(finding.severity == severity for finding in self.findings)
 
 

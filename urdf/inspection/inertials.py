@@ -36,7 +36,7 @@ class LinkInertial:
 
 
 def inertials(source: Source) -> Iterator[LinkInertial]:
-    """Those that are complete and sound."""
+    """The <inertial> elements that are complete and have valid numbers."""
     for link in source.links:
         element = link.find("inertial")
         if element is None:

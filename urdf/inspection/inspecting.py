@@ -1,4 +1,4 @@
-"""The inspection of one file: the stages of urdf.load, none of which ends it while there is something left to read."""
+"""The inspection of one file: the stages of urdf.load, continued after a fault as far as the file can be read."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from urdf.inspection.structure import Structure
 from urdf.inspection.telling import of_file, refusal
 
 MOST_FINDINGS = 1000
-"""Per stage; a file with more is beyond reading."""
+"""Largest number of findings that a stage reports."""
 
 
 def inspect(source: Given, *, xacro: Xacro | None = None) -> Report:
-    """Everything odd or wrong about a URDF file, or a robot of the catalogue by name; is it fit for dynamics?
+    """Everything odd or wrong about a URDF file or a robot of the catalogue, and whether it is fit for dynamics.
 
     source: as urdf.load takes it: name, path, XML as text or bytes, an open file; xacro: for a .xacro file
 
-    Nothing is raised for what a file contains, nor for a file that is not there: that is an error among the findings.
+    Raises nothing for the content of a file, nor for a file that does not exist: both are errors among the findings.
     report.usable says whether forward dynamics can be computed; report.findings has a code, a severity ("error":
     urdf.load refuses the file, "warning": dynamics are doubtful, "note"), the element, its line, a message that also
     tells what Pinocchio and yourdfpy do there, and a remedy. The mass matrix is examined at five random states.
@@ -41,7 +41,7 @@ def inspect(source: Given, *, xacro: Xacro | None = None) -> Report:
     asked, path = said(source), None
     try:
         path = path_of(source)
-        with np.errstate(all="ignore"):  # numbers may be as large as doubles are
+        with np.errstate(all="ignore"):  # numbers may be as large as the largest double
             return report(asked, str(path), list(_findings(open_document(source, xacro))))
     except URDFError as error:
         found = refusal(error)
@@ -83,7 +83,11 @@ def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
     )
     for complaint in opened.complaints:
         yield of_file(
-            "xacro-complaint", "warning", None, f"expanding the file: {complaint}", "see what xacro makes of the file"
+            "xacro-complaint",
+            "warning",
+            None,
+            f"expanding the file: {complaint}",
+            "expand the file with xacro and check the result",
         )
 
 
@@ -102,13 +106,13 @@ def _of_the_model(source: Source, structure: Structure) -> Iterator[Finding]:
 
 
 def _limited(findings: Iterator[Finding]) -> Iterator[Finding]:
-    """The first so many, and a word about the rest."""
+    """The first MOST_FINDINGS findings, and a note if there are more."""
     yield from islice(findings, MOST_FINDINGS)
     if next(findings, None) is not None:
         yield of_file(
             "more-findings",
             "note",
             None,
-            f"only the first {MOST_FINDINGS} findings of a kind are told",
-            "mend these first",
+            f"only the first {MOST_FINDINGS} findings of a kind are listed",
+            "correct these first",
         )

@@ -1,4 +1,4 @@
-"""What is odd about the joints: axes, limits, kinds, and what rigid dynamics leave out."""
+"""Findings about the joints: axes, limits, types, and values that rigid dynamics leave out."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from urdf.inspection.telling import about, of_file
 
 RIGHT_ANGLE = math.pi / 2
 TRUNCATED, EXACT = 2e-3, 1e-12
-"""An angle is a truncated k·π/2 if it misses it by less than TRUNCATED (3.14 does) and more than EXACT [rad]."""
+"""Differences from a multiple of π/2 [rad]: an angle between the two is a truncated multiple, such as 3.14 for π."""
 
 OFF_UNIT = 1e-2
-"""An axis whose length misses 1 by less was rounded, by more is probably meant otherwise."""
+"""Difference from 1 of the length of an axis: a smaller one is rounding, a larger one probably another mistake."""
 
 STRAIGHT = 1e-6
-"""A component below this part of the largest does not make an axis oblique."""
+"""Part of its largest component below which a component of an axis counts as zero."""
 
 
 def joint_findings(structure: Structure) -> Iterator[Finding]:
@@ -49,7 +49,7 @@ def joint_findings(structure: Structure) -> Iterator[Finding]:
             "note",
             None,
             "URDF has no place for rotor inertia: the model has none, though behind high gear ratios it can be most of "
-            "what a motor feels",
+            "the inertia that a motor accelerates",
             "add it to the mass matrix, if you know it",
         )
 
@@ -63,8 +63,8 @@ def _angles(element: etree._Element) -> Iterator[Finding]:
                 "rpy-truncated",
                 "note",
                 origin,
-                f"{', '.join(f'{angle:g}' for angle in odd)}: a multiple of π/2 cut off, {missed:.1e} rad away; it is "
-                "used as written",
+                f"{', '.join(f'{angle:g}' for angle in odd)}: a truncated multiple of π/2, off by {missed:.1e} rad; it "
+                "is used as written",
                 "write all digits: 1.5707963267948966",
             )
 
@@ -78,7 +78,11 @@ def _kind(joint: etree._Element) -> Iterator[Finding]:
     kind = joint.get("type")
     if kind == "continuous":
         yield about(
-            "continuous-joint", "note", joint, "a continuous joint: one plain angle here", "compare angles modulo 2π"
+            "continuous-joint",
+            "note",
+            joint,
+            "a continuous joint: its coordinate is one angle",
+            "compare angles modulo 2π",
         )
     if kind == "prismatic":
         yield about("prismatic-joint", "note", joint, "a prismatic joint: metres and newtons", "nothing need be done")
@@ -89,7 +93,7 @@ def _kind(joint: etree._Element) -> Iterator[Finding]:
             "warning",
             joint,
             f"it mimics joint '{shortened(mimic.get('joint', ''))}' and is loaded as an independent joint",
-            "hold it still with lock=, if it is not meant to be free",
+            "lock it with lock=, if it is not meant to be free",
         )
 
 
@@ -157,7 +161,7 @@ def _rate_limits(joint: etree._Element) -> Iterator[Finding]:
                 f"{name}-zero",
                 "note",
                 limit,
-                f"the {name} limit is 0: a stand-in for an unknown one",
+                f"the {name} limit is 0: a placeholder for an unknown one",
                 "write the limit",
             )
         elif bound[0] < 0:

@@ -1,4 +1,4 @@
-"""What is odd about the links: inertials that are missing, lost, guessed or impossible."""
+"""Findings about the links: inertials that are missing, dropped, guessed or impossible."""
 
 from __future__ import annotations
 
@@ -16,22 +16,23 @@ from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
 
 ROUNDED = 0.02
-"""A triangle inequality violated by less than this part of the largest moment comes from few digits in the file."""
+"""Violation of a triangle inequality, as a part of the largest moment, below which it comes from few digits."""
 
 TINY_MASS = 1e-4
-"""[kg]"""
+"""Mass below which it is probably a placeholder [kg]."""
 
 LARGEST_RADIUS = 2.0
-"""Radius of gyration beyond which lengths are rather in other units [m]."""
+"""Radius of gyration beyond which lengths are probably in other units [m]."""
 
 FARTHEST_CENTER = 50.0
-"""Distance of a center of mass from the origin of its link [m]."""
+"""Distance of a center of mass from its link origin beyond which it is probably in other units [m]."""
 
 FAR, SMALLEST_LINK = 5.0, 0.1
-"""A radius of gyration is implausible beyond FAR times the link's size, which counts as at least SMALLEST_LINK [m]."""
+"""A radius of gyration beyond FAR times the link's size is implausible; no link counts as smaller than SMALLEST_LINK
+[m]."""
 
 SEVERAL = 3
-"""From so many on, equal inertials are no coincidence."""
+"""Number of links from which equal inertials are not a coincidence."""
 
 
 def link_findings(structure: Structure) -> Iterator[Finding]:
@@ -83,7 +84,7 @@ def _form(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "note",
             element,
             f"the link is fixed: its {inertial.mass:g} kg are added to the body of link '{shortened(str(carrier))}'",
-            "nothing need be done; urdf.fused_links tells the shares",
+            "nothing need be done; urdf.fused_links gives the shares",
         )
     origin = element.find("origin")
     if origin is None:
@@ -135,11 +136,15 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "warning",
             element,
             f"the center of mass is {distance:.3g} m from the origin of the link",
-            "give it in metres, in the link frame; millimetres do this",
+            "give it in metres, in the link frame; it may be in millimetres",
         )
     if 0 < mass < TINY_MASS:
         yield about(
-            "tiny-mass", "warning", element, f"the mass is {mass:g} kg", "give the mass in kg; a tiny one is a stand-in"
+            "tiny-mass",
+            "warning",
+            element,
+            f"the mass is {mass:g} kg",
+            "give the mass in kg; it looks like a placeholder",
         )
 
 
@@ -151,7 +156,7 @@ def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
             "warning",
             element,
             f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one",
-            "correct the tensor; a wrong sign or a swapped entry does this",
+            "correct the tensor; a sign may be wrong, or entries swapped",
         )
     elif low <= CONSISTENCY * size:
         yield about(
@@ -176,7 +181,7 @@ def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
             "isotropic-inertia",
             "note",
             element,
-            "the same moment about every axis: the guess of a sphere",
+            "the same moment about every axis, as of a sphere: probably a guess",
             "give the measured tensor, if forces matter",
         )
 
@@ -194,7 +199,7 @@ def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "warning",
             inertial.element,
             f"the radius of gyration is {radius:.3g} m, the link reaches {size:.3g} m: tensor and mass do not fit",
-            "give kg, m and kg m²; tensors in g mm² or about another point do this",
+            "give kg, m and kg m²; the tensor may be in g mm², or about another point",
         )
 
 

@@ -1,4 +1,4 @@
-"""What the whole robot tells: whether its mass matrix determines accelerations, and whether its units can be right."""
+"""Findings about the whole robot: whether its mass matrix determines accelerations, and its units are plausible."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
 
 STATES, SEED = 5, 0
-"""Random states at which the mass matrix is examined, and their seed."""
+"""Number of random states at which the mass matrix is examined, and their seed."""
 
 MOST_BODIES = 200
-"""The mass matrices of larger robots are not examined: that takes more than a second."""
+"""Largest number of bodies whose mass matrix is examined: for more it takes longer than a second."""
 
 ILL_CONDITIONED = 1e8
 """Condition number from which an acceleration has lost half of its digits."""
 
 INCONSISTENT = 1e-9
-"""A negative eigenvalue of the pseudo-inertia matrix below this part of the largest is rounding."""
+"""Part of the largest eigenvalue of a pseudo-inertia matrix below which a negative one is rounding."""
 
 SHORTEST, LONGEST = 0.02, 50.0
-"""Reach of a robot [m]: sum of the distances between joints, along the longest branch."""
+"""Plausible reach of a robot [m]: sum of the distances between joints, along the longest branch."""
 
 LIGHTEST, DENSEST = 0.05, 5000.0
-"""Total mass over the cube of the reach [kg/m³]; arms have 10 to 1000."""
+"""Plausible total mass over the cube of the reach [kg/m³]; arms have 10 to 1000."""
 
 
 def model_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
@@ -49,7 +49,8 @@ def _bodies(model: RobotModel, structure: Structure) -> Iterator[Finding]:
                 "inconsistent-body",
                 "warning",
                 links[body.name],
-                f"with all that is fixed to it no real body: the pseudo-inertia matrix has eigenvalue {eigenvalue:.3g}",
+                "together with all links fixed to it, no physically possible body: the pseudo-inertia matrix has "
+                f"eigenvalue {eigenvalue:.3g}",
                 "correct mass, center of mass and tensor",
             )
 
@@ -66,7 +67,7 @@ def _units(model: RobotModel) -> Iterator[Finding]:
             "warning",
             None,
             f"the joints span {reach:.3g} m along the longest branch",
-            "give lengths in metres; millimetres do this",
+            "give lengths in metres; they may be in millimetres",
         )
     elif mass > 0 and not LIGHTEST <= mass / reach**3 <= DENSEST:
         yield of_file(
@@ -74,7 +75,7 @@ def _units(model: RobotModel) -> Iterator[Finding]:
             "warning",
             None,
             f"{mass:.3g} kg on a reach of {reach:.3g} m",
-            "give masses in kg; grams or tonnes do this",
+            "give masses in kg; they may be in grams or tonnes",
         )
 
 
@@ -133,8 +134,8 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
 def _ranks(matrices: Array) -> tuple[Array, Array]:
     """Per matrix (k, n, n): its rank, and whether an eigenvalue is negative.
 
-    The rank is the smaller of those with and without scaling to unit diagonal: the one counts a joint whose inertia is
-    mere rounding, the other is what forward dynamics go by.
+    The rank is the smaller of two: with scaling to unit diagonal, by which forward dynamics judge a mass matrix, and
+    without, where a joint whose inertia is mere rounding does not count.
     """
     diagonal = np.abs(np.diagonal(matrices, axis1=-2, axis2=-1))
     scale = np.where(diagonal > 0, diagonal, 1.0) ** -0.5

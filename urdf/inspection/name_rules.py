@@ -1,4 +1,4 @@
-"""What is odd about names and the order of the file."""
+"""Findings about names and the order of the file."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def name_findings(structure: Structure) -> Iterator[Finding]:
                 "shared-name",
                 "note",
                 joint,
-                f"the link in line {links[name]} has this name too: as a frame the name is that of the link",
+                f"the link in line {links[name]} has this name too: the frame of this name is the link's",
                 "give one of them another name",
             )
         if name == RESERVED:
@@ -54,6 +54,6 @@ def _order(structure: Structure) -> Iterator[Finding]:
                 "note",
                 joint,
                 f"it comes before joint '{before}', which carries its parent link; load numbers parents first",
-                "go by joint names, not by the order of the file",
+                "identify joints by their names, not by the order of the file",
             )
             return

@@ -1,7 +1,7 @@
-"""Where Pinocchio's reader (urdfdom on TinyXML-2) takes a file otherwise than urdf.load does, or not at all.
+"""Where Pinocchio's reader (urdfdom on TinyXML-2) reads a file differently from urdf.load, or refuses it.
 
-TinyXML-2 knows no encoding but UTF-8 and leaves tabs and line breaks in attributes as they are. urdfdom takes blanks
-between numbers, and nothing after the only number of an attribute; it insists on parts that say nothing of dynamics.
+TinyXML-2 knows no encoding but UTF-8 and leaves tabs and line breaks in attributes as they are. urdfdom accepts blanks
+between numbers, and nothing after a single number; it demands parts of a joint that do not affect dynamics.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ _VERSIONS = ("1.0", "1.1", "1.2")
 
 
 def reader_findings(document: Document) -> Iterator[Finding]:
-    """Findings of a document that is still complete."""
+    """Findings of a document that still has all its elements."""
     yield from _encoding(document)
     yield from _instructions(document.robot)
     version = document.robot.get("version")
@@ -90,13 +90,13 @@ def _encoding(document: Document) -> Iterator[Finding]:
             "other-encoding",
             "warning",
             1,
-            f"the text is encoded in {encoding}. Pinocchio takes it for UTF-8 and reads other names or numbers",
+            f"the text is encoded in {encoding}. Pinocchio reads it as UTF-8, with other names or numbers",
             "save it in UTF-8",
         )
 
 
 def _instructions(robot: etree._Element) -> Iterator[Finding]:
-    """Processing instructions <?…?> after anything else than their like."""
+    """Processing instructions <?…?> after anything but other processing instructions."""
     nodes = [*reversed(list(robot.itersiblings(preceding=True))), robot, *robot.itersiblings()]
     found = [node for top in dropwhile(_is_instruction, nodes) for node in top.iter() if _is_instruction(node)]
     if found:
@@ -114,7 +114,7 @@ def _is_instruction(node: etree._Element) -> bool:
 
 
 def _verbatim(document: Document) -> etree._Element:
-    """The root once more, with the tabs and line breaks in attributes that an XML parser turns into blanks."""
+    """The root parsed again, with the tabs and line breaks in attributes that an XML parser turns into blanks."""
     if b"<robot" not in document.content:
         return document.robot
     content = _VALUE.sub(lambda value: re.sub(rb"[\t\n\r]", lambda blank: _KEPT[blank[0]], value[0]), document.content)
@@ -126,7 +126,7 @@ def _verbatim(document: Document) -> etree._Element:
 
 
 def _parts(element: etree._Element, written: etree._Element) -> Iterator[tuple[etree._Element, etree._Element]]:
-    """The children, each with itself as written; the first of each tag, which is the one that urdfdom reads."""
+    """Pairs of a child and the same child as written; the first of each tag, which is the one that urdfdom reads."""
     seen = set()
     for part, as_written in zip(element, written, strict=True):
         if tag_of(part) not in seen:
@@ -135,7 +135,7 @@ def _parts(element: etree._Element, written: etree._Element) -> Iterator[tuple[e
 
 
 def _spacing(element: etree._Element, written: etree._Element, known: dict[str, tuple[str, ...]]) -> Iterator[Finding]:
-    """Numbers that are sound and that urdfdom does not read."""
+    """Numbers that are valid and that urdfdom does not read."""
     for part, as_written in _parts(element, written):
         if element.get("type") == "fixed" and tag_of(part) == "axis":
             continue
@@ -154,19 +154,19 @@ def _spacing(element: etree._Element, written: etree._Element, known: dict[str, 
                 "number-spacing",
                 "warning",
                 part,
-                f"blanks, tabs or line breaks in {name} that not every reader takes. {consequence}",
-                "separate numbers by blanks, and put none behind a single one",
+                f"blanks, tabs or line breaks in {name} that not every reader accepts. {consequence}",
+                "separate numbers by blanks, and put none after a single number",
             )
 
 
 def _is_read(text: str, count: int) -> bool:
-    """By urdfdom, which splits triples at blanks and lets anything blank stand before a number, nothing behind it."""
+    """Whether urdfdom reads it: it splits triples at blanks and allows white space before a number, not after it."""
     words = text.split(" ") if count > 1 else (text,)
     return not any(map(_BLANK_BEHIND.search, words))
 
 
 def _incomplete_parts(joint: etree._Element) -> Iterator[Finding]:
-    """Parts that load does not read, or reads although something is missing."""
+    """Parts that urdf.load does not read, or reads although something is missing."""
     unread = _UNREAD_OF_FIXED if joint.get("type") == "fixed" else _UNREAD
     for part, _ in _parts(joint, joint):
         tag = tag_of(part)

@@ -1,4 +1,4 @@
-"""Which links move, and with which body: of sound trees and, as far as it goes, of broken ones."""
+"""Which links move, and with which body: for valid trees and, as far as possible, for invalid ones."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from urdf.inspection.inertials import LinkInertial, inertials
 
 @dataclass(frozen=True)
 class Structure:
-    """The links and joints of a file, put together.
+    """How the links and joints of a file are connected.
 
     rooted: there is one root link, and with it a ground
     carrier: per link, the first link of the body it belongs to; None where it never moves
     joint_into: per link, the joint that carries it; joints_from: per link, the joints that it carries
-    inertials: of the links that have a sound <inertial>, in file order
+    inertials: of the links that have a valid <inertial>, in file order
     """
 
     source: Source
@@ -45,7 +45,7 @@ class Structure:
         return self.carrier.get(link) is not None
 
     def still(self, link: str) -> bool:
-        """It belongs to the ground."""
+        """Whether the link belongs to the ground."""
         return self.rooted and self.carrier.get(link, link) is None
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Findings in words, with what Pinocchio 4.1 and yourdfpy 0.0.60 do at such a place, silently unless they refuse."""
+"""Findings in words, with what Pinocchio 4.1 and yourdfpy 0.0.60 do in the same case, silently unless they refuse."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ ELSEWHERE = {
     "joint-order": "Pinocchio sorts siblings by name: compare joints by name",
     "limits-crossed": _BOTH_LOAD,
     "limits-missing": "Pinocchio refuses a revolute or prismatic joint without <limit>, and a <limit> without effort "
-    "or velocity; a missing lower or upper is 0 to it",
+    "or velocity, and takes a missing lower or upper as 0",
     "mimic-joint": "Pinocchio and yourdfpy load it as an independent joint too, unless asked otherwise",
     "missing-inertia": "Pinocchio gives the link a tensor of zero, yourdfpy takes 1 for ixx, iyy, izz and 0 for the "
     "others",
@@ -48,7 +48,7 @@ ELSEWHERE = {
     "malformed-number": f"{_UNREADABLE}, yourdfpy refuses the file",
     "number-too-large": _BOTH_LOAD,
     "processing-instruction": _PINOCCHIO_REFUSES,
-    "reserved-name": "Pinocchio loads the file and takes the one for the other, yourdfpy loads it",
+    "reserved-name": "Pinocchio loads the file and confuses the two, yourdfpy loads it",
     "root-inertia": "Pinocchio keeps it apart, as inertia of the universe",
     "several-roots": _PINOCCHIO_REFUSES,
     "singular-inertia": _BOTH_LOAD,
@@ -66,7 +66,7 @@ ELSEWHERE = {
     "zero-inertia": _BOTH_LOAD,
     "zero-mass": _BOTH_LOAD,
 }
-"""Per code. Codes that are not here make no difference to them."""
+"""By code of a finding: what Pinocchio and yourdfpy do. Codes that make no difference to them are not listed."""
 
 
 def about(code: str, severity: Severity, element: etree._Element, problem: str, remedy: str) -> Finding:
@@ -85,5 +85,5 @@ def refusal(error: URDFError) -> Finding:
 
 
 def _told(code: str, problem: str) -> str:
-    """The problem, and what the others make of it."""
+    """The problem, and what Pinocchio and yourdfpy do."""
     return f"{problem}. {ELSEWHERE[code]}" if code in ELSEWHERE else problem

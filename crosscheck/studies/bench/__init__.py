@@ -1,1 +1,1 @@
-"""How fast graphdyn is beside other libraries, measured side by side in one run."""
+"""The benchmark: graphdyn and other libraries, measured in turns in one run."""

@@ -25,17 +25,17 @@ from graphdyn import InvalidInput, RobotModel
 from graphdyn.kernels.running import chosen_backend, cores
 
 LONGER = 10
-"""Times as many samples as asked for: the recording that is identified from, and the largest batch."""
+"""Factor on the given number of samples for the recording of the identification and for the largest batch."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How long it may take.
+    """How long the benchmark may take.
 
-    duration: of one run of the slow ones, which get fewer samples [s]; repeats: of every measurement
-    processes: fresh ones, for imports and each identification; also first calls of a chain
-    most_loop: samples that Pinocchio's loop identifies from, at most
-    lengths: bodies of the chains
+    duration: of one run of a slow contender, which gets fewer samples [s]; repeats: of every measurement
+    processes: number of fresh processes for imports and for each identification, and of first calls of a chain
+    most_loop: largest number of samples for identification with Pinocchio's loop
+    lengths: numbers of bodies of the chains
     """
 
     duration: float
@@ -51,12 +51,12 @@ QUICK = Effort(0.02, 5, 2, 5000, (2, 4, 8, 16))
 
 @dataclass(frozen=True, eq=False)
 class Benchmark:
-    """Everything that was measured.
+    """All measurements.
 
-    threads: the numbers that were compared; machine: with each of them, nothing where nothing can be compiled
-    floors: of works that have a program, for one thread
-    peers: what takes part, in words, by library; left_out: what does not, and why
-    imports, first_calls: seconds in fresh processes, by module and verb
+    threads: the numbers of threads compared; machine: limits with each of them, empty where nothing can be compiled
+    floors: least times on one thread of the works that have a program
+    peers: a description by library; left_out: libraries that were not measured, and why
+    imports, first_calls: seconds in fresh processes, by module and by function
     """
 
     robot: str
@@ -80,12 +80,12 @@ class Benchmark:
 
     @property
     def agrees(self) -> bool:
-        """Our answers are Pinocchio's, within the bounds."""
+        """Whether our answers agree with Pinocchio's within the bounds."""
         return all(measured.agrees for measured in self.works)
 
 
 PARTS = len(DESCRIPTIONS) + len(("machine", "first calls", "identification", "batches", "batches", "chains", "threads"))
-"""Steps of the progress."""
+"""Number of steps of the progress bar."""
 
 
 def benchmark(
@@ -97,9 +97,9 @@ def benchmark(
     quick: bool,
     done: Callable[[str, int], None],
 ) -> Benchmark:
-    """Measure. done: called with what is going on, and how many of PARTS are finished by it.
+    """Measure. done: called with the current step, and the number of PARTS that it finishes.
 
-    threads: largest number, all cores if None
+    threads: largest number of threads, all cores if None
     Raises InvalidInput, PinocchioRefuses, SingularMassMatrix.
     """
     check_counts(samples, seed)
@@ -165,13 +165,13 @@ def benchmark(
 
 
 def thread_numbers(most: int) -> tuple[int, ...]:
-    """1, 2, 4, … and the most."""
+    """1, 2, 4, … and the largest number itself."""
     doubled = [2**k for k in range(most.bit_length()) if 2**k < most]
     return (*doubled, most)
 
 
 def _peers(works: list[Measured]) -> dict[str, str]:
-    """What a reader must know of each library that took part."""
+    """A description of each library that was measured: version and build."""
     taking_part = {entry.name.split()[0] for measured in works for entry in measured.entries}
     described = {"pinocchio": f"{PINOCCHIO}, as installed, built for {instruction_set()}"}
     if "mujoco" in taking_part:

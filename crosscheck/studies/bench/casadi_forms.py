@@ -1,4 +1,4 @@
-"""CasADi's forms: C code for one state, generated from graphdyn's recorded recursions and compiled for this machine."""
+"""CasADi in the benchmark: C code for one state, from graphdyn's recorded recursions, compiled for this machine."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _compiled(program: Program, output: str, arrays: dict[str, Array], folder: P
 
 
 def casadi_function(casadi: Any, program: Program, output: str, name: str) -> Any:
-    """A program of the kernels as a function of CasADi: the same operations on its scalars."""
+    """A program of the kernels as a CasADi function: the same operations on CasADi's scalars."""
     inputs = {array: casadi.SX.sym(array, width) for array, width in program.inputs.items()}
     apply: dict[str, Callable[..., Any]] = {
         "constant": casadi.SX,
@@ -98,7 +98,7 @@ def casadi_function(casadi: Any, program: Program, output: str, name: str) -> An
 
 
 def _on_buffers(function: Any, arguments: list[Array], result: Array) -> Callable[[], object]:
-    """A call that reads and writes the arrays in place: rows are CasADi's columns."""
+    """A call that reads and writes the arrays in place; CasADi stores by columns what we store by rows."""
     buffer, call = function.buffer()
     for k, array in enumerate(arguments):
         buffer.set_arg(k, array.data)

@@ -8,14 +8,14 @@ from graphdyn import Body, Joint, Placement, RobotModel
 from graphdyn._rotation import rotation_about
 
 LENGTH, RADIUS, MASS = 0.2, 0.04, 1.0
-"""Of each body, a cylinder along z [m, m, kg]."""
+"""Length, radius and mass of each body, a cylinder along z [m, m, kg]."""
 
 TWIST = 1.0
-"""Each axis is turned so far about z against the one before [rad]: no zeros that a compiler could leave out."""
+"""Angle about z between consecutive joint frames [rad]: it leaves no zeros that a compiler could exploit."""
 
 
 def chain(n_bodies: int) -> RobotModel:
-    """Hinges about axes normal to the chain."""
+    """A serial chain of revolute joints with axes normal to the chain."""
     across = MASS * (3 * RADIUS**2 + LENGTH**2) / 12
     tensor = np.diag([across, across, MASS * RADIUS**2 / 2])
     turn = rotation_about(np.array([0.0, 0.0, 1.0]), TWIST)

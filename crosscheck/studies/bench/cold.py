@@ -1,4 +1,4 @@
-"""What only a fresh process shows: time to import, time of first calls, identification from nothing, peak memory.
+"""Measurements in fresh processes: time to import, time of first calls, whole identifications, peak memory.
 
 `python -m crosscheck.studies.bench.cold TASK FOLDER THREADS` prints one JSON record. The folder holds the robot
 (model.pickle) and, for identification, a recording (q.npy, v.npy, a.npy, tau.npy).
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from graphdyn.layout import Array
 
 CALLS = ("joint_torques", "joint_accelerations", "forward_dynamics", "joint_torque_regressor")
-"""Verbs in the order of their first calls; the first one also loads the compiler."""
+"""Functions in the order of their first calls; the first call also loads the compiler."""
 
 
 def in_fresh_process(task: str, folder: Path, threads: int = 1) -> dict[str, Any]:
-    """The record of a task. Raises RuntimeError with what the process complained of."""
+    """The record of a task. Raises RuntimeError with the error output of the process."""
     paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
     done = subprocess.run(
         [sys.executable, "-P", "-m", __name__, task, str(folder), str(threads)],
@@ -41,7 +41,7 @@ def in_fresh_process(task: str, folder: Path, threads: int = 1) -> dict[str, Any
 
 
 def first_calls(folder: Path) -> dict[str, Any]:
-    """Seconds of imports, and of the first call of each verb on one sample."""
+    """Seconds of imports, and of the first call of each function on one sample."""
     imports = {name: _seconds(lambda name=name: __import__(name)) for name in ("numpy", "graphdyn")}  # type: ignore[misc]
     import numpy as np
 
@@ -59,7 +59,7 @@ def first_calls(folder: Path) -> dict[str, Any]:
 
 def identify_graphdyn(folder: Path) -> dict[str, Any]:
     """The inertial parameters by ordinary least squares on sums of products: the regressor is never written out."""
-    import scipy.linalg  # noqa: F401  # libraries are there before the clock starts, as Pinocchio is on the other side
+    import scipy.linalg  # noqa: F401  # imported before the clock starts, as Pinocchio is below
 
     from graphdyn.identification import OrdinaryLeastSquares, Problem, Samples, TorqueModel
     from graphdyn.identification.terms import RigidBodies
@@ -75,7 +75,7 @@ def identify_graphdyn(folder: Path) -> dict[str, Any]:
 
 
 def identify_pinocchio(folder: Path) -> dict[str, Any]:
-    """The inertial parameters by a regressor of Pinocchio per sample, stacked, and numpy.linalg.lstsq."""
+    """The inertial parameters by numpy.linalg.lstsq on the stacked regressors of Pinocchio, one per sample."""
     import numpy as np
 
     from crosscheck.referee.pinocchio_model import PinocchioModel
@@ -99,7 +99,7 @@ TASKS: dict[str, Callable[[Path], dict[str, Any]]] = {
 
 
 def _identified(folder: Path, work: Callable[..., Array]) -> dict[str, Any]:
-    """The clock starts when libraries are imported, the robot is there and the recording is in memory."""
+    """Time, memory and parameters of work. Libraries, robot and recording are loaded before the clock starts."""
     import numpy as np
 
     model = _model(folder)
@@ -113,13 +113,13 @@ def _identified(folder: Path, work: Callable[..., Array]) -> dict[str, Any]:
 
 
 def hold_to_cores(count: int) -> None:
-    """Use so many cores of the machine, which all libraries then find, where the system can be told."""
+    """Restrict the process, and so every library, to this number of cores, where the system supports it."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[:count])
 
 
 def _memory(field: str) -> int | None:
-    """Resident memory of this process now (VmRSS) or at most so far (VmHWM) [bytes]; None where Linux does not tell."""
+    """Resident memory of this process: now (VmRSS) or its peak (VmHWM) [bytes]; None where the system has no figure."""
     try:
         lines = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
     except OSError:

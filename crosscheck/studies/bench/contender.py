@@ -1,4 +1,4 @@
-"""Contenders of a work, and what was measured of them."""
+"""A work (one task of the benchmark), its contenders (implementations of it), and their measurements."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from crosscheck.studies.bench.timing import STEADY, Ratio, Times, fitting_count,
 from graphdyn.layout import Array
 
 ALL = sys.maxsize
-"""Samples of a contender that takes all there are."""
+"""Largest number of samples of a contender without a limit of its own."""
 
 AMORTISED = 10_000
-"""Samples among which what a call costs by itself no longer counts."""
+"""Number of samples per call from which the overhead of the call is negligible."""
 
 
 @dataclass(frozen=True, eq=False)
 class Contender:
-    """One way to do a work.
+    """One implementation of a work.
 
-    name, threads: who, and how many threads it may use
-    run: does the first so many samples and returns what it found
-    errors: of what run returned, against Pinocchio, per sample; None where nothing is judged
-    included: what the time includes beside the arithmetic
-    ours: the form whose ratios are asked for
-    least, most: samples it is given at least, where a call costs something whatever their number, and at most
+    name, threads: of the implementation, and the number of threads it may use
+    run: run(count) computes the first count samples and returns the result
+    errors: of that result against Pinocchio's, per sample; None where nothing is judged
+    included: what the time includes besides the arithmetic
+    ours: whether it is the form of graphdyn that the ratios refer to
+    least, most: smallest number of samples of a run, where a call has an overhead, and largest
     """
 
     name: str
@@ -43,9 +43,9 @@ class Contender:
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """What is to be done, in several ways.
+    """One task, and the contenders that do it.
 
-    error: what errors are relative to, in words; bound: the largest that counts as agreement
+    error: what errors are relative to, in words; bound: the largest error that counts as agreement
     """
 
     name: str
@@ -59,7 +59,7 @@ class Work:
 class Entry:
     """A contender with its times.
 
-    samples: of each run; error: largest over judged samples, None where nothing was judged; judged: how many
+    samples: of each run; error: largest over judged samples, None where nothing was judged; judged: their number
     """
 
     name: str
@@ -74,7 +74,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class SpeedRatio:
-    """Two entries of the same number of threads."""
+    """The ratio of two entries with the same number of threads."""
 
     ours: str
     theirs: str
@@ -84,7 +84,7 @@ class SpeedRatio:
 
 @dataclass(frozen=True)
 class Measured:
-    """A work, measured. agrees: our answers are within the bound."""
+    """A measured work. agrees: whether the errors of our answers are within the bound."""
 
     name: str
     title: str
@@ -94,7 +94,7 @@ class Measured:
 
     @property
     def comparisons(self) -> tuple[SpeedRatio, ...]:
-        """Ours against every other of the same number of threads."""
+        """Our form against every other entry with the same number of threads."""
         return tuple(
             SpeedRatio(ours.name, theirs.name, ours.threads, ratio(ours.times, theirs.times))
             for ours in self.entries
@@ -109,7 +109,7 @@ class Measured:
 
 
 def measure(work: Work, samples: int, duration: float, repeats: int) -> Measured:
-    """All contenders of a work in turns. duration: of one run of the slow ones, which get fewer samples [s]"""
+    """Measure all contenders of a work in turns. duration: of one run of slow ones, which get fewer samples [s]"""
     counts = []
     for contender in work.contenders:
         with linear_algebra_threads(contender.threads):

@@ -22,7 +22,7 @@ from graphdyn.kernels.running import LONGEST, cores
 from graphdyn.layout import Array
 
 CHAIN_SAMPLES = 2000
-"""Samples per run of a chain, at most."""
+"""Largest number of samples per run of a chain."""
 
 DEFAULT = "graphdyn by default"
 FIRST_CALL = "graphdyn first call"
@@ -30,7 +30,7 @@ FIRST_CALL = "graphdyn first call"
 
 @dataclass(frozen=True)
 class Line:
-    """Times of one contender, by x."""
+    """Times of one contender over x."""
 
     name: str
     threads: int
@@ -39,7 +39,8 @@ class Line:
 
     @property
     def exponent(self) -> float | None:
-        """k of a time that grows as x^k, from the fastest repeats of the upper half; None for fewer than 3 points."""
+        """k of a time that grows as x^k, fitted to the fastest repeats of the upper half of the points; None for fewer
+        than 3 points."""
         if len(self.x) < 3:
             return None
         half = len(self.x) // 2
@@ -49,7 +50,7 @@ class Line:
 
 @dataclass(frozen=True)
 class ScalingCurve:
-    """Lines over one x. seconds: what the times are of; notes: what a reader must know"""
+    """Lines over a common x. seconds: what one time is for; notes: what a reader must know"""
 
     name: str
     title: str
@@ -91,7 +92,7 @@ def _call(point: tuple[int, Times]) -> float:
 def chain_lengths(
     lengths: Sequence[int], duration: float, repeats: int, first_calls: int, done: Callable[[str], None]
 ) -> list[ScalingCurve]:
-    """All accelerations and multipliers of chains, and the first call for each."""
+    """Times of all accelerations and multipliers of chains, and of the first call for each."""
     rows: dict[tuple[str, int], list[tuple[int, Times]]] = {}
     first: list[tuple[int, Times]] = []
     interpreted = []
@@ -154,7 +155,7 @@ def _by_default(states: States) -> Contender:
 
 
 def _first_call(n_bodies: int) -> float:
-    """Of a chain that has not been seen before [s]."""
+    """Time of the first call for a new chain [s]."""
     model, x = chain(n_bodies), np.zeros((1, n_bodies))
     start = time.perf_counter()
     graphdyn.forward_dynamics(model, x, x, x, method="recursive")

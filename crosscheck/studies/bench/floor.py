@@ -1,4 +1,4 @@
-"""What this machine could do at best: multiplications with additions, and bytes to and from memory, per second."""
+"""Limits of this machine: multiplications with additions, and bytes to and from memory, per second."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from graphdyn.kernels.running import chosen_backend, in_threads
 from graphdyn.kernels.vector_code import VectorCode
 
 CHAINS = 12
-"""Independent sums: more than a processor has under way, and fewer than AVX2 has registers."""
+"""Number of independent sums: enough to keep every pipeline of a processor busy, fewer than AVX2 has registers."""
 
 STEPS = 1_000_000
-"""Additions to each sum per try: some milliseconds."""
+"""Additions to each sum in one measurement, which takes some milliseconds."""
 
 STREAM = 4_000_000
-"""Doubles that are copied per try, 32 MB: more than second-level caches hold."""
+"""Doubles that are copied in one measurement, 32 MB: more than second-level caches hold."""
 
 TRIES = 5
-"""The best of so many counts: a limit is looked for."""
+"""Number of measurements, of which the fastest counts, because a limit is measured."""
 
 REQUESTS = {
     "inverse_dynamics": Request("inverse_dynamics", ("tau",)),
@@ -34,7 +34,7 @@ REQUESTS = {
     "everything": Request("forward_dynamics", ("body_accelerations", "multipliers")),
     "regressor": Request("joint_torque_regressor", ("joint_torque_regressor",)),
 }
-"""Program of each work."""
+"""The compiled program of each work."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Floor:
 
 
 def machine(threads: int) -> Machine | None:
-    """Measured; None where nothing can be compiled."""
+    """Measure the machine; None where nothing can be compiled."""
     if chosen_backend() != "llvm":
         return None
     lanes = host_lanes()
@@ -80,7 +80,7 @@ def machine(threads: int) -> Machine | None:
     streams = [(aligned((STREAM,)), aligned((STREAM,))) for _ in range(threads)]
     for pair in streams:
         for array in pair:
-            array.fill(1.0)  # the pages are there before the clock starts
+            array.fill(1.0)  # memory pages are allocated before the clock starts
 
     def added(first: int, _: int) -> None:
         add(STEPS, sums[first].ctypes.data)
@@ -94,7 +94,7 @@ def machine(threads: int) -> Machine | None:
 
 
 def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
-    """Of one work on this machine; None for works without a program of their own."""
+    """The floor of one work on this machine; None for works without a program of their own."""
     if work not in REQUESTS:
         return None
     program = record(model, REQUESTS[work])
@@ -104,7 +104,7 @@ def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
 
 
 def floating_point_operations(program: Program) -> int:
-    """Additions, multiplications and divisions of a sample; sine and cosine of an angle are polynomials."""
+    """Additions, multiplications and divisions per sample, including the polynomials of sine and cosine."""
     angles = {operands[0] for kind, *operands in program.operations if kind in ("sine", "cosine")}
     code = VectorCode(2)
     code.sine_and_cosine("%angle")
@@ -123,7 +123,7 @@ def _best(work: Callable[[int, int], Any], threads: int) -> float:
 
 
 def _code(lanes: int) -> str:
-    """add(count, sums): x ← x y + z, count times for each of the sums. copy(count, from, to): past the caches."""
+    """LLVM code. add(count, sums): x ← x y + z, count times for each sum. copy(count, from, to): around the caches."""
     code = VectorCode(lanes)
     phis = []
     for k in range(CHAINS):

@@ -1,4 +1,4 @@
-"""graphdyn's forms of each work: compiled, on NumPy arrays, projected, dense."""
+"""graphdyn's implementations ("forms") of each work: compiled, on NumPy arrays, projected, dense."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, A
 COMPILED, RECURSIVE, PROJECTED, DENSE = "graphdyn compiled", "graphdyn NumPy", "graphdyn projected", "dense NumPy"
 
 LARGEST_OUTPUT = 100_000
-"""Samples of a regressor that is written out: 300 MB for a six-axis arm."""
+"""Largest number of samples of a regressor that is written out: 300 MB for a six-axis arm."""
 
 WRITTEN = "arguments checked, results written to given memory"
 MADE = "arguments checked, results in new arrays"
@@ -36,7 +36,7 @@ MADE = "arguments checked, results in new arrays"
 
 @contextmanager
 def backend(name: str) -> Iterator[None]:
-    """graphdyn on this back end."""
+    """graphdyn uses this back end within the context."""
     before = os.environ.get(CHOICE)
     os.environ[CHOICE] = name
     try:
@@ -49,7 +49,7 @@ def backend(name: str) -> Iterator[None]:
 
 
 def our_name() -> str:
-    """The form that "auto" takes for batches here."""
+    """Name of the form that the method "auto" uses for batches on this machine."""
     return COMPILED if chosen_backend() == "llvm" else RECURSIVE
 
 
@@ -86,7 +86,7 @@ def forward(states: States, threads: Sequence[int]) -> list[Contender]:
 
 
 def everything(states: States, threads: Sequence[int]) -> list[Contender]:
-    """All accelerations and all multipliers. Judged by the multipliers."""
+    """All accelerations and all multipliers; the multipliers are judged."""
     n = states.model.n_bodies
     out = aligned((len(states), n, BODY_FREEDOMS)), aligned((len(states), n, JOINT_CONSTRAINTS))
 
@@ -132,7 +132,7 @@ def _recursive(
     most: int = ALL,
     form: str = "",
 ) -> list[Contender]:
-    """Compiled, with each number of threads, and on NumPy arrays."""
+    """The recursive method, compiled with each number of threads, and on NumPy arrays."""
 
     def on_arrays(count: int) -> Array:
         with backend("numpy"):
@@ -175,12 +175,12 @@ def _streamed(states: States, threads: Sequence[int]) -> list[Contender]:
 
 
 def independent_columns(model: RobotModel) -> NDArray[np.int64]:
-    """Columns of the joint-torque regressor that the torques depend on."""
+    """Independent columns of the joint-torque regressor."""
     return structure(TorqueModel(model, (RigidBodies(),))).base.independent
 
 
 def _gram_errors(flat: Array, gram: TorqueGram, equations: Array) -> Array:
-    """Per joint, against the products of Pinocchio's equations (N, n, b + 1), relative to lengths of columns."""
+    """Errors per joint, against the products of Pinocchio's equations (N, n, b + 1), relative to lengths of columns."""
     lengths = np.linalg.norm(equations, axis=(0, 1))
     errors, first = [], 0
     for joint, columns in enumerate(gram.columns):

@@ -1,4 +1,4 @@
-"""IdentificationRun from the recording to the parameters, in fresh processes."""
+"""Identifications from the recording to the parameters, measured in fresh processes."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 OURS, THEIRS = "graphdyn streamed", "pinocchio loop and lstsq"
 
 COPIES = 3
-"""How many times the memory of the regressor lstsq must find: the matrix, its copy for LAPACK, and room to breathe."""
+"""Free memory for lstsq, as a multiple of the regressor's: the matrix, its copy for LAPACK, and a reserve."""
 
 TESTED = 1000
-"""Other states at which the identified parameters predict torques."""
+"""Number of other states at which the identified parameters predict torques."""
 
 
 @dataclass(frozen=True)
 class IdentificationRun:
-    """One way to identify.
+    """One measured implementation of the identification.
 
-    samples: that were worked on; times: per sample, so that a smaller number stands for a larger one
-    extra_bytes: peak of the memory beside the recording, None where the system does not tell
+    samples: number used; times: per sample, so that runs with different numbers can be compared
+    extra_bytes: peak memory besides the recording, None where the system has no figure
     error: largest error of torques predicted at other states, relative to the largest torque
     """
 
@@ -45,14 +45,17 @@ class IdentificationRun:
 
 @dataclass(frozen=True)
 class Identifications:
-    """samples: the length of the recording; entries: ours and theirs in turn, per number of threads."""
+    """All measured identifications.
+
+    samples: length of the recording; entries: ours and Pinocchio's alternately, per number of threads
+    """
 
     samples: int
     entries: tuple[IdentificationRun, ...]
 
     @property
     def comparisons(self) -> tuple[tuple[int, Ratio], ...]:
-        """Ratio per number of threads."""
+        """Pairs of a number of threads and the ratio."""
         pairs = zip(self.entries[0::2], self.entries[1::2], strict=True)
         return tuple((ours.threads, ratio(ours.times, theirs.times)) for ours, theirs in pairs)
 
@@ -66,9 +69,9 @@ def identifications(
     most_loop: int,
     done: Callable[[str], None],
 ) -> Identifications:
-    """Both ways in turns on torques without noise.
+    """Measure both implementations in turns, on torques without noise.
 
-    most_loop: samples for Pinocchio's loop, which get fewer where its regressor does not fit in the memory that is free
+    most_loop: largest number of samples for Pinocchio's loop; fewer where its regressor does not fit into free memory
     """
     test = random_states(model, TESTED, seed + 1)
     with TemporaryDirectory(prefix="graphdyn-bench-") as name:
@@ -94,12 +97,12 @@ def identifications(
 
 
 def fitting_rows(model: RobotModel) -> int:
-    """Samples whose stacked regressor fits into free memory with its copies."""
+    """Number of samples whose stacked regressor fits into free memory with its copies."""
     return max(1, free_memory() // (COPIES * 8 * BODY_PARAMETERS * model.n_bodies**2))
 
 
 def free_memory() -> int:
-    """[bytes]; 2 GB where the system does not tell."""
+    """Free memory [bytes]; 2 GB where the system has no figure."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""MuJoCo's forms of each work, where it is installed and can represent the robot."""
+"""MuJoCo in the benchmark, where it is installed and can represent the robot."""
 
 from __future__ import annotations
 

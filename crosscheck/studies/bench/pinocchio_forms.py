@@ -1,4 +1,4 @@
-"""Pinocchio's forms of each work: one call per state in a Python loop, and its own loops over threads."""
+"""Pinocchio in the benchmark: one call per state in a Python loop, and its own loops over threads."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ IN_PARALLEL = "results written to given memory, pool of models made before"
 
 
 def instruction_set() -> str:
-    """What the vectors of Pinocchio's build are, as its bindings report it; "unknown" where they do not."""
+    """The vector instructions of Pinocchio's build, as its bindings report them; "unknown" where they do not."""
     try:
-        from eigenpy import SimdInstructionSetsInUse  # of the same build, whose vectors must agree
+        from eigenpy import SimdInstructionSetsInUse  # of the same build, with the same instructions
     except ImportError:
         return "unknown"
     return str(SimdInstructionSetsInUse())

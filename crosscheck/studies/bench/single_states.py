@@ -15,7 +15,7 @@ from graphdyn._compiled import SingleState
 from graphdyn.layout import Array
 
 CALLS = 1000
-"""Calls of a run, with as many different states."""
+"""Number of calls of a run, each with another state."""
 
 COPIED, IN_PLACE = "graphdyn.compile", "graphdyn.compile, in place"
 
@@ -66,7 +66,7 @@ def _contenders(
         return Contender(name, 1, run, judged(call), included, call is single, least=CALLS, most=CALLS)
 
     return [
-        contender(COPIED, copied, single, "arguments copied after a look at their lengths"),
+        contender(COPIED, copied, single, "arguments copied after checking their lengths"),
         contender(IN_PLACE, in_place, single, "arguments are already in its memory"),
-        contender(name, theirs, partial(function, model, data), "the call, with an array made"),
+        contender(name, theirs, partial(function, model, data), "the call, with a new array for the result"),
     ]

@@ -1,4 +1,4 @@
-"""The samples that all contenders share, and Pinocchio's answers at them."""
+"""The samples that all contenders share, and Pinocchio's answers for them."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from graphdyn.kernels.aligned import aligned
 from graphdyn.layout import Array
 
 FEW = 200
-"""Samples at which answers that Pinocchio gives one state at a time are judged."""
+"""Number of samples that are judged where Pinocchio computes one state at a time."""
 
 PORTION = 100_000
-"""Samples whose errors are judged at once, to bound the memory."""
+"""Number of samples whose errors are computed at once, to limit the memory."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class States:
 
     @cached_property
     def values(self) -> RefereeValues:
-        """Everything that Pinocchio says of the first FEW samples."""
+        """All reference values of Pinocchio for the first FEW samples."""
         q, v, a, tau = (x[:FEW] for x in (self.q, self.v, self.a, self.tau))
         return self.referee.evaluate(q, v, a, tau, np.zeros((*q.shape, 6)))
 
@@ -66,12 +66,12 @@ class States:
 
     @cached_property
     def torque_size(self) -> Array:
-        """Largest joint wrench of each sample at a (N,): what a torque is summed of."""
+        """Largest joint wrench of each sample at a (N,): the scale of the terms of a torque."""
         return self._largest_wrench(self.a)
 
     @cached_property
     def acceleration_size(self) -> Array:
-        """See scales.acceleration_scale (N,)."""
+        """Scale of the accelerations, scales.acceleration_scale (N,)."""
         wrench, parts = self._largest_wrench(self.acceleration), []
         for rows in self._portions():
             mass = mass_matrix(self.model, self.q[rows])
@@ -80,23 +80,23 @@ class States:
         return np.concatenate(parts)
 
     def torque_errors(self, tau: Array) -> Array:
-        """Relative to the largest of the torques and the joint wrenches (N,)."""
+        """Errors of torques, relative to the largest torque or joint wrench (N,)."""
         count = len(tau)
         return scales.relative(tau, self.torque[:count], self.torque_size[:count])
 
     def acceleration_errors(self, a: Array) -> Array:
-        """Relative to what rounding of the data does (N,)."""
+        """Errors of accelerations, relative to acceleration_size (N,)."""
         count = len(a)
         return scales.ratio(scales.largest(a - self.acceleration[:count]), self.acceleration_size[:count])
 
     def multiplier_errors(self, multipliers: Array) -> Array:
-        """Of multipliers at tau (N, n, 5), relative to the sample's largest joint wrench; FEW at most."""
+        """Errors of multipliers at tau (N, n, 5), relative to the sample's largest joint wrench; FEW at most."""
         wrenches = self.values.a_wrenches[: len(multipliers)]
         reference = multipliers_of(self.model, self.values.rotation[: len(wrenches)], wrenches)
         return scales.relative(multipliers[: len(reference)], reference, scales.largest(wrenches))
 
     def regressor_errors(self, w: Array) -> Array:
-        """Of (N, n, 10n), relative to the largest entry of the type of parameter in the sample; FEW at most."""
+        """Errors of regressors (N, n, 10n), relative to the largest entry of its parameter type; FEW at most."""
         reference = self.values.torque_regressor[: len(w)]
         none = np.zeros(len(reference))
         return scales.by_parameter_type(w[: len(reference)], reference, none, none, none)
@@ -113,7 +113,7 @@ class States:
 
 
 def random_states(model: RobotModel, samples: int, seed: int) -> States:
-    """Those of the cross-check, in aligned memory."""
+    """The random states of the cross-check, in aligned memory."""
     case = next(cases(model, samples, seed))
     arrays = []
     for array in (case.q, case.v, case.a, case.tau):

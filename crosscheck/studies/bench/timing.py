@@ -1,4 +1,4 @@
-"""Times of several ways to do the same work, taken in turns, so that what disturbs one disturbs all."""
+"""Times of several implementations of the same work, taken in turns, so that disturbances affect all of them."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from typing import Any
 import numpy as np
 
 FIRST = 16
-"""Samples of the first try, from which the number for a given duration is found."""
+"""Number of samples of the first run, from which the number for a given duration is estimated."""
 
 SHORTEST = 2e-3
-"""[s] Shorter runs are repeated in a row until they take this long: the clock and what is called first weigh less."""
+"""Time below which a run is repeated without a pause [s], to reduce the weight of the clock and of the first call."""
 
 STEADY = 5e-2
-"""[s] The same where throughput is measured. A processor that has just done something else takes some ten milliseconds
-to be at full speed with wide vectors; whoever evaluates millions of samples is past that."""
+"""The same where throughput is measured [s]. A processor takes some ten milliseconds to reach full speed with wide
+vectors; in the evaluation of millions of samples this does not matter."""
 
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds per sample, one number per repeat, in their order."""
+    """Seconds per sample, one number per repeat, in order."""
 
     seconds: tuple[float, ...]
 
@@ -45,10 +45,10 @@ class Times:
 
 @dataclass(frozen=True)
 class Ratio:
-    """How many times as long theirs takes as ours.
+    """The time of another implementation divided by ours.
 
     median: quotient of the medians; fastest: of the fastest repeats; spread: quartiles of the quotients of repeats that
-    were measured one after the other
+    were measured directly after each other
     """
 
     median: float
@@ -62,10 +62,10 @@ def ratio(ours: Times, theirs: Times) -> Ratio:
 
 
 def fitting_count(run: Callable[[int], object], least: int, most: int, duration: float) -> int:
-    """How many samples, between least and most, this does in about the duration [s]."""
+    """The number of samples, between least and most, that run takes about the duration for [s]."""
     count = max(least, min(FIRST, most))
     while True:
-        seconds = min(_seconds(partial(run, count)) for _ in range(2))  # the first one is cold
+        seconds = min(_seconds(partial(run, count)) for _ in range(2))  # the first run is slower
         if count == most or seconds > duration / 4:
             return max(least, min(most, int(count * duration / seconds)))
         count = min(4 * count, most)
@@ -74,7 +74,7 @@ def fitting_count(run: Callable[[int], object], least: int, most: int, duration:
 def in_turns(
     runs: Sequence[Callable[[], object]], threads: Sequence[int], repeats: int, shortest: float = SHORTEST
 ) -> list[list[float]]:
-    """Seconds per call of each run, for every repeat. threads: as many as each may use in linear algebra libraries."""
+    """Seconds per call of each run, for every repeat. threads: number that each may use in linear algebra libraries."""
     rows: list[list[float]] = [[] for _ in runs]
     in_a_row = []
     for run, count in zip(runs, threads, strict=True):
@@ -89,7 +89,7 @@ def in_turns(
 
 
 def linear_algebra_threads(count: int) -> AbstractContextManager[Any]:
-    """So many threads, at most, in NumPy's linear algebra library."""
+    """NumPy's linear algebra library uses at most this number of threads within the context."""
     return _libraries().limit(limits=count, user_api="blas")
 
 
@@ -101,7 +101,7 @@ def _libraries() -> Any:
 
 
 def _seconds(run: Callable[[], object], calls: int = 1) -> float:
-    """With the garbage collector off, as timeit has it."""
+    """Seconds of these calls, with the garbage collector off, as in timeit."""
     collecting = gc.isenabled()
     gc.disable()
     try:

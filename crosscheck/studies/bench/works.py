@@ -1,4 +1,4 @@
-"""The works and who takes part in each."""
+"""The works and the contenders of each."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
 
 
 class Peers:
-    """Other libraries, and why one takes no part. folder: for code that is compiled"""
+    """Other libraries, and why some are left out. folder: for code that is compiled"""
 
     def __init__(self, states: States, folder: Path) -> None:
         self._states, self._folder = states, folder
@@ -76,7 +76,7 @@ class Peers:
 
 
 def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Work:
-    """A work with all that take part."""
+    """A work with all its contenders."""
     if name == "single_inverse":
         contenders = single_states.inverse(states)
     elif name == "single_forward":

@@ -3,8 +3,8 @@
 A q̈ - B + φ_qᵀ λ = 0 with q̈ and B measured. B was formed from the joint forces and moments without gravity, so that
 A q̈ - B is the weight of each body and nothing else (docs/deviations.md, C4): φ_qᵀ λ = -F^g. The axis rows of joints 2,
 3 and 5, whose axes are horizontal, are dependent (A2): their multipliers are not determined, and the moment about the
-axis, which the actuator carries, has no column. The printed values behind these joints follow when that moment is
-passed on to the next body; here two moments, one of them about the axis, stand in for the two dependent rows.
+axis, which the actuator carries, has no column. The printed values of the joints before these follow if that moment is
+transmitted to the next body; here two moments, one of them about the axis, replace the two dependent rows.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from graphdyn._kinematics import joint_axes
 from graphdyn.layout import ANGULAR, LINEAR, Array, body_rows, joint_rows
 
 DEPENDENT = 1e-9
-"""Singular values below this part of the largest are rounding: the smallest other one is 1e-2 of it."""
+"""Part of the largest singular value below which one is rounding; the smallest other one is 1e-2 of the largest."""
 
 TURNED = (2, 3, 5)
-"""Joints whose fourth row is written with -e_2 instead of e_2, which turns the sign of λ_j4 (B9)."""
+"""Joints whose fourth row is written with -e_2 instead of e_2, which changes the sign of λ_j4 (B9)."""
 
 INSTANT = 1.5
 """The time of section 3.2 [s]."""
@@ -32,11 +32,11 @@ INSTANT = 1.5
 
 @dataclass(frozen=True, eq=False)
 class PrintedMultipliers:
-    """What the printed constraints give.
+    """The multipliers that follow from the printed constraints.
 
     rank, n_rows: of φ_q (30 rows for 30 multipliers)
     values: λ_j1 … λ_j5; NaN where the rows of a joint are dependent           (6, 5)  [N, N m]
-    ratios: per joint with dependent rows, λ_j4 / λ_j5 of the null vector: the only thing its multipliers have in common
+    ratios: per joint with dependent rows, λ_j4 / λ_j5 of the null vector, the only part of λ_j4 and λ_j5 to compare
     left: largest entry of φ_qᵀ λ + F^g, relative to the largest weight
     """
 

@@ -1,4 +1,4 @@
-"""What must hold for the paper to count as reproduced: each number with its bound and the reason for the bound."""
+"""Checks of the reproduction of the paper: each number with its bound and the reason for the bound."""
 
 from __future__ import annotations
 
@@ -17,33 +17,33 @@ from crosscheck.studies.paper.over_time import OverTime
 from crosscheck.studies.paper.tables import GeometryTable
 
 EXACT = 1e-9
-"""Relative error of a parameter identified from exact data."""
+"""Bound on the relative error of a parameter identified from exact data."""
 
 REFEREE = 1e-12
-"""Relative difference from rnea."""
+"""Bound on the relative difference from rnea."""
 
 QUOTIENT = 1e-6
-"""Relative error of a quotient of two numbers of seven digits."""
+"""Bound on the relative error of a quotient of two numbers of seven digits."""
 
 CORRECTED = 1e-11
-"""Relative error of the corrected forms of the errata."""
+"""Bound on the relative error of the corrected forms of the errata."""
 
 RANKS = {0.0: 25, 1.5: 27}
 """Rank of the 30 printed rows, by time [s] (A2)."""
 
 DETERMINED = 33
-"""Of the 36 parameters of Table 3."""
+"""Number of the 36 parameters of Table 3 that the data determine."""
 
 REPRODUCED = 10
-"""Multipliers of Eq. (113)-(118) that the text determines: six λ_j3, λ_64, λ_65, λ_44, λ_45."""
+"""Number of multipliers of Eq. (113)-(118) that the text determines: six λ_j3, λ_64, λ_65, λ_44, λ_45."""
 
 
 @dataclass(frozen=True)
 class Check:
     """One number against its bound.
 
-    where: table or equation; measured: of `what`; why: the bound
-    at_least: the bound is a lower one
+    where: table or equation; what: the quantity; measured: its value; why: reason of the bound
+    at_least: whether the bound is a lower one
     """
 
     where: str
@@ -55,7 +55,7 @@ class Check:
 
     @property
     def agrees(self) -> bool:
-        """NaN does not."""
+        """Whether the number is within its bound; NaN is not."""
         return self.measured >= self.bound if self.at_least else self.measured <= self.bound
 
 
@@ -68,7 +68,7 @@ def checks(
     motion: OverTime,
     effects: Sequence[Effect],
 ) -> tuple[Check, ...]:
-    """In the order of the paper."""
+    """All checks, in the order of the paper."""
     reproduced = [number for number in numbers if number.kind == "reproduced"]
     weight = _largest(abs(number.ours) for number in reproduced)
     noise = _largest(abs(number.ours) for number in numbers if number.kind == "rounding")
@@ -173,5 +173,5 @@ def checks(
 
 
 def _largest(values: Iterable[float]) -> float:
-    """NaN if one of them is."""
+    """The largest value; NaN if one of them is NaN."""
     return float(np.max(list(values)))

@@ -17,13 +17,13 @@ from graphdyn.layout import ANGULAR, LINEAR, Array
 
 @dataclass(frozen=True, eq=False)
 class CorrectedMultipliers:
-    """What the corrected constraints give, and what Pinocchio says.
+    """The multipliers that follow from the corrected constraints, and Pinocchio's.
 
     multipliers, rnea: force in world axes, moments about t_1, t_2, of the inside body on body j   (6, 5)  [N, N m]
     difference: largest one, relative to the largest force or moment of its kind
     tau: actuator torques                                                       (6,)    [N m]
     forces, moments: of the inside body on body j at O_j, actuator included, world axes   (6, 3)  [N], [N m]
-    reading: one sentence per joint: what it carries
+    reading: one sentence per joint about the forces and moments it carries
     """
 
     multipliers: Array
@@ -58,7 +58,7 @@ def corrected_multipliers(time: float = INSTANT) -> CorrectedMultipliers:
 
 
 def _reading(name: str, force: Array, moment: Array, axis: Array, torque: float) -> str:
-    """Vertical and horizontal force; the moment about the axis, which the actuator gives, and across it."""
+    """A sentence on vertical and horizontal force, the moment about the axis (the actuator's), and that across it."""
     across = np.linalg.norm(moment - torque * axis)
     return (
         f"{name} carries {force[2] / 1e3:.1f} kN upwards and {np.hypot(*force[:2]) / 1e3:.1f} kN sideways; "

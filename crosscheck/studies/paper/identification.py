@@ -1,7 +1,7 @@
 """Tables 3 and 4: the paper's identification from five samples, with exact data and with rounded ones.
 
-The paper had seven significant digits of every measurement. How those fell is not known, so several ways are tried and
-all of them are shown: two roundings of the exact data, and noise of one unit of the seventh digit before the rounding.
+The paper had seven significant digits of every measurement. How they were rounded is not known, so several ways are
+tried and shown: two roundings of the exact data, and noise of one unit of the seventh digit before the rounding.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ DIGITS = 7
 """Significant digits of the paper's measurements."""
 
 ROUNDING = 10.0 ** (1 - DIGITS)
-"""Relative rounding of such a number; also the precision that the solver is told."""
+"""Relative rounding of a number of seven digits; also the precision of the data that the solver assumes."""
 
 NOISE = ROUNDING / 10
 """Standard deviation of the noise, as a part of a channel's root mean square: one unit of the seventh digit of a number
@@ -30,7 +30,7 @@ that begins with 9, a tenth of one that begins with 1."""
 SEEDS = range(10)
 
 SAME_DIGIT = 1.5e-4
-"""Table 4 may differ from Table 3 minus Table 2 by this: three numbers of four decimal places."""
+"""Largest difference of Table 4 from Table 3 minus Table 2 by rounding: three numbers of four decimal places."""
 
 WHY_TABLE_3 = (
     "Exact data give the true parameters; seven digits leave errors of the size of Table 4 or smaller. B_1 turns about "
@@ -45,7 +45,7 @@ class PaperTrial:
 
     values: rows as Table 3, columns B_1 … B_6; NaN where the data do not determine them        (6, 6)  [kg, kg m²]
     errors: values minus true ones                          (6, 6)  [kg, kg m²]
-    standard_deviations: as the residual shows them         (6, 6)  [kg, kg m²]
+    standard_deviations: estimated from the residual        (6, 6)  [kg, kg m²]
     undetermined: names; rank: of 36; condition_number: of the worst body
     """
 
@@ -112,7 +112,7 @@ class PaperIdentification:
 
     @property
     def rounded_rms(self) -> float:
-        """Of the worst trial with rounded data."""
+        """Root mean square error of the worst trial with rounded data."""
         return float(np.max([trial.rms(self.compared) for trial in self.rounded]))
 
     @property
@@ -129,7 +129,7 @@ def identify() -> PaperIdentification:
     true = np.array([[body.mass] * 3 + list(np.diag(body.inertia)) for body in model.bodies]).T
     rounded = [
         _trial("7 digits, to the nearest", model, data.rounded(DIGITS), true, ROUNDING),
-        _trial("7 digits, cut off", model, data.rounded(DIGITS, "truncated"), true, ROUNDING),
+        _trial("7 digits, truncated", model, data.rounded(DIGITS, "truncated"), true, ROUNDING),
     ]
     for seed in SEEDS:
         noisy = data.noisy(seed, relative=NOISE).rounded(DIGITS)
@@ -163,6 +163,6 @@ def _trial(
 
 
 def _table_2() -> Array:
-    """What Table 3 should show, as Table 2 prints it (6, 6)."""
+    """The true values of Table 3, as Table 2 prints them (6, 6)."""
     mass, *moments = TABLE_2.values[2:]
     return np.stack([mass, mass, mass, *moments])

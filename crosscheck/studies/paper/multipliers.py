@@ -1,4 +1,4 @@
-"""Eq. (113)-(118) number by number: what is reproduced, and why the rest cannot be."""
+"""Eq. (113)-(118) number by number: which are reproduced, and why the others cannot be."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from crosscheck.studies.paper.as_printed import PrintedMultipliers
 from crosscheck.studies.paper.printed import MULTIPLIERS, Printed
 
 DIGITS = 6
-"""Significant digits to which a multiplier counts as reproduced: the paper has seven, and rounds on the way."""
+"""Number of equal significant digits from which a multiplier is reproduced: the paper has seven, with rounding."""
 
 PRINTED_DIGITS = 7
 
@@ -20,9 +20,9 @@ KINDS = {
     "reproduced": "reproduced",
     "rounding": "zero; the paper prints rounding of its seven digits",
     "free": "not determined: the two axis rows of this joint are dependent (A2)",
-    "unexplained": "not reproduced: no reading of the text that we know gives these two",
+    "unexplained": "not reproduced: no interpretation of the text known to us gives these two",
 }
-"""What each number is."""
+"""Kinds of printed numbers, in words."""
 
 WHY_PRINTED = (
     "λ_j3 is the weight outside joint j, since B was formed from measured joint forces without gravity (C4); λ_33 is "
@@ -35,7 +35,7 @@ WHY_PRINTED = (
 
 @dataclass(frozen=True)
 class Multiplier:
-    """One of the thirty: joint j, number k (λ_jk); kind: of KINDS; digits: how many significant ones agree."""
+    """One of the thirty multipliers: joint j, number k (λ_jk); kind: one of KINDS; digits: equal significant digits."""
 
     joint: int
     number: int
@@ -50,7 +50,7 @@ class Multiplier:
 
 
 def agreeing_digits(printed: float, ours: float) -> int:
-    """Significant digits, at most seven, to which two numbers are the same within half a unit of the last one."""
+    """Number of significant digits, at most seven, to which two numbers agree within half a unit of the last digit."""
     if not (math.isfinite(printed) and math.isfinite(ours)) or printed == 0:
         return 0
     exponent = math.floor(math.log10(abs(printed)))

@@ -1,4 +1,4 @@
-"""The whole experiment of section 3: thirty multipliers, joint forces and moments, at every time, beside rnea."""
+"""The whole experiment of section 3: thirty multipliers, joint forces and moments at every time, compared with rnea."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from graphdyn._kr500 import RAIL_ACCELERATION
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 MOMENTS = slice(3, 5)
-"""Of the five multipliers of a revolute joint; LINEAR are the forces."""
+"""The moments among the five multipliers of a revolute joint; LINEAR are the forces."""
 
 RANK_TIMES = (0.0, 0.02, INSTANT, 2.0)
-"""When the rank of the printed rows is shown [s]: at rest, just after, in section 3.2, at the end."""
+"""Times at which the rank of the printed rows is shown [s]: at rest, just after, in section 3.2, at the end."""
 
 
 @dataclass(frozen=True, eq=False)
 class OverTime:
-    """101 times from 0 to 2 s.
+    """The experiment at 101 times from 0 to 2 s.
 
     recording: graphdyn's experiment
-    multipliers, rnea: of the corrected model, and what the wrenches of rnea amount to   (N, 6, 5)  [N, N m]
+    multipliers, rnea: of the corrected model, and from the wrenches of rnea   (N, 6, 5)  [N, N m]
     rnea_moments: of the inside body on body j at O_j, world axes    (N, 6, 3)  [N m]
     rnea_tau: of the actuators                              (N, 6)     [N m]
     difference: largest of multipliers, forces, moments and torques, relative to the largest of its kind

@@ -1,6 +1,6 @@
 """The numbers of the paper, as printed: Tables 2, 3 and 4, Eq. (113)-(118), the experiment of section 3.1.
 
-Digits are kept as text, zeros at the end included. A misprint carries what it should read and its number in
+Digits are kept as text, including trailing zeros. A misprint has the correct number beside it, and its entry in
 docs/deviations.md.
 """
 
@@ -18,7 +18,7 @@ from graphdyn.layout import Array
 class Printed:
     """One printed number: its text; None where the paper prints a dash.
 
-    reading, erratum: of a misprint, what it should read, and its number in docs/deviations.md
+    reading, erratum: of a misprint, the correct number, and its entry in docs/deviations.md
     """
 
     text: str | None
@@ -27,7 +27,7 @@ class Printed:
 
     @property
     def value(self) -> float:
-        """What the number should read; NaN for a dash."""
+        """The correct number; NaN for a dash."""
         text = self.text if self.reading is None else self.reading
         return float("nan") if text is None else float(text)
 
@@ -41,7 +41,7 @@ class PrintedTable:
 
     @property
     def values(self) -> Array:
-        """What the numbers should read (rows, 6)."""
+        """The correct numbers (rows, 6)."""
         return np.array([[number.value for number in row] for row in self.rows.values()])
 
 
@@ -110,7 +110,7 @@ MULTIPLIERS = PrintedTable(
 """Columns are joints 1 … 6; Eq. (113) is joint 6, Eq. (118) joint 1."""
 
 SAMPLE_TIMES = (0.3, 0.6, 0.9, 1.2, 1.5)
-"""Of the five sets of data of Tables 3 and 4 [s]."""
+"""Times of the five sets of data of Tables 3 and 4 [s]."""
 
 POSES = {"Figure 2": 0.0, "Figure 11": 1.5, "Figure 10": 2.0}
 """Times at which the paper draws the arm [s]."""

@@ -1,4 +1,4 @@
-"""Everything that `graphdyn paper` shows, gathered once: terminal, JSON file and page are made of it."""
+"""The reproduction of the paper that `graphdyn paper` shows."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from crosscheck.studies.paper.over_time import OverTime, over_time
 from crosscheck.studies.paper.tables import GeometryTable, geometry_table
 
 PARTS = ("Table 2", "Tables 3 and 4", "section 3.2 as printed", "section 3.2 corrected", "the experiment over time")
-"""What is computed before the errata."""
+"""Steps that are computed before the errata."""
 
 
 @dataclass(frozen=True, eq=False)
 class Reproduction:
-    """The paper beside the corrected model.
+    """The paper and the corrected model.
 
     printed: section 3.2 solved with the printed rows; numbers: its thirty multipliers beside the printed ones
     samples, seed: random states of the errata
-    checks: what must hold, and whether it does
+    checks: the numbers that must be within bounds
     """
 
     geometry: GeometryTable
@@ -40,7 +40,7 @@ class Reproduction:
 
     @property
     def agrees(self) -> bool:
-        """Every reproduced number is within its bound."""
+        """Whether every reproduced number is within its bound."""
         return all(check.agrees for check in self.checks)
 
 

@@ -19,7 +19,7 @@ WHY_TABLE_2 = (
 
 @dataclass(frozen=True, eq=False)
 class GeometryTable:
-    """Table 2 beside the cylinder formula; rows as printed, lengths and radii first, which are given.
+    """Table 2 and the cylinder formula; rows as printed, first the lengths and radii, which are given.
 
     ours: not rounded                                       (6, 6)  [m, kg, kg m²]
     """
@@ -30,7 +30,7 @@ class GeometryTable:
 
     @property
     def texts(self) -> tuple[tuple[str, ...], ...]:
-        """Ours with the decimal places of the paper."""
+        """Our numbers with the decimal places of the paper."""
         return tuple(
             tuple(f"{value:.{_places(number)}f}" for value, number in zip(values, numbers, strict=True))
             for values, numbers in zip(self.ours, self.printed, strict=True)
@@ -38,7 +38,7 @@ class GeometryTable:
 
     @property
     def differing(self) -> int:
-        """How many entries differ in any printed digit."""
+        """Number of entries that differ in any printed digit."""
         return sum(
             text != number.text
             for texts, numbers in zip(self.texts, self.printed, strict=True)
