@@ -43,7 +43,7 @@ JobsOption = Annotated[
     int | None, typer.Option(min=1, metavar="N", help="Parallel processes for a folder; one per processor if left out.")
 ]
 ResumeOption = Annotated[
-    bool, typer.Option("--resume", help="Keep the results in --json FILE whose robot and options are unchanged.")
+    bool, typer.Option("--resume", help="Take over the results in --json FILE whose robot and options are unchanged.")
 ]
 
 EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
@@ -79,7 +79,7 @@ def run(
     if (jobs or resume) and not folder:
         raise typer.BadParameter("--jobs and --resume are for folders")
     if resume and json_file is None:
-        raise typer.BadParameter("--resume needs --json FILE, whose results it keeps")
+        raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
     check_writable(json=json_file, html=html_file)
     if folder:
         processes = jobs or cores()

@@ -49,7 +49,7 @@ def sweep(
     file = SweepFile(json_file, command_line(), robots, failures)
     if resume and json_file is not None:
         file.records.update(taken_over(json_file, robots, samples, seed))
-        err.print(f"{len(file.records)} of {len(robots)} robots kept from {json_file}", soft_wrap=True)
+        err.print(f"{len(file.records)} of {len(robots)} robots taken over from {json_file}", soft_wrap=True)
     details: Details = "none" if html_file is None else "all" if len(robots) <= FEW else "disagreeing"
     tasks = [Task(robot, samples, seed, details) for robot in robots if robot not in file.records]
     comparisons = {}

@@ -1,4 +1,4 @@
-"""The JSON file of a sweep: written as robots are finished, so that a later sweep can keep what is still valid."""
+"""The JSON file of a sweep: written as robots are finished, so that a later sweep can take over what is still valid."""
 
 from __future__ import annotations
 

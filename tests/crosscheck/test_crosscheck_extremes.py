@@ -109,13 +109,13 @@ def test_singular_at_no_state_of_other_axes():
 
 @pytest.mark.parametrize("samples", [2.5, "3"])
 def test_samples_are_a_whole_number(samples):
-    with pytest.raises(InvalidInput, match=f"samples is {samples!r}; a whole number"):
+    with pytest.raises(InvalidInput, match=f"samples is {samples!r}; give a whole number"):
         crosscheck.compare(kr500(), samples)
 
 
 @pytest.mark.parametrize("seed", [-1, 0.5, None])
 def test_seed_is_a_whole_number(seed):
-    with pytest.raises(InvalidInput, match=f"seed is {seed!r}; a whole number"):
+    with pytest.raises(InvalidInput, match=f"seed is {seed!r}; give a whole number"):
         crosscheck.compare(kr500(), 1, seed)
 
 

@@ -169,7 +169,9 @@ class TestHoldingOut:
         assert words == "4 consecutive folds, each from the others"
 
     def test_several_recordings_have_no_common_time(self, recording):
-        with pytest.raises(InvalidInput, match="2 recordings cannot be divided by time; give one, or others"):
+        with pytest.raises(
+            InvalidInput, match="2 recordings cannot be divided by time; give one, or separate recordings"
+        ):
             ByTime((0, 1), (1, 2)).divide([recording, recording])
         with pytest.raises(InvalidInput, match="2 recordings cannot be divided by rows"):
             ByRows((0, 1), (1, 2)).divide([recording, recording])
@@ -243,7 +245,7 @@ class TestPreparation:
             identified_from(other, ["wls"])
 
     def test_a_record_without_torque(self):
-        with pytest.raises(InvalidInput, match="has no tau; recording it, or map its columns"):
+        with pytest.raises(InvalidInput, match="has no tau; record it, or map its columns"):
             identified_from(replace(virtual().fitted, tau=None), ["wls"])
 
 
@@ -273,7 +275,7 @@ class TestRecommendation:
 
     def test_none_without_an_answer(self):
         found = identified_from(replace(virtual().fitted, joint_wrenches=None), ["graph"])
-        assert found.recommendation.reason == "no method has an answer"
+        assert found.recommendation.reason == "no method has a result"
         assert found.shown() is None
         with pytest.raises(InvalidInput, match="graph method has no result: the recording has torques"):
             found.shown("graph method")

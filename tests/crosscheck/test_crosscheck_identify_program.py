@@ -268,7 +268,7 @@ class TestOptions:
         code, said = program(arm / "one.csv", "--robot", arm / "arm.urdf", "--cutoff", 10, "--methods", "wls", *QUICK)
         assert code == 1, said
         assert "note: " in said
-        assert "rad is taken; name units in the header [assumed-unit]" in said
+        assert "rad is assumed; give units in the header [assumed-unit]" in said
 
     @pytest.mark.parametrize(
         ("options", "message"),

@@ -59,7 +59,7 @@ def test_oddities(code, tmp_path):
     report = urdf.inspect(path)
     verdict = report.verdict
     if code in NOT_BY_PINOCCHIO:
-        with pytest.raises(PinocchioRefuses, match="Pinocchio calls the ground 'universe' and mixes it up"):
+        with pytest.raises(PinocchioRefuses, match="Pinocchio calls the ground 'universe' and confuses it"):
             agrees(path)
         return
     if verdict == "dynamics":

@@ -167,7 +167,7 @@ class TestVerdict:
         judgement = caught.value.judgement
         assert not judgement.decided
         assert judgement.verdict == "UNDECIDED"
-        assert any("the referees disagree among themselves" in note for note in judgement.notes)
+        assert any("the reference implementations disagree" in note for note in judgement.notes)
 
     def test_nan_is_no_agreement(self, arm):
         judgement = crosscheck.judge(
@@ -224,7 +224,8 @@ class TestReferees:
         assert judgement.agrees
         assert judgement.referees == ("graphdyn", "pinocchio")
         assert judgement.notes == (
-            "referee 'mujoco' took no part: the package mujoco is not installed: pip install 'graphdyn[mujoco]'",
+            "MuJoCo is not among the reference implementations: the package mujoco is not installed: "
+            "pip install 'graphdyn[mujoco]'",
         )
 
     def test_what_mujoco_cannot_represent(self):
@@ -261,10 +262,10 @@ class TestInput:
     @pytest.mark.parametrize(
         ("option", "message"),
         [
-            ({"samples": 0}, "samples is 0; a whole number"),
-            ({"seed": -1}, "seed is -1; a whole number"),
-            ({"tolerance": 0}, "tolerance is 0; a relative error between 0 and 1"),
-            ({"tolerance": "x"}, "tolerance is 'x'; a relative error between 0 and 1"),
+            ({"samples": 0}, "samples is 0; give a whole number"),
+            ({"seed": -1}, "seed is -1; give a whole number"),
+            ({"tolerance": 0}, "tolerance is 0; give a relative error between 0 and 1"),
+            ({"tolerance": "x"}, "tolerance is 'x'; give a relative error between 0 and 1"),
         ],
     )
     def test_numbers(self, arm, option, message):
@@ -311,7 +312,11 @@ class TestInput:
     def test_progress(self, arm):
         said = []
         crosscheck.judge("ur5", inverse_dynamics=arm.but(cross=0.0).inverse_dynamics, samples=1, progress=said.append)
-        assert said == ["asking the referees", "judging inverse_dynamics", "looking for the fault of inverse_dynamics"]
+        assert said == [
+            "evaluating the reference implementations",
+            "judging inverse_dynamics",
+            "looking for the fault of inverse_dynamics",
+        ]
 
 
 class TestTexts:

@@ -37,7 +37,7 @@ class TestJudge:
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == DISAGREED
         assert "UNDECIDED" in done.out
-        assert "the referees disagree among themselves" in done.out
+        assert "the reference implementations disagree" in done.out
 
     def test_all_options(self, program, my_code):
         names = ",".join(urdf.load("ur5").joint_names)
@@ -54,7 +54,7 @@ class TestJudge:
         [
             ("rnea", "--inverse-dynamics rnea: give FILE.py:FUNCTION or MODULE:FUNCTION"),
             ("no.py:rnea", "there is no file no.py"),
-            ("my_code.py:number", "number is no function in my_code.py"),
+            ("my_code.py:number", "number is not a function in my_code.py"),
             ("my_code.py:aba", "aba does not exist in my_code.py"),
             ("no_such_module:f", "importing no_such_module raised ModuleNotFoundError"),
         ],

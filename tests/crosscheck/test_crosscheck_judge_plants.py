@@ -175,7 +175,7 @@ def test_a_fault_that_shows_only_where_terms_meet():
     )
     (diagnosis,) = judgement.diagnoses
     assert diagnosis.message == (
-        "gravity, mass matrix and velocity terms are right by themselves; only certain states or their sum deviate"
+        "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
     )
 
 

@@ -78,7 +78,7 @@ def test_a_truncated_last_line_does_no_harm(tmp_path, end, last):
     finding = only(path, "truncated-last-line")
     assert finding.severity == "warning"
     assert finding.rows == (N - 1,)
-    assert "breaks off" in finding.message
+    assert "the file is cut off" in finding.message
     assert finding.remedy == "the line is left out"
     recording = load_recording(path)
     assert len(recording.t) == N - 1
@@ -89,7 +89,7 @@ def test_a_last_line_without_an_end_stays_unless_asked(tmp_path):
     path = written(tmp_path, lines_of(GOOD), end="")
     finding = only(path, "unterminated-last-line")
     assert finding.text == (
-        f"{path}, row 59 (line 61): the last line has no end, so its last number may be cut off; "
+        f"{path}, row 59 (line 61): the last line has no line end, so its last number may be cut off; "
         "drop it if it is [unterminated-last-line]"
     )
     assert len(load_recording(path).t) == N
@@ -171,8 +171,7 @@ def test_repeated_and_backward_stamps(tmp_path):
     path = changed(tmp_path, change)
     repeated, backward = inspect_recording(path)
     assert repeated.text == (
-        f"{path}, row 10 (line 12): a stamp that was there before; "
-        "drop the rows: the first of each stays [repeated-stamp]"
+        f"{path}, row 10 (line 12): a repeated stamp; drop the rows: the first of each stays [repeated-stamp]"
     )
     assert backward.text == (
         f"{path}, rows 20, 30 (lines 22, 32): a stamp out of order; drop the rows, or split the file where "
@@ -223,8 +222,8 @@ def test_a_rate_that_contradicts_the_stamps(tmp_path):
     path = written(tmp_path, lines_of(GOOD))
     mapping = mapping_of({"joints": ["a"], "rate": 125, "time": {"column": 1}, "q": {"columns": [2]}}, "m")
     finding = only(path, "other-rate", mapping=mapping)
-    assert finding.message == "the stamps say 100 Hz, the mapping 125 Hz"
-    assert finding.remedy == "the stamps are taken; correct the rate"
+    assert finding.message == "the rate of the stamps is 100 Hz, that of the mapping 125 Hz"
+    assert finding.remedy == "the stamps are used; correct the rate"
 
 
 def test_channels_that_say_nothing(tmp_path):
@@ -252,7 +251,7 @@ def test_saturation(tmp_path):
     finding = only(path, "saturation")
     assert finding.rows == tuple(np.flatnonzero(np.cos(9 * T) <= -0.8))
     assert finding.message == "held at -0.8, the end of its range, for 5 rows or more"
-    assert finding.remedy == "the drive or the sensor is saturated; drop the rows, or recording slower motion"
+    assert finding.remedy == "the drive or the sensor is saturated; drop the rows, or record slower motion"
     assert finding.severity == "warning"
     assert len(load_recording(path).t) == N
     assert len(load_recording(path, drop=["saturation"]).t) == N - len(finding.rows)
@@ -263,7 +262,7 @@ def test_velocities_of_another_unit(tmp_path):
         table[:, 2] = np.rad2deg(table[:, 2])
 
     finding = only(changed(tmp_path, change), "velocity-mismatch")
-    assert finding.message.startswith("v of 'joint_1' is not the rate of its q: integrated it is off by 56")
+    assert finding.message.startswith("v of 'joint_1' is not the rate of its q: its integral is off by 56")
     assert finding.remedy.startswith("check units, signs and order of the columns, or leave v out of the mapping")
 
 
@@ -273,7 +272,7 @@ def test_degrees_taken_for_radians(tmp_path):
 
     finding = only(changed(tmp_path, change), "many-turns")
     assert finding.message == "q of 'joint_1' reaches 57.28 rad"
-    assert finding.remedy == "if these are degrees, or angles in front of the gears, say so in a mapping"
+    assert finding.remedy == "if these are degrees, or motor angles in front of the gears, say so in a mapping"
 
 
 def test_rows_for_unknown_reasons_are_not_dropped(tmp_path):

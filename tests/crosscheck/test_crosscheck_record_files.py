@@ -68,7 +68,7 @@ def test_decimal_commas(tmp_path):
     path.write_text(text(";").replace(".", ","))
     assert_whole(load_recording(path))
     (finding,) = inspect_recording(path)
-    assert finding.text == f"{path}: the numbers have decimal commas; they are read as such [decimal-comma]"
+    assert finding.text == f"{path}: the numbers have decimal commas; they are read with them [decimal-comma]"
 
 
 def test_calendar_times_become_seconds(tmp_path):
@@ -108,10 +108,10 @@ def test_quoted_cells(tmp_path):
         (b"t,q1\n", r"r.csv: no line below the header; record at least one row"),
         (b"t,q1\n0,\xff\n", r"r.csv, line 2: not UTF-8 text; save the file as CSV in UTF-8"),
         (b"t,q1\n0,\0\n", r"r.csv, line 2: a zero byte, so not text; save the file"),
-        (b"t|q1\n0|1\n1|1\n", r"r.csv: no delimiter \(semicolon, tab, comma, space\) cuts half of the first 3 lines"),
+        (b"t|q1\n0|1\n1|1\n", r"r.csv: no delimiter \(semicolon, tab, comma, space\) splits half of the first 3 lines"),
         (b't,q1\n0,"1\n1,2\n', r"r.csv: 1 rows in 2 lines, so a quotation mark is not closed; remove it"),
         (b"t,q1\n0,1\n1," + b"2" * 3_000_000, r"r.csv, from line 2 on: straddling object .*; repair the file"),
-        (b"t,q1\n0,1,2\n1,1,2\n2,1\n", r"2 of 3 lines do not have 2 cells as the first one \(line 2 has 3\); name"),
+        (b"t,q1\n0,1,2\n1,1,2\n2,1\n", r"2 of 3 lines do not have 2 cells like the first one \(line 2 has 3\); name"),
     ],
 )
 def test_what_is_no_table_of_text_is_refused(tmp_path, content, message):
@@ -145,7 +145,7 @@ def test_lists_of_different_lengths_are_no_columns(tmp_path):
     path = tmp_path / "r.parquet"
     parquet.write_table(pa.table({"t": [0.0, 1.0], "q": [[1.0], [1.0, 2.0]]}), path)
     mapping = mapping_of({"joints": ["a"], "time": {"column": "t"}, "q": {"columns": ["q"]}}, "m")
-    with pytest.raises(BadMapping, match=r"m, \[q\]: 'q' of .* is no column: lists of different lengths"):
+    with pytest.raises(BadMapping, match=r"m, \[q\]: 'q' of .* is not a column: lists of different lengths"):
         load_recording(path, mapping)
 
 
@@ -153,7 +153,7 @@ def test_npz(tmp_path):
     path = tmp_path / "r.npz"
     np.savez(path, t=T, q=Q, v=V.T, tau=TAU, note="a text", limits=np.ones(3), cube=np.ones((2, 2, 2)))
     assert_whole(load_recording(path))
-    text = f"{path}: v with one column per time; turned, so that rows are times [turned-array]"
+    text = f"{path}: v: one column per time; transposed, so that each row is a time [turned-array]"
     assert text in [finding.text for finding in inspect_recording(path)]
     for name, reason in {
         "note": "it holds no numbers",
@@ -161,14 +161,14 @@ def test_npz(tmp_path):
         "cube": r"its shape is \(2, 2, 2\)",
     }.items():
         mapping = mapping_of({"joints": ["a"], "time": {"column": "t"}, "q": {"columns": [name]}}, "m")
-        with pytest.raises(BadMapping, match=rf"'{name}' of .* is no column: {reason}"):
+        with pytest.raises(BadMapping, match=rf"'{name}' of .* is not a column: {reason}"):
             load_recording(path, mapping)
 
 
 def test_archives_without_arrays_are_refused(tmp_path):
     path = tmp_path / "r.npz"
     np.savez(path, q=np.array([{}], dtype=object))
-    with pytest.raises(BadRecordingFile, match=r"'q' is no array of numbers; save it as one"):
+    with pytest.raises(BadRecordingFile, match=r"'q' is not an array of numbers; save it as one"):
         load_recording(path)
     np.savez(path, q="text")
     with pytest.raises(BadRecordingFile, match=r"r.npz: no arrays with one row per time; save t \(N,\) and q, tau"):
@@ -287,7 +287,7 @@ def test_bags_without_stamps_without_efforts_without_joint_states(tmp_path, monk
     assert recording.v is None
     assert recording.tau is None
     np.testing.assert_allclose(recording.t, T, atol=BY_STAMP)
-    message = "column 'time': the messages on /joint_states have no header stamps; times of receiving are taken"
+    message = "column 'time': the messages on /joint_states have no header stamps; the times of receiving are used"
     assert f"{folder}, {message} [no-stamps]" in [finding.text for finding in recording.findings]
     with pytest.raises(BadRecordingFile, match=r"no topic of type sensor_msgs/msg/JointState; record the joint states"):
         load_recording(write_bag(tmp_path / "b", {}))
@@ -295,7 +295,7 @@ def test_bags_without_stamps_without_efforts_without_joint_states(tmp_path, monk
         load_recording(write_bag(tmp_path / "c", {"/arm": []}))
     (tmp_path / "d.mcap").write_bytes(b"no bag")
     with pytest.raises(
-        BadRecordingFile, match=r"d.mcap: not a readable bag \(.*\); recording it again, or give the whole"
+        BadRecordingFile, match=r"d.mcap: not a readable bag \(.*\); record it again, or give the whole"
     ):
         load_recording(tmp_path / "d.mcap")
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
@@ -306,7 +306,7 @@ def test_bags_without_stamps_without_efforts_without_joint_states(tmp_path, monk
 def test_other_files_are_refused(tmp_path):
     (tmp_path / "r.xlsx").touch()
     with pytest.raises(
-        BadRecordingFile, match=r"r.xlsx: no recordings are read from '.xlsx' files; convert it to one of"
+        BadRecordingFile, match=r"r.xlsx: recordings cannot be read from '.xlsx' files; convert it to one of"
     ):
         load_recording(tmp_path / "r.xlsx")
     for suffix in (".csv", ".npz", ".mat", ".parquet", ".mcap"):

@@ -274,11 +274,11 @@ def test_a_record_refuses_what_is_none():
     ]:
         with pytest.raises(InvalidInput, match=message):
             dataclasses.replace(good, **changed)
-    with pytest.raises(InvalidInput, match=r"a recording without rows; nothing is left to identify from"):
+    with pytest.raises(InvalidInput, match=r"the recording has no rows; give at least one"):
         good.take([])
     with pytest.raises(InvalidInput, match=r"the recording has no a; derive it with crosscheck.differentiated"):
         good.channel("a")
-    with pytest.raises(InvalidInput, match=r"has no joint_wrenches; recording it, or map its columns"):
+    with pytest.raises(InvalidInput, match=r"has no joint_wrenches; record it, or map its columns"):
         good.channel("joint_wrenches")
     with pytest.raises(ValueError, match="read-only"):
         good.q[0] = 1
@@ -291,9 +291,7 @@ def test_records_one_after_another():
     assert np.unique(both.file).tolist() == [0, 1]
     assert both.joint_wrenches.shape[0] == len(both.t)
     assert concatenated([record(T), dataclasses.replace(record(T), tau=None)]).tau is None
-    with pytest.raises(InvalidInput, match=r"no recordings to put one after another; give at least one"):
+    with pytest.raises(InvalidInput, match=r"no recordings to concatenate; give at least one"):
         concatenated([])
-    with pytest.raises(
-        InvalidInput, match=r" has the joints a, b, .* O1, O2, .*; only recordings of the same joints go together"
-    ):
+    with pytest.raises(InvalidInput, match=r" has the joints a, b, .* O1, O2, .*; give recordings of the same joints"):
         concatenated([experiment, record(T)])

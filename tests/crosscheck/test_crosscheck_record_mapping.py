@@ -87,8 +87,8 @@ def test_numbers_go_in_their_order_and_take_the_names_of_the_robot(tmp_path):
     assert np.array_equal(recording.q, ROWS[:, [2, 1, 0]])
     (finding,) = recording.findings
     assert finding.text.endswith(
-        "the columns have numbers, the joints names (base, elbow, wrist); "
-        "they are taken in this order [numbered-joints]"
+        "columns with numbers, joints with names (base, elbow, wrist); "
+        "the joints are used in this order [numbered-joints]"
     )
 
 
@@ -96,9 +96,9 @@ def test_what_is_assumed_is_said(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text("time,q1,i1\n" + "".join(f"{k},{0.1 * k},{k}\n" for k in range(5)))
     assert [finding.text for finding in inspect_recording(path)] == [
-        f"{path}: q in columns without units (q1); rad is taken; name units in the header [assumed-unit]",
-        f"{path}: no torques, but currents (i1); give their gains in a mapping [current-without-gain]",
-        f"{path}: time in a column without unit (time); s is taken; name the unit in the header [assumed-unit]",
+        f"{path}: q in columns without units (q1); rad is assumed; give units in the header [assumed-unit]",
+        f"{path}: currents instead of torques (i1); give their gains in a mapping [current-without-gain]",
+        f"{path}: time in a column without unit (time); s is assumed; give the unit in the header [assumed-unit]",
     ]
 
 
@@ -130,8 +130,8 @@ def test_ambiguous_names_are_refused_with_the_candidates(tmp_path, names, joints
         (["q_1", "q_2", "tau_1"], None, r"tau has columns for 1, joints are 1, 2; give a mapping"),
         (["q_1"], ["a", "b"], r"positions of 1 joints, the robot has 2; give a mapping"),
         (["q_a"], ["a", "b"], r"no position of 'b' \(there are a\); give a mapping"),
-        (["q_1 [N]"], None, r"column 'q_1 \[N\]' is in 'N', which is no unit of q; give a mapping"),
-        (["q_1", "tau_1 [A]"], None, r"column 'tau_1 \[A\]' is in 'A', which is no unit of tau; give a mapping"),
+        (["q_1 [N]"], None, r"column 'q_1 \[N\]' is in 'N', which is not a unit of q; give a mapping"),
+        (["q_1", "tau_1 [A]"], None, r"column 'tau_1 \[A\]' is in 'A', which is not a unit of tau; give a mapping"),
     ],
 )
 def test_names_that_do_not_fit_are_refused(tmp_path, names, joints, message):
@@ -251,7 +251,7 @@ def test_several_files_with_the_same_rows(tmp_path):
         BadMapping, match=r"m, \[tau\]: 0 of the files \(.*pos.csv\) match file = \"tor\*\"; exactly one m"
     ):
         load_recording(a, mapping_of(mapping, "m"))
-    with pytest.raises(BadMapping, match=r"2 files without a mapping; say in one which file has which columns"):
+    with pytest.raises(BadMapping, match=r"2 files without a mapping; give one that says which file has which columns"):
         load_recording([a, b])
     short = written(tmp_path, ["x"], "torque.csv", ROWS[:29, 1:2], clock=False)
     with pytest.raises(
@@ -291,7 +291,7 @@ MOTOR = GOOD | {"q": {"columns": [1, 2], "side": "motor"}}
     ("document", "message"),
     [
         (GOOD | {"joint": 1}, r"m: unknown key 'joint'; known are joints, rate,"),
-        ({"rate": 10, "q": {}}, r'm: joints is missing or no list of names; write joints = \["joint_1", …\]'),
+        ({"rate": 10, "q": {}}, r'm: joints is missing or not a list of names; write joints = \["joint_1", …\]'),
         (GOOD | {"joints": ["a", "a"]}, r"m: a joint is named twice; name each joint differently"),
         ({"joints": ["a"], "rate": 1}, r"m: without \[q\]; say which columns hold the joint positions"),
         (GOOD | {"rate": 0}, r"m: rate is 0; give samples per second"),
@@ -321,7 +321,10 @@ MOTOR = GOOD | {"q": {"columns": [1, 2], "side": "motor"}}
             GOOD | {"q": {"columns": [1, 2], "gain": 2}},
             r"m, \[q\]: unknown key 'gain'; known are columns, unit, file, si",
         ),
-        (GOOD | {"tau": {"columns": [1, 2], "unit": "A"}}, r"m, \[tau\]: 'A' is no torque; give the gain in N m per A"),
+        (
+            GOOD | {"tau": {"columns": [1, 2], "unit": "A"}},
+            r"m, \[tau\]: 'A' is not a unit of torque; give the gain in N m per A",
+        ),
         (GOOD | {"q": {"columns": [1, 2], "side": "link"}}, r'm, \[q\]: side is \'link\'; use "joint" or "motor"'),
         (GOOD | {"q": {"columns": [1, 2], "sign": [1, 2]}}, r"m, \[q\]: sign is \[1, 2\]; use 1 and -1"),
         (GOOD | {"q": {"columns": [1, 2], "offset": [1]}}, r"m, \[q\]: offset is \[1\]; give 2 numbers"),

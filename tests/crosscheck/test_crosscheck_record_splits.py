@@ -41,7 +41,7 @@ def test_by_file():
     assert np.unique(split.train.file).tolist() == [0, 2]
     assert np.unique(split.test.file).tolist() == [1]
     assert len(split.train.block_slices) == 2
-    with pytest.raises(InvalidInput, match=r"'d.csv' is no file of the recording; it has a.csv, b.csv, c.csv"):
+    with pytest.raises(InvalidInput, match=r"'d.csv' is not a file of the recording; it has a.csv, b.csv, c.csv"):
         split_by_file(both, test=["d.csv"])
     with pytest.raises(InvalidInput, match=r"no file is named; it has a.csv"):
         split_by_file(both, test=[])
@@ -58,9 +58,7 @@ def test_by_file():
 
 
 def test_intervals_that_cannot_be():
-    with pytest.raises(
-        InvalidInput, match=r"time: train \(0, 6\) and test \(5, 9\) overlap; a test of fitted rows says"
-    ):
+    with pytest.raises(InvalidInput, match=r"time: train \(0, 6\) and test \(5, 9\) overlap; choose intervals without"):
         split_by_time(record(), (0, 6), (5, 9))
     with pytest.raises(InvalidInput, match=r"time: no row for the test from 12 to 15 s; the recording has 0 to 9.9 s"):
         split_by_time(record(), (0, 6), (12, 15))

@@ -105,7 +105,7 @@ class TestRefusals:
         parquet.write_table(pa.table(columns)[:0], tmp_path / "empty.parquet")
         with pytest.raises(BadRecordingFile, match=r"only .parquet and .csv files are streamed; convert it to one"):
             list(StreamedRecording(tmp_path / "log.mat"))
-        with pytest.raises(BadRecordingFile, match=r"log.csv: .*load_recording says more, or repair the file"):
+        with pytest.raises(BadRecordingFile, match=r"log.csv: .*load_recording gives details, or repair the file"):
             list(StreamedRecording(tmp_path / "log.csv"))
         with pytest.raises(BadRecordingFile, match=r"empty.parquet: no rows; record at least one"):
             list(StreamedRecording(tmp_path / "empty.parquet"))

@@ -129,7 +129,7 @@ def drop_body(rows):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (drop_column, r"r.csv, header: without column 'joint1.a \[rad/s\^2\]'; recording every channel of every joint"),
+        (drop_column, r"r.csv, header: without column 'joint1.a \[rad/s\^2\]'; record every channel of every joint"),
         (lambda rows: rows[0].__setitem__(1, "t"), r"header, column 2 't': not a column of a recording; remove it"),
         (add_column, r"r.csv, header, column 78 'weight \[kg\]': not a column of a recording; remove it"),
         (repeat_column, r"r.csv, header, column 78 'joint1.v \[rad/s\]': 'joint1.v' occurs twice; keep one"),
@@ -222,7 +222,7 @@ def test_what_is_no_parquet_file_is_refused(tmp_path):
 
 
 def test_other_suffixes_are_refused(recording, tmp_path):
-    message = r"r.txt: a recording is kept as .csv or .parquet, not as '.txt'; rename the file"
+    message = r"r.txt: a recording is saved as .csv or .parquet, not as '.txt'; rename the file"
     with pytest.raises(InvalidInput, match=message):
         save_virtual_recording(recording, tmp_path / "r.txt")
     with pytest.raises(InvalidInput, match=message):
@@ -234,6 +234,6 @@ def test_other_suffixes_are_refused(recording, tmp_path):
 @pytest.mark.parametrize("name", [" B1", "B\n1"])
 def test_names_that_no_header_keeps_are_refused(recording, tmp_path, name):
     renamed = dataclasses.replace(recording, body_names=("body1", name, "body3"))
-    with pytest.raises(InvalidInput, match=re.escape(f"r.csv: the name {name!r} would not come back from a header")):
+    with pytest.raises(InvalidInput, match=re.escape(f"r.csv: the name {name!r} cannot be read back from a header")):
         save_virtual_recording(renamed, tmp_path / "r.csv")
     assert not list(tmp_path.iterdir())

@@ -184,7 +184,7 @@ class TestRefusals:
 class TestInput:
     @pytest.mark.parametrize("samples", [0, -3])
     def test_samples(self, samples):
-        with pytest.raises(InvalidInput, match=f"samples is {samples}; a whole number"):
+        with pytest.raises(InvalidInput, match=f"samples is {samples}; give a whole number"):
             crosscheck.compare("kr500", samples)
 
     @pytest.mark.parametrize("option", [{"lock": ["O1"]}, {"gravity": (0, 0, -1)}])

@@ -87,7 +87,7 @@ CASES = {
     "duplicate-name": Case(
         (TOOL, '<link name="upper"/>'),
         "error", "link 'upper'", 17,
-        "the name is used already in line 3. Pinocchio refuses the file, yourdfpy loads it",
+        "the name is already used in line 3. Pinocchio refuses the file, yourdfpy loads it",
         "rename one of the two",
     ),
     "missing-type": Case(
@@ -166,7 +166,7 @@ CASES = {
     "number-too-large": Case(
         ('ixx="0.11"', 'ixx="1e308"'),
         "error", "<inertia> of link 'upper'", 7,
-        'ixx="1e308" is larger than any robot: results would overflow. Pinocchio and yourdfpy load it as it stands',
+        'ixx="1e308" is too large for a robot: results would overflow. Pinocchio and yourdfpy load it as it stands',
         "give kg, m and rad",
     ),
     "not-finite": Case(
@@ -275,7 +275,7 @@ CASES = {
     "shared-name": Case(
         ('name="flange"', 'name="tool"'),
         "note", "joint 'tool'", 32,
-        "the link in line 17 has this name too: as a frame the name is that of the link",
+        "the link in line 17 has this name too: the frame of this name is the link's",
         "give one of them another name",
     ),
     "slash-in-name": Case(
@@ -310,7 +310,7 @@ CASES = {
         ),
         "note", "<inertial> of link 'tool'", 17,
         "the link is fixed: its 0.5 kg are added to the body of link 'fore'. Pinocchio does the same",
-        "nothing need be done; urdf.fused_links tells the shares",
+        "nothing need be done; urdf.fused_links gives the shares",
     ),
     "inertial-origin-missing": Case(
         (ORIGIN, ""),
@@ -346,14 +346,14 @@ CASES = {
         ('"2.5"', '"1e-6"'),
         "warning", "<inertial> of link 'upper'", 4,
         "the mass is 1e-06 kg",
-        "give the mass in kg; a tiny one is a stand-in",
+        "give the mass in kg; it looks like a placeholder",
     ),
     "indefinite-inertia": Case(
         ('ixx="0.11"', 'ixx="-0.11"'),
         "warning", "<inertial> of link 'upper'", 4,
         "the tensor has a negative principal moment, -0.11 kg m²: no real body has one. Pinocchio and yourdfpy "
         "load it as it stands",
-        "correct the tensor; a wrong sign or a swapped entry does this",
+        "correct the tensor; a sign may be wrong, or entries swapped",
     ),
     "singular-inertia": Case(
         (FORE, '<inertia ixx="0.06" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0"/>'),
@@ -370,19 +370,19 @@ CASES = {
     "isotropic-inertia": Case(
         (INERTIA, '<inertia ixx="0.11" ixy="0" ixz="0" iyy="0.11" iyz="0" izz="0.11"/>'),
         "note", "<inertial> of link 'upper'", 4,
-        "the same moment about every axis: the guess of a sphere",
+        "the same moment about every axis, as of a sphere: probably a guess",
         "give the measured tensor, if forces matter",
     ),
     "gyration-radius": Case(
         (INERTIA, '<inertia ixx="11" ixy="0" ixz="0" iyy="13" iyz="0" izz="17"/>'),
         "warning", "<inertial> of link 'upper'", 4,
         "the radius of gyration is 2.61 m, the link reaches 0.374 m: tensor and mass do not fit",
-        "give kg, m and kg m²; tensors in g mm² or about another point do this",
+        "give kg, m and kg m²; the tensor may be in g mm², or about another point",
     ),
     "rpy-truncated": Case(
         ('xyz="0.3 0 0" rpy="0 0 0"', 'xyz="0.3 0 0" rpy="1.5708 0 -3.1416"'),
         "note", "<origin> of joint 'elbow'", 26,
-        "1.5708, -3.1416: a multiple of π/2 cut off, 7.3e-06 rad away; it is used as written",
+        "1.5708, -3.1416: a truncated multiple of π/2, off by 7.3e-06 rad; it is used as written",
         "write all digits: 1.5707963267948966",
     ),
     "joint-origin-missing": Case(
@@ -394,8 +394,8 @@ CASES = {
     "continuous-joint": Case(
         (SHOULDER, '<joint name="shoulder" type="continuous">'),
         "note", "joint 'shoulder'", 18,
-        "a continuous joint: one plain angle here. In Pinocchio such a joint has two coordinates (cosine, sine), "
-        "so that nq is not nv",
+        "a continuous joint: its coordinate is one angle. In Pinocchio such a joint has two coordinates (cosine, "
+        "sine), so that nq is not nv",
         "compare angles modulo 2π",
     ),
     "prismatic-joint": Case(
@@ -409,7 +409,7 @@ CASES = {
         "warning", "joint 'shoulder'", 18,
         "it mimics joint 'elbow' and is loaded as an independent joint. Pinocchio and yourdfpy load it as an "
         "independent joint too, unless asked otherwise",
-        "hold it still with lock=, if it is not meant to be free",
+        "lock it with lock=, if it is not meant to be free",
     ),
     "axis-missing": Case(
         (AXIS, ""),
@@ -439,7 +439,7 @@ CASES = {
         (LIMIT, '<limit lower="-1" effort="30" velocity="3"/>'),
         "warning", "<limit> of joint 'shoulder'", 23,
         "without upper: there is no such limit. Pinocchio refuses a revolute or prismatic joint without <limit>, "
-        "and a <limit> without effort or velocity; a missing lower or upper is 0 to it",
+        "and a <limit> without effort or velocity, and takes a missing lower or upper as 0",
         "write it",
     ),
     "limits-zero": Case(
@@ -451,13 +451,13 @@ CASES = {
     "effort-zero": Case(
         ('effort="30"', 'effort="0"'),
         "note", "<limit> of joint 'shoulder'", 23,
-        "the effort limit is 0: a stand-in for an unknown one",
+        "the effort limit is 0: a placeholder for an unknown one",
         "write the limit",
     ),
     "velocity-zero": Case(
         ('velocity="3"', 'velocity="0"'),
         "note", "<limit> of joint 'shoulder'", 23,
-        "the velocity limit is 0: a stand-in for an unknown one",
+        "the velocity limit is 0: a placeholder for an unknown one",
         "write the limit",
     ),
     "effort-negative": Case(
@@ -483,27 +483,27 @@ CASES = {
         (),
         "note", None, None,
         "URDF has no place for rotor inertia: the model has none, though behind high gear ratios it can be most of "
-        "what a motor feels",
+        "the inertia that a motor accelerates",
         "add it to the mass matrix, if you know it",
     ),
     "inconsistent-body": Case(
         ('izz="0.17"', 'izz="0.5"'),
         "warning", "link 'upper'", 3,
-        "with all that is fixed to it no real body: the pseudo-inertia matrix has eigenvalue -0.12. Pinocchio and "
-        "yourdfpy load it as it stands",
+        "together with all links fixed to it, no physically possible body: the pseudo-inertia matrix has eigenvalue "
+        "-0.12. Pinocchio and yourdfpy load it as it stands",
         "correct mass, center of mass and tensor",
     ),
     "suspicious-lengths": Case(
         ('xyz="0 0 0.5"', 'xyz="0 0 500"'),
         "warning", None, None,
         "the joints span 500 m along the longest branch",
-        "give lengths in metres; millimetres do this",
+        "give lengths in metres; they may be in millimetres",
     ),
     "suspicious-masses": Case(
         ('"2.5"', '"25000"'),
         "warning", None, None,
         "2.5e+04 kg on a reach of 1 m",
-        "give masses in kg; grams or tonnes do this",
+        "give masses in kg; they may be in grams or tonnes",
     ),
     "urdf-version": Case(
         ('<robot name="arm">', '<robot name="arm" version="1.3">'),
@@ -520,8 +520,8 @@ CASES = {
     "number-spacing": Case(
         ('value="2.5"', 'value="2.5 "'),
         "warning", "<mass> of link 'upper'", 6,
-        "blanks, tabs or line breaks in value that not every reader takes. Pinocchio gives the link mass 0",
-        "separate numbers by blanks, and put none behind a single one",
+        "blanks, tabs or line breaks in value that not every reader accepts. Pinocchio gives the link mass 0",
+        "separate numbers by blanks, and put none after a single number",
     ),
     "incomplete-joint-part": Case(
         ('type="fixed">', 'type="fixed"><limit lower="0"/>'),
@@ -538,7 +538,7 @@ CASES = {
     "reserved-name": Case(
         ('name="shoulder"', 'name="universe"'),
         "warning", "joint 'universe'", 18,
-        "the ground has this name in Pinocchio. Pinocchio loads the file and takes the one for the other, yourdfpy "
+        "the ground has this name in Pinocchio. Pinocchio loads the file and confuses the two, yourdfpy "
         "loads it",
         "rename it",
     ),
@@ -546,12 +546,12 @@ CASES = {
         ('xyz="0.1 0.2 0.3"', 'xyz="100 200 300"'),
         "warning", "<inertial> of link 'upper'", 4,
         "the center of mass is 374 m from the origin of the link",
-        "give it in metres, in the link frame; millimetres do this",
+        "give it in metres, in the link frame; it may be in millimetres",
     ),
     "other-encoding": Case(
         ("<robot", '<?xml version="1.0" encoding="ISO-8859-1"?><robot', '"tool"', '"töol"', '"tool"', '"töol"'),
         "warning", None, 1,
-        "the text is encoded in ISO-8859-1. Pinocchio takes it for UTF-8 and reads other names or numbers",
+        "the text is encoded in ISO-8859-1. Pinocchio reads it as UTF-8, with other names or numbers",
         "save it in UTF-8",
     ),
     "mass-matrix-indefinite": Case(

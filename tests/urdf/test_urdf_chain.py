@@ -28,12 +28,11 @@ JOINTS = [
     joint("leg", "ground", "other", more='<axis xyz="0 1 0"/>'),
 ]
 HELD = (
-    "movable joints beside the chain are locked at 0: 'grip', 'tip'; their links are carried along, and lock= holds "
-    "them elsewhere"
+    "movable joints beside the chain are locked at 0: 'grip', 'tip'; the chain carries their links; lock= locks them "
+    "at other values"
 )
 LEFT_OUT = (
-    "movable joints on the base of the chain are left out: 'nod'; what they carry stands on the base link and does "
-    "not load the chain"
+    "movable joints on the base of the chain are left out: 'nod'; the base link supports what they carry, not the chain"
 )
 
 
@@ -133,8 +132,8 @@ class TestTilt:
         rotation = rotation_from_rpy(0, 0, 0.3) @ rotation_from_rpy(0.4, -0.7, 0.2)
         gravity = ", ".join(f"{x:.9g}" for x in rotation.T @ [0, 0, -9.81])
         assert said[1:] == [
-            "base link 'mount' is tilted in the whole robot, and upright as the root of the chain; "
-            f"gravity=({gravity}) is what it has there with all joints at 0"
+            "base link 'mount' is tilted in the whole robot, but upright as the root of the chain; "
+            f"gravity=({gravity}) restores the direction that gravity has in the whole robot with all joints at 0"
         ]
 
     def test_the_gravity_that_is_told_is_right(self, tilted):
@@ -180,12 +179,12 @@ REFUSED = {
     "unknown and like nothing": (("zzz", "hand"), r"there is no link 'zzz'; give one of 'ground', 'torso', 'mount'"),
     "other branch": (
         ("head", "hand"),
-        r"chain: no path leads from link 'head' to link 'hand': they are on different branches; both hang on link "
-        r"'mount'; chain=\('mount', 'hand'\) is a path",
+        r"chain: no path leads from link 'head' to link 'hand': they are on different branches; both branch off at "
+        r"link 'mount'; chain=\('mount', 'hand'\) is a path",
     ),
     "wrong direction": (
         ("hand", "mount"),
-        r"chain: link 'mount' comes before link 'hand'; the other way round: chain=\('mount', 'hand'\)",
+        r"chain: link 'mount' comes before link 'hand'; exchange them: chain=\('mount', 'hand'\)",
     ),
     "the root as tip": (("hand", "ground"), r"link 'ground' comes before link 'hand'"),
     "no movable joint": (

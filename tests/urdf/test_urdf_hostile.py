@@ -87,7 +87,7 @@ REFUSED = {
     "many attributes": (
         lambda: "<robot " + " ".join(f'a{k}=""' for k in range(500_000)) + "/>",
         "too-large",
-        "an element has more than 100 attributes; leave out what is no URDF",
+        "an element has more than 100 attributes; remove what is not URDF",
     ),
     "10,000 links": (
         lambda: chain(10_000),
@@ -142,7 +142,7 @@ def test_200_megabytes(tmp_path):
         file.truncate(200_000_000)
     caught = timed(refusal, path)
     assert caught.type is urdf.TooLarge
-    assert caught.match("the file is larger than 10 MB; give a URDF file; meshes belong into files of their own")
+    assert caught.match("the file is larger than 10 MB; give a URDF file; put meshes into separate files")
     assert timed(urdf.inspect, path).codes == ("too-large",)
 
 

@@ -126,7 +126,7 @@ def test_joints_out_of_order(inspected):
         "it comes before joint 'shoulder', which carries its parent link; load numbers parents first. "
         "Pinocchio sorts siblings by name: compare joints by name"
     )
-    assert finding.remedy == "go by joint names, not by the order of the file"
+    assert finding.remedy == "identify joints by their names, not by the order of the file"
 
 
 class TestDegrees:
@@ -224,8 +224,8 @@ class TestSeveral:
         report = inspected(changed('"0.11"', '"x"', '"0.13"', '"y"', '"0.17"', '"z"'))
         (finding,) = of_code(report, "more-findings")
         assert report.count("error") == 2
-        assert finding.message == "only the first 2 findings of a kind are told"
-        assert finding.remedy == "mend these first"
+        assert finding.message == "only the first 2 findings of a kind are listed"
+        assert finding.remedy == "correct these first"
 
 
 class TestVerdict:

@@ -206,9 +206,7 @@ def test_an_axis_of_nearly_unit_length_is_silent(arm):
 
 def test_mimic_joint_is_independent_with_a_warning(arm):
     path = arm("<dynamics", '<mimic joint="slide" multiplier="2"/><dynamics')
-    with pytest.warns(
-        urdf.MimicJointWarning, match=r"loaded as independent joints: 'shoulder'; lock= holds them still"
-    ):
+    with pytest.warns(urdf.MimicJointWarning, match=r"loaded as independent joints: 'shoulder'; lock= locks them"):
         model = urdf.load(path)
     assert model.n_bodies == 2
 

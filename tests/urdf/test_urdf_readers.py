@@ -70,14 +70,14 @@ class TestSpacing:
     def test_mass(self, written, new):
         path = written(changed('value="2.5"', new))
         (message,) = messages(path, "number-spacing")
-        assert message.endswith("in value that not every reader takes. Pinocchio gives the link mass 0")
+        assert message.endswith("in value that not every reader accepts. Pinocchio gives the link mass 0")
         nothing = changed(INERTIA, NO_TENSOR, 'value="2.5"', 'value="0"')
         assert torque_there(path) == pytest.approx(torque_there(written(nothing)), abs=1e-12)
 
     def test_center_of_mass(self, written):
         path = written(changed('xyz="0.1 0.2 0.3"', 'xyz="0.1\t0.2 0.3"'))
         (message,) = messages(path, "number-spacing")
-        assert message.endswith("in xyz that not every reader takes. Pinocchio gives the link mass 0")
+        assert message.endswith("in xyz that not every reader accepts. Pinocchio gives the link mass 0")
 
     @pytest.mark.parametrize("new", ['izz="0.17 "', 'ixx="0.11\t"'])
     def test_tensor(self, written, new):
@@ -178,14 +178,14 @@ def test_encoding_that_writes_ascii_otherwise(written):
     text = '<?xml version="1.0" encoding="utf-7"?>' + changed('value="2.5"', 'value="+2.5"')
     path = written(text.encode("utf-7"))
     (message,) = messages(path, "other-encoding")
-    assert message == "the text is encoded in utf-7. Pinocchio takes it for UTF-8 and reads other names or numbers"
+    assert message == "the text is encoded in utf-7. Pinocchio reads it as UTF-8, with other names or numbers"
     assert torque_there(path) != pytest.approx(torque_there(written(CLEAN)))
 
 
 def test_encoding_that_pinocchio_takes_for_utf_8(written):
     path = written(encoded("iso-8859-1"))
     (message,) = messages(path, "other-encoding")
-    assert message == "the text is encoded in iso-8859-1. Pinocchio takes it for UTF-8 and reads other names or numbers"
+    assert message == "the text is encoded in iso-8859-1. Pinocchio reads it as UTF-8, with other names or numbers"
     model = urdf.load(path)
     assert model.frames[0].name == "töol"
     with pytest.raises(PinocchioRefuses, match="Pinocchio has no link 'töol'"):
@@ -241,7 +241,7 @@ def test_an_axis_too_short_for_its_square(written):
     """Pinocchio leaves it as it is, and the joint does not turn."""
     path = written(changed('"0 0 1"', '"0 0 1e-170"'))
     with pytest.raises(
-        urdf.InvalidNumber, match="the axis has length 1e-170, and its square is zero; give a direction"
+        urdf.InvalidNumber, match="the axis has length 1e-170, too short to normalise; give a direction"
     ):
         urdf.load(path)
     assert urdf.inspect(path).codes[0] == "zero-axis"
@@ -257,7 +257,7 @@ def test_attribute_names_beyond_ascii(written, capfd):
 def test_joint_with_the_name_of_pinocchios_ground(written):
     path = written(changed('name="shoulder"', 'name="universe"'))
     model = urdf.load(path)
-    said = "Pinocchio calls the ground 'universe' and mixes it up with the joint of this name; rename the joint"
+    said = "Pinocchio calls the ground 'universe' and confuses it with the joint of this name; rename the joint"
     for build in (lambda: PinocchioModel.from_urdf(path, model, {}), lambda: PinocchioModel.from_model(model)):
         with pytest.raises(PinocchioRefuses, match=f"robot 'arm': {said}"):
             build()

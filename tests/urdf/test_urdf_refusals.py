@@ -28,12 +28,12 @@ CHANGES = {
     "duplicate link": (
         ('<link name="tool"/>', '<link name="upper"/>'),
         urdf.DuplicateEntry,
-        r":17: link 'upper': the name is used already in line 3; rename one of the two",
+        r":17: link 'upper': the name is already used in line 3; rename one of the two",
     ),
     "duplicate joint": (
         ('name="slide"', 'name="shoulder"'),
         urdf.DuplicateEntry,
-        r"joint 'shoulder': the name is used already in line 18",
+        r"joint 'shoulder': the name is already used in line 18",
     ),
     "no mass": (
         (MASS, ""),
@@ -98,7 +98,7 @@ CHANGES = {
     "larger than any robot": (
         ("2.5", "1e308"),
         urdf.InvalidNumber,
-        r""":6: <mass> of link 'upper': value="1e308" is larger than any robot: results would overflow; give kg, m""",
+        r""":6: <mass> of link 'upper': value="1e308" is too large for a robot: results would overflow; give kg, m""",
     ),
     "xacro expression": (
         ('upper="2"', 'upper="${pi / 2}"'),

@@ -122,7 +122,7 @@ class TestRefused:
     @pytest.mark.parametrize("source", [5, None, object()])
     def test_what_is_no_source(self, source):
         with pytest.raises(
-            urdf.RobotNotFound, match="is no robot; give a name, a path, XML as text or bytes, or an open file"
+            urdf.RobotNotFound, match="is not a robot; give a name, a path, XML as text or bytes, or an open file"
         ):
             urdf.load(source)
         assert urdf.inspect(source).codes == ("no-such-file",)

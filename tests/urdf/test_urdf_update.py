@@ -146,7 +146,7 @@ class TestRefusals:
         ("parameters", "message"),
         [
             (np.zeros(10), r"arm.urdf: the parameters have shape \(10,\), expected \(2, 10\) or \(20,\)"),
-            (["a"] * 20, "the parameters are no numbers: .*give ten numbers per body"),
+            (["a"] * 20, "the parameters are not numbers: .*give ten numbers per body"),
             (
                 [*range(14), np.nan, *range(5)],
                 "the parameters of body 2 contain NaN or infinity; parameters that",

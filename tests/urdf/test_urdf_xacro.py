@@ -133,7 +133,7 @@ class TestExpansion:
         found = [finding for finding in urdf.inspect(path).findings if finding.code == "xacro-complaint"]
         assert [finding.severity for finding in found] == ["warning", "warning"]
         assert found[1].message == "expanding the file: redefining global symbol: pi"
-        assert found[1].remedy == "see what xacro makes of the file"
+        assert found[1].remedy == "expand the file with xacro and check the result"
 
     def test_other_files_take_no_xacro_arguments(self):
         with pytest.raises(urdf.InvalidXacro, match=r"<text>: xacro arguments and packages are given, but not a file"):
@@ -184,9 +184,9 @@ REFUSED = {
     "a long text": ("${'a' * 10**11}", "expanding takes more than 300 MB; expand the file yourself, if you trust it"),
     "a macro in itself": (
         '<xacro:macro name="m" params=""><xacro:m/></xacro:macro><xacro:m/>',
-        "macros or includes without end; correct the file",
+        "endless recursion of macros or includes; correct the file",
     ),
-    "a file in itself": ('<xacro:include filename="r.xacro"/>', "macros or includes without end"),
+    "a file in itself": ('<xacro:include filename="r.xacro"/>', "endless recursion of macros or includes"),
     "a circle": (
         '<xacro:property name="a" value="${b}"/><xacro:property name="b" value="${a}"/>${a}',
         "xacro cannot expand it: circular variable definition: a -> b -> a",
