@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
+from graphdyn._linear import cross
 from graphdyn._model import RobotModel
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
@@ -83,8 +84,8 @@ class Ground:
         r = self.rotation @ arm
         omega, alpha = self.velocity[..., ANGULAR], self.acceleration[..., ANGULAR]
         velocity, acceleration = self.velocity.copy(), self.acceleration.copy()
-        velocity[..., LINEAR] += np.cross(omega, r)
-        acceleration[..., LINEAR] += np.cross(alpha, r) + np.cross(omega, np.cross(omega, r))
+        velocity[..., LINEAR] += cross(omega, r)
+        acceleration[..., LINEAR] += cross(alpha, r) + cross(omega, cross(omega, r))
         return Ground(self.position + r, self.rotation, velocity, acceleration)
 
     def moved_to(self, position: Array) -> Ground:

@@ -7,6 +7,7 @@ import numpy as np
 
 from graphdyn._base_motion import Ground
 from graphdyn._kinematics import MaximalState
+from graphdyn._linear import cross
 from graphdyn._vertices import JointVectors, Vertices, joint_vectors
 from graphdyn.layout import ANGULAR, JOINT_CONSTRAINTS, LINEAR, Array, body_rows, joint_rows
 
@@ -26,10 +27,10 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
         omega_i, omega_j = vertices.angular_velocity[..., i, :], vertices.angular_velocity[..., j, :]
         held, arm_i, arm_j = vectors.held, vectors.arm_i[..., None, :], vectors.arm_j[..., None, :]
         gap = vectors.gap[..., None, :] if vectors.held_turns else np.zeros(3)
-        normal = np.cross(vectors.inside, vectors.outside)  # d(a·b)/dt = (ω_i - ω_j)·(a × b)
+        normal = cross(vectors.inside, vectors.outside)  # d(a·b)/dt = (ω_i - ω_j)·(a × b)
 
         # d(u·gap)/dt = u·(ṙ_i + ω_i × c_ij - ṙ_j - ω_j × c_jj) + (ω_i × u)·gap
-        for body, sign, turn_of_held in ((i, 1.0, np.cross(arm_i - gap, held)), (j, -1.0, np.cross(arm_j, held))):
+        for body, sign, turn_of_held in ((i, 1.0, cross(arm_i - gap, held)), (j, -1.0, cross(arm_j, held))):
             if body == 0:
                 zeta[..., joint_rows(j)] -= _prescribed(held, turn_of_held, normal, state.ground)
                 continue
@@ -57,13 +58,13 @@ def _prescribed(held: Array, turn_of_held: Array, normal: Array, ground: Ground 
 def _gap_curvature(vectors: JointVectors, vertices: Vertices, i: int, j: int) -> Array:
     """d²(u·gap)/dt² at q̈ = 0: ü·gap + 2 u̇·ġap + u·g̈ap (…, k)."""
     omega_i, omega_j = vertices.angular_velocity[..., i, :], vertices.angular_velocity[..., j, :]
-    spin_i, spin_j = np.cross(omega_i, vectors.arm_i), np.cross(omega_j, vectors.arm_j)
-    gap_acceleration = np.cross(omega_i, spin_i) - np.cross(omega_j, spin_j)
+    spin_i, spin_j = cross(omega_i, vectors.arm_i), cross(omega_j, vectors.arm_j)
+    gap_acceleration = cross(omega_i, spin_i) - cross(omega_j, spin_j)
     curvature = np.einsum("...ka,...a->...k", vectors.held, gap_acceleration)
     if vectors.held_turns:
         gap_rate = vertices.velocity[..., i, :] + spin_i - vertices.velocity[..., j, :] - spin_j
-        u_dot = np.cross(omega_i[..., None, :], vectors.held)
-        u_ddot = np.cross(omega_i[..., None, :], u_dot)
+        u_dot = cross(omega_i[..., None, :], vectors.held)
+        u_ddot = cross(omega_i[..., None, :], u_dot)
         curvature = curvature + np.einsum("...ka,...a->...k", u_ddot, vectors.gap)
         curvature = curvature + 2 * np.einsum("...ka,...a->...k", u_dot, gap_rate)
     return curvature
@@ -72,6 +73,6 @@ def _gap_curvature(vectors: JointVectors, vertices: Vertices, i: int, j: int) ->
 def _angle_curvature(vectors: JointVectors, omega_i: Array, omega_j: Array) -> Array:
     """d²(a·b)/dt² at q̈ = 0: (ω_i - ω_j)·(ȧ × b + a × ḃ) (…, 5-k)."""
     a, b = vectors.inside, vectors.outside
-    a_dot = np.cross(omega_i[..., None, :], a)
-    b_dot = np.cross(omega_j[..., None, :], b)
-    return np.einsum("...a,...ka->...k", omega_i - omega_j, np.cross(a_dot, b) + np.cross(a, b_dot))
+    a_dot = cross(omega_i[..., None, :], a)
+    b_dot = cross(omega_j[..., None, :], b)
+    return np.einsum("...a,...ka->...k", omega_i - omega_j, cross(a_dot, b) + cross(a, b_dot))

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from graphdyn._arrays import as_floats, joint_arrays
 from graphdyn._base_motion import BaseMotion, Ground, ground
 from graphdyn._errors import InconsistentState, InvalidInput
-from graphdyn._linear import solve
+from graphdyn._linear import cross, solve
 from graphdyn._methods import Method, is_recursive
 from graphdyn._model import RobotModel
 from graphdyn._rotation import cardano_angles, cardano_rate_matrix, rotation_about
@@ -147,13 +147,13 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
         else:
             rotation[..., j, :, :] = in_world @ rotation_about(joint.axis, q[..., k])
             angular[..., j, :] = omega + rate
-            angular_acc[..., j, :] = alpha + np.cross(omega, rate) + relative
+            angular_acc[..., j, :] = alpha + cross(omega, rate) + relative
         origin[..., j, :] = origin[..., i, :] + arm
-        linear[..., j, :] = linear[..., i, :] + np.cross(omega, arm)
-        linear_acc[..., j, :] = linear_acc[..., i, :] + np.cross(alpha, arm) + np.cross(omega, np.cross(omega, arm))
+        linear[..., j, :] = linear[..., i, :] + cross(omega, arm)
+        linear_acc[..., j, :] = linear_acc[..., i, :] + cross(alpha, arm) + cross(omega, cross(omega, arm))
         if joint.is_prismatic:
             linear[..., j, :] += rate
-            linear_acc[..., j, :] += 2 * np.cross(omega, rate) + relative
+            linear_acc[..., j, :] += 2 * cross(omega, rate) + relative
     rotation, origin, angular, angular_acc = (
         rotation[..., 1:, :, :],
         origin[..., 1:, :],
@@ -166,10 +166,10 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
     def twist(at_origin: Array, angular_part: Array) -> Array:
         return np.concatenate([at_origin, np.einsum("...iba,...ib->...ia", rotation, angular_part)], axis=-1)
 
-    velocity = twist(linear[..., 1:, :] + np.cross(angular, arms), angular)
+    velocity = twist(linear[..., 1:, :] + cross(angular, arms), angular)
     acceleration = None
     if a is not None:
-        at_center = linear_acc[..., 1:, :] + np.cross(angular_acc, arms) + np.cross(angular, np.cross(angular, arms))
+        at_center = linear_acc[..., 1:, :] + cross(angular_acc, arms) + cross(angular, cross(angular, arms))
         acceleration = twist(at_center, angular_acc)
     return MaximalState(model, origin + arms, rotation, velocity, acceleration, vertex_0)
 
@@ -226,7 +226,7 @@ def null_space(state: MaximalState) -> Array:
     lever = state.position[..., :, None, :] - origins[..., None, :, :]  # body i, joint k
     axis = axes[..., None, :, :]
     revolute = np.array([not joint.is_prismatic for joint in model.joints])[:, None]
-    linear = np.where(revolute, np.cross(axis, lever), axis)
+    linear = np.where(revolute, cross(axis, lever), axis)
     angular = np.where(revolute, np.einsum("...iba,...kb->...ika", state.rotation, axes), 0.0)
     columns = np.concatenate([linear, angular], axis=-1) * on_path.T[:, :, None]  # (…, body, joint, 6)
     return stacked_rows(np.swapaxes(columns, -1, -2))
@@ -270,8 +270,8 @@ def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
             slide = origins[..., k, :] - vertices.position[..., i, :] - arm
             q[..., k] = _dot(slide, axis)
             arm_j = origins[..., k, :] - state.position[..., k, :]
-            velocity_j = vertices.velocity[..., j, :] + np.cross(vertices.angular_velocity[..., j, :], arm_j)
-            carried = vertices.velocity[..., i, :] + np.cross(vertices.angular_velocity[..., i, :], arm + slide)
+            velocity_j = vertices.velocity[..., j, :] + cross(vertices.angular_velocity[..., j, :], arm_j)
+            carried = vertices.velocity[..., i, :] + cross(vertices.angular_velocity[..., i, :], arm + slide)
             v[..., k] = _dot(velocity_j - carried, axis)
         else:
             inside = vertices.rotation[..., i, :, :] @ joint.placement.rotation
@@ -309,8 +309,8 @@ def project_accelerations(state: MaximalState, acceleration: Array, bias: Array)
     for j, joint in enumerate(model.joints, start=1):
         i, k = joint.inside, j - 1
         if joint.is_prismatic:
-            at_j = linear[..., j, :] + np.cross(angular[..., j, :], origins[..., k, :] - vertices.position[..., j, :])
-            at_i = linear[..., i, :] + np.cross(angular[..., i, :], origins[..., k, :] - vertices.position[..., i, :])
+            at_j = linear[..., j, :] + cross(angular[..., j, :], origins[..., k, :] - vertices.position[..., j, :])
+            at_i = linear[..., i, :] + cross(angular[..., i, :], origins[..., k, :] - vertices.position[..., i, :])
             difference = at_j - at_i
         else:
             difference = angular[..., j, :] - angular[..., i, :]

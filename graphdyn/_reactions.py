@@ -6,6 +6,7 @@ A wrench here is force and moment in world axes, the moment about the joint O_j.
 import numpy as np
 
 from graphdyn._kinematics import MaximalState, joint_axes, link_origins
+from graphdyn._linear import cross
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 
@@ -20,7 +21,7 @@ def transmitted_wrenches(state: MaximalState, body_wrenches: Array) -> Array:
     force = body_wrenches[..., LINEAR]
     moment = np.einsum("...iab,...ib->...ia", state.rotation, body_wrenches[..., ANGULAR])
     lever = state.position[..., None, :, :] - link_origins(state)[..., :, None, :]  # joint k, body i
-    at_joint = moment[..., None, :, :] + np.cross(lever, force[..., None, :, :])
+    at_joint = moment[..., None, :, :] + cross(lever, force[..., None, :, :])
     return np.concatenate([t @ force, np.einsum("ki,...kia->...ka", t, at_joint)], axis=-1)
 
 

@@ -86,4 +86,5 @@ def _split(a: Array) -> tuple[Array, Array, Array]:
 
 
 def _matrix(rows: list[list[Array]]) -> Array:
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    entries = np.stack([entry for row in rows for entry in row], axis=-1)
+    return entries.reshape(*entries.shape[:-1], 3, 3)

@@ -6,7 +6,7 @@ Rotational rows are moments in body axes, so that A is symmetric (docs/deviation
 import numpy as np
 
 from graphdyn._kinematics import MaximalState
-from graphdyn._linear import apply
+from graphdyn._linear import apply, cross
 from graphdyn._vertices import joint_vectors
 from graphdyn.layout import ANGULAR, LINEAR, Array, block_diagonal, stacked, stacked_rows
 
@@ -40,7 +40,7 @@ def passive_terms(state: MaximalState, external_wrenches: Array) -> Array:
     b = np.empty(np.broadcast_shapes(state.velocity.shape, external_wrenches.shape))
     b[..., LINEAR] = mass[:, None] * model.gravity + np.einsum("...iab,...ib->...ia", state.rotation, force)
     momentum = np.einsum("iab,...ib->...ia", inertia, omega)
-    b[..., ANGULAR] = -np.cross(omega, momentum) + moment - np.cross(centers, force)  # moved to the center of mass
+    b[..., ANGULAR] = -cross(omega, momentum) + moment - cross(centers, force)  # moved to the center of mass
     return b
 
 
@@ -64,7 +64,7 @@ def actuator_terms(state: MaximalState) -> Array:
             if joint.is_prismatic:
                 arm = vectors.arm_j if i == k else vectors.arm_i
                 columns[..., i - 1, LINEAR, k - 1] = sign * vectors.axis
-                moment = np.cross(arm, vectors.axis)
+                moment = cross(arm, vectors.axis)
             else:
                 moment = vectors.axis
             columns[..., i - 1, ANGULAR, k - 1] = sign * (to_body @ moment[..., None])[..., 0]

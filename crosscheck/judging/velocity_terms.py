@@ -10,7 +10,7 @@ import numpy as np
 from crosscheck.judging.experiments import TrialStates, torques
 from graphdyn import MaximalState, RobotModel, maximal_state
 from graphdyn._kinematics import bias_acceleration, joint_axes, link_origins, null_space
-from graphdyn._linear import apply
+from graphdyn._linear import apply, cross
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 Terms = dict[str, Array]
@@ -47,15 +47,15 @@ def _newton_euler(model: RobotModel, trial: TrialStates) -> Terms:
             continue
         arm = origins[:, k] - origins[:, inside]
         turning, sliding = omega[:, inside], trial.v[:, k, None] * axes[:, k] * joint.is_prismatic
-        at_origin["centripetal"][:, k] = at_origin["centripetal"][:, inside] + np.cross(turning, np.cross(turning, arm))
-        at_origin["angular"][:, k] = at_origin["angular"][:, inside] + np.cross(alpha[:, inside], arm)
-        at_origin["sliding"][:, k] = at_origin["sliding"][:, inside] + 2 * np.cross(turning, sliding)
+        at_origin["centripetal"][:, k] = at_origin["centripetal"][:, inside] + cross(turning, cross(turning, arm))
+        at_origin["angular"][:, k] = at_origin["angular"][:, inside] + cross(alpha[:, inside], arm)
+        at_origin["sliding"][:, k] = at_origin["sliding"][:, inside] + 2 * cross(turning, sliding)
     lever = state.position - origins
-    at_origin["centripetal"] += np.cross(omega, np.cross(omega, lever))
-    at_origin["angular"] += np.cross(alpha, lever)
+    at_origin["centripetal"] += cross(omega, cross(omega, lever))
+    at_origin["angular"] += cross(alpha, lever)
     tensors, masses = np.stack([body.inertia for body in model.bodies]), _masses(model)
     local = state.velocity[..., ANGULAR]
-    gyroscopic = np.cross(local, np.einsum("iab,...ib->...ia", tensors, local))
+    gyroscopic = cross(local, np.einsum("iab,...ib->...ia", tensors, local))
     local_alpha = np.einsum("...iba,...ib->...ia", state.rotation, alpha)
     zero = np.zeros_like(origins)
     return {
@@ -74,12 +74,12 @@ def _spatial(model: RobotModel, trial: TrialStates, whole: Array) -> Terms:
     omega = state.velocity[..., ANGULAR]
     center, masses = np.stack([body.center_of_mass for body in model.bodies]), _masses(model)
     at_center = np.einsum("...iba,...ib->...ia", state.rotation, state.velocity[..., LINEAR])
-    at_origin = at_center - np.cross(omega, center)
+    at_origin = at_center - cross(omega, center)
     momentum = masses * at_center
     tensors = np.stack([body.inertia for body in model.bodies])
-    spin = np.einsum("iab,...ib->...ia", tensors, omega) + np.cross(center, momentum)  # about the link origin
-    force = np.cross(omega, momentum)
-    moment = np.cross(omega, spin) + np.cross(at_origin, momentum) - np.cross(center, force)  # about the centre
+    spin = np.einsum("iab,...ib->...ia", tensors, omega) + cross(center, momentum)  # about the link origin
+    force = cross(omega, momentum)
+    moment = cross(omega, spin) + cross(at_origin, momentum) - cross(center, force)  # about the centre
     bias = _project(state, _in_world(state, force), moment)
     return {"the bias wrenches v ×* I v": bias, "the terms v × S q̇ in the accelerations": whole - bias}
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn._linear import cross
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 
@@ -84,9 +85,9 @@ def at_centers(centers: Array, rotation: Array, velocity: Array, acceleration: A
     """
     linear, omega = velocity[..., LINEAR], velocity[..., ANGULAR]
     alpha = acceleration[..., ANGULAR]
-    at_center = linear + np.cross(omega, centers)
-    classical = acceleration[..., LINEAR] + np.cross(omega, linear)
-    classical = classical + np.cross(alpha, centers) + np.cross(omega, np.cross(omega, centers))
+    at_center = linear + cross(omega, centers)
+    classical = acceleration[..., LINEAR] + cross(omega, linear)
+    classical = classical + cross(alpha, centers) + cross(omega, cross(omega, centers))
 
     def in_world(vectors: Array) -> Array:
         return np.einsum("...ab,...b->...a", rotation, vectors)

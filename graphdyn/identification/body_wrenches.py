@@ -8,6 +8,7 @@ import numpy as np
 
 from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
+from graphdyn._linear import cross
 from graphdyn._model import RobotModel
 from graphdyn.layout import Array
 
@@ -73,7 +74,7 @@ def body_wrenches(model: RobotModel, data: WrenchData) -> tuple[Array, Array]:
     to_body = np.swapaxes(x["rotation"], -1, -2)[..., :, None, :, :]  # body i, joint k
     pushes = (to_body @ x["joint_forces"][..., None, :, :, None])[..., 0]
     turns = (to_body @ x["joint_moments"][..., None, :, :, None])[..., 0]
-    moment = -np.sum(np.cross(_levers(model, x["q"]), pushes) + s[..., None] * turns, axis=-2)
+    moment = -np.sum(cross(_levers(model, x["q"]), pushes) + s[..., None] * turns, axis=-2)
     return force, moment
 
 

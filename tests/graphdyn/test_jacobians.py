@@ -24,6 +24,7 @@ import graphdyn
 from graphdyn import MaximalState
 from graphdyn._constraints import constraints
 from graphdyn._kinematics import bias_acceleration, link_origins, null_space
+from graphdyn._linear import cross
 from graphdyn._rotation import (
     cardano_angles,
     cardano_matrix,
@@ -172,6 +173,14 @@ def test_rotation_about_an_axis_is_scipys(rng):
 def test_skew_is_the_cross_product(rng):
     a, b = rng.normal(size=(2, 5, 3))
     np.testing.assert_allclose((skew(a) @ b[..., None])[..., 0], np.cross(a, b), rtol=0, atol=10 * EPS)
+
+
+@pytest.mark.parametrize("shapes", [((3,), (3,)), ((5, 3), (3,)), ((4, 1, 3), (6, 3)), ((2, 0, 3), (3,))])
+def test_cross_product_has_the_bits_of_numpys(rng, shapes):
+    a, b = (rng.choice([0.0, -0.0, 1.0, np.pi, -np.e, 1e-300, 1e200], shape) for shape in shapes)
+    product, expected = cross(a, b), np.cross(a, b)
+    assert product.shape == expected.shape
+    assert product.tobytes() == expected.tobytes()
 
 
 def test_cardano_matrix_turns_about_x_then_the_new_y_then_the_new_z(rng):
