@@ -9,7 +9,7 @@ from itertools import chain
 import numpy as np
 
 from crosscheck.judging.experiments import PARTS, Parts, TrialStates, deviations, scales, split, torques
-from crosscheck.judging.faults import faults
+from crosscheck.judging.faults import Fault, faults
 from crosscheck.judging.fits import (
     FittedFault,
     ParameterFits,
@@ -53,7 +53,7 @@ def diagnose(
         return [_unknown(function, "the answers are not finite", evidence)]
 
     def explained(findings: Iterator[FittedFault], size: float) -> list[FittedFault]:
-        good = [found for found in findings if found.left <= max(NOISE, EXPLAINED * size)]
+        good = [found for found in findings if found.left <= _bound(size)]
         least = min((found.left for found in good), default=0.0)
         return [found for found in good if found.left <= max(NOISE, AS_GOOD * least)]
 
@@ -61,7 +61,8 @@ def diagnose(
     if len(wrong) == 1 and by_part[wrong[0]]:
         return [_diagnosis(function, by_part[wrong[0]], evidence)]
     fits, size = ParameterFits(model, trial, _difference(observed, own), scale), max(before.values())
-    if together := explained(chain(_of_all(model, trial, observed, scale, links), fits.named()), size):
+    of_all = _of_all(model, trial, observed, scale, links, _bound(size))
+    if together := explained(chain(of_all, fits.named()), size):
         return [_diagnosis(function, together, evidence)]
     if all(by_part.values()):
         return [_diagnosis(function, found, evidence) for found in by_part.values()]
@@ -76,6 +77,11 @@ def diagnose(
     else:
         message = f"no single fault explains the deviation {' and '.join(PARTS[part] for part in rest)}"
     return [*found, _unknown(function, message, evidence)]
+
+
+def _bound(size: float) -> float:
+    """What an explanation of a deviation of this size may leave."""
+    return max(NOISE, EXPLAINED * size)
 
 
 def _of_part(
@@ -101,15 +107,22 @@ def _of_all(
     observed: Parts,
     scale: dict[str, float],
     links: Mapping[str, tuple[int, Array]],
+    bound: float,
 ) -> Iterator[FittedFault]:
-    """Faults that touch several parts at once, the likelier first."""
+    """Faults that touch several parts at once, the likelier first; none that leaves more than bound at one state."""
+    first = TrialStates(trial.q[:1], trial.v[:1])
+    observed_there = observed.first()
     answer = None
     if observed.gravity is not None and observed.velocity is not None:
         answer = observed.gravity[0] + observed.velocity[0]
     columns = None if observed.inertia is None else np.swapaxes(observed.inertia[0], -1, -2)
     for fault in (*faults(model, links), *order_faults(model, trial.q[0], trial.v[0], answer, columns)):
-        left = max(deviations(observed, split(fault.torque, trial), scale).values())
-        yield FittedFault(fault.kind, fault.message, fault.remedy, left)
+        if _left(observed_there, fault, first, scale) <= bound:
+            yield FittedFault(fault.kind, fault.message, fault.remedy, _left(observed, fault, trial, scale))
+
+
+def _left(observed: Parts, fault: Fault, trial: TrialStates, scale: dict[str, float]) -> float:
+    return max(deviations(observed, split(fault.torque, trial), scale).values())
 
 
 def _difference(x: Parts, y: Parts) -> Parts:

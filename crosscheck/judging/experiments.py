@@ -53,6 +53,10 @@ class Parts:
     def known(self) -> tuple[str, ...]:
         return tuple(part for part in PARTS if getattr(self, part) is not None)
 
+    def first(self) -> Parts:
+        """The same at the first state alone."""
+        return Parts(*(None if x is None else x[:1] for x in (self.gravity, self.inertia, self.velocity, self.doubled)))
+
 
 def torques(model: RobotModel) -> Function:
     return lambda q, v, a: inverse_dynamics(model, q, v, a).tau

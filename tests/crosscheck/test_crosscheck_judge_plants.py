@@ -179,6 +179,13 @@ def test_a_fault_that_shows_only_where_terms_meet():
     )
 
 
+def mass_of(inverse_dynamics, q):
+    """M, column by column."""
+    zero = np.zeros_like(q)
+    at_rest = inverse_dynamics(q, zero, zero)
+    return np.stack([inverse_dynamics(q, zero, e) - at_rest for e in np.eye(len(q))], axis=-1)
+
+
 @pytest.mark.parametrize("kind", ["gravity", "coriolis", "sign", "joint_order", "frame", "inertia_point", "unit"])
 def test_forward_dynamics_are_taken_apart_too(kind):
     """Dynamics solved with the faulty recursion have its fault."""
@@ -186,9 +193,7 @@ def test_forward_dynamics_are_taken_apart_too(kind):
     faulty = PLANTS[kind][FIRST[kind]](TextbookArm.of(model), model)
 
     def forward_dynamics(q, v, tau):
-        zero = np.zeros_like(q)
-        mass = np.stack([faulty(q, zero, e) - faulty(q, zero, zero) for e in np.eye(6)], axis=-1)
-        return np.linalg.solve(mass, tau - faulty(q, v, zero))
+        return np.linalg.solve(mass_of(faulty, q), tau - faulty(q, v, np.zeros_like(q)))
 
     assert kinds(judge("ur5", forward_dynamics=forward_dynamics, samples=SAMPLES)) == {kind}
 
@@ -197,12 +202,7 @@ def test_forward_dynamics_are_taken_apart_too(kind):
 def test_mass_matrices_are_diagnosed_too(kind):
     model = MODELS["ur5"]
     faulty = PLANTS[kind][FIRST[kind]](TextbookArm.of(model), model)
-
-    def mass_matrix(q):
-        zero = np.zeros_like(q)
-        return np.stack([faulty(q, zero, e) - faulty(q, zero, zero) for e in np.eye(6)], axis=-1)
-
-    assert kinds(judge("ur5", mass_matrix=mass_matrix, samples=SAMPLES)) == {kind}
+    assert kinds(judge("ur5", mass_matrix=lambda q: mass_of(faulty, q), samples=SAMPLES)) == {kind}
 
 
 @pytest.mark.parametrize(

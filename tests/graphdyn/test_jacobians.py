@@ -177,7 +177,7 @@ def test_skew_is_the_cross_product(rng):
 
 @pytest.mark.parametrize("shapes", [((3,), (3,)), ((5, 3), (3,)), ((4, 1, 3), (6, 3)), ((2, 0, 3), (3,))])
 def test_cross_product_has_the_bits_of_numpys(rng, shapes):
-    a, b = (rng.choice([0.0, -0.0, 1.0, np.pi, -np.e, 1e-300, 1e200], shape) for shape in shapes)
+    a, b = (rng.choice([0.0, -0.0, 1.0, np.pi, -np.e, 1e-300, 1e150], shape) for shape in shapes)
     product, expected = cross(a, b), np.cross(a, b)
     assert product.shape == expected.shape
     assert product.tobytes() == expected.tobytes()

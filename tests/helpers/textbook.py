@@ -11,6 +11,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 
+def cross(a, b):
+    """a × b of two vectors (3,)."""
+    (a1, a2, a3), (b1, b2, b3) = a, b
+    return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+
+
 @dataclass(frozen=True, eq=False)
 class TextbookArm:
     """Plain arrays per joint and body, in the order of the joints. Factors other than 1 are faults.
@@ -66,24 +72,22 @@ class TextbookArm:
             carried = back @ omega[i]
             spin, push = (0.0, v[j]) if sliding else (v[j], 0.0)
             omega.append(carried + spin * p)
-            alpha.append(back @ alpha[i] + (0 if sliding else a[j] * p) + self.cross * np.cross(carried, spin * p))
-            r_dd = acceleration[i] + np.cross(alpha[i], arm[j])
-            r_dd = r_dd + self.centripetal * np.cross(omega[i], np.cross(omega[i], arm[j]))
-            acceleration.append(
-                back @ r_dd + (a[j] * p if sliding else 0) + 2 * self.slide * np.cross(carried, push * p)
-            )
+            alpha.append(back @ alpha[i] + (0 if sliding else a[j] * p) + self.cross * cross(carried, spin * p))
+            r_dd = acceleration[i] + cross(alpha[i], arm[j])
+            r_dd = r_dd + self.centripetal * cross(omega[i], cross(omega[i], arm[j]))
+            acceleration.append(back @ r_dd + (a[j] * p if sliding else 0) + 2 * self.slide * cross(carried, push * p))
             w, c, tensor = omega[-1], self.centers[j], self.tensors[j]
-            at_center = acceleration[-1] + np.cross(alpha[-1], c) + self.centripetal * np.cross(w, np.cross(w, c))
+            at_center = acceleration[-1] + cross(alpha[-1], c) + self.centripetal * cross(w, cross(w, c))
             force.append(self.masses[j] * at_center)
-            spin_moment = tensor @ alpha[-1] + self.gyroscopic * np.cross(w, tensor @ w)
-            moment.append(spin_moment + np.cross(c, force[j]))
+            spin_moment = tensor @ alpha[-1] + self.gyroscopic * cross(w, tensor @ w)
+            moment.append(spin_moment + cross(c, force[j]))
         tau = np.empty(n)
         for j in reversed(range(n)):
             tau[j] = self.axes[j] @ (force[j] if self.prismatic[j] else moment[j])
             if (i := self.inside[j]) > 0:
                 push = turn[j] @ force[j]
                 force[i - 1] = force[i - 1] + push
-                moment[i - 1] = moment[i - 1] + turn[j] @ moment[j] + np.cross(arm[j], push)
+                moment[i - 1] = moment[i - 1] + turn[j] @ moment[j] + cross(arm[j], push)
         return tau
 
     def mass_matrix(self, q):
