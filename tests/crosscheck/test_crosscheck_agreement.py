@@ -6,7 +6,8 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from examples import examples
+from hypothesis import given
 from hypothesis import strategies as st
 from planting import flagged
 from random_trees import SEEDS, random_rotation, random_tree, topologies
@@ -25,7 +26,7 @@ TREE_SAMPLES = 5
 VENDOR_SAMPLES = 10
 
 MAX_BODIES = 6
-EXAMPLES = settings(max_examples=10, deadline=None, derandomize=True)
+EXAMPLES = examples(10)
 """Few: each example is compared at six kinds of states and two for every body."""
 
 MANIFEST = ARMS.parent / "manifest.tsv"

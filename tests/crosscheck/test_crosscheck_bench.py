@@ -67,6 +67,7 @@ def found():
     steps = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(benchmark, "QUICK", SMALL)
+        patch.setattr("crosscheck.studies.bench.contender.STEADY", SMALL.duration)
         result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
     assert sum(steps) == PARTS
     return result

@@ -215,6 +215,7 @@ class TestExamples:
     def hurry(self, monkeypatch):
         """The benchmark measures little."""
         monkeypatch.setattr("crosscheck.studies.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
+        monkeypatch.setattr("crosscheck.studies.bench.contender.STEADY", 1e-3)
 
     @pytest.mark.parametrize("command", COMMANDS)
     def test_the_first_one_runs(self, program, command, my_code, hurry):

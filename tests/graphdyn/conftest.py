@@ -4,14 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import settings
 from random_trees import NAMED
 from shared_data import DATA, existing
 
 from graphdyn import _methods as methods
-
-settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=40)
-settings.load_profile("graphdyn")
 
 
 @pytest.fixture(params=NAMED)

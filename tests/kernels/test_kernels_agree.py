@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from back_ends import BACK_ENDS, COMPILED, on
-from hypothesis import given, settings
+from examples import examples
+from hypothesis import given
 from random_trees import (
     NAMED,
     SEEDS,
@@ -30,8 +31,8 @@ WRENCH = 50 * EPS
 SUM = 1e-13
 """The same sum in another order, relative to its largest term: measured 3.7e-15."""
 
-many = settings(max_examples=25, deadline=None, derandomize=True)
-few = settings(max_examples=3, deadline=None, derandomize=True)
+many = examples(25)
+few = examples(3)
 """Compiling a robot's programs takes a second."""
 
 

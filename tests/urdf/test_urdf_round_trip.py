@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import numpy as np
-from hypothesis import assume, given, settings
+from examples import examples
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -85,7 +86,7 @@ def assert_same_placement(got: Placement, expected: Placement) -> None:
     assert_allclose(got.rotation, expected.rotation, rtol=0, atol=ROUNDING)
 
 
-@settings(deadline=None, max_examples=60)
+@examples(60)
 @given(model=models())
 def test_round_trip(tmp_path_factory, model):
     again = reload(model, tmp_path_factory.mktemp("round_trip"))
@@ -109,7 +110,7 @@ def test_round_trip(tmp_path_factory, model):
     assert np.abs(graphdyn.mass_matrix(again, q) - mass_matrix).max() <= 1e-13 * np.abs(mass_matrix).max()
 
 
-@settings(deadline=None, max_examples=30)
+@examples(30)
 @given(model=models(), base=placements)
 def test_base_placement(tmp_path_factory, model, base):
     assume(base.translation.any())
@@ -125,7 +126,6 @@ def test_base_placement(tmp_path_factory, model, base):
             assert_allclose(got, expected, rtol=0, atol=1e-13)
 
 
-@settings(deadline=None)
 @given(rotation=rotations())
 def test_roll_pitch_yaw_give_the_rotation_back(rotation):
     roll, pitch, yaw = rpy_from_rotation(rotation)
