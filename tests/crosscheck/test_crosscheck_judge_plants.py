@@ -7,6 +7,7 @@ from textbook import TextbookArm
 from urdf_text import inertial
 
 import urdf
+from crosscheck.judging import diagnosis as diagnosing
 from crosscheck.judging.judge import judge
 from graphdyn import joint_torque_regressor
 
@@ -27,6 +28,30 @@ TOOL = (
     '<joint name="screws" type="fixed"><origin xyz="0 0.01 0.05" rpy="0.2 0 0.4"/>'
     '<parent link="{last}"/><child link="gripper"/></joint></robot>'
 )
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _faults_computed_once():
+    """The torques of a robot with each fault do not depend on the code that is judged: they are kept for the next."""
+    found, taken_apart = {}, {}
+    faults, split = diagnosing.faults, diagnosing.split
+
+    def faults_of(model, links):
+        key = model.name, model.gravity.tobytes(), model.inertial_parameters.tobytes(), *links
+        if key not in found:
+            found[key] = tuple(faults(model, links))
+        return found[key]
+
+    def split_once(function, trial):
+        key = function, trial.q.tobytes(), trial.v.tobytes()
+        if key not in taken_apart:
+            taken_apart[key] = split(function, trial)
+        return taken_apart[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(diagnosing, "faults", faults_of)
+        patch.setattr(diagnosing, "split", split_once)
+        yield
 
 
 def kinds(judgement):

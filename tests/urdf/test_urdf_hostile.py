@@ -146,11 +146,17 @@ def test_200_megabytes(tmp_path):
     assert timed(urdf.inspect, path).codes == ("too-large",)
 
 
+@pytest.fixture
+def yourdfpy_imported(tmp_path):
+    """The first file that is loaded pays for the import."""
+    urdf.load(write(tmp_path, chain(2)))
+
+
 @pytest.mark.parametrize("kind", ["revolute", "fixed"])
+@pytest.mark.usefixtures("yourdfpy_imported")
 def test_the_longest_chain_that_is_read(tmp_path, kind):
     """No recursion anywhere."""
     path = write(tmp_path, chain(MOST_LINKS, kind))
-    urdf.load(path)  # the first call imports yourdfpy
     model = timed(urdf.load, path)
     assert model.n_bodies == (MOST_LINKS - 1 if kind == "revolute" else 1)
     report = timed(urdf.inspect, path)
