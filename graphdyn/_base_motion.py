@@ -67,6 +67,9 @@ class BaseMotion:
         )
 
 
+AT_REST = BaseMotion()
+
+
 @dataclass(frozen=True, eq=False)
 class Ground:
     """Vertex 0 of the graph: where the ground frame is and how it moves, in world axes.
@@ -95,7 +98,7 @@ class Ground:
 
 def ground(model: RobotModel, base: BaseMotion | None, batch: tuple[int, ...] = ()) -> Ground:
     """The ground frame of a robot on a carriage, at rest without one. Arrays have the leading dimensions batch."""
-    base = base or BaseMotion()
+    base = base or AT_REST
     carriage = Ground(
         np.broadcast_to(base.translation, (*batch, 3)),
         np.broadcast_to(base.rotation, (*batch, 3, 3)),
