@@ -1,7 +1,7 @@
-"""Scalars that remember how they were computed: feed them to a recursion, and the recursion becomes a program.
+"""Scalars that remember how they were computed: a recursion that is run on them is recorded as a program.
 
-A scalar is a float, known once and for all, or an Expression, known per sample. What can be computed now is: sums and
-products of floats are floats, and 0 x, 1 x, x + 0 leave no operation. What was computed before is not computed again.
+A scalar is a float, the same for all samples, or an Expression, with a value for each sample. Operations on floats are
+carried out while recording, and 0 x, 1 x, x + 0, x / 1 record nothing. No operation is recorded twice.
 """
 
 from __future__ import annotations
@@ -155,8 +155,41 @@ class Expression:
 
     __rmul__ = __mul__
 
-    def __rtruediv__(self, other: object) -> Expression:
+    def __truediv__(self, other: object) -> object:
+        """x / y, rounded once: never a product with the reciprocal. A known zero divisor raises, as with floats."""
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        if _is(other, 0.0):
+            raise ZeroDivisionError("an expression is divided by a number that is known to be zero")
+        if _is(other, 1.0):
+            return self
+        if _is(other, -1.0):
+            return -self
+        if self._negated is not None:
+            return -(self._negated / other)  # type: ignore[operator]
+        if isinstance(other, Expression) and other._negated is not None:
+            return -(self / other._negated)  # type: ignore[operator]
+        return self.recorder.operation("/", self.number, self.recorder.number(other))
+
+    def __rtruediv__(self, other: object) -> object:
+        if _is(other, 0.0):
+            return 0.0
+        if self._negated is not None:
+            return -(other / self._negated)  # type: ignore[operator]
         return self.recorder.operation("/", self.recorder.number(other), self.number)
+
+    def __pow__(self, exponent: object) -> object:
+        """x to an integer power, by repeated squaring: products that both back ends round alike."""
+        if not isinstance(exponent, int | np.integer):
+            return NotImplemented
+        if exponent < 0:
+            return 1.0 / self**-exponent  # type: ignore[operator]
+        half = 1.0 if exponent < 2 else self ** (exponent // 2)
+        even = half * half  # type: ignore[operator]
+        return even * self if exponent % 2 else even
+
+    def __pos__(self) -> Expression:
+        return self
 
     def __neg__(self) -> Expression:
         return self._negated or self.recorder.operation("negate", self.number)

@@ -6,6 +6,8 @@ from random_trees import NAMED
 
 import urdf
 from graphdyn.kernels.expressions import Expression, Recorder
+from graphdyn.kernels.interpreter import Interpreter
+from graphdyn.kernels.native import CompiledProgram
 from graphdyn.kernels.programs import Request, record
 from graphdyn.kernels.vectors import scalars
 
@@ -59,6 +61,25 @@ FOLDS = {
     "2 x": (lambda x, y: 2.0 * x, 1),
     "2 - x": (lambda x, y: 2.0 - x, 1),
     "1 / x": (lambda x, y: 1.0 / x, 1),
+    "x / y": (lambda x, y: x / y, 1),
+    "x / 2": (lambda x, y: x / 2.0, 1),
+    "x / 3, an integer": (lambda x, y: x / 3, 1),
+    "x / a number of NumPy": (lambda x, y: x / np.float64(3.0), 1),
+    "a number of NumPy / x": (lambda x, y: np.float64(3.0) / x, 1),
+    "x / 1": (lambda x, y: x / 1.0, 0),
+    "x / (-1)": (lambda x, y: x / -1.0, 1),
+    "0 / x": (lambda x, y: 0.0 / x, 0),
+    "(-x) / y + x / y": (lambda x, y: (-x) / y + x / y, 2),
+    "x / (-y) + x / y": (lambda x, y: x / (-y) + x / y, 2),
+    "(-x) / (-y)": (lambda x, y: (-x) / (-y), 1),
+    "3 / (-x) + 3 / x": (lambda x, y: 3.0 / (-x) + 3.0 / x, 2),
+    "+x": (lambda x, y: +x, 0),
+    "x⁰": (lambda x, y: x**0, 0),
+    "x¹": (lambda x, y: x**1, 0),
+    "x²": (lambda x, y: x**2, 1),
+    "x³": (lambda x, y: x**3, 2),
+    "x⁸": (lambda x, y: x**8, 3),
+    "x⁻²": (lambda x, y: x**-2, 2),
     "x + (-y)": (lambda x, y: x + (-y), 1),
     "(-x) + y": (lambda x, y: (-x) + y, 1),
     "x - (-y)": (lambda x, y: x - (-y), 1),
@@ -82,9 +103,52 @@ def test_folding_keeps_the_value_and_saves_operations(sheet, name):
 
 
 def test_known_results_are_numbers(sheet):
-    for known in (0.0 * sheet.x, sheet.y * 0.0):
+    for known in (0.0 * sheet.x, sheet.y * 0.0, 0.0 / sheet.x, sheet.x**0):
         assert isinstance(known, float)
     assert isinstance(sheet.x + 0.0, Expression)
+
+
+@pytest.mark.parametrize("zero", [0.0, 0, -0.0, np.float64(0.0)])
+def test_dividing_by_a_known_zero_is_an_error(sheet, zero):
+    with pytest.raises(ZeroDivisionError, match="divided by a number that is known to be zero"):
+        sheet.x / zero
+
+
+@pytest.mark.parametrize("exponent", [0.5, 2.0, "2"])
+def test_powers_are_of_integers(sheet, exponent):
+    with pytest.raises(TypeError, match="unsupported operand"):
+        sheet.x**exponent
+
+
+def test_arrays_divide_by_element(sheet):
+    rows = np.array([sheet.x, 3.0, sheet.y], dtype=object)
+    assert [type(x) for x in rows / sheet.x] == [Expression] * 3
+    assert sheet.cost(*(rows / sheet.x)) == 3
+    assert sheet.cost(*(sheet.x / rows)) == 3
+
+
+AWKWARD = (0.0, -0.0, np.inf, -np.inf, np.nan, 1e308, -1e308, 5e-324, 3e-310, 1.0, -1.0, 3.0, 0.1)
+"""Zeros, what is not finite, what overflows or underflows, and numbers whose quotients are rounded."""
+
+
+@pytest.mark.parametrize("lanes", [1, 2, 4, 8])
+def test_quotients_and_powers_are_those_of_ieee_754(lanes):
+    """Bit for bit on NumPy (one lane) and compiled, as NumPy divides and multiplies; NaN as NaN."""
+    rng = np.random.default_rng(0)
+    pairs = [(x, y) for x in AWKWARD for y in AWKWARD]
+    q = np.array([*pairs, *(rng.normal(size=(2000, 2)) * 10.0 ** rng.integers(-300, 300, (2000, 2)))])
+    recorder = Recorder()
+    x, y = recorder.inputs("q", 2)
+    program = recorder.program({"answer": [x / y, x / 3.0, 7.0 / x, 1.0 / y, x**3, x**-2]}, {})
+    found = np.empty((len(q), 6))
+    backend = Interpreter(program) if lanes == 1 else CompiledProgram(program, lanes)
+    backend.bind({"q": q}, {"answer": found})(0, len(q))
+    x, y = q.T
+    with np.errstate(all="ignore"):
+        expected = np.stack([x / y, x / 3.0, 7.0 / x, 1.0 / y, x * x * x, 1.0 / (x * x)], axis=-1)
+    assert np.array_equal(np.isnan(found), np.isnan(expected))
+    sound = ~np.isnan(expected)
+    assert np.array_equal(found[sound].view(np.int64), expected[sound].view(np.int64))
 
 
 def test_signs_go_outside_so_that_products_are_shared(sheet):
