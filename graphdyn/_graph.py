@@ -37,7 +37,10 @@ class Graph:
         return len(self.inside)
 
     def incidence(self) -> IntArray:
-        """S (n, n): S_ij = +1 if joint j starts with body i, -1 if it ends with body i. Eq. (8)-(10)."""
+        """S (n, n): S_ij = +1 if joint j starts with body i, -1 if it ends with body i. Eq. (8)-(10).
+
+        The force element of joint j acts between the same two bodies: the paper's S^e of Eq. (12)-(13) is S.
+        """
         s = -np.eye(self.n, dtype=np.int64)
         for j, i in enumerate(self.inside, start=1):
             if i > 0:
@@ -51,10 +54,6 @@ class Graph:
             if i > 0:
                 t[:, j - 1] += t[:, i - 1]
         return t
-
-    def force_element_matrix(self) -> IntArray:
-        """S^e (n, n_e) of the joint force elements, Eq. (12)-(13): element k acts between i(k) and k, so S^e = S."""
-        return self.incidence()
 
     def outside(self, i: int) -> tuple[int, ...]:
         """Numbers of the bodies that vertex i carries directly."""

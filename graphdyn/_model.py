@@ -265,7 +265,8 @@ class RobotModel:
     def body_joint_vectors(self) -> Array:
         """C (n, n, 3): S_ij c_ij, c_ij from the center of mass of body i to joint j, in axes of body i. Eq. (11) [m].
 
-        A prismatic joint is taken at q = 0: its force acts along the axis, through the same line at every q.
+        A prismatic joint is taken at q = 0: its force acts along the axis, through the same line at every q. The joint
+        force elements act at the joints: the paper's C^e of Eq. (17)-(18) is C.
         """
         c = np.zeros((self.n_bodies, self.n_bodies, 3))
         for j, joint in enumerate(self.joints, start=1):
@@ -273,10 +274,6 @@ class RobotModel:
             if joint.inside > 0:
                 c[joint.inside - 1, j - 1] = joint.placement.translation - self.bodies[joint.inside - 1].center_of_mass
         return c
-
-    def force_element_vectors(self) -> Array:
-        """C^e (n, n_e, 3) of the joint force elements, Eq. (17)-(18): they act at the joints, so C^e = C [m]."""
-        return self.body_joint_vectors()
 
     @cached_property
     def inertial_parameters(self) -> Array:

@@ -51,7 +51,7 @@ def actuator_terms(state: MaximalState) -> Array:
     resultants are F^ê = -S^e F^e (Eq. 14), M^ê = -Σ C^e × F^e (Eq. 19) and M^â = -S M^a (Eq. 26).
     """
     model, vertices = state.model, state.vertices
-    s = model.graph.force_element_matrix()
+    s = model.graph.incidence()
     n = model.n_bodies
     columns = np.zeros((*state.position.shape[:-1], 6, n))
     for k, joint in enumerate(model.joints, start=1):

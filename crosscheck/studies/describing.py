@@ -45,9 +45,7 @@ def describe(model: RobotModel, robot: str, locked: Mapping[str, float]) -> Robo
             FrameRecord(frame.name, frame.aliases, _vertex(model, frame.body), *_xyz_rpy(frame.placement))
             for frame in model.frames
         ),
-        graph=GraphRecord(
-            graph.incidence(), graph.path_matrix(), graph.force_element_matrix(), model.body_joint_vectors()
-        ),
+        graph=GraphRecord(graph.incidence(), graph.path_matrix(), graph.incidence(), model.body_joint_vectors()),
         system=_system(model),
     )
 

@@ -148,7 +148,7 @@ def _force_sign(sample: _Sample) -> tuple[Array, Array]:
     """m r̈ = F^g ± F̂^e (Eq. 22, 24) with the joint forces of rnea: errors of r̈ with minus and with plus."""
     model, reference = sample.case.model, sample.reference
     force = np.einsum("...iab,...ib->...ia", reference.rotation, reference.joint_wrenches[..., LINEAR])
-    resultant = -np.einsum("ik,...ka->...ia", model.graph.force_element_matrix(), force)  # Eq. (14)
+    resultant = -np.einsum("ik,...ka->...ia", model.graph.incidence(), force)  # Eq. (14)
     true = reference.acceleration[..., LINEAR]
 
     def error(sign: float) -> Array:

@@ -69,7 +69,7 @@ def body_wrenches(model: RobotModel, data: WrenchData) -> tuple[Array, Array]:
     Raises InvalidInput where the data do not fit the model, or are not finite.
     """
     x = fitting_data(model, data, "q", "rotation", "joint_forces", "joint_moments")
-    s = model.graph.force_element_matrix()
+    s = model.graph.incidence()  # which is S^e
     force = -np.einsum("ik,...ka->...ia", s, x["joint_forces"])
     to_body = np.swapaxes(x["rotation"], -1, -2)[..., :, None, :, :]  # body i, joint k
     pushes = (to_body @ x["joint_forces"][..., None, :, :, None])[..., 0]
@@ -117,7 +117,7 @@ def fitting_data(model: RobotModel, data: WrenchData, *names: str) -> dict[str, 
 
 def _levers(model: RobotModel, q: Array) -> Array:
     """C^e_ik (N, n, n, 3) with the sliding joints where they are, Eq. (17)-(18) [m]."""
-    levers = np.tile(model.force_element_vectors(), (len(q), 1, 1, 1))
+    levers = np.tile(model.body_joint_vectors(), (len(q), 1, 1, 1))
     for k, joint in enumerate(model.joints, start=1):
         if joint.is_prismatic and joint.inside > 0:
             levers[:, joint.inside - 1, k - 1] += q[:, k - 1, None] * (joint.placement.rotation @ joint.axis)

@@ -294,7 +294,6 @@ def test_kr500_incidence_matrix_is_the_papers():
         ]
     )
     assert np.array_equal(KR500.graph.incidence(), s)
-    assert np.array_equal(KR500.graph.force_element_matrix(), s)
 
 
 def test_kr500_body_joint_vectors_are_the_papers():
@@ -303,7 +302,6 @@ def test_kr500_body_joint_vectors_are_the_papers():
     for i, length in enumerate(LENGTHS):
         c[i, i : i + 2, 0] = length / 2
     np.testing.assert_allclose(KR500.body_joint_vectors(), c, rtol=1e-15)
-    np.testing.assert_allclose(KR500.force_element_vectors(), c, rtol=1e-15)
 
 
 def robot_of_table_2():
