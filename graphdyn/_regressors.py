@@ -81,12 +81,14 @@ def _body_regressor(state: MaximalState) -> Array:
     """Y of the link frames whose motion the state is (RobotModel.skeleton)."""
     assert state.acceleration is not None
     omega, alpha = state.velocity[..., ANGULAR], state.acceleration[..., ANGULAR]
-    felt = np.einsum("...iba,...ib->...ia", state.rotation, state.acceleration[..., LINEAR] - state.model.gravity)
+    compensated = np.einsum(
+        "...iba,...ib->...ia", state.rotation, state.acceleration[..., LINEAR] - state.model.gravity
+    )
     w, w_dot = skew(omega), skew(alpha)
-    y = np.zeros((*felt.shape[:-1], 6, BODY_PARAMETERS))
-    y[..., LINEAR, 0] = felt
+    y = np.zeros((*compensated.shape[:-1], 6, BODY_PARAMETERS))
+    y[..., LINEAR, 0] = compensated
     y[..., LINEAR, 1:4] = w_dot + w @ w
-    y[..., ANGULAR, 1:4] = -skew(felt)
+    y[..., ANGULAR, 1:4] = -skew(compensated)
     y[..., ANGULAR, 4:] = _tensor_columns(alpha) + w @ _tensor_columns(omega)
     return y
 

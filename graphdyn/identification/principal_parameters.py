@@ -26,8 +26,8 @@ def mass_rows(acceleration: ArrayLike, gravity: ArrayLike) -> Array:
 
     acceleration: r̈ of the center of mass (…, 3), gravity: g (3,); world axes
     """
-    felt = np.asarray(acceleration, dtype=float) - np.asarray(gravity, dtype=float)
-    return felt[..., None] * np.eye(3)
+    compensated: Array = np.asarray(acceleration, dtype=float) - np.asarray(gravity, dtype=float)
+    return compensated[..., None] * np.eye(3)
 
 
 def moment_rows(angular_velocity: ArrayLike, angular_acceleration: ArrayLike) -> Array:

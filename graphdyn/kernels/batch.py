@@ -111,7 +111,7 @@ def _ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...])
         "velocity": own_axes(moving.velocity[..., LINEAR]),
         "omega": own_axes(moving.velocity[..., ANGULAR]),
         "alpha": own_axes(moving.acceleration[..., ANGULAR]),
-        "felt": own_axes(moving.acceleration[..., LINEAR] - model.gravity),
+        "compensated": own_axes(moving.acceleration[..., LINEAR] - model.gravity),
     }
     return np.concatenate([columns[name] for name in GROUND], axis=-1)
 

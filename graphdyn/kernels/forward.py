@@ -1,12 +1,14 @@
 """Forward dynamics: Eq. (111) by elimination from leaf to root.
 
 Joint j and body j are a leaf of the system: 6 accelerations, 5 multipliers and the joint's own acceleration appear in
-the equations of body j and of its inside body only. Eliminating them adds to the inside body an inertia and a wrench as
-if body j were part of it, free to move along the joint: Featherstone's articulated body ("The calculation of robot
-dynamics using articulated-body inertias", International Journal of Robotics Research 2(1), 1983). At the root nothing
-is left to eliminate; substituting back outwards yields all accelerations, and all multipliers on the way.
+the equations of body j and of its inside body only. Eliminating them adds an inertia and a wrench to the inside body:
+those of Featherstone's articulated body, seen through its joint ("The calculation of robot dynamics using
+articulated-body inertias", International Journal of Robotics Research 2(1), 1983; "Rigid Body Dynamics Algorithms",
+2008, section 7.3, whose symbols are used here). At the root nothing is left to eliminate; substituting back outwards
+yields all accelerations, and all multipliers on the way.
 
-The unknowns are the accelerations beyond those at a = 0, so that velocity and gravity enter as wrenches only.
+The unknowns are the accelerations beyond those at a = 0, so that velocity and gravity enter as wrenches only; the
+velocity-product accelerations c of Featherstone's form are among those at a = 0.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Ground, Motion, Place, inertial_wrench, motions, places
+from graphdyn.kernels.motion import Motion, Place, Root, inertial_wrench, motions, places
 from graphdyn.kernels.reactions import Wrench, added, answers, inwards, unloaded
 from graphdyn.kernels.vectors import E_Z, Scalars, cross, scalars, skew, symmetric, zeros
 
@@ -52,86 +54,85 @@ class Inertia:
 
 
 @dataclass(frozen=True, eq=False)
-class Eliminated:
-    """Body j with everything outside, as its inside body sees it across the free joint.
+class SeenThroughJoint:
+    """The articulated body j as its inside body sees it, through joint j with motion subspace S.
 
-    inertia, wrench: of the articulated body once the joint gives way
-    column: force and moment per unit of joint acceleration; yielding: 1 / d, joint acceleration per unit of torque
-    surplus: torque left when the inside body does not accelerate
+    inertia, bias: I^a and p^a
+    U: I^A S, force and moment per unit of joint acceleration; D_inverse: 1 / D, D = Sᵀ U
+    u: τ - Sᵀ p^A
     """
 
     inertia: Inertia
-    wrench: Wrench
-    column: Wrench
-    yielding: Any
-    surplus: Any
+    bias: Wrench
+    U: Wrench
+    D_inverse: Any
+    u: Any
 
 
 def forward_dynamics(
     links: Sequence[Link],
-    ground: Ground,
+    root: Root,
     q: Sequence[Any],
     v: Sequence[Any],
     tau: Sequence[Any],
     external: Sequence[Wrench] | None = None,
 ) -> dict[str, list[Any]]:
-    """a, body_accelerations, multipliers and joint_wrenches of graphdyn.forward_dynamics; pivots: d of each joint."""
+    """a, body_accelerations, multipliers and joint_wrenches of graphdyn.forward_dynamics; pivots: D of each joint."""
     at = places(links, q)
-    at_rest = motions(links, at, ground, v, [0.0] * len(links))
-    inertias = [Inertia.of(link) for link in links]
-    wrenches = unloaded([inertial_wrench(*pair) for pair in zip(links, at_rest, strict=True)], external)
+    at_rest = motions(links, at, root, v, [0.0] * len(links))
+    inertias = [Inertia.of(link) for link in links]  # I^A and p^A, once all bodies outside are added
+    biases = unloaded([inertial_wrench(*pair) for pair in zip(links, at_rest, strict=True)], external)
     pivots: list[Any] = [None] * len(links)
-    leaves: dict[int, Eliminated] = {}
+    seen: dict[int, SeenThroughJoint] = {}
     for j in reversed(range(len(links))):
         pivots[j] = inertias[j].m[2, 2] if links[j].prismatic else inertias[j].j[2, 2]
-        leaf = leaves[j] = eliminate(links[j].prismatic, inertias[j], wrenches[j], tau[j])
+        leaf = seen[j] = seen_through_joint(links[j].prismatic, inertias[j], biases[j], tau[j])
         i = links[j].inside
         if i >= 0:
             inertias[i] = inertias[i] + leaf.inertia.inwards(at[j])
-            wrenches[i] = added(wrenches[i], inwards(at[j], leaf.wrench))
+            biases[i] = added(biases[i], inwards(at[j], leaf.bias))
     accelerations: list[Any] = []
-    moving, through = [], []
+    moving, transmitted = [], []
     gained: list[tuple[Scalars, Scalars]] = []
     for j, (link, place, motion) in enumerate(zip(links, at, at_rest, strict=True)):
-        leaf = leaves[j]
+        leaf = seen[j]
         a_i, alpha_i = gained[link.inside] if link.inside >= 0 else (zeros(3), zeros(3))
         linear = place.outwards(a_i + cross(alpha_i, place.translation))
         angular = place.outwards(alpha_i)
-        own = leaf.yielding * (leaf.surplus - (leaf.column[0] @ linear + leaf.column[1] @ angular))
-        through.append(added(leaf.inertia.times(linear, angular), leaf.wrench))
+        a_j = leaf.D_inverse * (leaf.u - (leaf.U[0] @ linear + leaf.U[1] @ angular))
+        transmitted.append(added(leaf.inertia.times(linear, angular), leaf.bias))
         if link.prismatic:
-            linear = linear + E_Z * own
+            linear = linear + E_Z * a_j
         else:
-            angular = angular + E_Z * own
-        accelerations.append(own)
+            angular = angular + E_Z * a_j
+        accelerations.append(a_j)
         gained.append((linear, angular))
-        moving.append(Motion(motion.omega, motion.alpha + angular, motion.felt + linear))
-    return {"a": accelerations, "pivots": pivots, **answers(links, at, ground, moving, through)}
+        moving.append(Motion(motion.omega, motion.alpha + angular, motion.compensated + linear))
+    return {"a": accelerations, "pivots": pivots, **answers(links, at, root, moving, transmitted)}
 
 
-def eliminate(prismatic: bool, inertia: Inertia, wrench: Wrench, torque: Any) -> Eliminated:
-    """Let the joint give way: what it takes along its axis is the torque, whatever the accelerations."""
-    force, moment = wrench
-    column_f, column_n = (inertia.m[:, 2], inertia.h[2, :]) if prismatic else (inertia.h[:, 2], inertia.j[:, 2])
-    own = force[2] if prismatic else moment[2]
-    yielding = _reciprocal(column_f[2] if prismatic else column_n[2])
-    surplus = torque - own
-    f, n = column_f * yielding, column_n * yielding
-    left = Inertia(
-        symmetric(inertia.m - np.outer(f, column_f)),
-        inertia.h - np.outer(f, column_n),
-        symmetric(inertia.j - np.outer(n, column_n)),
+def seen_through_joint(prismatic: bool, inertia: Inertia, bias: Wrench, tau: Any) -> SeenThroughJoint:
+    """I^a = I^A - U Uᵀ / D and p^a = p^A + U u / D, of I^A (inertia) and p^A (bias)."""
+    force, moment = bias
+    U_f, U_n = (inertia.m[:, 2], inertia.h[2, :]) if prismatic else (inertia.h[:, 2], inertia.j[:, 2])
+    D_inverse = _reciprocal(U_f[2] if prismatic else U_n[2])
+    u = tau - (force[2] if prismatic else moment[2])
+    f, n = U_f * D_inverse, U_n * D_inverse
+    reduced = Inertia(
+        symmetric(inertia.m - np.outer(f, U_f)),
+        inertia.h - np.outer(f, U_n),
+        symmetric(inertia.j - np.outer(n, U_n)),
     )
-    kept_f, kept_n = force + f * surplus, moment + n * surplus
-    if prismatic:  # exactly nothing, and exactly the torque
-        left.m[2, :] = left.m[:, 2] = left.h[2, :] = 0.0
-        kept_f[2] = torque
+    reduced_f, reduced_n = force + f * u, moment + n * u
+    if prismatic:  # I^a S = 0 and Sᵀ p^a = τ, without rounding
+        reduced.m[2, :] = reduced.m[:, 2] = reduced.h[2, :] = 0.0
+        reduced_f[2] = tau
     else:
-        left.j[2, :] = left.j[:, 2] = left.h[:, 2] = 0.0
-        kept_n[2] = torque
-    return Eliminated(left, (kept_f, kept_n), (column_f, column_n), yielding, surplus)
+        reduced.j[2, :] = reduced.j[:, 2] = reduced.h[:, 2] = 0.0
+        reduced_n[2] = tau
+    return SeenThroughJoint(reduced, (reduced_f, reduced_n), (U_f, U_n), D_inverse, u)
 
 
 def _reciprocal(pivot: Any) -> Any:
-    """1 / d, infinite where d is known to be zero: a joint without inertia, which its pivot then tells."""
+    """1 / D, infinite where D is known to be zero: a joint without inertia, which then shows as a pivot of zero."""
     return math.inf if isinstance(pivot, float | int) and pivot == 0 else 1.0 / pivot

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Ground, inertial_wrench, motions, places
+from graphdyn.kernels.motion import Root, inertial_wrench, motions, places
 from graphdyn.kernels.reactions import Wrench, answers, transmitted
 
 
 def inverse_dynamics(
     links: Sequence[Link],
-    ground: Ground,
+    root: Root,
     q: Sequence[Any],
     v: Sequence[Any],
     a: Sequence[Any],
@@ -20,7 +20,7 @@ def inverse_dynamics(
 ) -> dict[str, list[Any]]:
     """tau, body_accelerations, multipliers and joint_wrenches of graphdyn.inverse_dynamics."""
     at = places(links, q)
-    moving = motions(links, at, ground, v, a)
+    moving = motions(links, at, root, v, a)
     wrenches = transmitted(links, at, [inertial_wrench(*pair) for pair in zip(links, moving, strict=True)], external)
     tau = [force[2] if link.prismatic else moment[2] for link, (force, moment) in zip(links, wrenches, strict=True)]
-    return {"tau": tau, **answers(links, at, ground, moving, wrenches)}
+    return {"tau": tau, **answers(links, at, root, moving, wrenches)}

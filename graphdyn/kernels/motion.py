@@ -2,7 +2,8 @@
 
 Luh, Walker and Paul, "On-line computational scheme for mechanical manipulators", ASME Journal of Dynamic Systems,
 Measurement, and Control 102(2), 1980; Featherstone, "Rigid Body Dynamics Algorithms", 2008, section 5.3. Velocities and
-accelerations are those of O_j, in joint axes of body j. The ground falls upwards: felt accelerations are p̈ - g.
+accelerations are those of O_j, in joint axes of body j. Gravity enters as an acceleration of the ground by -g; linear
+accelerations are therefore gravity-compensated, p̈ - g.
 """
 
 from __future__ import annotations
@@ -18,8 +19,11 @@ from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, turn, turn_back,
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
-    """The ground frame: rotation to world axes, position and gravity there; the rest in its own axes."""
+class Root:
+    """The ground frame, where the recursions start: rotation to world axes, position and gravity there.
+
+    Its velocity, ω, ω̇ and gravity-compensated acceleration are in its own axes.
+    """
 
     rotation: Scalars
     position: Scalars
@@ -27,7 +31,7 @@ class Ground:
     velocity: Scalars
     omega: Scalars
     alpha: Scalars
-    felt: Scalars
+    compensated: Scalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +59,11 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """ω, ω̇ and the felt acceleration of O_j."""
+    """ω, ω̇ and the gravity-compensated acceleration p̈ - g of O_j."""
 
     omega: Scalars
     alpha: Scalars
-    felt: Scalars
+    compensated: Scalars
 
     def spread(self) -> Scalars:
         """S(ω̇) + S(ω)²: times a vector fixed in the body, the acceleration of its tip relative to its root."""
@@ -76,38 +80,36 @@ def places(links: Sequence[Link], q: Sequence[Any]) -> list[Place]:
     ]
 
 
-def motions(
-    links: Sequence[Link], at: Sequence[Place], ground: Ground, v: Sequence[Any], a: Sequence[Any]
-) -> list[Motion]:
+def motions(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[Any], a: Sequence[Any]) -> list[Motion]:
     """Of all bodies, at joint velocities v and accelerations a."""
     done: list[Motion] = []
     for link, place, rate, acceleration in zip(links, at, v, a, strict=True):
-        inside = done[link.inside] if link.inside >= 0 else Motion(ground.omega, ground.alpha, ground.felt)
+        inside = done[link.inside] if link.inside >= 0 else Motion(root.omega, root.alpha, root.compensated)
         omega, alpha = place.outwards(inside.omega), place.outwards(inside.alpha)
-        felt = place.outwards(inside.felt + inside.spread() @ place.translation)
+        compensated = place.outwards(inside.compensated + inside.spread() @ place.translation)
         if link.prismatic:
-            felt = felt + cross(omega, E_Z * (2.0 * rate)) + E_Z * acceleration
+            compensated = compensated + cross(omega, E_Z * (2.0 * rate)) + E_Z * acceleration
         else:
             alpha = alpha + cross(omega, E_Z * rate) + E_Z * acceleration
             omega = omega + E_Z * rate
-        done.append(Motion(omega, alpha, felt))
+        done.append(Motion(omega, alpha, compensated))
     return done
 
 
-def rotations(links: Sequence[Link], at: Sequence[Place], ground: Ground) -> list[Scalars]:
+def rotations(links: Sequence[Link], at: Sequence[Place], root: Root) -> list[Scalars]:
     """Joint axes of body j to world axes."""
     done: list[Scalars] = []
     for link, place in zip(links, at, strict=True):
-        inside = done[link.inside] if link.inside >= 0 else ground.rotation
+        inside = done[link.inside] if link.inside >= 0 else root.rotation
         done.append(turn_back(place.c, place.s, (inside @ place.rotation).T).T)
     return done
 
 
 def inertial_wrench(link: Link, motion: Motion) -> tuple[Scalars, Scalars]:
     """Force, and moment about O_j, that the motion of body j takes: Eq. (22), (23) moved to the link origin."""
-    force = link.mass * motion.felt + motion.spread() @ link.first_moment
+    force = link.mass * motion.compensated + motion.spread() @ link.first_moment
     momentum = cross(motion.omega, link.tensor @ motion.omega)
-    return force, link.tensor @ motion.alpha + momentum + cross(link.first_moment, motion.felt)
+    return force, link.tensor @ motion.alpha + momentum + cross(link.first_moment, motion.compensated)
 
 
 def stacked(vectors: Sequence[Scalars]) -> list[Any]:

@@ -15,15 +15,15 @@ from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link, links
-from graphdyn.kernels.motion import Ground
+from graphdyn.kernels.motion import Root
 from graphdyn.kernels.positions import maximal_state
 from graphdyn.kernels.reactions import Wrench, in_joint_axes
 from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
 from graphdyn.kernels.vectors import Scalars, scalars, zeros
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
 
-GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "felt": (3,)}
-"""The input ground of a base that moves, column after column: the fields of motion.Ground that are not constant."""
+GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "compensated": (3,)}
+"""The input ground of a base that moves, column after column: the fields of motion.Root that are not constant."""
 
 GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND.values())
 
@@ -77,7 +77,7 @@ def record_equations(
     COLUMNS.
     """
     sample = _Sample(model, Request("joint_torque_regressor", ()))
-    matrix = joint_torque_regressor(sample.links, sample.ground, sample.q, sample.input("v"), sample.input("a"))[
+    matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.input("v"), sample.input("a"))[
         :, list(columns)
     ]
     extra = np.array(sample.input("extra", sample.n * n_extra) if n_extra else [], dtype=object)
@@ -100,7 +100,7 @@ class _Sample:
         self.given: list[Any] = []
         self.n = model.n_bodies
         self.q = self.input("q")
-        self.ground = self._moving_ground(model) if request.moving_base else _fixed_ground(model)
+        self.root = self._moving_root(model) if request.moving_base else _fixed_root(model)
         self.external: list[Wrench] | None = None
         if request.external:
             columns = np.array(self.input("external_wrenches", self.n * BODY_FREEDOMS), dtype=object)
@@ -116,24 +116,24 @@ class _Sample:
         self.given += columns
         return columns
 
-    def _moving_ground(self, model: RobotModel) -> Ground:
+    def _moving_root(self, model: RobotModel) -> Root:
         columns, fields, first = self.input("ground", GROUND_COLUMNS), {}, 0
         for name, shape in GROUND.items():
             last = first + int(np.prod(shape))
             fields[name] = np.array(columns[first:last], dtype=object).reshape(shape)
             first = last
-        return Ground(gravity=scalars(model.gravity), **fields)
+        return Root(gravity=scalars(model.gravity), **fields)
 
 
-def _fixed_ground(model: RobotModel) -> Ground:
-    return Ground(
+def _fixed_root(model: RobotModel) -> Root:
+    return Root(
         rotation=scalars(model.base.rotation),
         position=scalars(model.base.translation),
         gravity=scalars(model.gravity),
         velocity=zeros(3),
         omega=zeros(3),
         alpha=zeros(3),
-        felt=scalars(-model.base.rotation.T @ model.gravity),
+        compensated=scalars(-model.base.rotation.T @ model.gravity),
     )
 
 
@@ -160,15 +160,15 @@ def pivot_scales(model: RobotModel) -> Array:
 
 
 def _forward(x: _Sample) -> dict[str, list[Any]]:
-    return forward_dynamics(x.links, x.ground, x.q, x.input("v"), x.input("tau"), x.external)
+    return forward_dynamics(x.links, x.root, x.q, x.input("v"), x.input("tau"), x.external)
 
 
 def _inverse(x: _Sample) -> dict[str, list[Any]]:
-    return inverse_dynamics(x.links, x.ground, x.q, x.input("v"), x.input("a"), x.external)
+    return inverse_dynamics(x.links, x.root, x.q, x.input("v"), x.input("a"), x.external)
 
 
 def _bias(x: _Sample) -> dict[str, list[Any]]:
-    return {"bias_torque": inverse_dynamics(x.links, x.ground, x.q, x.input("v"), [0.0] * x.n, x.external)["tau"]}
+    return {"bias_torque": inverse_dynamics(x.links, x.root, x.q, x.input("v"), [0.0] * x.n, x.external)["tau"]}
 
 
 def _mass(x: _Sample) -> dict[str, list[Any]]:
@@ -176,17 +176,17 @@ def _mass(x: _Sample) -> dict[str, list[Any]]:
 
 
 def _torque_regressor(x: _Sample) -> dict[str, list[Any]]:
-    matrix = joint_torque_regressor(x.links, x.ground, x.q, x.input("v"), x.input("a"))
+    matrix = joint_torque_regressor(x.links, x.root, x.q, x.input("v"), x.input("a"))
     return {"joint_torque_regressor": _flat(matrix)}
 
 
 def _body_regressor(x: _Sample) -> dict[str, list[Any]]:
-    matrices = body_regressors(x.links, x.ground, x.q, x.input("v"), x.input("a"))
+    matrices = body_regressors(x.links, x.root, x.q, x.input("v"), x.input("a"))
     return {"body_regressor": _flat(np.array(matrices, dtype=object))}
 
 
 def _state(x: _Sample) -> dict[str, list[Any]]:
-    return maximal_state(x.links, x.ground, x.q, x.input("v"))
+    return maximal_state(x.links, x.root, x.q, x.input("v"))
 
 
 def _flat(matrix: Scalars) -> list[Any]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Ground, Motion, Place, rotations, stacked
+from graphdyn.kernels.motion import Motion, Place, Root, rotations, stacked
 from graphdyn.kernels.vectors import Scalars, cross, turn
 
 Wrench = tuple[Scalars, Scalars]
@@ -47,16 +47,16 @@ def unloaded(needed: Sequence[Wrench], external: Sequence[Wrench] | None) -> lis
 def answers(
     links: Sequence[Link],
     at: Sequence[Place],
-    ground: Ground,
+    root: Root,
     moving: Sequence[Motion],
     wrenches: Sequence[Wrench],
 ) -> dict[str, list[Any]]:
     """body_accelerations, multipliers and joint_wrenches as graphdyn states them, from joint axes."""
-    to_world = rotations(links, at, ground)
-    gravity = ground.gravity
+    to_world = rotations(links, at, root)
+    gravity = root.gravity
     accelerations, multipliers, in_link_axes = [], [], []
     for link, place, motion, (force, moment), rotation in zip(links, at, moving, wrenches, to_world, strict=True):
-        at_center = motion.felt + motion.spread() @ link.center_of_mass
+        at_center = motion.compensated + motion.spread() @ link.center_of_mass
         accelerations += [rotation @ at_center + gravity, link.link_axes @ motion.alpha]
         if link.prismatic:
             multipliers += [force[:2], moment]

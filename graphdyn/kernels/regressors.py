@@ -12,25 +12,25 @@ from typing import Any
 import numpy as np
 
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Ground, Motion, Place, motions, places
+from graphdyn.kernels.motion import Motion, Place, Root, motions, places
 from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, zeros
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR
 
 
 def body_regressors(
-    links: Sequence[Link], ground: Ground, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
+    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
 ) -> list[Scalars]:
     """Y (6, 10) of every body: Y π is the wrench that its motion takes, about O_j, in link axes."""
-    moving = motions(links, places(links, q), ground, v, a)
+    moving = motions(links, places(links, q), root, v, a)
     return [_body_regressor(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
 
 
 def joint_torque_regressor(
-    links: Sequence[Link], ground: Ground, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
+    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
 ) -> Scalars:
-    """W (n, 10 n): row j, columns of body i: the wrench of body i along joint j, if j is between it and the ground."""
+    """W (n, 10 n): row j, columns of body i: the wrench of body i along joint j, if j is between it and the root."""
     at = places(links, q)
-    moving = motions(links, at, ground, v, a)
+    moving = motions(links, at, root, v, a)
     matrix = zeros(len(links), BODY_PARAMETERS * len(links))
     screws: list[dict[int, tuple[Scalars, Scalars]]] = []
     for i, (link, place) in enumerate(zip(links, at, strict=True)):
@@ -52,14 +52,14 @@ def _outwards(place: Place, linear: Scalars, angular: Scalars) -> tuple[Scalars,
 
 def _in_link_axes(link: Link, motion: Motion) -> Motion:
     q = link.link_axes
-    return Motion(q @ motion.omega, q @ motion.alpha, q @ motion.felt)
+    return Motion(q @ motion.omega, q @ motion.alpha, q @ motion.compensated)
 
 
 def _body_regressor(motion: Motion) -> Scalars:
     y = zeros(6, BODY_PARAMETERS)
-    y[LINEAR, 0] = motion.felt
+    y[LINEAR, 0] = motion.compensated
     y[LINEAR, 1:4] = motion.spread()
-    y[ANGULAR, 1:4] = -skew(motion.felt)
+    y[ANGULAR, 1:4] = -skew(motion.compensated)
     y[ANGULAR, 4:] = _tensor_columns(motion.alpha) + skew(motion.omega) @ _tensor_columns(motion.omega)
     return y
 
