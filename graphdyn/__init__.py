@@ -8,9 +8,11 @@ from graphdyn._base_motion import BaseMotion
 from graphdyn._compiled import CompiledModel, compile
 from graphdyn._dynamics import (
     bias_torque,
+    body_regressor,
     forward_dynamics,
     inverse_dynamics,
     joint_accelerations,
+    joint_torque_regressor,
     joint_torques,
     kkt_system,
     mass_matrix,
@@ -35,7 +37,6 @@ from graphdyn._kkt import KKTSolution, KKTSystem
 from graphdyn._kr500 import kr500, kr500_experiment
 from graphdyn._model import Body, Frame, Joint, JointLimits, RobotModel
 from graphdyn._placement import Placement
-from graphdyn._regressors import body_regressor, joint_torque_regressor
 from graphdyn._virtual_recording import VirtualRecording
 
 __version__ = "0.1.0"

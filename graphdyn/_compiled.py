@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn._dynamics import VERBS
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel
-from graphdyn.kernels.programs import Request, output_shapes
+from graphdyn._verb import Verb
+from graphdyn.kernels.programs import Request
+from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared
 from graphdyn.layout import Array
 
-VERBS = ("joint_torques", "joint_accelerations", "mass_matrix", "bias_torque", "joint_torque_regressor")
+SINGLE = {name: verb for name, verb in VERBS.items() if len(verb.outputs) == 1}
+"""The verbs that answer one array."""
 
 
 class SingleState:
@@ -25,11 +27,11 @@ class SingleState:
     Raises InvalidInput for wrong shapes, and another number of arguments.
     """
 
-    def __init__(self, model: RobotModel, request: Request, names: tuple[str, ...]) -> None:
-        n, (output,) = model.n_bodies, request.outputs
-        shape = output_shapes(n)[output]
-        backend = prepared(model, request).backend
-        memory = {name: np.zeros((backend.lanes, n)) for name in names}
+    def __init__(self, model: RobotModel, verb: Verb[Array]) -> None:
+        n, (output,) = model.n_bodies, verb.outputs
+        shape = ARRAYS[output].shape_for(n)
+        backend = prepared(model, Request(verb.recursion, verb.outputs)).backend
+        memory = {name: np.zeros((backend.lanes, n)) for name in verb.inputs}
         answer = np.zeros((backend.lanes, int(np.prod(shape))))
         self.arguments: dict[str, Array] = {name: rows[0] for name, rows in memory.items()}
         self.result: Array = answer[0].reshape(shape)
@@ -60,42 +62,27 @@ class SingleState:
 
 
 class CompiledModel:
-    """The verbs of graphdyn for single states of one robot, each compiled when first used.
+    """The verbs of graphdyn that answer one array, for single states of one robot, each compiled when first used.
 
     NaN, infinity and singular mass matrices are not looked for. Angles are accurate up to 1e6 rad. One object per
-    thread. On the NumPy back end the calls work, slowly.
+    thread. On the NumPy back end the calls work, slowly. Its attributes, each a SingleState:
     """
 
     def __init__(self, model: RobotModel) -> None:
         self.model = model
 
-    @cached_property
-    def joint_torques(self) -> SingleState:
-        """joint_torques(q, v, a) → τ (n,)"""
-        return self._single("inverse_dynamics", "tau", ("q", "v", "a"))
+    def __getattr__(self, name: str) -> SingleState:
+        if name not in SINGLE:
+            raise AttributeError(f"there is no single-state call '{name}'; use some of {', '.join(SINGLE)}")
+        call = self.__dict__[name] = SingleState(self.model, SINGLE[name])  # found there from now on
+        return call
 
-    @cached_property
-    def joint_accelerations(self) -> SingleState:
-        """joint_accelerations(q, v, tau) → a (n,)"""
-        return self._single("forward_dynamics", "a", ("q", "v", "tau"))
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *SINGLE})
 
-    @cached_property
-    def mass_matrix(self) -> SingleState:
-        """mass_matrix(q) → M (n, n)"""
-        return self._single("mass_matrix", "mass_matrix", ("q",))
 
-    @cached_property
-    def bias_torque(self) -> SingleState:
-        """bias_torque(q, v) → h (n,)"""
-        return self._single("bias_torque", "bias_torque", ("q", "v"))
-
-    @cached_property
-    def joint_torque_regressor(self) -> SingleState:
-        """joint_torque_regressor(q, v, a) → W (n, 10 n)"""
-        return self._single("joint_torque_regressor", "joint_torque_regressor", ("q", "v", "a"))
-
-    def _single(self, program: str, output: str, names: tuple[str, ...]) -> SingleState:
-        return SingleState(self.model, Request(program, (output,)), names)
+if CompiledModel.__doc__:  # python -OO strips docstrings
+    CompiledModel.__doc__ += "\n".join(["", *(f"    {verb}" for verb in SINGLE.values())])
 
 
 def compile(model: RobotModel, *verbs: str) -> CompiledModel:
@@ -105,7 +92,7 @@ def compile(model: RobotModel, *verbs: str) -> CompiledModel:
     """
     compiled = CompiledModel(model)
     for verb in verbs:
-        if verb not in VERBS:
-            raise InvalidInput(f"there is no single-state call '{verb}'; use some of {', '.join(VERBS)}")
+        if verb not in SINGLE:
+            raise InvalidInput(f"there is no single-state call '{verb}'; use some of {', '.join(SINGLE)}")
         getattr(compiled, verb)
     return compiled

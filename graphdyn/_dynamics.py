@@ -1,44 +1,48 @@
-"""The public verbs of the dynamics.
+"""The public verbs of the dynamics, and the table that says how each is computed.
 
 Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for wrong shapes, NaN and infinity.
-Keywords, where a verb has them:
-
-base: prescribed motion of the base; the mass matrix does not depend on it
-method: "dense" solves Eq. (111) as it stands, the specification; "projected" eliminates the multipliers with the null
-    space of φ_q (NᵀAN a = …) and reads them off the path matrix; "recursive" eliminates body after body, compiled for
-    this robot (graphdyn.kernels). Same answer up to rounding, each faster than the one before. "auto" is "recursive"
-    for 1000 samples and more, or with out, and "projected" for fewer, which are not worth compiling for
-threads: how many the recursive method may use, None for as many as there are cores; the answer does not depend on it,
-    nor on the samples beside one, bit for bit (but where a pivot is so small that the projected method decides)
-check: refuse NaN and infinity, naming argument and row; with False the recursive method does not look, and what depends
-    on them comes out as NaN, in their samples only
-out: memory for the answer, recursive method only: C-contiguous float64 arrays of the shapes of the answer
 """
 
 from __future__ import annotations
 
-from dataclasses import fields
+from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn import _projected as projected
-from graphdyn import _recursive as recursive
+from graphdyn import _regressors as regressors
 from graphdyn._answers import ForwardDynamics, InverseDynamics
-from graphdyn._arrays import joint_arrays, one_state, refuse_non_finite
+from graphdyn._arrays import one_state
 from graphdyn._base_motion import BaseMotion
 from graphdyn._cardano import cardano_system
 from graphdyn._errors import InvalidInput
 from graphdyn._kkt import Coordinates, KKTSystem
-from graphdyn._methods import Method, is_recursive
+from graphdyn._methods import Method, with_keywords
 from graphdyn._model import RobotModel
-from graphdyn.kernels.batch import Options
+from graphdyn._verb import Verb
 from graphdyn.layout import Array
 
-UNKNOWNS = ("body_accelerations", "multipliers")
-"""Of Eq. (111), as ForwardDynamics calls them."""
+
+class Verbs:
+    """The table of verbs. Each has a function of its name below; graphdyn.compile takes those that answer one array."""
+
+    forward_dynamics = Verb(projected.forward_dynamics, answer=ForwardDynamics)
+    inverse_dynamics = Verb(projected.inverse_dynamics, answer=InverseDynamics)
+    solve_kkt = Verb[tuple[Array, Array]](
+        projected.forward_dynamics, "forward_dynamics", ("body_accelerations", "multipliers")
+    )
+    joint_torques = Verb[Array](projected.inverse_dynamics, "inverse_dynamics", ("tau",))
+    joint_accelerations = Verb[Array](projected.forward_dynamics, "forward_dynamics", ("a",))
+    mass_matrix = Verb[Array](projected.mass_matrix)
+    bias_torque = Verb[Array](projected.torque_at_zero("bias_torque", "a"))
+    joint_torque_regressor = Verb[Array](regressors.joint_torque_regressor)
+    body_regressor = Verb[Array](regressors.body_regressor)
 
 
+VERBS: dict[str, Verb[Any]] = {name: verb for name, verb in vars(Verbs).items() if isinstance(verb, Verb)}
+
+
+@with_keywords
 def forward_dynamics(
     model: RobotModel,
     q: ArrayLike,
@@ -56,21 +60,13 @@ def forward_dynamics(
 
     q, v, tau: joint state and actuator torques             (…, n)     [rad or m, …/s, N m or N]
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
-    base, method, threads, check, out: see the head of graphdyn._dynamics
 
-    Raises SingularMassMatrix where the torques do not determine the accelerations (massless bodies).
+    Raises InvalidInput; SingularMassMatrix where the torques do not determine the accelerations (massless bodies).
     """
-    x = _arguments(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
-    if is_recursive(method, x, out):
-        options = Options(threads, check)
-        return ForwardDynamics(
-            **recursive.answers(
-                model, "forward_dynamics", _names(ForwardDynamics), x, base, options, _memory(ForwardDynamics, out)
-            )
-        )
-    return projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense")
+    return Verbs.forward_dynamics(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
 
 
+@with_keywords
 def inverse_dynamics(
     model: RobotModel,
     q: ArrayLike,
@@ -88,19 +84,13 @@ def inverse_dynamics(
 
     q, v, a: joint state and accelerations                  (…, n)     [rad or m, …/s, …/s²]
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
-    base, method, threads, check, out: see the head of graphdyn._dynamics
+
+    Raises InvalidInput.
     """
-    x = _arguments(model, base, q=q, v=v, a=a, external_wrenches=external_wrenches)
-    if is_recursive(method, x, out):
-        options = Options(threads, check)
-        return InverseDynamics(
-            **recursive.answers(
-                model, "inverse_dynamics", _names(InverseDynamics), x, base, options, _memory(InverseDynamics, out)
-            )
-        )
-    return projected.inverse_dynamics(model, _checked(model, x), base, dense=method == "dense")
+    return Verbs.inverse_dynamics(model, (q, v, a), base, method, threads, check, out, external_wrenches)
 
 
+@with_keywords
 def solve_kkt(
     model: RobotModel,
     q: ArrayLike,
@@ -116,40 +106,12 @@ def solve_kkt(
 ) -> tuple[Array, Array]:
     """The unknowns of Eq. (111), and nothing else: body_accelerations (…, n, 6) and multipliers (…, n, 5).
 
-    As in forward_dynamics, for any number of states; kkt_system shows the equations of one.
+    Arguments, units and errors as in forward_dynamics, for any number of states; kkt_system shows the equations of one.
     """
-    x = _arguments(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
-    if is_recursive(method, x, out):
-        if out is not None and (not isinstance(out, tuple) or len(out) != len(UNKNOWNS)):
-            raise InvalidInput(f"out is {type(out).__name__}; give a pair of arrays, for {' and '.join(UNKNOWNS)}")
-        given = None if out is None else dict(zip(UNKNOWNS, out, strict=True))
-        arrays = recursive.answers(model, "forward_dynamics", UNKNOWNS, x, base, Options(threads, check), given)
-        return arrays["body_accelerations"], arrays["multipliers"]
-    answer = projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense")
-    return answer.body_accelerations, answer.multipliers
+    return Verbs.solve_kkt(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
 
 
-def joint_accelerations(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    tau: ArrayLike,
-    external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
-    """forward_dynamics(…).a alone (…, n), which takes a third of the time [rad/s² or m/s²]."""
-    x = _arguments(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
-    if is_recursive(method, x, out):
-        given = None if out is None else {"a": out}
-        return recursive.answers(model, "forward_dynamics", ("a",), x, base, Options(threads, check), given)["a"]
-    return projected.forward_dynamics(model, _checked(model, x), base, dense=method == "dense").a
-
-
+@with_keywords
 def joint_torques(
     model: RobotModel,
     q: ArrayLike,
@@ -163,14 +125,35 @@ def joint_torques(
     check: bool = True,
     out: Array | None = None,
 ) -> Array:
-    """inverse_dynamics(…).tau alone (…, n), which takes a third of the time [N m or N]."""
-    x = _arguments(model, base, q=q, v=v, a=a, external_wrenches=external_wrenches)
-    if is_recursive(method, x, out):
-        given = None if out is None else {"tau": out}
-        return recursive.answers(model, "inverse_dynamics", ("tau",), x, base, Options(threads, check), given)["tau"]
-    return projected.inverse_dynamics(model, _checked(model, x), base, dense=method == "dense").tau
+    """inverse_dynamics(…).tau alone (…, n), which takes a third of the time [N m or N].
+
+    Arguments and errors are the same.
+    """
+    return Verbs.joint_torques(model, (q, v, a), base, method, threads, check, out, external_wrenches)
 
 
+@with_keywords
+def joint_accelerations(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """forward_dynamics(…).a alone (…, n), which takes a third of the time [rad/s² or m/s²].
+
+    Arguments and errors are the same.
+    """
+    return Verbs.joint_accelerations(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
 def mass_matrix(
     model: RobotModel,
     q: ArrayLike,
@@ -181,13 +164,16 @@ def mass_matrix(
     check: bool = True,
     out: Array | None = None,
 ) -> Array:
-    """M = NᵀAN (…, n, n) [kg m², kg m, kg]. The motion of a base does not change it; all verbs take the keyword."""
-    x = _arguments(model, base, q=q)
-    if is_recursive(method, x, out):
-        return recursive.single_array(model, "mass_matrix", x, None, Options(threads, check), out)
-    return projected.mass_matrix(model, _checked(model, x), base)
+    """M = NᵀAN (…, n, n) [kg m², kg m, kg].
+
+    q: joint positions (…, n) [rad or m]. The motion of a base does not change M; all verbs take the keyword.
+
+    Raises InvalidInput.
+    """
+    return Verbs.mass_matrix(model, (q,), base, method, threads, check, out)
 
 
+@with_keywords
 def bias_torque(
     model: RobotModel,
     q: ArrayLike,
@@ -199,11 +185,62 @@ def bias_torque(
     check: bool = True,
     out: Array | None = None,
 ) -> Array:
-    """h (…, n): τ = M a + h without external wrenches: velocity, gravity and base motion [N m or N]."""
-    x = _arguments(model, base, q=q, v=v)
-    if is_recursive(method, x, out):
-        return recursive.single_array(model, "bias_torque", x, base, Options(threads, check), out)
-    return inverse_dynamics(model, q, v, np.zeros(model.n_bodies), base=base, method=method).tau
+    """h (…, n): τ = M a + h without external wrenches: velocity, gravity and base motion [N m or N].
+
+    q, v: joint state (…, n) [rad or m, …/s]
+
+    Raises InvalidInput.
+    """
+    return Verbs.bias_torque(model, (q, v), base, method, threads, check, out)
+
+
+@with_keywords
+def joint_torque_regressor(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
+
+    The body regressors projected onto the joints, as the null space projects the body wrenches. The method "dense" is
+    "projected" here.
+    q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
+
+    Raises InvalidInput.
+    """
+    return Verbs.joint_torque_regressor(model, (q, v, a), base, method, threads, check, out)
+
+
+@with_keywords
+def body_regressor(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
+
+    The Newton-Euler equations (22), (23) moved from the center of mass to the link origin, where they are linear
+    in m, m c and I. The identification matrix of Eq. (49) is its counterpart with known centers of mass. The method
+    "dense" is "projected" here.
+    q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
+
+    Raises InvalidInput.
+    """
+    return Verbs.body_regressor(model, (q, v, a), base, method, threads, check, out)
 
 
 def kkt_system(
@@ -229,29 +266,3 @@ def kkt_system(
     state = projected.rooted_state(model, base, x["q"], x["v"])
     system = projected.kkt(state, x["tau"], x["external_wrenches"])
     return system if coordinates == "twist" else cardano_system(state, system)
-
-
-def _arguments(
-    model: RobotModel, base: BaseMotion | None, external_wrenches: ArrayLike | None = None, **joints: ArrayLike
-) -> dict[str, Array]:
-    given = {} if external_wrenches is None else {"external_wrenches": external_wrenches}
-    return joint_arrays(model, base, check=False, **joints, **given)
-
-
-def _checked(model: RobotModel, x: projected.Arguments) -> projected.Arguments:
-    """The arguments of the projected verbs: finite, and with external wrenches."""
-    refuse_non_finite(model, x)
-    return {"external_wrenches": np.zeros((*x["q"].shape, 6)), **x}
-
-
-def _names(answer: type) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(answer))
-
-
-def _memory(answer: type, out: object) -> dict[str, Array] | None:
-    """The arrays of out, an answer whose arrays may be written to. Raises InvalidInput for anything else."""
-    if out is None:
-        return None
-    if not isinstance(out, answer):
-        raise InvalidInput(f"out is {type(out).__name__}; give {answer.__name__} with an array for each of its fields")
-    return {name: getattr(out, name) for name in _names(answer)}

@@ -16,7 +16,7 @@ from graphdyn._arrays import as_floats, joint_arrays
 from graphdyn._base_motion import BaseMotion, Ground, ground
 from graphdyn._errors import InconsistentState, InvalidInput
 from graphdyn._linear import cross, solve
-from graphdyn._methods import Method, is_recursive
+from graphdyn._methods import Method, is_recursive, with_keywords
 from graphdyn._model import RobotModel
 from graphdyn._rotation import cardano_angles, cardano_rate_matrix, rotation_about
 from graphdyn._vertices import Vertices, constraint_values
@@ -92,6 +92,7 @@ class MaximalState:
         return Vertices(self.model, self.position, self.rotation, self.velocity, self.ground)
 
 
+@with_keywords
 def maximal_state(
     model: RobotModel,
     q: ArrayLike,
@@ -105,9 +106,8 @@ def maximal_state(
     """Positions, orientations and twists of all bodies, and with a their accelerations.
 
     q, v, a: joint positions, velocities, accelerations     (…, n)  [rad or m, …/s, …/s²]
-    A missing v stands for zero; without a the state has no acceleration.
-    base: prescribed motion of the base; its leading dimensions broadcast with those of q, v, a
-    method, threads: see graphdyn._dynamics; "projected" and "dense" are state_on here
+    A missing v stands for zero; without a the state has no acceleration. The methods "projected" and "dense" are the
+    same here.
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
     """

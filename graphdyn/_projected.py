@@ -1,16 +1,16 @@
 """The dynamics as the equations read: Eq. (111) solved as it stands, or projected onto the null space of φ_q.
 
-The arguments are arrays of one common leading shape (graphdyn._arrays.joint_arrays).
+The specification of each verb: of arrays of one common leading shape (graphdyn._arrays.joint_arrays), all arrays that
+its recursion answers, by name.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn._answers import ForwardDynamics, InverseDynamics
 from graphdyn._base_motion import BaseMotion, rooted_ground
 from graphdyn._constraints import constraints
 from graphdyn._errors import SingularMassMatrix
@@ -23,11 +23,11 @@ from graphdyn._unconstrained import actuator_terms, applied_terms, mass_blocks, 
 from graphdyn.layout import BODY_FREEDOMS, Array, per_body, per_joint, stacked
 
 Arguments = Mapping[str, Array]
+Specification = Callable[[RobotModel, Arguments, BaseMotion | None, bool], dict[str, Array]]
+"""A verb as the equations read: (model, arguments, base, dense) → what its recursion answers."""
 
 
-def forward_dynamics(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, *, dense: bool = False
-) -> ForwardDynamics:
+def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
     """Of x["q"], x["v"], x["tau"], x["external_wrenches"]. Raises SingularMassMatrix."""
     state = rooted_state(model, base, x["q"], x["v"])
     n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
@@ -38,7 +38,7 @@ def forward_dynamics(
         accelerations = per_body(solution.acceleration)
         wrenches = join_reactions(state, solution.multipliers, x["tau"])
         a = project_accelerations(state, accelerations, bias)
-        return ForwardDynamics(a, accelerations, solution.multipliers, in_link_axes(state, wrenches))
+        return {"a": a, **_reactions(state, accelerations, solution.multipliers, wrenches)}
     passive = passive_terms(state, x["external_wrenches"])
     free = _inertial_terms(state, bias) - passive
     right = x["tau"] - apply(np.swapaxes(n, -1, -2), stacked(free))
@@ -46,12 +46,10 @@ def forward_dynamics(
     accelerations = bias + per_body(apply(n, a))
     wrenches = transmitted_wrenches(state, _inertial_terms(state, accelerations) - passive)
     multipliers, _ = split_reactions(state, wrenches)
-    return ForwardDynamics(a, accelerations, multipliers, in_link_axes(state, wrenches))
+    return {"a": a, **_reactions(state, accelerations, multipliers, wrenches)}
 
 
-def inverse_dynamics(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, *, dense: bool = False
-) -> InverseDynamics:
+def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
     """Of x["q"], x["v"], x["a"], x["external_wrenches"]; dense solves E τ - φ_qᵀλ = A q̈ - B for (τ, λ)."""
     state = rooted_state(model, base, x["q"], x["v"], x["a"])
     assert state.acceleration is not None
@@ -67,13 +65,29 @@ def inverse_dynamics(
     else:
         wrenches = transmitted_wrenches(state, required)
         multipliers, tau = split_reactions(state, wrenches)
-    return InverseDynamics(tau, accelerations, multipliers, in_link_axes(state, wrenches))
+    return {"tau": tau, **_reactions(state, accelerations, multipliers, wrenches)}
 
 
-def mass_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None) -> Array:
-    """M = NᵀAN (…, n, n) at x["q"]."""
+def mass_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """M = NᵀAN (…, n, n) at x["q"]; Eq. (111) has no other form of it."""
     state = rooted_state(model, base, x["q"], np.zeros_like(x["q"]))
-    return _projected_mass(state, null_space(state))
+    return {"mass_matrix": _projected_mass(state, null_space(state))}
+
+
+def _reactions(state: MaximalState, accelerations: Array, multipliers: Array, wrenches: Array) -> dict[str, Array]:
+    joint_wrenches = in_link_axes(state, wrenches)
+    return {"body_accelerations": accelerations, "multipliers": multipliers, "joint_wrenches": joint_wrenches}
+
+
+def torque_at_zero(name: str, *zero: str) -> Specification:
+    """The torque of inverse_dynamics, under this name, with these of v and a zero and without external wrenches."""
+
+    def torque(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+        nothing = np.zeros_like(x["q"])
+        unloaded = {"external_wrenches": np.zeros((*nothing.shape, BODY_FREEDOMS))}
+        return {name: inverse_dynamics(model, {**x, **dict.fromkeys(zero, nothing), **unloaded}, base, dense)["tau"]}
+
+    return torque
 
 
 def rooted_state(

@@ -1,7 +1,7 @@
 """The dynamics body after body, compiled for the robot at hand: graphdyn._projected for many samples.
 
 The arguments are arrays of one common leading shape (graphdyn._arrays.joint_arrays, unchecked); external wrenches are
-left out where there are none.
+absent where there are none.
 """
 
 from __future__ import annotations
@@ -20,26 +20,18 @@ from graphdyn.layout import BODY_FREEDOMS, Array
 
 def answers(
     model: RobotModel,
-    verb: str,
-    fields: tuple[str, ...],
+    recursion: str,
+    outputs: tuple[str, ...],
     x: Arguments,
     base: BaseMotion | None,
     options: Options,
     out: Mapping[str, Array] | None,
 ) -> dict[str, Array]:
-    """These fields of what "forward_dynamics" or "inverse_dynamics" answers. Raises SingularMassMatrix."""
-    answer = evaluate(model, verb, fields, x, base, options, out)
+    """These outputs of a recursion. Raises SingularMassMatrix."""
+    answer = evaluate(model, recursion, outputs, x, base, options, out)
     if answer.suspects.size:
         _decide(model, answer, x, base)
     return answer.arrays
-
-
-def single_array(
-    model: RobotModel, name: str, x: Arguments, base: BaseMotion | None, options: Options, out: Array | None
-) -> Array:
-    """The answer of a verb that has one array of the verb's name."""
-    given = None if out is None else {name: out}
-    return evaluate(model, name, (name,), x, base, options, given).arrays[name]
 
 
 def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotion | None) -> None:
@@ -53,7 +45,7 @@ def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotio
     chosen = {name: array[index] for name, array in x.items()}
     chosen.setdefault("external_wrenches", np.zeros((len(rows), model.n_bodies, BODY_FREEDOMS)))
     there = None if base is None else base.at(batch, index)
-    refuse_singular(model, projected.mass_matrix(model, chosen, there), rows)
+    refuse_singular(model, projected.mass_matrix(model, chosen, there)["mass_matrix"], rows)
     solved = projected.forward_dynamics(model, chosen, there)
     for name, array in arrays.items():
-        array[index] = getattr(solved, name)
+        array[index] = solved[name]

@@ -1,78 +1,35 @@
-"""The dynamics as linear functions of the inertial parameters π (ten per body, Body.parameters)."""
+"""Regressors as the equations read: the Newton-Euler equations as linear functions of the inertial parameters."""
+
+from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from graphdyn._arrays import joint_arrays, refuse_non_finite
 from graphdyn._base_motion import BaseMotion, rooted_ground
 from graphdyn._kinematics import MaximalState, null_space, state_on
-from graphdyn._methods import Method, is_recursive
 from graphdyn._model import RobotModel
-from graphdyn._recursive import single_array
+from graphdyn._projected import Arguments
 from graphdyn._rotation import skew
-from graphdyn.kernels.batch import Options
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR, Array
 
 
-def body_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    a: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
-    """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
-
-    The Newton-Euler equations (22), (23) moved from the center of mass to the link origin, where they are linear
-    in m, m c and I. The identification matrix of Eq. (49) is its counterpart with known centers of mass.
-    q, v, a: (…, n); base, method, threads, check, out: see graphdyn._dynamics ("dense" is "projected" here)
-
-    Raises InvalidInput.
-    """
-    x = joint_arrays(model, base, check=False, q=q, v=v, a=a)
-    if is_recursive(method, x, out):
-        return single_array(model, "body_regressor", x, base, Options(threads, check), out)
-    refuse_non_finite(model, x)
-    return _body_regressor(_skeleton_state(model, base, x))
+def body_regressor(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """Y (…, n, 6, 10) at x["q"], x["v"], x["a"]; there are no multipliers that a dense form would solve for."""
+    return {"body_regressor": _body_regressor(_skeleton_state(model, base, x))}
 
 
 def joint_torque_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    a: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
-    """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
-
-    The body regressors projected onto the joints, as the null space projects the body wrenches.
-    q, v, a: (…, n); base, method, threads, check, out: see graphdyn._dynamics ("dense" is "projected" here)
-
-    Raises InvalidInput.
-    """
-    x = joint_arrays(model, base, check=False, q=q, v=v, a=a)
-    if is_recursive(method, x, out):
-        return single_array(model, "joint_torque_regressor", x, base, Options(threads, check), out)
-    refuse_non_finite(model, x)
+    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
+) -> dict[str, Array]:
+    """W (…, n, 10n): the body regressors projected onto the joints, as the null space projects the body wrenches."""
     n = model.n_bodies
     state = _skeleton_state(model, base, x)
     columns = null_space(state).reshape(*x["q"].shape[:-1], n, BODY_FREEDOMS, n)
     columns[..., LINEAR, :] = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
     blocks = np.einsum("...iak,...iap->...kip", columns, _body_regressor(state))
-    return blocks.reshape(*x["q"].shape, BODY_PARAMETERS * n)
+    return {"joint_torque_regressor": blocks.reshape(*x["q"].shape, BODY_PARAMETERS * n)}
 
 
-def _skeleton_state(model: RobotModel, base: BaseMotion | None, x: dict[str, Array]) -> MaximalState:
+def _skeleton_state(model: RobotModel, base: BaseMotion | None, x: Arguments) -> MaximalState:
     """The motion of the link frames."""
     return state_on(rooted_ground(model, base, x["q"].shape[:-1]), model.skeleton, x["q"], x["v"], x["a"])
 

@@ -14,7 +14,8 @@ from graphdyn._base_motion import BaseMotion, ground
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel
 from graphdyn.kernels.aligned import aligned
-from graphdyn.kernels.programs import GROUND, Request, output_shapes
+from graphdyn.kernels.programs import GROUND, Request
+from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import run
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
@@ -49,14 +50,14 @@ class Evaluation:
 
 def evaluate(
     model: RobotModel,
-    verb: str,
-    fields: tuple[str, ...],
+    recursion: str,
+    outputs: tuple[str, ...],
     x: Mapping[str, Array],
     base: BaseMotion | None,
     options: Options,
     out: Mapping[str, Array] | None = None,
 ) -> Evaluation:
-    """A verb of kernels.programs on arrays of one leading shape: these of its outputs, into out if given.
+    """These outputs of a recursion for arrays of one leading shape, written into out if given.
 
     Raises InvalidInput for NaN and infinity, unless told not to look; for outputs of the wrong shape, type or layout,
     read-only ones, and ones that overlap with an argument or each other. After an error out holds nothing of use.
@@ -66,14 +67,13 @@ def evaluate(
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
-    known = output_shapes(model.n_bodies)
-    shapes = {name: (*batch, *known[name]) for name in fields}
+    shapes = {name: (*batch, *ARRAYS[name].shape_for(model.n_bodies)) for name in outputs}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
-    request = Request(verb, fields, "external_wrenches" in x, base is not None)
+    request = Request(recursion, outputs, "external_wrenches" in x, base is not None)
     if count == 0:
         return Evaluation(arrays, np.empty(0, dtype=np.intp))
-    outputs = {name: _as_rows(array, batch) for name, array in arrays.items()}
-    watched = run(model, request, inputs, outputs, options.threads)
+    rows = {name: _as_rows(array, batch) for name, array in arrays.items()}
+    watched = run(model, request, inputs, rows, options.threads)
     if options.check and np.isnan(watched["finite"]):
         refuse_non_finite(model, x)
     suspicious = watched.get("minimum", np.inf) < SMALL_PIVOT
@@ -93,7 +93,7 @@ def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
 
 def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], options: Options) -> NDArray[np.intp]:
     pivots = np.empty((len(inputs["q"]), model.n_bodies))
-    which = Request(request.verb, ("pivots",), request.external, request.moving_base)
+    which = Request(request.recursion, ("pivots",), request.external, request.moving_base)
     run(model, which, inputs, {"pivots": pivots}, options.threads)
     return np.flatnonzero((pivots < SMALL_PIVOT).any(axis=-1))
 

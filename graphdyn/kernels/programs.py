@@ -1,8 +1,8 @@
-"""The recursions recorded for one robot: a program per verb, and per what is asked of it."""
+"""The recursions recorded for one robot: a program for each recursion and choice of its outputs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,16 +11,13 @@ from numpy.typing import NDArray
 
 from graphdyn._model import RobotModel
 from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
-from graphdyn.kernels.forward import forward_dynamics
-from graphdyn.kernels.inertia import mass_matrix
-from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link, links
 from graphdyn.kernels.motion import Root
-from graphdyn.kernels.positions import maximal_state
 from graphdyn.kernels.reactions import Wrench, in_joint_axes
-from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
-from graphdyn.kernels.vectors import Scalars, scalars, zeros
-from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
+from graphdyn.kernels.recursions import RECURSIONS
+from graphdyn.kernels.regressors import joint_torque_regressor
+from graphdyn.kernels.vectors import scalars, zeros
+from graphdyn.layout import BODY_FREEDOMS, Array
 
 GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "compensated": (3,)}
 """The input ground of a base that moves, column after column: the fields of motion.Root that are not constant."""
@@ -30,37 +27,20 @@ GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND.values())
 
 @dataclass(frozen=True)
 class Request:
-    """Which program: the verb, its output arrays in order, whether wrenches act on the bodies and the base moves."""
+    """Which program: the recursion, its outputs in order, whether wrenches act on the bodies and the base moves."""
 
-    verb: str
+    recursion: str
     outputs: tuple[str, ...]
     external: bool = False
     moving_base: bool = False
 
 
-def output_shapes(n: int) -> dict[str, tuple[int, ...]]:
-    """Of all verbs, by name, for one sample of n bodies."""
-    return {
-        "a": (n,),
-        "tau": (n,),
-        "body_accelerations": (n, BODY_FREEDOMS),
-        "multipliers": (n, JOINT_CONSTRAINTS),
-        "joint_wrenches": (n, BODY_FREEDOMS),
-        "bias_torque": (n,),
-        "mass_matrix": (n, n),
-        "joint_torque_regressor": (n, BODY_PARAMETERS * n),
-        "body_regressor": (n, BODY_FREEDOMS, BODY_PARAMETERS),
-        "position": (n, 3),
-        "rotation": (n, 3, 3),
-        "velocity": (n, BODY_FREEDOMS),
-    }
-
-
 def record(model: RobotModel, request: Request) -> Program:
-    """The program of a verb. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
-    sample = _Sample(model, request)
-    with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia is known now
-        outputs = VERBS[request.verb](sample)
+    """The program of a request. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
+    sample, recursion = _Sample(model, request), RECURSIONS[request.recursion]
+    with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
+        answer = recursion.compute(sample, sample.q, *map(sample.input, recursion.inputs[1:]))
+    outputs = answer if isinstance(answer, dict) else {recursion.outputs[0]: list(np.array(answer, object).ravel())}
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
     if "pivots" in outputs:
         outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], pivot_scales(model), strict=True)]
@@ -92,7 +72,7 @@ def record_equations(
 
 
 class _Sample:
-    """The arguments of the recursions."""
+    """The robot, and the arguments of its recursions for one sample."""
 
     def __init__(self, model: RobotModel, request: Request) -> None:
         self.links: tuple[Link, ...] = links(model)
@@ -157,48 +137,3 @@ def pivot_scales(model: RobotModel) -> Array:
         turning = masses[outside] * (far + centers[outside]) ** 2 + tensors[outside]
         scales[j] = (masses[outside] if joint.is_prismatic else turning).sum()
     return np.where(scales > 0, scales, 1.0)
-
-
-def _forward(x: _Sample) -> dict[str, list[Any]]:
-    return forward_dynamics(x.links, x.root, x.q, x.input("v"), x.input("tau"), x.external)
-
-
-def _inverse(x: _Sample) -> dict[str, list[Any]]:
-    return inverse_dynamics(x.links, x.root, x.q, x.input("v"), x.input("a"), x.external)
-
-
-def _bias(x: _Sample) -> dict[str, list[Any]]:
-    return {"bias_torque": inverse_dynamics(x.links, x.root, x.q, x.input("v"), [0.0] * x.n, x.external)["tau"]}
-
-
-def _mass(x: _Sample) -> dict[str, list[Any]]:
-    return {"mass_matrix": _flat(mass_matrix(x.links, x.q))}
-
-
-def _torque_regressor(x: _Sample) -> dict[str, list[Any]]:
-    matrix = joint_torque_regressor(x.links, x.root, x.q, x.input("v"), x.input("a"))
-    return {"joint_torque_regressor": _flat(matrix)}
-
-
-def _body_regressor(x: _Sample) -> dict[str, list[Any]]:
-    matrices = body_regressors(x.links, x.root, x.q, x.input("v"), x.input("a"))
-    return {"body_regressor": _flat(np.array(matrices, dtype=object))}
-
-
-def _state(x: _Sample) -> dict[str, list[Any]]:
-    return maximal_state(x.links, x.root, x.q, x.input("v"))
-
-
-def _flat(matrix: Scalars) -> list[Any]:
-    return list(matrix.reshape(-1))
-
-
-VERBS: dict[str, Callable[[_Sample], dict[str, list[Any]]]] = {
-    "forward_dynamics": _forward,
-    "inverse_dynamics": _inverse,
-    "bias_torque": _bias,
-    "mass_matrix": _mass,
-    "joint_torque_regressor": _torque_regressor,
-    "body_regressor": _body_regressor,
-    "maximal_state": _state,
-}

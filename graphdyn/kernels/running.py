@@ -137,7 +137,7 @@ def _can_compile() -> bool:
             f"no compiled dynamics ({str(error).splitlines()[0]}); the NumPy back end gives the same results, some "
             f"fifty times slower. Install llvmlite 0.45 or newer, or set {CHOICE}=numpy to silence this",
             RuntimeWarning,
-            stacklevel=8,
+            stacklevel=9,  # the caller of a verb
         )
         return False
     return True

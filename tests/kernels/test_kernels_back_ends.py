@@ -174,7 +174,7 @@ def test_programs_go_with_their_robot():
 
 def test_a_program_is_prepared_once(monkeypatch):
     prepared, original = [], running.record
-    monkeypatch.setattr(running, "record", lambda *a: prepared.append(a[1].verb) or original(*a))
+    monkeypatch.setattr(running, "record", lambda *a: prepared.append(a[1].recursion) or original(*a))
     model = fresh()
     with on("host"):
         callers = [

@@ -166,7 +166,7 @@ def test_the_other_methods_write_where_they_please(method):
         lambda: graphdyn.body_regressor(ROBOT, q, v, a, method=method, out=np.zeros((N, 4, 6, 10))),
     ]
     for call in calls:
-        with pytest.raises(InvalidInput, match=rf"the {method} method makes arrays of its own; leave out away, or use"):
+        with pytest.raises(InvalidInput, match=rf"the {method} method makes arrays of its own; omit out=, or use"):
             call()
 
 

@@ -1,0 +1,105 @@
+"""What every verb has in common: arguments in, a method chosen, arrays out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Generic, TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn import _recursive as recursive
+from graphdyn._arrays import joint_arrays, refuse_non_finite
+from graphdyn._base_motion import BaseMotion
+from graphdyn._errors import InvalidInput
+from graphdyn._methods import Method, is_recursive
+from graphdyn._model import RobotModel
+from graphdyn._projected import Specification
+from graphdyn.kernels.batch import Options
+from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
+from graphdyn.layout import BODY_FREEDOMS, Array
+
+Answer = TypeVar("Answer")
+
+
+class Verb(Generic[Answer]):
+    """A row of the table of verbs (graphdyn._dynamics.Verbs), whose attribute names it.
+
+    specification: the answer as the equations read, which the recursion must agree with
+    recursion: its name in graphdyn.kernels.recursions, where inputs, outputs, shapes and units are; that of the verb
+        if left out
+    outputs: which of the recursion's outputs the verb answers; all of them if left out
+    answer: the class that holds several outputs; without one they are a tuple, and a single output is an array
+    """
+
+    name: str
+
+    def __init__(
+        self,
+        specification: Specification,
+        recursion: str | None = None,
+        outputs: tuple[str, ...] = (),
+        answer: type[Answer] | None = None,
+    ) -> None:
+        self.specification, self.outputs = specification, outputs
+        self._recursion, self._answer = recursion, answer
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+        self.recursion = self._recursion or name
+        self.inputs = RECURSIONS[self.recursion].inputs
+        self.outputs = self.outputs or RECURSIONS[self.recursion].outputs
+
+    def __str__(self) -> str:
+        """Such as "mass_matrix(q) → mass_matrix (n, n) [kg m², kg m, kg]"."""
+        answers = (f"{name} ({_listed(ARRAYS[name].shape)}) [{ARRAYS[name].unit}]" for name in self.outputs)
+        return f"{self.name}({_listed(self.inputs)}) → {', '.join(answers)}"
+
+    def __call__(
+        self,
+        model: RobotModel,
+        arguments: tuple[ArrayLike, ...],
+        base: BaseMotion | None,
+        method: Method,
+        threads: int | None,
+        check: bool,
+        out: Answer | None,
+        external_wrenches: ArrayLike | None = None,
+    ) -> Answer:
+        """The answer for arguments in the order of `inputs`; the keywords are those of graphdyn._methods.KEYWORDS."""
+        given = dict(zip(self.inputs, arguments, strict=True))
+        if external_wrenches is not None:
+            given["external_wrenches"] = external_wrenches
+        x = joint_arrays(model, base, check=False, **given)
+        if is_recursive(method, x, out):
+            moving = base if RECURSIONS[self.recursion].on_moving_base else None
+            options, memory = Options(threads, check), self._memory(out)
+            return self._packed(recursive.answers(model, self.recursion, self.outputs, x, moving, options, memory))
+        refuse_non_finite(model, x)
+        x.setdefault("external_wrenches", np.zeros((*x["q"].shape, BODY_FREEDOMS)))
+        return self._packed(self.specification(model, x, base, method == "dense"))
+
+    def _packed(self, arrays: dict[str, Array]) -> Answer:
+        found = [arrays[name] for name in self.outputs]
+        if self._answer is not None:
+            return self._answer(*found)
+        return cast(Answer, found[0] if len(found) == 1 else tuple(found))
+
+    def _memory(self, out: Any) -> dict[str, Array] | None:
+        """The arrays of out by name. Raises InvalidInput where it has another form than the answer."""
+        if out is None:
+            return None
+        if self._answer is not None:
+            if not isinstance(out, self._answer):
+                wanted = f"{self._answer.__name__} with an array for each of its fields"
+                raise InvalidInput(f"out is {type(out).__name__}; give {wanted}")
+            return {name: getattr(out, name) for name in self.outputs}
+        if len(self.outputs) == 1:
+            return {self.outputs[0]: out}
+        if not isinstance(out, tuple) or len(out) != len(self.outputs):
+            raise InvalidInput(f"out is {type(out).__name__}; give a pair of arrays, for {' and '.join(self.outputs)}")
+        return dict(zip(self.outputs, out, strict=True))
+
+
+def _listed(names: Sequence[int | str]) -> str:
+    return ", ".join(map(str, names)) + ("," if names == ("n",) else "")

@@ -1,0 +1,115 @@
+"""The table of recursions: what each takes, what it answers, and how it is computed from scalars."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from graphdyn.kernels.forward import forward_dynamics
+from graphdyn.kernels.inertia import mass_matrix
+from graphdyn.kernels.inverse import inverse_dynamics
+from graphdyn.kernels.mechanism import Link
+from graphdyn.kernels.motion import Root
+from graphdyn.kernels.positions import maximal_state
+from graphdyn.kernels.reactions import Wrench
+from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
+from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS
+
+
+@dataclass(frozen=True)
+class ArraySpec:
+    """An array of the dynamics.
+
+    shape: for one sample of n bodies; "n" and "10 n" depend on the robot
+    unit: the second one, after "or", is that of prismatic joints
+    """
+
+    shape: tuple[int | str, ...]
+    unit: str
+
+    def shape_for(self, n: int) -> tuple[int, ...]:
+        sizes = {"n": n, "10 n": BODY_PARAMETERS * n}
+        return tuple(size if isinstance(size, int) else sizes[size] for size in self.shape)
+
+
+ARRAYS = {
+    "q": ArraySpec(("n",), "rad or m"),
+    "v": ArraySpec(("n",), "rad/s or m/s"),
+    "a": ArraySpec(("n",), "rad/s² or m/s²"),
+    "tau": ArraySpec(("n",), "N m or N"),
+    "body_accelerations": ArraySpec(("n", BODY_FREEDOMS), "m/s², rad/s²"),
+    "multipliers": ArraySpec(("n", JOINT_CONSTRAINTS), "N, N m"),
+    "joint_wrenches": ArraySpec(("n", BODY_FREEDOMS), "N, N m"),
+    "mass_matrix": ArraySpec(("n", "n"), "kg m², kg m, kg"),
+    "bias_torque": ArraySpec(("n",), "N m or N"),
+    "joint_torque_regressor": ArraySpec(("n", "10 n"), "N m or N per parameter"),
+    "body_regressor": ArraySpec(("n", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"),
+    "position": ArraySpec(("n", 3), "m"),
+    "rotation": ArraySpec(("n", 3, 3), "1"),
+    "velocity": ArraySpec(("n", BODY_FREEDOMS), "m/s, rad/s"),
+}
+
+
+class Setting(Protocol):
+    """What recursions work on beside the joint arrays of a sample."""
+
+    links: tuple[Link, ...]
+    root: Root
+    external: Sequence[Wrench] | None
+
+
+@dataclass(frozen=True)
+class Recursion:
+    """inputs: names of its joint arrays, q first; outputs: of what it answers.
+
+    compute(setting, *inputs) answers scalars: the one output, of any shape, or a dictionary of flat outputs
+    on_moving_base: whether the motion of the base matters
+    """
+
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    compute: Callable[..., Any]
+    on_moving_base: bool = True
+
+
+_REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches")
+
+RECURSIONS = {
+    "forward_dynamics": Recursion(
+        ("q", "v", "tau"),
+        ("a", *_REACTIONS),
+        lambda x, q, v, tau: forward_dynamics(x.links, x.root, q, v, tau, x.external),
+    ),
+    "inverse_dynamics": Recursion(
+        ("q", "v", "a"),
+        ("tau", *_REACTIONS),
+        lambda x, q, v, a: inverse_dynamics(x.links, x.root, q, v, a, x.external),
+    ),
+    "mass_matrix": Recursion(
+        ("q",),
+        ("mass_matrix",),
+        lambda x, q: mass_matrix(x.links, q),
+        on_moving_base=False,
+    ),
+    "bias_torque": Recursion(
+        ("q", "v"),
+        ("bias_torque",),
+        lambda x, q, v: inverse_dynamics(x.links, x.root, q, v, [0.0] * len(q))["tau"],
+    ),
+    "joint_torque_regressor": Recursion(
+        ("q", "v", "a"),
+        ("joint_torque_regressor",),
+        lambda x, q, v, a: joint_torque_regressor(x.links, x.root, q, v, a),
+    ),
+    "body_regressor": Recursion(
+        ("q", "v", "a"),
+        ("body_regressor",),
+        lambda x, q, v, a: body_regressors(x.links, x.root, q, v, a),
+    ),
+    "maximal_state": Recursion(
+        ("q", "v"),
+        ("position", "rotation", "velocity"),
+        lambda x, q, v: maximal_state(x.links, x.root, q, v),
+    ),
+}
