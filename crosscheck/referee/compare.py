@@ -22,6 +22,7 @@ from crosscheck.referee.quantities import (
     frame_errors,
     passive_errors,
     rank_errors,
+    torque_errors,
 )
 from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.states import RANDOM, Case, cases
@@ -92,6 +93,7 @@ def compare(
                     tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
                     reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
                     record.add(route, chunk, passive_errors(chunk, reference, recursive=recursive))
+                    record.add(route, chunk, torque_errors(chunk, turned))
                     if route == "urdf" and model.frames:
                         record.add(route, chunk, frame_errors(chunk, turned))
                     if regular.any():

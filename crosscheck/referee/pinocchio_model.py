@@ -183,9 +183,17 @@ class PinocchioModel:
 
     def rnea(self, q: Array, v: Array, a: Array) -> Array:
         """τ (N, n) of N states."""
+        return self.joint_torques("rnea", q, v, a)
+
+    def joint_torques(self, function: str, q: Array, *rates: Array) -> Array:
+        """What a function of Pinocchio answers, a torque or force for each joint (N, n), at N states.
+
+        function: name of one that takes q and as many of v and a as rates; q, rates: (N, n)
+        """
+        compute = getattr(pin, function)
         rows = [
-            pin.rnea(self._native, self._data, self.configuration(q_k), self._there(v_k), self._there(a_k))
-            for q_k, v_k, a_k in zip(q, v, a, strict=True)
+            compute(self._native, self._data, self.configuration(q_k), *map(self._there, rates_k))
+            for q_k, *rates_k in zip(q, *rates, strict=True)
         ]
         return np.array(rows).reshape(q.shape)[..., self._columns]
 
@@ -239,7 +247,6 @@ class PinocchioModel:
         row["joint_wrenches_external"] = self._joint_wrenches()
         row["tau"] = pin.rnea(native, data, q, v, a)[columns]
         row["joint_wrenches"] = self._joint_wrenches()
-        row["bias"] = pin.nonLinearEffects(native, data, q, v)[columns]
         mass = np.triu(np.reshape(pin.crba(native, data, q), (native.nv, native.nv)))
         mass = mass + np.triu(mass, 1).T
         row["mass_matrix"] = mass[np.ix_(columns, columns)]

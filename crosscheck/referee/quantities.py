@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+import graphdyn
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.scales import (
@@ -39,7 +40,6 @@ from graphdyn import (
     ForwardDynamics,
     InverseDynamics,
     RobotModel,
-    bias_torque,
     body_regressor,
     forward_dynamics,
     frame_placement,
@@ -49,6 +49,7 @@ from graphdyn import (
     maximal_state,
 )
 from graphdyn._constraints import constraints
+from graphdyn._dynamics import VERBS
 from graphdyn._kinematics import link_origins
 from graphdyn._kkt import KKTSystem
 from graphdyn._unconstrained import applied_terms, mass_terms
@@ -61,6 +62,8 @@ class Quantity:
 
     scale: besides the largest reference value, what the error is relative to, in the terms of docs/notation.md
     forward: whether it needs a regular mass matrix
+    verb: the verb of graphdyn that it compares, where the answer is a torque for each joint and Pinocchio's function
+        takes the same arguments; ours, Pinocchio's value, scale and code to reproduce then follow
     """
 
     name: str
@@ -68,6 +71,7 @@ class Quantity:
     scale: str
     tolerance: Tolerance
     forward: bool = False
+    verb: str | None = None
 
 
 _PLACED = "rotations: 1; positions: largest position of a link, offset of a center of mass"
@@ -90,7 +94,7 @@ QUANTITIES = (
     Quantity("torque_external", "rnea with fext", _TORQUE, AGREEMENT),
     Quantity("joint_wrench_external", "rnea with fext, data.f", _BY_PART, AGREEMENT),
     Quantity("mass_matrix", "crba", "largest entry of a tensor", AGREEMENT),
-    Quantity("bias_torque", "nonLinearEffects", _WRENCH, AGREEMENT),
+    Quantity("bias_torque", "nonLinearEffects", _WRENCH, AGREEMENT, verb="bias_torque"),
     Quantity("torque_regressor", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
     Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: compensated; of I: turn", AGREEMENT),
     Quantity("torque_recursive", "rnea", _TORQUE, AGREEMENT),
@@ -168,7 +172,6 @@ def passive_errors(case: Case, ref: RefereeValues, *, recursive: bool = False) -
     assert state.acceleration is not None
     ours = inverse_dynamics(model, q, v, a)
     loaded = inverse_dynamics(model, q, v, a, external)
-    at_rest = inverse_dynamics(model, q, v, np.zeros_like(a)).joint_wrenches
     size = term_sizes(model, v, a, ref.position, ref.velocity, ref.acceleration)
     with_load = size.loaded(external)
     multipliers = multipliers_of(model, ref.rotation, ref.joint_wrenches)
@@ -200,7 +203,6 @@ def passive_errors(case: Case, ref: RefereeValues, *, recursive: bool = False) -
             loaded.joint_wrenches, ref.joint_wrenches_external, with_load.force, with_load.moment
         ),
         **matrix_errors(mass_matrix(model, q), joint_torque_regressor(model, q, v, a)),
-        "bias_torque": relative(bias_torque(model, q, v), ref.bias, largest(at_rest)),
         "body_regressor": by_parameter_type(
             body_regressor(model, q, v, a), ref.body_regressor, size.compensated, size.compensated, size.turn
         ),
@@ -215,6 +217,23 @@ def passive_errors(case: Case, ref: RefereeValues, *, recursive: bool = False) -
 
 def _of_recursive(errors: Mapping[str, Array]) -> dict[str, Array]:
     return {f"{name}{RECURSIVE}": error for name, error in errors.items()}
+
+
+def torque_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
+    """Errors of the quantities that name their verb, on the scale of the largest joint wrench that goes with it.
+
+    That is the wrench of inverse dynamics with zero for the velocities and accelerations that the verb does not take.
+    """
+    errors = {}
+    for quantity in QUANTITIES:
+        if quantity.verb is not None:
+            arguments = [getattr(case, name) for name in VERBS[quantity.verb].inputs]
+            ours = getattr(graphdyn, quantity.verb)(case.model, *arguments)
+            zeros = [np.zeros_like(case.q)] * (3 - len(arguments))
+            wrenches = inverse_dynamics(case.model, *arguments, *zeros).joint_wrenches
+            theirs = referee.joint_torques(quantity.against, *arguments)
+            errors[quantity.name] = relative(ours, theirs, largest(wrenches))
+    return errors
 
 
 def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:

@@ -21,7 +21,7 @@ class RefereeValues:
     velocity, acceleration: ṙ, r̈ of the centers of mass in world axes, ω, ω̇ in body axes   (N, n, 6)
     tau, joint_wrenches: rnea and its data.f                (N, n), (N, n, 6)
     a: aba at the given torques                             (N, n)
-    mass_matrix, bias: crba, nonLinearEffects               (N, n, n), (N, n)
+    mass_matrix: crba                                       (N, n, n)
     torque_regressor, body_regressor: computeJointTorqueRegressor, jointBodyRegressor   (N, n, 10n), (N, n, 6, 10)
     tau_external, joint_wrenches_external, a_external: rnea, data.f and aba with the external wrenches
     a_wrenches, a_body_accelerations: data.f and body accelerations at a, the solution of forward dynamics
@@ -38,7 +38,6 @@ class RefereeValues:
     a_wrenches: Array
     a_body_accelerations: Array
     mass_matrix: Array
-    bias: Array
     torque_regressor: Array
     body_regressor: Array
     tau_external: Array

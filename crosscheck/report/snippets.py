@@ -9,7 +9,9 @@ import numpy as np
 import urdf
 from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
+from crosscheck.referee.quantities import QUANTITIES
 from graphdyn import RobotModel
+from graphdyn._dynamics import VERBS
 from graphdyn.layout import Array
 
 _REFERENCE = "reference = referee.evaluate(*(np.array([x]) for x in (q, v, a, tau, external_wrenches)))"
@@ -30,7 +32,16 @@ _SYSTEM = "graphdyn.kkt_system(model, q, v, tau)"
 
 _FRAMES = "[frame.name for frame in model.frames]"
 
+
+def _of_verb(verb: str, against: str) -> tuple[tuple[str, str], ...]:
+    """Both sides of a quantity that names its verb."""
+    names = VERBS[verb].inputs
+    rows = ", ".join(f"np.array([{name}])" for name in names)
+    return ((f"graphdyn.{verb}(model, {', '.join(names)})", f"referee.joint_torques({against!r}, {rows})[0]"),)
+
+
 CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
+    **{quantity.name: _of_verb(quantity.verb, quantity.against) for quantity in QUANTITIES if quantity.verb},
     "link_placement": (
         (f"{_STATE}.rotation", "reference.rotation[0]"),
         (f"link_origins({_STATE})", "reference.position[0]"),
@@ -50,7 +61,6 @@ CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "torque_external": ((f"{_INVERSE_LOADED}.tau", "reference.tau_external[0]"),),
     "joint_wrench_external": ((f"{_INVERSE_LOADED}.joint_wrenches", "reference.joint_wrenches_external[0]"),),
     "mass_matrix": (("graphdyn.mass_matrix(model, q)", "reference.mass_matrix[0]"),),
-    "bias_torque": (("graphdyn.bias_torque(model, q, v)", "reference.bias[0]"),),
     "torque_regressor": (("graphdyn.joint_torque_regressor(model, q, v, a)", "reference.torque_regressor[0]"),),
     "body_regressor": (("graphdyn.body_regressor(model, q, v, a)", "reference.body_regressor[0]"),),
     "acceleration": ((f"{_FORWARD}.a", "reference.a[0]"),),

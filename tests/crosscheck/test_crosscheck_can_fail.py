@@ -58,7 +58,6 @@ VISIBLE_IN = {
     },
     "a_body_accelerations": {"forward_body_acceleration", "forward_body_acceleration_recursive"},
     "mass_matrix": {"mass_matrix", "mass_matrix_recursive"},
-    "bias": {"bias_torque"},
     "torque_regressor": {"torque_regressor", "torque_regressor_recursive"},
     "body_regressor": {"body_regressor"},
     "tau_external": {"torque_external"},
@@ -71,7 +70,10 @@ VISIBLE_IN = {
 OURS_ALONE = {"round_trip", "dynamics_residual", "constraint_residual", "constraint_rank", "kkt_rank"}
 """Judged without the referee."""
 
-OWN_TEST = {"frame_placement", "base_parameters"}
+TORQUES = {quantity.against: quantity.name for quantity in QUANTITIES if quantity.verb}
+"""Quantities that name their verb, by the function of Pinocchio that they ask for."""
+
+OWN_TEST = {"frame_placement", "base_parameters", *TORQUES.values()}
 """Judged by other functions of the referee than evaluate."""
 
 FORWARD_FIELDS = {"a", "a_external", "a_body_accelerations", "a_wrenches", "a_wrenches_external", "rotation"}
@@ -115,6 +117,16 @@ def test_one_wrong_entry_of_the_referee(tree, plant, monkeypatch, field):
     assert f"'{tree.name}'" in str(caught.value).splitlines()[0]
     assert rows_that_disagree(str(caught.value)) == VISIBLE_IN[field]
     assert exit_code(monkeypatch, comparison) == DISAGREED
+
+
+@pytest.mark.parametrize("function", TORQUES)
+def test_one_wrong_torque_of_a_function_of_pinocchio(tree, plant, function):
+    planted = plant.referee_torque(function, lambda x: x * (1 + PLANTED))
+    comparison = compared(tree)
+    assert flagged(comparison) == {TORQUES[function]}
+    result = comparison.quantities[TORQUES[function]]
+    assert [case for case, error in result.by_case.items() if error > result.quantity.tolerance.bound] == ["random"]
+    assert result.worst.q == planted["q"]
 
 
 def rows_that_disagree(text):

@@ -78,7 +78,7 @@ class TestJson:
         assert program("crosscheck", small_arm, "--samples", 1, "--json", os.devnull).code == AGREED
 
     def test_infinite_error_is_null(self, program, small_arm, plant, tmp_path):
-        plant.referee_value("bias", lambda _: np.nan)
+        plant.referee_torque("nonLinearEffects", lambda _: np.nan)
         path = tmp_path / "result.json"
         assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == DISAGREED
         result = json.loads(path.read_text(encoding="utf-8"))["robots"][0]["quantities"]["bias_torque"]

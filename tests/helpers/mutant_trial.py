@@ -15,7 +15,7 @@ from mends import MENDS, NEW_NAME, mended
 
 import urdf
 from crosscheck.referee.pinocchio_model import GROUND, PinocchioModel, PinocchioRefuses
-from crosscheck.referee.quantities import BY_NAME, frame_errors, passive_errors
+from crosscheck.referee.quantities import BY_NAME, frame_errors, passive_errors, torque_errors
 from crosscheck.referee.scales import relative
 from crosscheck.referee.states import Case
 from crosscheck.referee.tolerances import AGREEMENT
@@ -155,7 +155,7 @@ def _wrong(model: RobotModel, referee: PinocchioModel) -> dict[str, float]:
     """The quantities that miss their bound, and how far off they are."""
     case = _case(model)
     reference = referee.turned(case.turn, model.gravity).evaluate(*_states(case))
-    errors = passive_errors(case, reference)
+    errors = passive_errors(case, reference) | torque_errors(case, referee.turned(case.turn, model.gravity))
     if model.frames:
         errors |= frame_errors(case, referee)
     worst = {name: float(np.where(np.isnan(x), np.inf, x).max()) for name, x in errors.items()}
@@ -164,12 +164,12 @@ def _wrong(model: RobotModel, referee: PinocchioModel) -> dict[str, float]:
 
 def _is_rounding(path: Path, model: RobotModel) -> bool:
     """Pinocchio gets the same from the file as from the model, body by body: what differs is lost in computing."""
-    here, there = (
-        referee.evaluate(*_states(_case(model)))
-        for referee in (PinocchioModel.from_model(model), PinocchioModel.from_urdf(path, model, {}))
-    )
-    names = ("position", "mass_matrix", "tau", "bias", "joint_wrenches")
+    case, referees = _case(model), (PinocchioModel.from_model(model), PinocchioModel.from_urdf(path, model, {}))
+    here, there = (referee.evaluate(*_states(case)) for referee in referees)
+    names = ("position", "mass_matrix", "tau", "joint_wrenches")
     errors = [relative(getattr(there, name), getattr(here, name)).max() for name in names]
+    bias = [referee.joint_torques("nonLinearEffects", case.q, case.v) for referee in referees]
+    errors.append(relative(*bias).max())
     return max(errors) <= AGREEMENT.bound
 
 

@@ -53,6 +53,23 @@ class Plant:
         self._patch.setattr(PinocchioModel, "evaluate", evaluate)
         return planted
 
+    def referee_torque(self, function: str, change: Callable[[float], float]) -> dict:
+        """Change the largest torque that this function of Pinocchio gives in the last state of its first call.
+
+        Returns a dictionary that holds q of that state once the comparison has run.
+        """
+        original, planted = PinocchioModel.joint_torques, {}
+
+        def joint_torques(referee, name, q, *rates):
+            torques = original(referee, name, q, *rates)
+            if name != function or planted:
+                return torques
+            planted["q"] = tuple(q[-1].tolist())
+            return _changed(torques, change)
+
+        self._patch.setattr(PinocchioModel, "joint_torques", joint_torques)
+        return planted
+
     def referee_frames(self, which: int, change: Callable[[float], float]) -> None:
         """Change the largest entry of the frames' rotations (0) or positions (1)."""
         original = PinocchioModel.frame_placements
