@@ -60,7 +60,7 @@ def _gap_curvature(vectors: JointVectors, vertices: Vertices, i: int, j: int) ->
     omega_i, omega_j = vertices.angular_velocity[..., i, :], vertices.angular_velocity[..., j, :]
     spin_i, spin_j = cross(omega_i, vectors.arm_i), cross(omega_j, vectors.arm_j)
     gap_acceleration = cross(omega_i, spin_i) - cross(omega_j, spin_j)
-    curvature = np.einsum("...ka,...a->...k", vectors.held, gap_acceleration)
+    curvature: Array = np.einsum("...ka,...a->...k", vectors.held, gap_acceleration)
     if vectors.held_turns:
         gap_rate = vertices.velocity[..., i, :] + spin_i - vertices.velocity[..., j, :] - spin_j
         u_dot = cross(omega_i[..., None, :], vectors.held)
@@ -75,4 +75,5 @@ def _angle_curvature(vectors: JointVectors, omega_i: Array, omega_j: Array) -> A
     a, b = vectors.inside, vectors.outside
     a_dot = cross(omega_i[..., None, :], a)
     b_dot = cross(omega_j[..., None, :], b)
-    return np.einsum("...a,...ka->...k", omega_i - omega_j, cross(a_dot, b) + cross(a, b_dot))
+    curvature: Array = np.einsum("...a,...ka->...k", omega_i - omega_j, cross(a_dot, b) + cross(a, b_dot))
+    return curvature

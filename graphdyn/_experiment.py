@@ -51,7 +51,8 @@ def record(
     answer = inverse_dynamics(model, q, v, a, base=motion)
 
     def in_world(vectors: Array) -> Array:
-        return np.einsum("...ab,...b->...a", state.rotation, vectors)
+        turned: Array = np.einsum("...ab,...b->...a", state.rotation, vectors)
+        return turned
 
     return VirtualRecording(
         robot=model.name,

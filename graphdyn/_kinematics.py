@@ -200,7 +200,8 @@ def bias_acceleration(model: RobotModel, q: Array, v: Array, on: Ground | None =
 def link_origins(state: MaximalState) -> Array:
     """O_j (…, n, 3): origins of the link frames, where the inside joints are; world axes [m]."""
     vertices = state.vertices
-    return state.position - np.einsum("...iab,ib->...ia", state.rotation, vertices.center[1:])
+    origins: Array = state.position - np.einsum("...iab,ib->...ia", state.rotation, vertices.center[1:])
+    return origins
 
 
 def frame_placement(
@@ -319,4 +320,5 @@ def project_accelerations(state: MaximalState, acceleration: Array, bias: Array)
 
 
 def _dot(a: Array, b: Array) -> Array:
-    return np.einsum("...a,...a->...", a, b)
+    product: Array = np.einsum("...a,...a->...", a, b)
+    return product

@@ -58,15 +58,18 @@ class KKTSystem:
 
     def rank(self) -> int | Array:
         """Numerical rank of the matrix, balanced (see _balance); 11n where everything is determined."""
-        return np.linalg.matrix_rank(self._balanced(), hermitian=True)
+        rank: int | Array = np.linalg.matrix_rank(self._balanced(), hermitian=True)
+        return rank
 
     def constraint_rank(self) -> int | Array:
         """Numerical rank of φ_q; 5n for every tree of bodies."""
-        return np.linalg.matrix_rank(self.constraint_jacobian)
+        rank: int | Array = np.linalg.matrix_rank(self.constraint_jacobian)
+        return rank
 
     def condition_number(self) -> float | Array:
         """2-norm condition number of the matrix as Eq. (111) writes it, in SI units; infinite where it is singular."""
-        return np.linalg.cond(self.matrix)
+        condition: float | Array = np.linalg.cond(self.matrix)
+        return condition
 
     def solve(self) -> KKTSolution:
         """All accelerations and all multipliers.
@@ -159,4 +162,5 @@ def _residual(products: tuple[tuple[Array, Array], ...], right: Array, *others: 
     error = np.abs(sum(apply(matrix, vector) for matrix, vector in products) - right).max(axis=-1)
     terms = sum(apply(np.abs(matrix), np.abs(vector)) for matrix, vector in products) + np.abs(right)
     scale = np.maximum.reduce([x.max(axis=-1) for x in (terms, *others)])
-    return np.divide(error, scale, out=np.zeros_like(error), where=scale > 0)
+    relative: Array = np.divide(error, scale, out=np.zeros_like(error), where=scale > 0)
+    return relative

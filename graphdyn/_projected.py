@@ -105,13 +105,15 @@ def kkt(state: MaximalState, tau: Array, external_wrenches: Array) -> KKTSystem:
 
 def _inertial_terms(state: MaximalState, accelerations: Array) -> Array:
     """A q̈ per body (…, n, 6)."""
-    return np.einsum("iab,...ib->...ia", mass_blocks(state), accelerations)
+    terms: Array = np.einsum("iab,...ib->...ia", mass_blocks(state), accelerations)
+    return terms
 
 
 def _projected_mass(state: MaximalState, n: Array) -> Array:
     blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, BODY_FREEDOMS, n.shape[-1])
     mass = np.einsum("...iak,iab,...ibl->...kl", blocks, mass_blocks(state), blocks, optimize=True)
-    return (mass + np.swapaxes(mass, -1, -2)) / 2
+    symmetric: Array = (mass + np.swapaxes(mass, -1, -2)) / 2
+    return symmetric
 
 
 def singular(mass: Array) -> NDArray[np.bool_]:

@@ -56,7 +56,9 @@ def split_reactions(state: MaximalState, wrenches: Array) -> tuple[Array, Array]
 
 def join_reactions(state: MaximalState, multipliers: Array, tau: Array) -> Array:
     """World wrenches (…, n, 6) of multipliers and actuator torques: the inverse of split_reactions."""
-    return np.einsum("...wc,...c->...w", reaction_basis(state), np.concatenate([multipliers, tau[..., None]], axis=-1))
+    components = np.concatenate([multipliers, tau[..., None]], axis=-1)
+    wrenches: Array = np.einsum("...wc,...c->...w", reaction_basis(state), components)
+    return wrenches
 
 
 def in_link_axes(state: MaximalState, wrenches: Array) -> Array:

@@ -22,7 +22,8 @@ def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     axis = np.asarray(axis, dtype=float)
     angle = np.asarray(angle, dtype=float)[..., None, None]
     c, s = np.cos(angle), np.sin(angle)
-    return c * np.eye(3) + s * skew(axis) + (1.0 - c) * np.outer(axis, axis)
+    rotation: Array = c * np.eye(3) + s * skew(axis) + (1.0 - c) * np.outer(axis, axis)
+    return rotation
 
 
 def cardano_matrix(theta: ArrayLike) -> Array:
@@ -55,7 +56,8 @@ def cardano_angles(rotation: ArrayLike) -> Array:
 def cos_beta(rotation: ArrayLike) -> Array:
     """|cos β| = |det D| of each rotation, without the cancellation of sqrt(1 - sin²β). (…, 3, 3) → (…)."""
     r = np.asarray(rotation, dtype=float)
-    return np.hypot(r[..., 1, 2], r[..., 2, 2])
+    cosines: Array = np.hypot(r[..., 1, 2], r[..., 2, 2])
+    return cosines
 
 
 def cardano_rate_matrix(theta: ArrayLike) -> Array:

@@ -39,7 +39,8 @@ class Vertices:
 
     def arm(self, i: int, point: Array) -> Array:
         """From the center of mass of vertex i to a point given in its link axes (3,), in world axes (…, 3) [m]."""
-        return self.rotation[..., i, :, :] @ (point - self.center[i])
+        arm: Array = self.rotation[..., i, :, :] @ (point - self.center[i])
+        return arm
 
 
 @dataclass(frozen=True, eq=False)

@@ -107,7 +107,8 @@ def _rounding(difference: Array, terms: Array) -> Array:
     Where terms cancel, as for a center of mass whose acceleration nearly equals gravity, columns or torques are short;
     scaled to unit length, they carry a large relative rounding into the parameters.
     """
-    return np.minimum(np.linalg.norm(difference, axis=0) / EPS, terms)
+    rounding: Array = np.minimum(np.linalg.norm(difference, axis=0) / EPS, terms)
+    return rounding
 
 
 def _terms(model: RobotModel, q: Array, v: Array, a: Array) -> tuple[Array, Array]:

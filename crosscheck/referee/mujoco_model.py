@@ -104,7 +104,8 @@ class MujocoModel:
                 state=state[:count],
                 sensordata=sensors[:count],
             )
-            return state[:count, 0, -n:] - start[:count, -n:]
+            change: Array = state[:count, 0, -n:] - start[:count, -n:]
+            return change
 
         return run
 

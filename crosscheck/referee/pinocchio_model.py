@@ -271,9 +271,10 @@ class PinocchioModel:
 
     def _torque_regressor(self, q: Array, v: Array, a: Array) -> Array:
         """(n, 10n) of one state in Pinocchio's order and coordinates; the bindings flatten matrices of one row."""
-        regressor = pin.computeJointTorqueRegressor(self._native, self._data, q, v, a)
-        full = np.reshape(regressor, (self._native.nv, BODY_PARAMETERS * self._native.nv))
-        return full[np.ix_(self._columns, self._parameter_columns())]
+        flat = pin.computeJointTorqueRegressor(self._native, self._data, q, v, a)
+        full = np.reshape(flat, (self._native.nv, BODY_PARAMETERS * self._native.nv))
+        regressor: Array = full[np.ix_(self._columns, self._parameter_columns())]
+        return regressor
 
     def _aba(self, q: Array, v: Array, tau: Array, forces: pin.StdVec_Force | None = None) -> Array:
         arguments = (self._native, self._data, q, v, tau)

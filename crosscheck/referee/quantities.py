@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -344,5 +345,5 @@ def multipliers_of(model: RobotModel, rotation: Array, wrenches: Array) -> Array
     return result
 
 
-def _range(x: Array) -> tuple:
+def _range(x: Array) -> tuple[Any, Any]:
     return x.min().item(), x.max().item()

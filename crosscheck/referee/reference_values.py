@@ -89,7 +89,8 @@ def at_centers(centers: Array, rotation: Array, velocity: Array, acceleration: A
     classical = classical + cross(alpha, centers) + cross(omega, cross(omega, centers))
 
     def in_world(vectors: Array) -> Array:
-        return np.einsum("...ab,...b->...a", rotation, vectors)
+        turned: Array = np.einsum("...ab,...b->...a", rotation, vectors)
+        return turned
 
     return (
         np.concatenate([in_world(at_center), omega], axis=-1),

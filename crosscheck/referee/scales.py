@@ -80,7 +80,8 @@ def largest_tensor(model: RobotModel) -> float:
 
 def largest(x: Array) -> Array:
     """Largest absolute entry of each sample. (N, …) → (N,)."""
-    return np.abs(x).reshape(len(x), -1).max(axis=-1)
+    sizes: Array = np.abs(x).reshape(len(x), -1).max(axis=-1)
+    return sizes
 
 
 def ratio(error: Array, scale: Array) -> Array:
@@ -106,7 +107,8 @@ def by_parameter_type(x: Array, reference: Array, mass: Array, first_moment: Arr
     """The largest error of the columns of m, of m c and of I, each on its own scale. (N, …, 10 k) → (N,)."""
     x, reference = (w.reshape(len(w), -1, BODY_PARAMETERS) for w in (x, reference))
     columns = ((slice(0, 1), mass), (slice(1, 4), first_moment), (slice(4, 10), tensor))
-    return np.maximum.reduce([relative(x[..., part], reference[..., part], size) for part, size in columns])
+    errors: Array = np.maximum.reduce([relative(x[..., part], reference[..., part], size) for part, size in columns])
+    return errors
 
 
 def acceleration_scale(mass: Array, a: Array, tau: Array, wrenches: Array) -> Array:

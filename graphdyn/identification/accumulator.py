@@ -158,4 +158,5 @@ def _gram_factor(gram: Array) -> Array:
     scale = np.sqrt(np.diag(gram))
     scale = np.where(scale > 0, scale, 1.0)
     values, vectors = np.linalg.eigh(gram / scale / scale[:, None])
-    return np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T * scale
+    factor: Array = np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T * scale
+    return factor

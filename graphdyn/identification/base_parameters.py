@@ -74,7 +74,8 @@ class BaseParameters:
     def values(self, parameters: ArrayLike) -> Array:
         """Base parameters (b,) of standard parameters (p,)."""
         pi = np.asarray(parameters, dtype=float)
-        return pi[self.independent] + self.regrouping @ pi[self.dependent]
+        values: Array = pi[self.independent] + self.regrouping @ pi[self.dependent]
+        return values
 
     def names(self, names: Sequence[str]) -> tuple[str, ...]:
         """Every base parameter in standard parameters, such as "XX_2 - YY_2 + 0.18 M_3".
@@ -88,7 +89,8 @@ class BaseParameters:
     def alone(self) -> Indices:
         """Columns that are determined by themselves: nothing folds into them."""
         b = self._clean_matrix()
-        return self.independent[np.count_nonzero(b, axis=1) == 1]
+        alone: NDArray[np.intp] = self.independent[np.count_nonzero(b, axis=1) == 1]
+        return alone
 
     def _clean_matrix(self) -> Array:
         """B without rounding."""

@@ -35,16 +35,19 @@ class CompressedEquations:
     @property
     def n_columns(self) -> int:
         """b, the number of parameters x."""
-        return self.factors.shape[-1] - 1
+        width: int = self.factors.shape[-1] - 1
+        return width
 
     @property
     def measured_squares(self) -> Array:
         """‖τ_g‖² (g,)."""
-        return np.sum(self.factors[..., -1] ** 2, axis=-1)
+        squares: Array = np.sum(self.factors[..., -1] ** 2, axis=-1)
+        return squares
 
     def residual_squares(self, x: Array) -> Array:
         """‖W_g x - τ_g‖² (g,)."""
-        return np.sum((self.factors[..., :-1] @ x - self.factors[..., -1]) ** 2, axis=-1)
+        squares: Array = np.sum((self.factors[..., :-1] @ x - self.factors[..., -1]) ** 2, axis=-1)
+        return squares
 
     def selected(self, columns: NDArray[np.int64]) -> CompressedEquations:
         """With these columns of W alone."""

@@ -11,4 +11,5 @@ def one_thread() -> AbstractContextManager[Any]:
     import scipy.linalg  # noqa: F401  # imported where first used; a library must be loaded to be held
     from threadpoolctl import threadpool_limits
 
-    return threadpool_limits(limits=1, user_api="blas")
+    limited: AbstractContextManager[Any] = threadpool_limits(limits=1, user_api="blas")
+    return limited

@@ -30,7 +30,8 @@ class Prior:
         scale = np.where(np.isfinite(self.scale), self.scale, 1.0)
         b = base.matrix * scale
         step, *_ = np.linalg.lstsq(b, values - base.values(self.mean), rcond=None)
-        return self.mean + scale * step
+        mean: Array = self.mean + scale * step
+        return mean
 
 
 def model_prior(torque_model: TorqueModel) -> Prior:

@@ -116,7 +116,8 @@ class _Autocorrelation:
 
     def durbin_watson(self) -> Array:
         with np.errstate(invalid="ignore", divide="ignore"):
-            return self.steps / self.products[0]
+            ratios: Array = self.steps / self.products[0]
+            return ratios
 
     def ljung_box_p(self, count: Array) -> Array:
         from scipy.stats import chi2  # imported where first used: import graphdyn stays light

@@ -56,7 +56,8 @@ def solve_triangle(r: Array, z: Array) -> Solution:
 def leverages(equations: CompressedEquations, deviations: Array, inverse: Array) -> Array:
     """Equations of each group that the parameters use up: tr(W_g C W_gᵀ) / σ_g², Σ = b. (g,)"""
     w = equations.factors[..., :-1]
-    return np.sum((w @ inverse) * w, axis=(1, 2)) / np.asarray(deviations) ** 2
+    shares: Array = np.sum((w @ inverse) * w, axis=(1, 2)) / np.asarray(deviations) ** 2
+    return shares
 
 
 def residual_deviations(equations: CompressedEquations, squares: Array, used: Array) -> Array:

@@ -103,7 +103,8 @@ def _ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...])
     moving = ground(model, base, batch)
 
     def own_axes(vector: Array) -> Array:
-        return np.einsum("...ba,...b->...a", moving.rotation, vector)
+        turned: Array = np.einsum("...ba,...b->...a", moving.rotation, vector)
+        return turned
 
     columns = {
         "rotation": moving.rotation.reshape(*batch, 9),

@@ -6,13 +6,17 @@ carried out while recording, and 0 x, 1 x, x + 0, x / 1 record nothing. No opera
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 Operation = Literal["constant", "input", "+", "-", "*", "/", "negate", "sine", "cosine"]
+Recorded = tuple[Any, ...]
+"""An operation and its operands: numbers of earlier operations, a value, or the name and column of an input."""
+
 COLUMNS = "columns"
 """The output of a program whose columns are not stored but multiplied with each other (graphdyn.kernels.gram)."""
 
@@ -31,7 +35,7 @@ class Program:
         not, "magnitude" the largest |x|, "minimum" the smallest x, both without regard to NaN
     """
 
-    operations: tuple[tuple, ...]
+    operations: tuple[Recorded, ...]
     inputs: dict[str, int]
     outputs: dict[str, tuple[int, ...]]
     watches: dict[Watch, tuple[int, ...]]
@@ -57,8 +61,8 @@ class Recorder:
     """Numbers every operation that the recursions ask for, each once."""
 
     def __init__(self) -> None:
-        self.operations: list[tuple] = []
-        self._known: dict[tuple, Expression] = {}
+        self.operations: list[Recorded] = []
+        self._known: dict[Recorded, Expression] = {}
         self._inputs: dict[str, int] = {}
 
     def inputs(self, name: str, width: int) -> list[Expression]:
@@ -80,7 +84,7 @@ class Recorder:
             return scalar.number
         return self.operation("constant", float(scalar)).number  # type: ignore[arg-type]
 
-    def program(self, outputs: dict[str, list], watches: dict[Watch, list]) -> Program:
+    def program(self, outputs: Mapping[str, Sequence[object]], watches: Mapping[Watch, Sequence[object]]) -> Program:
         """What it takes to compute these outputs and watches, and nothing else."""
         wanted = {name: [self.number(scalar) for scalar in scalars] for name, scalars in outputs.items()}
         watched = {kind: [self.number(scalar) for scalar in scalars] for kind, scalars in watches.items()}
@@ -217,10 +221,10 @@ def _is(scalar: object, value: float) -> bool:
     return isinstance(scalar, float | int) and scalar == value
 
 
-def operands(operation: tuple) -> tuple[int, ...]:
+def operands(operation: Recorded) -> tuple[int, ...]:
     """Numbers of the operations that an operation needs."""
     return () if operation[0] in ("constant", "input") else operation[1:]
 
 
-def _renumbered(operation: tuple, new: dict[int, int]) -> tuple:
+def _renumbered(operation: Recorded, new: dict[int, int]) -> Recorded:
     return operation if operation[0] in ("constant", "input") else (operation[0], *(new[k] for k in operation[1:]))

@@ -45,16 +45,19 @@ class Place:
 
     def inwards(self, x: Scalars) -> Scalars:
         """From joint axes of body j to those of the inside body; a vector, or each column of a matrix."""
-        return self.rotation @ turn(self.c, self.s, x)
+        turned: Scalars = self.rotation @ turn(self.c, self.s, x)
+        return turned
 
     def outwards(self, x: Scalars) -> Scalars:
         return turn_back(self.c, self.s, self.rotation.T @ x)
 
     def matrix_inwards(self, x: Scalars) -> Scalars:
-        return self.rotation @ turn_matrix(self.c, self.s, x) @ self.rotation.T
+        turned: Scalars = self.rotation @ turn_matrix(self.c, self.s, x) @ self.rotation.T
+        return turned
 
     def symmetric_inwards(self, x: Scalars) -> Scalars:
-        return self.rotation @ turn_symmetric(self.c, self.s, x) @ self.rotation.T
+        turned: Scalars = self.rotation @ turn_symmetric(self.c, self.s, x) @ self.rotation.T
+        return turned
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +71,8 @@ class Motion:
     def spread(self) -> Scalars:
         """S(ω̇) + S(ω)²: times a vector fixed in the body, the acceleration of its tip relative to its root."""
         w = skew(self.omega)
-        return skew(self.alpha) + w @ w
+        spread: Scalars = skew(self.alpha) + w @ w
+        return spread
 
 
 def places(links: Sequence[Link], q: Sequence[Any]) -> list[Place]:

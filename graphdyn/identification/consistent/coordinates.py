@@ -75,7 +75,8 @@ class PriorCoordinates:
 
     def symmetric(self, u: Array) -> Array:
         """S of the bodies (n, 4, 4)."""
-        return np.einsum("ijk,nk->nij", SYMMETRIC, u[: self.width].reshape(-1, BODY_PARAMETERS))
+        tensors: Array = np.einsum("ijk,nk->nij", SYMMETRIC, u[: self.width].reshape(-1, BODY_PARAMETERS))
+        return tensors
 
     def smallest_eigenvalues(self, u: Array) -> Array:
         """Of S (n,)."""

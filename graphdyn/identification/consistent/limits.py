@@ -77,7 +77,8 @@ def _mass(bodies: Bodies, name: str, bounded: str) -> int:
     """Column of its mass."""
     if name not in bodies.names:
         raise InvalidInput(f"{bounded} limits of '{name}', which is no unknown body; known: {', '.join(bodies.names)}")
-    return bodies.columns[bodies.names.index(name)].start
+    first: int = bodies.columns[bodies.names.index(name)].start
+    return first
 
 
 def _bounds(what: str, given: ArrayLike, shape: tuple[int, ...], unit: str) -> Array:

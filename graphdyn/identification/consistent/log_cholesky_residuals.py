@@ -64,7 +64,8 @@ class Residuals:
         return np.clip(bodies, -LARGEST, LARGEST)
 
     def _weight(self, size: int) -> Array:
-        return self.pull * np.where(np.arange(size) < self.coordinates.width, 1.0, np.sqrt(FURTHER))
+        pulls: Array = self.pull * np.where(np.arange(size) < self.coordinates.width, 1.0, np.sqrt(FURTHER))
+        return pulls
 
 
 def with_values(unknowns: Array, free: NDArray[np.int64], values: Array) -> Array:

@@ -53,7 +53,8 @@ def entropic_divergence(matrix: Array, prior: Array) -> Array:
 def pullback_distance(matrix: Array, prior: Array) -> Array:
     """½ tr((P₀⁻¹ (P - P₀))²) (…,) of symmetric P and positive definite P₀ (…, 4, 4)."""
     relative = np.linalg.solve(prior, matrix - prior)
-    return np.trace(relative @ relative, axis1=-2, axis2=-1) / 2
+    squared: Array = np.trace(relative @ relative, axis1=-2, axis2=-1) / 2
+    return squared
 
 
 def upper_factor(matrix: Array) -> Array:
