@@ -1,8 +1,15 @@
 """Constrained dynamics of robot arms as a graph: bodies are vertices, joints are edges, one system for everything.
 
-The names below are the public interface; docs/notation.md relates them to the paper.
+The names in `__all__` are the whole public interface, with those in `__all__` of the three modules among them:
+identification (parameters from data, with its module terms), motion_laws (for virtual experiments) and layout (rows and
+columns of stacked vectors). All other modules may change without notice. docs/notation.md relates the names to the
+paper.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from graphdyn import layout, motion_laws
 from graphdyn._answers import ForwardDynamics, InverseDynamics
 from graphdyn._base_motion import BaseMotion
 from graphdyn._compiled import CompiledModel, compile
@@ -39,6 +46,17 @@ from graphdyn._model import Body, Frame, Joint, JointLimits, RobotModel
 from graphdyn._placement import Placement
 from graphdyn._virtual_recording import VirtualRecording
 
+if TYPE_CHECKING:
+    from graphdyn import identification
+else:
+
+    def __getattr__(name: str) -> object:
+        """Imports graphdyn.identification when first used."""
+        if name == "identification":
+            return import_module("graphdyn.identification")
+        raise AttributeError(f"module 'graphdyn' has no attribute '{name}'")
+
+
 __version__ = "0.1.0"
 
 __all__ = [
@@ -72,6 +90,7 @@ __all__ = [
     "compile",
     "forward_dynamics",
     "frame_placement",
+    "identification",
     "inverse_dynamics",
     "joint_acceleration",
     "joint_accelerations",
@@ -81,8 +100,10 @@ __all__ = [
     "kkt_system",
     "kr500",
     "kr500_experiment",
+    "layout",
     "mass_matrix",
     "maximal_state",
+    "motion_laws",
     "record",
     "solve_kkt",
 ]

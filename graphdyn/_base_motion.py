@@ -28,7 +28,7 @@ class BaseMotion:
     acceleration: p̈ of its origin, then ω̇, world axes                   (…, 6)             [m/s², rad/s²]
 
     Gravity stays that of the model, in world axes. Raises InvalidInput for wrong shapes, NaN or infinity, and a
-    rotation that is none.
+    matrix that is not a rotation.
     """
 
     rotation: Array = field(default_factory=lambda: np.eye(3))
@@ -53,7 +53,7 @@ class BaseMotion:
             raise InvalidInput(f"leading dimensions of the base motion do not broadcast: {batches}") from error
         product = np.swapaxes(self.rotation, -1, -2) @ self.rotation
         if np.abs(product - np.eye(3)).max(initial=0.0) > ORTHOGONAL or np.any(np.linalg.det(self.rotation) < 0):
-            raise InvalidInput("rotation of the base is no rotation: RᵀR = E and det R = 1 are needed")
+            raise InvalidInput("rotation of the base is not a rotation matrix: RᵀR = E and det R = 1 are needed")
 
     batch: tuple[int, ...] = field(init=False, repr=False, default=())
 

@@ -28,7 +28,7 @@ class InconsistentState(GraphDynError, ValueError):
 
 
 class GimbalLock(GraphDynError, ArithmeticError):
-    """Cardano coordinates asked for where cos(beta) of a body vanishes (det D = cos beta, Eq. 33)."""
+    """Cardano coordinates were requested where cos(beta) of a body vanishes (det D = cos beta, Eq. 33)."""
 
 
 class RankDeficientConstraints(GraphDynError, ArithmeticError):

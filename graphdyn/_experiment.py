@@ -92,7 +92,7 @@ def _laws(model: RobotModel, joints: Mapping[str, MotionLaw] | Sequence[MotionLa
 def _course(who: str, law: MotionLaw, times: Array) -> Course:
     if not callable(law):
         raise InvalidInput(
-            f"{who}: {law!r} is no motion law; take one of graphdyn.motion_laws, such as Locked(position)"
+            f"{who}: {law!r} is not a motion law; take one of graphdyn.motion_laws, such as Locked(position)"
         )
     course = tuple(as_floats(f"{who}: the law's answer", part) for part in law(times))
     if [part.shape for part in course] != [times.shape] * 3 or not all(np.all(np.isfinite(part)) for part in course):

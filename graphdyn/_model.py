@@ -32,10 +32,10 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 
 ANGLE_RANGE = np.pi
 SLIDE_RANGE = 0.5
-"""Stand-ins of random_state for zero or missing limits: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
+"""Ranges that random_state takes where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
 
 ABSURD = 1e6
-"""A limit beyond this [rad, m, …/s] is a way of saying that there is none; random_state takes the stand-in."""
+"""A limit beyond this [rad, m, …/s] is treated as no limit by random_state."""
 
 SYMMETRY = 1e-9
 """Largest |J - Jᵀ| relative to the largest entry that counts as rounding (and is symmetrised)."""
@@ -316,9 +316,10 @@ class RobotModel:
         return dataclasses.replace(self, base=base)
 
     def random_state(self, rng: np.random.Generator, size: int | Sequence[int] = ()) -> tuple[Array, Array]:
-        """q, v (size, n), uniform within the limits; stand-ins where limits are zero, missing or absurd.
+        """q, v (size, n), uniform within the limits, or within default ranges where these are zero, missing or absurd.
 
-        Continuous joints are drawn from [-π, π] rad. See SLIDE_RANGE and ABSURD for the stand-ins.
+        Continuous joints are drawn from [-π, π] rad. The default ranges are ±π rad, ±π rad/s, ±0.5 m and ±0.5 m/s;
+        a limit beyond 1e6 is absurd.
         """
         shape = (size,) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
         lower, upper, speed = (np.array(values) for values in zip(*map(_sampling_range, self.joints), strict=True))

@@ -118,7 +118,7 @@ class VirtualRecording:
         return cardano_matrix(self.cardano)
 
     def rounded(self, digits: int = 7, convention: Convention = "half even") -> VirtualRecording:
-        """All channels to so many significant digits, as a program prints them (ADAMS: 7); the times stay.
+        """All channels rounded to significant digits, as a program prints them (ADAMS: 7); the times stay.
 
         "half even" rounds the exact decimal expansion of a double, as C's %e does. "truncated" cuts the shortest
         decimal that stands for it, so that 0.3 stays 0.3.

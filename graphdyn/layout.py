@@ -1,4 +1,6 @@
-"""Where things stand in the stacked vectors: 6 rows per body, 5 per joint. Nobody else counts.
+"""Where things stand in the stacked vectors: 6 rows per body, 5 per joint.
+
+The only module that knows these sizes.
 
 Bodies and joints are numbered as in the paper: 1 … n, with vertex 0 the ground. Joint j is the inside joint of body j.
 Per body: the linear part first (world axes), then the angular part (body axes).
@@ -6,6 +8,24 @@ Per body: the linear part first (world axes), then the angular part (body axes).
 
 import numpy as np
 from numpy.typing import NDArray
+
+__all__ = [
+    "ANGULAR",
+    "BODY_FREEDOMS",
+    "BODY_PARAMETERS",
+    "JOINT_CONSTRAINTS",
+    "LINEAR",
+    "Array",
+    "block_diagonal",
+    "body_rows",
+    "constraint_row_names",
+    "joint_rows",
+    "parameter_columns",
+    "per_body",
+    "per_joint",
+    "stacked",
+    "stacked_rows",
+]
 
 Array = NDArray[np.float64]
 

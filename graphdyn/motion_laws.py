@@ -21,6 +21,18 @@ from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
 from graphdyn.layout import Array
 
+__all__ = [
+    "ConstantAcceleration",
+    "Course",
+    "FourierSeries",
+    "Locked",
+    "MotionLaw",
+    "Polynomial",
+    "Rail",
+    "Table",
+    "Turntable",
+]
+
 Course = tuple[Array, Array, Array]
 """Position, velocity, acceleration (N,) each."""
 

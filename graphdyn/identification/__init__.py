@@ -1,4 +1,8 @@
-"""Inertial parameters from data."""
+"""Inertial parameters from data.
+
+Public are the names in `__all__` here, and those of graphdyn.identification.terms, the parts of a torque model. Other
+modules may change without notice.
+"""
 
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.base_parameters import BaseParameters, base_parameters

@@ -127,7 +127,7 @@ class Accumulator:
                 raise InvalidInput(f"{name} has shape {array.shape}, expected {shape}")
 
     def _block(self, g: int, rows: Array, right: Array, kept: Flags | None, weights: Array | None) -> Array:
-        """[W_g | τ_g] on the support, in the order LAPACK likes."""
+        """[W_g | τ_g] on the support, in LAPACK's column-major order."""
         columns = self._columns[g]
         block = np.empty((len(right), len(columns)), order="F")
         block[:, :-1] = rows[:, g, columns[:-1]]

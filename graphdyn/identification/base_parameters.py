@@ -23,8 +23,8 @@ from graphdyn.layout import Array
 Indices = NDArray[np.int64]
 
 DROPPED_COLUMN = 1e-9
-"""A column shorter than this part of the longest is no column: angles such as π/2 rounded in a file leave null
-columns at 1e-11, and scaling to unit length would resurrect them as parameters."""
+"""A column shorter than this part of the longest counts as zero: angles such as π/2 rounded in a file leave null
+columns at 1e-11, which scaling to unit length would turn into parameters."""
 
 ROUNDING = 1e-14
 """A column shorter than this part of the longest is zero by structure; between the two bounds a robot's file is

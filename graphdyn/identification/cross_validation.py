@@ -1,4 +1,4 @@
-"""Choice of a strength by cross-validation over time blocks: neighbouring samples never stand on both sides."""
+"""Choice of a strength by cross-validation over time blocks, so that neighbouring samples stay together."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class CrossValidation:
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the reader has to know of the choice."""
+        """Remarks on the choice."""
         said = []
         if len(self.strengths) > 1 and self.best == self.strengths[-1]:
             said.append(f"the strongest prior tried ({self.best:g}) predicts best; the data add little")

@@ -1,4 +1,4 @@
-"""Gram matrices of a torque model straight from the motion: no equation ever exists on its own.
+"""Gram matrices of a torque model straight from the motion, without storing any equation.
 
 The rigid bodies come from graphdyn.kernels.gram, which multiplies the columns of the regressor as it computes them; the
 columns of the other terms are handed to it, joint by joint.
@@ -53,7 +53,7 @@ class DirectSums:
         return [self._spread(joint, matrix) for joint, matrix in enumerate(matrices)]
 
     def _plain_sums(self, samples: Samples, right: Array, kept: NDArray[np.bool_]) -> list[Array]:
-        """On a base that moves, which the kernel does not know."""
+        """On a moving base, which the kernel does not cover."""
         equations = np.concatenate([self._torque_model.rows(samples, self._independent), right[..., None]], axis=-1)
         chosen = [equations[kept[:, joint], joint] for joint in range(right.shape[1])]
         return [rows.T @ rows for rows in chosen]

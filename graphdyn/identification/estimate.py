@@ -21,7 +21,7 @@ class Estimate:
     noise: standard deviation of the torque of each joint as the method sees it, None likewise           (n,) [N m or N]
     iterations: how often the equations were solved
     settings: numbers the method chose, such as the strength of a prior
-    remarks: what the reader has to know, in sentences: a solver that stopped early, a fallback
+    remarks: in sentences: a solver that stopped early, a fallback
     """
 
     parameters: Array

@@ -34,7 +34,7 @@ class IdentifiedBodies:
 
     @property
     def standard_deviations(self) -> Array:
-        """(n, k) of the values; NaN also where there are too few samples to see the noise."""
+        """(n, k) of the values; NaN also where there are too few samples to estimate the noise."""
         return self._table([system.standard_deviations for system in self.systems])
 
     @property

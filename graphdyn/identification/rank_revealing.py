@@ -79,7 +79,7 @@ def rank_tolerance(precision: float) -> float:
     """Smallest singular value that counts, for data rounded to this relative precision.
 
     At least RANK, the bound of the base parameters: it keeps an angle such as π/2, rounded in a robot's file, from
-    making a parameter out of nothing. Raises InvalidInput for a precision outside (0, 1).
+    appearing as a parameter. Raises InvalidInput for a precision outside (0, 1).
     """
     if not 0 < precision < 1:
         raise InvalidInput(f"precision is {precision}; give the relative rounding of the data, such as 1e-7")

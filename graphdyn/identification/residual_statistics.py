@@ -1,4 +1,4 @@
-"""What is left of the torque when the model has explained its part: size, and whether it is white.
+"""Residuals of the torque: their size, and whether they are white.
 
 Ljung and Box, Biometrika 65(2), 1978: Q = N (N + 2) Σ_k r_k² / (N - k) over LAGS lags is χ² distributed for white
 noise. Durbin and Watson, Biometrika 37, 1950: Σ (e_t - e_{t-1})² / Σ e_t² is 2 for white noise, 0 for a drift.

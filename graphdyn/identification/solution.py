@@ -72,7 +72,7 @@ def residual_deviations(equations: CompressedEquations, squares: Array, used: Ar
         joint = int(np.argmin(spare))
         raise EstimationFailed(
             f"joint {joint + 1} has {equations.counts[joint]} equations, the parameters use up {used[joint]:.1f} of "
-            "them: nothing is left to see its noise; record more or keep more rows"
+            "them: nothing is left to estimate its noise from; record more or keep more rows"
         )
     floor = EPS**2 * equations.measured_squares + np.finfo(float).tiny
     return np.sqrt(np.maximum(squares, floor) / spare)

@@ -19,7 +19,7 @@ ACCELERATION = 10.0
 """Random accelerations reach this [rad/s² or m/s²]: inertia shows beside gravity."""
 
 SPEED = 10.0
-"""And speeds no more than this [rad/s or m/s]: beyond, centrifugal torques drown the rest."""
+"""Random speeds are clipped to this [rad/s or m/s]: beyond it centrifugal torques hide all others."""
 
 
 @dataclass(frozen=True, eq=False)

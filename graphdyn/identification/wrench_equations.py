@@ -11,7 +11,7 @@ from graphdyn.identification.rank_revealing import EPS, MARGIN, ParameterEstimat
 from graphdyn.layout import Array
 
 LARGEST_TOLERANCE = 1e-2
-"""What shows with a hundredth of the strongest column is not called rounding unless the caller says so."""
+"""A column with a hundredth of the length of the strongest is not taken for rounding unless the caller says so."""
 
 
 @dataclass(frozen=True, eq=False)

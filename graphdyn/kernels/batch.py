@@ -28,8 +28,8 @@ cautious than the test that decides (graphdyn._projected.singular)."""
 class Options:
     """How a verb runs.
 
-    threads: at most so many; None for as many as there are cores
-    check: refuse NaN and infinity in the arguments; if not, their samples come out as NaN
+    threads: at most this many; None for one per core
+    check: refuse NaN and infinity in the arguments; otherwise their samples come out as NaN
     """
 
     threads: int | None = None
@@ -59,8 +59,9 @@ def evaluate(
 ) -> Evaluation:
     """These outputs of a recursion for arrays of one leading shape, written into out if given.
 
-    Raises InvalidInput for NaN and infinity, unless told not to look; for outputs of the wrong shape, type or layout,
-    read-only ones, and ones that overlap with an argument or each other. After an error out holds nothing of use.
+    Raises InvalidInput for NaN and infinity, unless options.check is False; for outputs of the wrong shape, type or
+    layout, read-only ones, and ones that overlap with an argument or each other. After an error the contents of out
+    are undefined.
     """
     batch = x["q"].shape[:-1]
     count = prod(batch)
@@ -120,7 +121,7 @@ def _ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...])
 def _writable(
     out: Mapping[str, Array], shapes: Mapping[str, tuple[int, ...]], x: Mapping[str, Array]
 ) -> dict[str, Array]:
-    """The arrays of the caller, if they can take the answer."""
+    """The arrays of the caller, if the answer can be written to them."""
     taken = list(x.items())
     for name, shape in shapes.items():
         array = out[name]

@@ -1,7 +1,7 @@
 """A program as LLVM code: all constants in place, one loop over the rows of the arrays.
 
-Rows of wide arrays are put together in the first-level cache, where constant columns are waiting, and leave it as whole
-cache lines.
+Rows of wide arrays are assembled in the first-level cache, where their constant columns already are, and written from
+there as whole cache lines.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from graphdyn.kernels.vector_code import WATCHES, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 
 WIDE = 16
-"""Columns from which rows are put together first: below, the lines are not worth the detour."""
+"""Columns from which rows are assembled first: below, writing whole lines does not pay."""
 
 _DELIVER = """define internal void @deliver(ptr noalias %to, ptr noalias %from, i64 %count, i1 %bypass) {{
 entry:

@@ -1,7 +1,8 @@
 """Gram matrices of the torque equations of many samples, without the equations.
 
-Per joint j, over all samples, [W_j | C_j | τ_j]ᵀ [W_j | C_j | τ_j] with W_j: row j of the joint-torque regressor, on
-the columns asked for that can differ from zero; C_j: further columns of the joint (friction, offset); τ_j its torque.
+Per joint j, over all samples, [W_j | C_j | τ_j]ᵀ [W_j | C_j | τ_j] with W_j: row j of the joint-torque regressor, in
+those of the chosen columns that can differ from zero; C_j: further columns of the joint (friction, offset); τ_j its
+torque.
 A Gram matrix squares the condition number: it is for motions that excite all parameters well.
 """
 
@@ -53,7 +54,7 @@ class GramBackend(Protocol):
 class TorqueGram:
     """Recorded and compiled once for a robot; call it with recordings.
 
-    columns: per joint, which of the regressor's columns asked for its equations hold, by position
+    columns: per joint, positions among the chosen columns of those that can differ from zero in its equations
     n_extra: further columns of each joint
     """
 
@@ -77,7 +78,7 @@ class TorqueGram:
         """Gram matrices (m_j, m_j), m_j = len(columns[j]) + n_extra + 1, of arrays (N, n); extra (N, n, n_extra).
 
         weights: of the equations (N, n), for a TorqueGram that is weighted
-        Also what was watched: "finite" is NaN if any argument is not finite, and then so are the sums.
+        The second answer is what was watched: "finite" is NaN if any argument is not finite, and then so are the sums.
         """
         count = len(q)
         arrays = {"q": q, "v": v, "a": a, "tau": tau, "extra": extra.reshape(count, self.model.n_bodies * self.n_extra)}
@@ -100,7 +101,7 @@ class TorqueGram:
 
 
 def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0, *, weighted: bool = False) -> TorqueGram:
-    """Gram matrices of the equations of these columns of the joint-torque regressor, weighted if wanted."""
+    """Gram matrices of the equations of these columns of the joint-torque regressor."""
     program, used = record_equations(model, columns, n_extra, weighted)
     groups = [len(indices) + n_extra + 1 for indices in used]
     length = program.arithmetic + TILE * len(tiles(groups, WIDEST))
@@ -168,7 +169,7 @@ class CompiledGram:
         return [everything[block, block] for block in self._blocks]
 
     def _spread_out(self, matrices: Sequence[Array]) -> Array:
-        """The matrices along the diagonal of a large one."""
+        """A block-diagonal matrix of the matrices."""
         width = sum(self._groups)
         everything = np.zeros((width, width))
         for block, matrix in zip(self._blocks, matrices, strict=True):
@@ -176,7 +177,7 @@ class CompiledGram:
         return everything
 
     def _whole(self, first: int, last: int, addresses: Sequence[int]) -> tuple[Array, Seen]:
-        """Of as many rows as fill all lanes."""
+        """Over rows first … last - 1, a multiple of the lanes."""
         watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
         if first < last:
             scratch = aligned((sum(self._groups), STRIDE * self.lanes))

@@ -1,4 +1,4 @@
-"""Sums of products of columns as LLVM code: Gram matrices of equations that never exist as rows.
+"""Sums of products of columns as LLVM code: Gram matrices of equations that are never stored as rows.
 
 A stretch of samples is evaluated into the second-level cache, column after column; then tiles of the Gram matrices are
 summed over the stretch in registers. One vector per sum: each lane has seen its own samples.

@@ -102,7 +102,7 @@ def _watched(kind: Watch, values: Array) -> float:
 
 
 def _last_uses(program: Program) -> list[list[int]]:
-    """Per operation, the values that nobody needs after it."""
+    """Per operation, the values that are not needed after it."""
     kept = {k for numbers in (*program.outputs.values(), *program.watches.values()) for k in numbers}
     last: dict[int, int] = {}
     for number, operation in enumerate(program.operations):

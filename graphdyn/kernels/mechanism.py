@@ -17,8 +17,8 @@ from graphdyn.kernels.vectors import Scalars, scalars
 from graphdyn.layout import Array
 
 ROUNDING = 4 * float(np.finfo(float).eps)
-"""Entries of a rotation this close to 0 or ±1 are that: a product of three rotations leaves so much. Nearly right
-angles (1.5707963 for π/2) are two hundred million times coarser, and stay as they are."""
+"""Entries of a rotation this close to 0 or ±1 are rounded to it: a product of three rotations has errors of this size.
+Those of nearly right angles (1.5707963 for π/2) are two hundred million times larger, and stay as they are."""
 
 
 @dataclass(frozen=True, eq=False)

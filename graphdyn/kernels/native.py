@@ -23,15 +23,15 @@ CACHE = 1 << 20
 """Bytes of results beyond which they bypass the caches: half of a usual second-level cache."""
 
 compiling = threading.RLock()
-"""Held by whoever records programs or uses llvmlite. Nobody does while the process forks: the child would wait for ever
-for a lock, this one or llvmlite's own, whose owner is gone."""
+"""Held while programs are recorded, while llvmlite is used, and while the process forks: otherwise the child could
+inherit a lock, this one or llvmlite's own, that a thread of the parent held and that is never released."""
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(before=compiling.acquire, after_in_parent=compiling.release, after_in_child=compiling.release)
 
 
 class CompiledProgram:
-    """Machine code of a program. Calls release the interpreter lock; any number of threads may be in it."""
+    """Machine code of a program. Calls release the interpreter lock; any number of threads may run it at once."""
 
     def __init__(self, program: Program, lanes: int | None = None) -> None:
         self._program = program
@@ -41,7 +41,7 @@ class CompiledProgram:
         pointers = [ctypes.c_void_p] * (2 + len(program.inputs) + len(program.outputs))
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, *pointers)
         self._rows = self._code.function("rows", prototype)
-        # keeps the interpreter lock, whose release would take longer than the work
+        # keeps the interpreter lock: releasing it would take longer than the computation
         self._single = self._code.function("single", ctypes.PYFUNCTYPE(None, ctypes.c_void_p))
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
@@ -80,7 +80,7 @@ class CompiledProgram:
     def _short(
         self, first: int, last: int, inputs: Mapping[str, Array], outputs: Mapping[str, Array]
     ) -> dict[Watch, float]:
-        """Fewer rows than lanes: the last one stands in for those that are missing."""
+        """Fewer rows than lanes: the missing ones repeat the last."""
         rows = np.minimum(np.arange(first, first + self.lanes), last - 1)
         copies = {name: inputs[name][rows] for name in self._program.inputs}
         results = {name: np.empty((self.lanes, len(numbers))) for name, numbers in self._program.outputs.items()}

@@ -18,7 +18,7 @@ Wrench = tuple[Scalars, Scalars]
 def transmitted(
     links: Sequence[Link], at: Sequence[Place], needed: Sequence[Wrench], external: Sequence[Wrench] | None
 ) -> list[Wrench]:
-    """Wrench of the inside body on body j: what body j needs, less what acts on it, and what it passes on."""
+    """Wrench of the inside body on body j: needed by body j and all bodies outside, less the external wrenches."""
     wrenches = unloaded(needed, external)
     for j in reversed(range(len(links))):
         i = links[j].inside
@@ -38,7 +38,7 @@ def added(x: Wrench, y: Wrench) -> Wrench:
 
 
 def unloaded(needed: Sequence[Wrench], external: Sequence[Wrench] | None) -> list[Wrench]:
-    """What is left to the joints when external wrenches act on the bodies."""
+    """What the joints must supply when external wrenches act on the bodies."""
     if external is None:
         return list(needed)
     return [(f - fx, n - nx) for (f, n), (fx, nx) in zip(needed, external, strict=True)]

@@ -1,4 +1,4 @@
-"""Programs of a robot, recorded and compiled when first asked for, on batches, with as many threads as wanted."""
+"""Programs of a robot, recorded and compiled when first needed, and run on batches with several threads."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ LONGEST = 30_000
 than two seconds. Measured, with 8 lanes: 55 to 70 µs for each unit up to there, more beyond."""
 
 WORTH_A_THREAD = 2_000_000
-"""Operations that take a good hundred microseconds, several times what handing them to a thread costs."""
+"""Operations that take more than 100 µs, several times the cost of handing them to a thread."""
 
 
 class Backend(Protocol):
@@ -78,7 +78,7 @@ def run(
 ) -> dict[Watch, float]:
     """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what was watched.
 
-    The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first brought back by
+    The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first reduced by
     whole turns, so that no sample loses digits.
     """
     ready = prepared(model, request)
@@ -90,7 +90,7 @@ def run(
 
 
 def turned_back(model: RobotModel, q: Array) -> Array:
-    """Joint positions (N, n) with angles beyond FARTHEST brought back by whole turns."""
+    """Joint positions (N, n) with angles beyond FARTHEST reduced by whole turns."""
     turning = np.array([not joint.is_prismatic for joint in model.joints])
     far = (np.abs(q) > FARTHEST) & turning
     q = q.copy()
@@ -115,7 +115,7 @@ def chosen_backend() -> str:
 
 @contextmanager
 def interpreted() -> Iterator[None]:
-    """Inside, in this thread, the recursive method runs on NumPy: for so few samples that compiling is not worth it."""
+    """Inside, in this thread, the recursive method runs on NumPy: for too few samples to be worth compiling."""
     token = _forced.set("numpy")
     try:
         yield
@@ -161,7 +161,7 @@ def _in_parallel(
 
 
 def in_threads(work: Callable[[int, int], T], ranges: Sequence[tuple[int, int]], threads: int | None) -> list[T]:
-    """work(first, last) on every range, in their order. Who is free takes the next one, this thread included."""
+    """work(first, last) on every range, answers in their order. A free thread, this one included, takes the next."""
     answers: dict[int, T] = {}
     pending = iter(range(len(ranges)))
 

@@ -31,7 +31,7 @@ def skew(x: Scalars) -> Scalars:
 
 
 def symmetric(matrix: Scalars) -> Scalars:
-    """The same symmetric matrix, its lower triangle taken from the upper: half the work is never asked for."""
+    """The same symmetric matrix, its lower triangle taken from the upper, which is then not computed twice."""
     return np.array([[matrix[min(i, k), max(i, k)] for k in range(3)] for i in range(3)], dtype=object)
 
 

@@ -224,8 +224,8 @@ class TestRefusals:
             ({"translation": [1, 2]}, r"translation of the base has shape \(2,\), expected \(…, 3\)"),
             ({"velocity": np.zeros(3)}, r"velocity of the base has shape \(3,\), expected \(…, 6\)"),
             ({"acceleration": [np.nan] * 6}, "acceleration of the base contains NaN or infinity"),
-            ({"rotation": 2 * np.eye(3)}, "rotation of the base is no rotation"),
-            ({"rotation": np.diag([1, 1, -1.0])}, "rotation of the base is no rotation"),
+            ({"rotation": 2 * np.eye(3)}, "rotation of the base is not a rotation matrix"),
+            ({"rotation": np.diag([1, 1, -1.0])}, "rotation of the base is not a rotation matrix"),
             (
                 {"velocity": np.zeros((3, 6)), "acceleration": np.zeros((2, 6))},
                 "leading dimensions of the base motion do not broadcast",

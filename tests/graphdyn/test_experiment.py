@@ -189,7 +189,7 @@ SECONDS = [0.0, 1.0]
     [
         ({"O7": Locked()}, (), r"there is no joint 'O7'; joints of robot 'kr500': O1, O2, O3, O4, O5, O6"),
         ([Locked()], (), r"1 motion laws for 6 joints; give one each, or name them \(joints of robot 'kr500': O1"),
-        ({"O1": 30.0}, (), r"joint 'O1': 30.0 is no motion law; take one of graphdyn.motion_laws"),
+        ({"O1": 30.0}, (), r"joint 'O1': 30.0 is not a motion law; take one of graphdyn.motion_laws"),
         (
             {"O2": lambda t: (t, t)},
             (),

@@ -48,6 +48,8 @@ def test_import_stays_light():
 def test_every_public_name_exists_and_the_version_is_a_version():
     assert all(hasattr(graphdyn, name) for name in graphdyn.__all__)
     assert sorted(graphdyn.__all__) == graphdyn.__all__
+    with pytest.raises(AttributeError, match="module 'graphdyn' has no attribute 'nonsense'"):
+        graphdyn.nonsense  # noqa: B018
     assert [part.isdigit() for part in graphdyn.__version__.split(".")] == [True] * 3
 
 

@@ -205,8 +205,8 @@ class TestLimits:
     @pytest.mark.parametrize(
         ("limits", "message"),
         [
-            (PhysicalLimits(mass={"B9": (0, 1)}), "mass limits of 'B9', which is no unknown body; known: B1, B2"),
-            (PhysicalLimits(center={"B9": np.zeros((2, 3))}), "center limits of 'B9', which is no unknown body"),
+            (PhysicalLimits(mass={"B9": (0, 1)}), "mass limits of 'B9', which is not an unknown body; known: B1, B2"),
+            (PhysicalLimits(center={"B9": np.zeros((2, 3))}), "center limits of 'B9', which is not an unknown body"),
             (PhysicalLimits(mass={"B1": (2, 1)}), "mass of 'B1': the lower limit 2.0 is above the upper limit 1.0 kg"),
             (PhysicalLimits(mass={"B1": 3.0}), r"limits of the mass of 'B1' are 3.0; \[lower, upper\] of shape \(2,\)"),
             (PhysicalLimits(total_mass=(np.nan, 1)), r"limits of the total mass are \[nan, 1.0\]"),

@@ -156,7 +156,7 @@ class TestWeighted:
         third = np.sort(np.abs(samples.v[:, 1]))[-3]
         problem = Problem(torque_data.small_arm(), samples, min_speed=[0.0, third], n_blocks=1)
         assert list(problem.equations.counts) == [120, 3]
-        with pytest.raises(EstimationFailed, match=r"joint 2 has 3 equations, .*nothing is left to see its noise"):
+        with pytest.raises(EstimationFailed, match=r"joint 2 has 3 equations, .*nothing is left to estimate its noise"):
             WeightedLeastSquares().estimate(problem)
 
 

@@ -1,4 +1,4 @@
-"""Least squares in coordinates in which the prior is 1: a scaling of the columns that knows the physics.
+"""Least squares in coordinates in which the prior is the unit matrix: a physically meaningful scaling of the columns.
 
 Per body P = U₀ S U₀ᵀ with the prior P₀ = U₀ U₀ᵀ, so that S = E is the prior and S ⪰ 0 a real body; s are the ten
 entries of S, those off the diagonal times √2, so that ‖s‖ = ‖S‖. A further column (friction, offset, …) is scaled so

@@ -1,4 +1,4 @@
-"""What a physically consistent fit says of itself."""
+"""What a physically consistent fit reports about itself."""
 
 from __future__ import annotations
 

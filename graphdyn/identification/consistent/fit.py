@@ -4,12 +4,12 @@ With a strength: minimise ‖A u - b‖² + strength · d(u) over S_i ⪰ margin
 
 Strength 0 is the limit from above. Where some consistent u are among the best fits, the one nearest to the prior
 among them is taken: the base parameters are those of weighted least squares, to the last digit and whatever the
-solver's precision, because it only searches the null space; the prior speaks where the data are silent. Where no best
+solver's precision, because it only searches the null space; the prior decides only what the data do not. Where no best
 fit is consistent the constraints are active, and the quadratic distance with the strength WEAK fixes what the data do
 not.
 
-An answer is judged by what it is, not by what the solver calls it: by its eigenvalues, by the inequalities, and by the
-certificate of its cost.
+An answer is accepted by its eigenvalues, the inequalities and the certificate of its cost, whatever status the solver
+reports.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ class ConsistentProblem:
         return (*said, *(f"{self._names[k]} is violated" for k in np.flatnonzero(short > VIOLATED * size)))
 
     def _contradiction(self) -> str:
-        """Which limits no bodies can keep, found by how far each has to give way."""
+        """Which limits no bodies can keep, found by how far each has to be relaxed."""
         short = least_violations(self._coordinates, (self._g, self._h), self._margin)
         broken = [name for name, value in zip(self._names, short, strict=True) if value > VIOLATED]
         return (

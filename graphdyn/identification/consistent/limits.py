@@ -76,7 +76,9 @@ def inequalities(limits: PhysicalLimits, bodies: Bodies, columns: Sequence[str])
 def _mass(bodies: Bodies, name: str, bounded: str) -> int:
     """Column of its mass."""
     if name not in bodies.names:
-        raise InvalidInput(f"{bounded} limits of '{name}', which is no unknown body; known: {', '.join(bodies.names)}")
+        raise InvalidInput(
+            f"{bounded} limits of '{name}', which is not an unknown body; known: {', '.join(bodies.names)}"
+        )
     first: int = bodies.columns[bodies.names.index(name)].start
     return first
 

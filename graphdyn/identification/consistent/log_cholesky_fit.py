@@ -6,11 +6,11 @@ over θ, ten numbers per body, θ = 0 at the prior, and the further columns f. I
 the quadratic distance in other unknowns, and not convex in θ. Each start is led along a path of falling strengths, each
 answer the start of the next: the data bend the valley of the cost, and the prior straightens it. Levenberg and
 Marquardt's method (MINPACK, through scipy.optimize.least_squares) with the analytic Jacobian. Columns that cannot be
-negative and want to be are held at zero, and released when the cost would fall.
+negative but would become so are held at zero, and released when the cost would fall.
 
-Towards a body on the margin some entries of θ run to -∞, where the method creeps, and may be caught on a wrong way:
-answers are lifted off and settled again. An answer counts by the certificate of the convex problem, not by the
-condition that stopped it. Off the margin, Newton's method adds the last digits.
+Towards a body on the margin some entries of θ run to -∞, where the method converges slowly, and may
+stop too early: answers are moved off the margin and solved for again. An answer counts by the certificate of the convex
+problem, not by the condition that stopped it. Off the margin, Newton's method adds the last digits.
 
 Where the answer can be moved among the best fits of unconstrained least squares, by the shortest way and off the
 margin, it is: the base parameters are those of least squares then, to the last digit.
@@ -66,7 +66,7 @@ than noise moves the cost."""
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """What one start came to.
+    """The result of one start.
 
     cost: ‖A u - b‖² + strength · ½ ‖S - E‖²
     suboptimality: bound on the cost above its minimum

@@ -15,7 +15,7 @@ from graphdyn.identification.consistent.polishing import FURTHER
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 LARGEST = 40.0
-"""|θ| beyond which nothing changes: trial steps may not overflow, and e^-40 is nothing."""
+"""|θ| beyond which nothing changes: trial steps may not overflow, and e^-40 is negligible."""
 
 
 class Residuals:

@@ -80,7 +80,7 @@ def polished(
 ) -> tuple[Array, Array]:
     """u and the multipliers of G u ≥ h after Newton's method; as given where it does not converge off the margin.
 
-    Rows that turn out to pull (negative multiplier) are released, rows that turn out violated are held.
+    Active rows with a negative multiplier are released, violated rows are made active.
     """
     g, h = inequalities
     held = multipliers > g @ u - h

@@ -28,7 +28,7 @@ ITERATIONS = 200
 
 @dataclass(frozen=True, eq=False)
 class ConicAnswer:
-    """What the solver said, and what is true of it.
+    """The solver's answer and status.
 
     u: None where the solver gives none                     (p,)
     multipliers: of G u ≥ h, not negative                   (m,)
@@ -99,7 +99,7 @@ class SemidefiniteProgram:
 
     def _solve(self, **settings: float) -> ConicAnswer:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what cvxpy warns of is in the status
+            warnings.simplefilter("ignore")  # cvxpy's warnings repeat the status
             try:
                 self._problem.solve(solver="CLARABEL", max_iter=ITERATIONS, **settings)
             except _cvxpy().SolverError as error:
@@ -118,7 +118,7 @@ class SemidefiniteProgram:
 
 
 def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, Array], margin: float) -> Array:
-    """By how much each inequality has to give way so that bodies with S_i ⪰ margin · E exist (m,), least sum."""
+    """By how much each inequality has to be relaxed so that bodies with S_i ⪰ margin · E exist (m,), least sum."""
     cp = _cvxpy()
     g, h = inequalities
     u, short = cp.Variable(len(coordinates.origin)), cp.Variable(len(h), nonneg=True)

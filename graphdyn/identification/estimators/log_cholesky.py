@@ -3,9 +3,9 @@
     minimise Σ_g ‖W_g x(θ) - τ_g‖² / σ_g² + strength · ½ ‖S(θ) - E‖²
 
 Every θ is a real body, so that no cone solver is needed; the price is a cost that is not convex. It is solved from
-several starts around the prior, with the analytic Jacobian, and how many of them agree is told. The quadratic prior
-keeps directions finite that the data leave open. Where the cheapest start does not pass the certificate of the convex
-problem with the same cost, that is solved instead (it needs cvxpy and Clarabel), and a remark says so.
+several starts around the prior, with the analytic Jacobian, and the answer says how many of them agree. The quadratic
+prior keeps directions finite that the data leave open. Where the cheapest start does not pass the certificate of the
+convex problem with the same cost, that is solved instead (it needs cvxpy and Clarabel), and a remark says so.
 
 Rucker and Wensing, "Smooth parameterization of rigid-body inertia", IEEE Robotics and Automation Letters 7(2), 2022.
 """

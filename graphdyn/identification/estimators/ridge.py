@@ -4,7 +4,7 @@
 
 in all standard parameters: what the data leave open stays at the prior. Parameters without a scale (friction, offset)
 are not drawn. Hoerl and Kennard, Technometrics 12(1), 1970; blocks of time instead of single samples, because
-neighbouring samples know each other: Roberts et al., Ecography 40(8), 2017.
+neighbouring samples are correlated: Roberts et al., Ecography 40(8), 2017.
 """
 
 from __future__ import annotations

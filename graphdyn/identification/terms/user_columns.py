@@ -1,4 +1,4 @@
-"""What the user knows about his robot: springs, counterbalances, cables."""
+"""Torques with columns of the user's own: springs, counterbalances, cables."""
 
 from __future__ import annotations
 
@@ -47,10 +47,9 @@ class UserColumns:
 
 @dataclass(frozen=True, eq=False)
 class KnownTorque:
-    """A torque (q, v, a) → (N, n) [N m or N] that the drives bring up besides the others; it is subtracted.
+    """A known torque (q, v, a) → (N, n) [N m or N] that the drives supply in addition; it is subtracted.
 
-    What relieves the drives, a counterbalance for instance, is negative: drives bring up what the bodies need minus
-    what it gives.
+    The torque of a counterbalance that relieves the drives is negative.
     """
 
     law: Law
