@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.recordings import limits
-from crosscheck.recordings.conversion import Column
+from crosscheck.recordings.conversion import RecordedColumn
 from crosscheck.recordings.findings import RecordingFinding
 from graphdyn.layout import Array
 
@@ -22,7 +22,7 @@ TRAVEL, WINDOWS = 0.05, 20
 """Distance travelled below which v and q are not compared [rad or m]; number of intervals in which they are."""
 
 
-def cell_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
+def cell_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
     """Cells that are not finite numbers, in sound rows (N,): those whose line is not malformed as a whole."""
     findings = []
     for column in columns:
@@ -63,7 +63,7 @@ def value_findings(
     return findings
 
 
-def channel_findings(columns: Iterable[Column], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
+def channel_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
     """Constant channels, and torques held at their limits, among the sound rows."""
     findings = []
     rows = np.flatnonzero(sound)
@@ -119,6 +119,8 @@ def _held(values: Array, limit: float) -> NDArray[np.bool_]:
     return held
 
 
-def _of(column: Column, code: str, severity: str, rows: tuple[int, ...], message: str, remedy: str) -> RecordingFinding:
+def _of(
+    column: RecordedColumn, code: str, severity: str, rows: tuple[int, ...], message: str, remedy: str
+) -> RecordingFinding:
     table = column.table
     return RecordingFinding(code, severity, str(table.path), column.name, rows, message, remedy, table.lines)  # type: ignore[arg-type]

@@ -15,7 +15,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class RecordedColumn:
     """One mapped column: quantity, its table, its position there from 0, its values as recorded (N,)."""
 
     quantity: str
@@ -28,12 +28,12 @@ class Column:
         return self.table.names[self.number] or str(self.number + 1)
 
 
-def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> dict[str, list[Column]]:
+def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> dict[str, list[RecordedColumn]]:
     """The columns of q, v, a, tau, and of time where there is one. Raises BadMapping, BadRecordingFile."""
     wanted = {name: (channel.file, channel.columns) for name, channel in mapping.channels.items()}
     if mapping.time is not None:
         wanted["time"] = (mapping.time.file, (mapping.time.column,))
-    found: dict[str, list[Column]] = {}
+    found: dict[str, list[RecordedColumn]] = {}
     for quantity, (pattern, names) in wanted.items():
         where = f"{mapping.source}, [{quantity}]"
         matching = [table for table in tables if fnmatch(table.path.name, pattern)]
@@ -44,7 +44,7 @@ def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> d
             )
         table = matching[0]
         numbers = [table.number(name, where) for name in names]
-        found[quantity] = [Column(quantity, table, number, table.values[:, number]) for number in numbers]
+        found[quantity] = [RecordedColumn(quantity, table, number, table.values[:, number]) for number in numbers]
     used = list({column.table.path: column.table for columns in found.values() for column in columns}.values())
     unused = [str(table.path) for table in tables if table.path not in [table.path for table in used]]
     if unused:
@@ -56,7 +56,7 @@ def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> d
     return found
 
 
-def joint_channels(columns: Mapping[str, Sequence[Column]], mapping: ColumnMapping) -> dict[str, Array]:
+def joint_channels(columns: Mapping[str, Sequence[RecordedColumn]], mapping: ColumnMapping) -> dict[str, Array]:
     """q, v, a, tau (N, n) of the joints in SI units; NaN in a row stays NaN."""
     result = {}
     for name, channel in mapping.channels.items():

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings.checks import cell_findings, channel_findings, motion_findings, value_findings
 from crosscheck.recordings.clock import blocks_of, stamp_findings, step_findings
-from crosscheck.recordings.conversion import Column, joint_channels, mapped_columns, sliding_joints
+from crosscheck.recordings.conversion import RecordedColumn, joint_channels, mapped_columns, sliding_joints
 from crosscheck.recordings.errors import BadMapping, BadRecordingFile, DirtyRecording
 from crosscheck.recordings.findings import DROPPABLE, DROPPED_UNASKED, RecordingFinding, spans
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping
@@ -136,7 +136,7 @@ def _read(
     return _Content(tuple(map(str, files)), mapping, t, channels, slides, findings)
 
 
-def _time(mapping: ColumnMapping, column: list[Column] | None, count: int) -> Array:
+def _time(mapping: ColumnMapping, column: list[RecordedColumn] | None, count: int) -> Array:
     if column is not None and mapping.time is not None:
         return np.asarray(column[0].values * mapping.time.factor)
     assert mapping.rate is not None  # a mapping has one or the other

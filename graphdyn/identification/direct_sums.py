@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from graphdyn._arrays import refuse_non_finite
 from graphdyn.identification.samples import Samples
-from graphdyn.identification.structure import Structure
+from graphdyn.identification.structure import ParameterStructure
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.kernels.gram import torque_gram
@@ -21,7 +21,7 @@ from graphdyn.layout import Array
 class DirectSums:
     """[W_j | τ_j]ᵀ [W_j | τ_j] of every joint, in the base parameters of the structure."""
 
-    def __init__(self, torque_model: TorqueModel, structure: Structure) -> None:
+    def __init__(self, torque_model: TorqueModel, structure: ParameterStructure) -> None:
         self._torque_model = torque_model
         self._independent = independent = structure.base.independent
         known_to_kernel = any(type(term) is RigidBodies for term in torque_model.terms)  # another regressor is not

@@ -22,7 +22,7 @@ from graphdyn.identification.compressed import CompressedEquations, merged
 from graphdyn.identification.direct_sums import DirectSums
 from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.samples import Samples
-from graphdyn.identification.structure import Structure, structure
+from graphdyn.identification.structure import ParameterStructure, structure
 from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.layout import Array
 
@@ -119,7 +119,7 @@ class Problem:
         return self.torque_model.model.n_bodies
 
     @cached_property
-    def structure(self) -> Structure:
+    def structure(self) -> ParameterStructure:
         """What any motion could determine."""
         return structure(self.torque_model)
 

@@ -23,7 +23,7 @@ SPEED = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
+class ParameterStructure:
     """Base parameters of a torque model, and which of them bear on which joint.
 
     base: over random states
@@ -35,13 +35,13 @@ class Structure:
 
 
 @functools.lru_cache(maxsize=8)
-def structure(torque_model: TorqueModel, seed: int = 0) -> Structure:
+def structure(torque_model: TorqueModel, seed: int = 0) -> ParameterStructure:
     """The same model and seed give the same answer; the last few are remembered."""
     samples = random_samples(torque_model, STATES_PER_PARAMETER * len(torque_model.columns), seed)
     w = torque_model.rows(samples)
     base = base_parameters(w.reshape(-1, w.shape[-1]))
     support = np.any(w[..., base.independent] != 0, axis=0)
-    return Structure(base, support)
+    return ParameterStructure(base, support)
 
 
 def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
