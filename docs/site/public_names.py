@@ -9,6 +9,7 @@ import warnings
 MODULES = {
     "graphdyn": "Models, dynamics, recordings",
     "graphdyn.motion_laws": "Prescribed motions",
+    "graphdyn.layout": "Rows and columns of stacked vectors",
     "graphdyn.identification": "Identification",
     "graphdyn.identification.terms": "Terms of the torque",
     "urdf": "URDF files",
@@ -19,10 +20,10 @@ MODULES = {
 
 
 def public_names(module: str) -> list[str]:
-    """`__all__`, or without one what the module itself defines and does not mark as private."""
+    """`__all__` without modules, or without one what the module itself defines and does not mark as private."""
     loaded = importlib.import_module(module)
     if hasattr(loaded, "__all__"):
-        return sorted(loaded.__all__)
+        return sorted(name for name in loaded.__all__ if not inspect.ismodule(getattr(loaded, name)))
     return sorted(
         name
         for name, value in vars(loaded).items()

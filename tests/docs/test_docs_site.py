@@ -192,7 +192,7 @@ class TestPublicNames:
             ("q", "v", "tau"), "joint state and actuator torques", "(…, n)", "[rad or m, …/s, N m or N]"
         )
         assert found.fields[0][0] == "Raises"
-        assert found.fields[0][1].startswith("SingularMassMatrix")
+        assert found.fields[0][1].startswith("InvalidInput; SingularMassMatrix")
 
     def test_pages_of_modules_that_are_gone_are_removed(self, tmp_path):
         (tmp_path / "gone.rst").write_text("gone")
