@@ -35,6 +35,7 @@ class Verbs:
     joint_accelerations = Verb[Array](projected.forward_dynamics, "forward_dynamics", ("a",))
     mass_matrix = Verb[Array](projected.mass_matrix)
     bias_torque = Verb[Array](projected.torque_at_zero("bias_torque", "a"))
+    gravity_torque = Verb[Array](projected.torque_at_zero("gravity_torque", "v", "a"))
     joint_torque_regressor = Verb[Array](regressors.joint_torque_regressor)
     body_regressor = Verb[Array](regressors.body_regressor)
 
@@ -192,6 +193,27 @@ def bias_torque(
     Raises InvalidInput.
     """
     return Verbs.bias_torque(model, (q, v), base, method, threads, check, out)
+
+
+@with_keywords
+def gravity_torque(
+    model: RobotModel,
+    q: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """g (…, n): τ that holds the robot at rest against gravity, the gradient of its potential energy [N m or N].
+
+    q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
+
+    Raises InvalidInput.
+    """
+    at_rest = base and BaseMotion(base.rotation, base.translation)
+    return Verbs.gravity_torque(model, (q,), at_rest, method, threads, check, out)
 
 
 @with_keywords

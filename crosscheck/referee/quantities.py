@@ -96,6 +96,7 @@ QUANTITIES = (
     Quantity("joint_wrench_external", "rnea with fext, data.f", _BY_PART, AGREEMENT),
     Quantity("mass_matrix", "crba", "largest entry of a tensor", AGREEMENT),
     Quantity("bias_torque", "nonLinearEffects", _WRENCH, AGREEMENT, verb="bias_torque"),
+    Quantity("gravity_torque", "computeGeneralizedGravity", _WRENCH, AGREEMENT, verb="gravity_torque"),
     Quantity("torque_regressor", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
     Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: compensated; of I: turn", AGREEMENT),
     Quantity("torque_recursive", "rnea", _TORQUE, AGREEMENT),

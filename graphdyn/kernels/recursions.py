@@ -43,6 +43,7 @@ ARRAYS = {
     "joint_wrenches": ArraySpec(("n", BODY_FREEDOMS), "N, N m"),
     "mass_matrix": ArraySpec(("n", "n"), "kg m², kg m, kg"),
     "bias_torque": ArraySpec(("n",), "N m or N"),
+    "gravity_torque": ArraySpec(("n",), "N m or N"),
     "joint_torque_regressor": ArraySpec(("n", "10 n"), "N m or N per parameter"),
     "body_regressor": ArraySpec(("n", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"),
     "position": ArraySpec(("n", 3), "m"),
@@ -96,6 +97,11 @@ RECURSIONS = {
         ("q", "v"),
         ("bias_torque",),
         lambda x, q, v: inverse_dynamics(x.links, x.root, q, v, [0.0] * len(q))["tau"],
+    ),
+    "gravity_torque": Recursion(
+        ("q",),
+        ("gravity_torque",),
+        lambda x, q: inverse_dynamics(x.links, x.root, q, [0.0] * len(q), [0.0] * len(q))["tau"],
     ),
     "joint_torque_regressor": Recursion(
         ("q", "v", "a"),

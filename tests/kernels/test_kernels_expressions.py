@@ -196,6 +196,7 @@ MOST_OPERATIONS = {
     ("forward_dynamics", ("a",)): 1020,
     ("forward_dynamics", ("a", "body_accelerations", "multipliers", "joint_wrenches")): 1640,
     ("bias_torque", ("bias_torque",)): 430,
+    ("gravity_torque", ("gravity_torque",)): 155,
     ("mass_matrix", ("mass_matrix",)): 300,
     ("joint_torque_regressor", ("joint_torque_regressor",)): 960,
     ("body_regressor", ("body_regressor",)): 345,
