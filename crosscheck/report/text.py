@@ -192,9 +192,9 @@ class _Column:
         words = [word.rstrip() for word in WORD.findall(self.column.heading)]
         if self.column.kind == "name":
             longest = max(map(cell_len, self.cells), default=0)
-            return max(*map(cell_len, words), longest if longest <= LONG_NAME else SHORT_NAME)
+            return max([*map(cell_len, words), longest if longest <= LONG_NAME else SHORT_NAME])
         said = [word for cell in self.cells for word in cell.split()] if self.wraps else self.cells
-        return max(map(cell_len, [*words, *said]))
+        return max(map(cell_len, [*words, *said]), default=0)
 
     @property
     def wanted(self) -> int:

@@ -111,16 +111,21 @@ class TestText:
         assert [text.count(f" {float(k)} ") for k in range(12)] == [1] * 12
         assert text.count("│ a ") == text.count("┏") > 1
 
-    def test_headings_fold_before_numbers_and_names_last(self):
+    def test_headings_fold_before_a_table_is_divided(self):
         columns = (Column("name", "name"), *(Column(f"a rather long heading {k}", "number") for k in range(3)))
         long = Table(columns, (Row(("one two three", "10 ns", "20 ns", "30 ns")),))
-        for width, heading, name in ((120, 1, 1), (60, 5, 1), (41, 5, 2)):
+        for width, heading, name in ((120, 1, 1), (60, 5, 1)):
             lines = as_text(report(long), width).splitlines()
             assert max(map(len, lines)) <= width
             start, middle = (next(k for k, line in enumerate(lines) if line[:1] == mark) for mark in "┏┡")
             assert middle - start - 1 == heading
             assert sum(line.startswith("│") for line in lines) == name
             assert all(f" {number} ns " in lines[middle + 1] for number in (10, 20, 30))
+
+    def test_a_column_without_a_heading(self):
+        columns = (Column("", "name"), *(Column(f"a rather long heading {k}", "number") for k in range(3)))
+        text = as_text(report(Table(columns, (Row(("", "10 ns", "20 ns", "30 ns")), Row(("b", 1, 2, 3))))), 60)
+        assert re.search(r"│ b +│ +1 │ +2 │ +3 │", text)
 
     def test_compact_tables_have_no_frames(self):
         columns = (Column("name", "name"), Column("p", "number"), Column("q", "number"))
