@@ -86,9 +86,9 @@ def _ratios(found: Benchmark) -> tuple[Block, ...]:
     faster = sum(c.ratio.median > 1 for c in every)
     table = Table(
         (
-            Column("work", "name"),
-            Column("graphdyn's form", "name", form=lambda name: name.removeprefix("graphdyn").strip()),
-            Column("against", "name"),
+            Column("work"),
+            Column("graphdyn", form=lambda name: name.removeprefix("graphdyn").strip()),
+            Column("against"),
             Column("threads", "number"),
             Column("median", "number", form=ratio_text, meaning="times as long as graphdyn"),
             Column("quartiles", "number", form=ratio_span_text, meaning="of repeats that followed each other"),
