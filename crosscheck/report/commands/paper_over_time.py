@@ -45,6 +45,7 @@ def _plot(motion: OverTime, joint: int) -> Plot:
         label=f"Joint {joint} from 0 to 2 s. " + "; ".join(map(_reach, panels)),
         caption=f"Lines: graphdyn; marks: every tenth sample of Pinocchio's rnea; upright: {INSTANT:g} s.",
         upright=INSTANT,
+        wide=False,
         title=f"Joint {joint}",
         on=("page",),
     )
