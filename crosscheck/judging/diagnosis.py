@@ -80,7 +80,7 @@ def diagnose(
 
 
 def _bound(size: float) -> float:
-    """What an explanation of a deviation of this size may leave."""
+    """Largest error that an explanation of a deviation of this size may leave."""
     return max(NOISE, EXPLAINED * size)
 
 
@@ -109,7 +109,8 @@ def _of_all(
     links: Mapping[str, tuple[int, Array]],
     bound: float,
 ) -> Iterator[FittedFault]:
-    """Faults that touch several parts at once, the likelier first; none that leaves more than bound at one state."""
+    """Faults that affect several parts at once, the likelier first; without those that leave more than bound at the
+    first state."""
     first = TrialStates(trial.q[:1], trial.v[:1])
     observed_there = observed.first()
     answer = None

@@ -54,7 +54,7 @@ class Parts:
         return tuple(part for part in PARTS if getattr(self, part) is not None)
 
     def first(self) -> Parts:
-        """The same at the first state alone."""
+        """The same terms at the first state only."""
         return Parts(*(None if x is None else x[:1] for x in (self.gravity, self.inertia, self.velocity, self.doubled)))
 
 

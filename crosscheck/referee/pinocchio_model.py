@@ -186,9 +186,9 @@ class PinocchioModel:
         return self.joint_torques("rnea", q, v, a)
 
     def joint_torques(self, function: str, q: Array, *rates: Array) -> Array:
-        """What a function of Pinocchio answers, a torque or force for each joint (N, n), at N states.
+        """The torque or force of each joint (N, n) that a function of Pinocchio returns at N states.
 
-        function: name of one that takes q and as many of v and a as rates; q, rates: (N, n)
+        function: its name; q, rates: its arguments q, or q and v, or q, v and a   (N, n)
         """
         compute = getattr(pin, function)
         rows = [

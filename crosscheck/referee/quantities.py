@@ -63,8 +63,8 @@ class Quantity:
 
     scale: besides the largest reference value, what the error is relative to, in the terms of docs/notation.md
     forward: whether it needs a regular mass matrix
-    verb: the verb of graphdyn that it compares, where the answer is a torque for each joint and Pinocchio's function
-        takes the same arguments; ours, Pinocchio's value, scale and code to reproduce then follow
+    verb: the function of graphdyn to compare, where its result is a torque for each joint and Pinocchio's function
+        takes the same arguments; both values, scale and code to reproduce then follow from it
     """
 
     name: str
@@ -222,9 +222,9 @@ def _of_recursive(errors: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def torque_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
-    """Errors of the quantities that name their verb, on the scale of the largest joint wrench that goes with it.
+    """Errors of the quantities that have a verb, on the scale of the largest joint wrench.
 
-    That is the wrench of inverse dynamics with zero for the velocities and accelerations that the verb does not take.
+    The wrench is that of inverse dynamics with zero for the velocities and accelerations that the verb does not take.
     """
     errors = {}
     for quantity in QUANTITIES:

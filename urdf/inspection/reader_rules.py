@@ -110,7 +110,7 @@ def _instructions(robot: etree._Element) -> Iterator[Finding]:
 
 
 def _is_instruction(node: etree._Element) -> bool:
-    tag: object = node.tag  # which the stubs take for a string
+    tag: object = node.tag  # a string according to the stubs
     return tag is etree.ProcessingInstruction
 
 
