@@ -79,6 +79,7 @@ class _Sample:
         self.recorder = Recorder()
         self.given: list[Any] = []
         self.n = model.n_bodies
+        self.zeros = [0.0] * self.n
         self.q = self.input("q")
         self.root = self._moving_root(model) if request.moving_base else _fixed_root(model)
         self.external: list[Wrench] | None = None

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
-from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Root
 from graphdyn.kernels.positions import maximal_state
-from graphdyn.kernels.reactions import Wrench
 from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS
 
@@ -52,19 +49,12 @@ ARRAYS = {
 }
 
 
-class Setting(Protocol):
-    """What recursions work on beside the joint arrays of a sample."""
-
-    links: tuple[Link, ...]
-    root: Root
-    external: Sequence[Wrench] | None
-
-
 @dataclass(frozen=True)
 class Recursion:
     """inputs: names of its joint arrays, q first; outputs: of what it answers.
 
-    compute(setting, *inputs) answers scalars: the one output, of any shape, or a dictionary of flat outputs
+    compute(sample, *inputs) answers scalars: the one output, of any shape, or a dictionary of flat outputs; the sample
+        (graphdyn.kernels.programs) has the links of the robot, its root, external wrenches, and zeros for an input
     on_moving_base: whether the motion of the base matters
     """
 
@@ -83,39 +73,26 @@ RECURSIONS = {
         lambda x, q, v, tau: forward_dynamics(x.links, x.root, q, v, tau, x.external),
     ),
     "inverse_dynamics": Recursion(
-        ("q", "v", "a"),
-        ("tau", *_REACTIONS),
-        lambda x, q, v, a: inverse_dynamics(x.links, x.root, q, v, a, x.external),
+        ("q", "v", "a"), ("tau", *_REACTIONS), lambda x, q, v, a: inverse_dynamics(x.links, x.root, q, v, a, x.external)
     ),
-    "mass_matrix": Recursion(
-        ("q",),
-        ("mass_matrix",),
-        lambda x, q: mass_matrix(x.links, q),
-        on_moving_base=False,
-    ),
+    "mass_matrix": Recursion(("q",), ("mass_matrix",), lambda x, q: mass_matrix(x.links, q), on_moving_base=False),
     "bias_torque": Recursion(
-        ("q", "v"),
-        ("bias_torque",),
-        lambda x, q, v: inverse_dynamics(x.links, x.root, q, v, [0.0] * len(q))["tau"],
+        ("q", "v"), ("bias_torque",), lambda x, q, v: inverse_dynamics(x.links, x.root, q, v, x.zeros)["tau"]
     ),
     "gravity_torque": Recursion(
         ("q",),
         ("gravity_torque",),
-        lambda x, q: inverse_dynamics(x.links, x.root, q, [0.0] * len(q), [0.0] * len(q))["tau"],
+        lambda x, q: inverse_dynamics(x.links, x.root, q, x.zeros, x.zeros)["tau"],
     ),
     "joint_torque_regressor": Recursion(
         ("q", "v", "a"),
         ("joint_torque_regressor",),
-        lambda x, q, v, a: joint_torque_regressor(x.links, x.root, q, v, a),
+        lambda x, *arrays: joint_torque_regressor(x.links, x.root, *arrays),
     ),
     "body_regressor": Recursion(
-        ("q", "v", "a"),
-        ("body_regressor",),
-        lambda x, q, v, a: body_regressors(x.links, x.root, q, v, a),
+        ("q", "v", "a"), ("body_regressor",), lambda x, *arrays: body_regressors(x.links, x.root, *arrays)
     ),
     "maximal_state": Recursion(
-        ("q", "v"),
-        ("position", "rotation", "velocity"),
-        lambda x, q, v: maximal_state(x.links, x.root, q, v),
+        ("q", "v"), ("position", "rotation", "velocity"), lambda x, q, v: maximal_state(x.links, x.root, q, v)
     ),
 }
