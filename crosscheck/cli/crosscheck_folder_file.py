@@ -74,6 +74,6 @@ def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> di
 def _unchanged(record: Mapping[str, Any]) -> bool:
     """Whether the file of a robot still has the content that was compared."""
     try:
-        return content_sha256(record["robot"]) == record["file_sha256"]
+        return bool(content_sha256(record["robot"]) == record["file_sha256"])
     except (OSError, InvalidXacro):
         return False

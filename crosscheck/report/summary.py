@@ -83,7 +83,7 @@ def _reasons(record: Mapping[str, Any]) -> list[str]:
     beyond = [name for name, quantity in record["quantities"].items() if not quantity["agrees"]]
     reasons = [f"beyond the bound: {', '.join(beyond)}"] if beyond else []
     if not record["not_compared"]:
-        return reasons + record["notes"]
+        return [*reasons, *record["notes"]]
     if record["identification"] is None:
         reasons.append("no body has mass")
     else:

@@ -90,7 +90,8 @@ def in_turns(
 
 def linear_algebra_threads(count: int) -> AbstractContextManager[Any]:
     """NumPy's linear algebra library uses at most this number of threads within the context."""
-    return _libraries().limit(limits=count, user_api="blas")
+    limited: AbstractContextManager[Any] = _libraries().limit(limits=count, user_api="blas")
+    return limited
 
 
 @cache
