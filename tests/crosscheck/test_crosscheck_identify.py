@@ -302,7 +302,7 @@ class TestParameters:
         bare = replace(entropic, standard_deviations=None)
         source, words = deviations_of(found, bare)
         assert source.name == "WLS"
-        assert words.startswith("of WLS, for consistent, entropic prior gives none")
+        assert words.startswith("of WLS, because consistent, entropic prior gives none")
         alone = replace(found, comparison=replace(found.comparison, results=(bare,)))
         assert deviations_of(alone, bare) == (None, "consistent, entropic prior gives none")
         assert np.isnan(base_rows(alone, bare)[0].deviation)

@@ -60,7 +60,7 @@ class TestMethods:
         graph = found.comparison.of("graph method")
         nothing = dataclasses.replace(found, comparison=dataclasses.replace(found.comparison, results=(graph,)))
         report = identify_report(nothing, None)
-        assert (report.verdict.words, report.verdict.reason) == ("no usable model", "No method has an answer.")
+        assert (report.verdict.words, report.verdict.reason) == ("no usable model", "No method has a result.")
         assert [part.key for part in report.sections] == ["recording", "methods", "excitation", "end"]
         assert f"graph method: failed: {WHY}" in as_text(report)
 

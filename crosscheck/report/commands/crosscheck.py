@@ -126,4 +126,9 @@ def scales_section() -> Section:
         ("force", "compensated × total mass, plus the largest external force"),
         ("moment", "force × lever + largest tensor entry × turn, plus the largest external moment"),
     )
-    return Section("scales", "How errors are measured", (Prose(words, on=("page",)), Facts(facts, on=("page",))))
+    short = (
+        "Every error is relative to a scale that cannot vanish (docs/notation.md). "
+        "Route urdf: Pinocchio builds the same file; route model: Pinocchio is built from graphdyn's model."
+    )
+    blocks = (Prose(short, on=("text",)), Prose(words, on=("page",)), Facts(facts, on=("page",)))
+    return Section("scales", "How errors are measured", blocks)
