@@ -10,11 +10,20 @@ from crosscheck.report.report import Report
 
 
 def deliver(report: Report, html_file: Path | None = None, json_file: Path | None = None) -> None:
-    """Print it; write the page and the JSON file, each whole or not at all. Raises OSError."""
+    """Print it; write the page and the JSON file, each whole or not at all, also where the output is closed early.
+
+    Raises OSError.
+    """
     from crosscheck.report.text import renderables
 
-    for part in renderables(report, out.width):
-        out.print(part)
+    try:
+        for part in renderables(report, out.width):
+            out.print(part)
+    finally:
+        _write(report, html_file, json_file)
+
+
+def _write(report: Report, html_file: Path | None, json_file: Path | None) -> None:
     if html_file is not None:
         from crosscheck.report.html import page, write_page
         from crosscheck.report.versions import versions

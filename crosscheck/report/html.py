@@ -112,10 +112,7 @@ def _note_groups(notes: Sequence[Note]) -> list[tuple[str, list[Note], bool]]:
     order = {code: k for k, code in reversed(list(enumerate(note.code for note in notes)))}
     groups = groupby(sorted(notes, key=lambda note: order[note.code]), lambda note: note.code)
     listed = [(code, list(group)) for code, group in groups]
-    return [
-        (code, group, bool(code) and (len(group) > MANY_NOTES or sum(len(note.text) for note in group) > LONG_NOTE))
-        for code, group in listed
-    ]
+    return [(code, group, bool(code) and len(group) > MANY_NOTES) for code, group in listed]
 
 
 def _hover(column: Column, value: object) -> str:

@@ -1,4 +1,4 @@
-"""Vectors and matrices of 0 and ±1 as text, the same on the terminal and on a page."""
+"""Vectors, matrices of 0 and ±1 and powers of ten as text, the same on the terminal and on a page."""
 
 import numpy as np
 
@@ -11,6 +11,7 @@ CELL = 3
 ROUNDING = 1e-12
 """What is smaller than this part of the largest component is written as 0."""
 
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SIGNS = {0: "·", 1: "1", -1: "−1"}
 
 
@@ -25,3 +26,8 @@ def matrix_lines(matrix: IntArray) -> list[str]:
     numbers = range(1, matrix.shape[1] + 1)
     rows = [f"{i:>{CELL}}" + "".join(f"{_SIGNS[int(x)]:>{CELL}}" for x in row) for i, row in enumerate(matrix, start=1)]
     return [" " * CELL + "".join(f"{number:>{CELL}}" for number in numbers), *rows]
+
+
+def superscript(decade: int) -> str:
+    """-3 → 10⁻³."""
+    return "10" + str(decade).translate(_SUPERSCRIPT)

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
@@ -70,9 +72,9 @@ class Column:
             return self.text(value.value)
         if isinstance(value, Verdict):
             return value.words
-        if value is None or (isinstance(value, float) and value != value):
+        if value is None or (isinstance(value, float | np.floating) and value != value):
             return NOTHING
-        if isinstance(value, float) and abs(value) == float("inf"):
+        if isinstance(value, float | np.floating) and np.isinf(value):
             return "∞" if value > 0 else "−∞"
         return self.form(value) if callable(self.form) else format(value, self.form)
 
@@ -178,6 +180,7 @@ class CharacterPicture(Block):
     """A drawing for the terminal. draw: called with the width of a line, gives lines, none where it is too wide."""
 
     draw: Callable[[int], Sequence[str]]
+    caption: str = ""
     on: tuple[Medium, ...] = field(default=("text",), kw_only=True)
 
 

@@ -112,6 +112,8 @@ def _block(block: Block, width: int) -> Iterator[RenderableType]:
             yield from _title(block)
             lines = block.draw(width)
             yield Text("\n".join(lines) if lines else f"too wide for {width} characters; --json and --html have it")
+            if lines and block.caption:
+                yield Text(block.caption)
         case Code() | Prose():
             yield from _title(block)
             yield Text(block.text)
@@ -193,7 +195,9 @@ class _Column:
         if self.column.kind == "name":
             longest = max(map(cell_len, self.cells), default=0)
             return max([*map(cell_len, words), longest if longest <= LONG_NAME else SHORT_NAME])
-        said = [word for cell in self.cells for word in cell.split()] if self.wraps else self.cells
+        if not self.wraps:
+            return max(map(cell_len, [*words, *self.cells]), default=0)
+        said = [word[:LONG_NAME] for cell in self.cells for word in cell.split()]  # a path is folded inside
         return max(map(cell_len, [*words, *said]), default=0)
 
     @property

@@ -88,7 +88,7 @@ class TestSchemas:
         sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "crosscheck").rglob("*.py"))
         formats = set(re.findall(r'"(graphdyn [a-z]+ \d+)"', sources))
         assert {
-            "graphdyn crosscheck 1",
+            "graphdyn crosscheck 2",
             "graphdyn robots 1",
             "graphdyn errata 1",
             "graphdyn show 1",
@@ -196,7 +196,7 @@ class TestCrosscheck:
     def test_a_model_without_a_file(self):
         record = plain(crosscheck_records.robot_record(crosscheck.compare(mixed_tree(), 1)))
         assert record["file"] is None
-        schema = SCHEMAS["crosscheck-1.schema.json"]
+        schema = SCHEMAS["crosscheck-2.schema.json"]
         Draft202012Validator({"$ref": "#/$defs/RobotRecord", "$defs": schema["$defs"]}).validate(record)
 
 

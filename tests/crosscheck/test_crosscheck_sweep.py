@@ -24,7 +24,7 @@ from crosscheck.referee.subject import content_sha256
 from crosscheck.report import summary
 from crosscheck.report.commands import crosscheck_folder as report_of_folder
 
-SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-1.schema.json").read_text("utf-8")))
+SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-2.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
     "aubo_i5": ("agrees", ("model",)),
     "mk3": ("agrees", ("model",)),
@@ -313,7 +313,7 @@ class TestResume:
         path.write_text(content, encoding="utf-8")
         done = program(good_folder, "--json", path, "--resume")
         assert done.code == BAD_INPUT
-        assert "is not a file of the format 'graphdyn crosscheck 1'; name another, or delete it" in done.err
+        assert "is not a file of the format 'graphdyn crosscheck 2'; name another, or delete it" in done.err
         assert path.read_text(encoding="utf-8") == content
         assert here == []
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from crosscheck.report.commands.bench_curves import curve_section
 from crosscheck.report.durations import ratio_span_text, ratio_text, span_text, threads_text, time_text
+from crosscheck.report.pictures.ratio_bars import ratio_bars
 from crosscheck.report.records.bench import record
 from crosscheck.report.report import ROOMY, Block, Column, Facts, Picture, Prose, Report, Row, Section, Table, Verdict
 from crosscheck.studies.bench.benchmark import Benchmark
@@ -16,9 +16,6 @@ from crosscheck.studies.bench.contender import Measured, SpeedRatio
 from crosscheck.studies.bench.floor import Floor
 from crosscheck.studies.bench.identification import OURS, THEIRS, IdentificationRun, Identifications
 from crosscheck.studies.bench.timing import Times
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
 
 MORE = 100
 """Characters of a line from which times have all their columns."""
@@ -139,13 +136,7 @@ def _work(measured: Measured, floor: Floor | None) -> Section:
 def _bars(comparisons: tuple[SpeedRatio, ...]) -> tuple[Block, ...]:
     if not comparisons:
         return ()
-    return (Picture(partial(_drawn, comparisons=comparisons), "Bars: medians, black: quartiles.", on=("page",)),)
-
-
-def _drawn(key: str, comparisons: tuple[SpeedRatio, ...]) -> Markup:
-    from crosscheck.report.pictures.ratio_bars import ratio_bars
-
-    return ratio_bars(key, comparisons)
+    return (Picture(partial(ratio_bars, comparisons=comparisons), "Bars: medians, black: quartiles.", on=("page",)),)
 
 
 def _notes(measured: Measured, floor: Floor | None) -> Facts:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from crosscheck.referee.comparison import Comparison, QuantityResult
 from crosscheck.referee.quantities import BY_NAME
-from crosscheck.report.commands.crosscheck_robot import ERROR, error_text, robot_section, verdict_of
+from crosscheck.report.commands.crosscheck_robot import robot_section
+from crosscheck.report.commands.errors import ERROR, error_text, verdict_of
 from crosscheck.report.records.crosscheck import record
 from crosscheck.report.report import (
     Column,
@@ -46,10 +47,12 @@ def crosscheck_report(comparisons: Sequence[Comparison], failures: Sequence[Mapp
 
 def _verdict(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, str]]) -> Verdict:
     agreeing = sum(comparison.agrees for comparison in comparisons)
-    reason = (
-        f"{agreeing} of {len(comparisons)} {'robot' if len(comparisons) == 1 else 'robots'} compared "
-        f"{'agrees' if agreeing == 1 else 'agree'} on every quantity."
-    )
+    if not comparisons:
+        reason = "Nothing was compared."
+    elif len(comparisons) == 1:
+        reason = f"{_within(comparisons[0])} quantities are within their bounds."
+    else:
+        reason = f"{agreeing} of {len(comparisons)} robots agree on every quantity."
     if failures:
         reason += f" {len(failures)} could not be compared."
     if agreeing < len(comparisons):
@@ -63,10 +66,9 @@ def _verdicts(comparisons: Sequence[Comparison], keys: Sequence[str]) -> Table:
     for comparison, key in zip(comparisons, keys, strict=True):
         results = list(comparison.quantities.values())
         nearest = max(results, key=lambda result: result.part_of_bound)
-        within = sum(result.agrees for result in results)
         verdict = verdict_of(comparison.agrees)
         cells = (
-            Path(comparison.robot).name, verdict, comparison.n_bodies, f"{within} of {len(results)}",
+            Path(comparison.robot).name, verdict, comparison.n_bodies, _within(comparison),
             nearest.quantity.name, nearest.max_relative_error, nearest.quantity.tolerance.bound,
         )  # fmt: skip
         rows.append(Row(cells, verdict.state, link=key))
@@ -84,6 +86,12 @@ def _verdicts(comparisons: Sequence[Comparison], keys: Sequence[str]) -> Table:
         caption="The verdict on every robot",
         on=("page",),
     )
+
+
+def _within(comparison: Comparison) -> str:
+    """How many quantities are within their bounds."""
+    results = comparison.quantities.values()
+    return f"{sum(result.agrees for result in results)} of {len(results)}"
 
 
 def _overview(comparisons: Sequence[Comparison]) -> Table:

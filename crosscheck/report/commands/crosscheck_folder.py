@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from crosscheck.referee.comparison import Comparison
 from crosscheck.report.commands.crosscheck import TITLE, scales_section
-from crosscheck.report.commands.crosscheck_robot import ERROR, robot_section
+from crosscheck.report.commands.crosscheck_robot import robot_section
+from crosscheck.report.commands.errors import ERROR
 from crosscheck.report.report import Block, Column, Prose, Report, Row, Section, State, Table, Verdict
 from crosscheck.report.summary import (
     AGREES,
@@ -19,7 +20,7 @@ from crosscheck.report.summary import (
 )
 
 FEW = 12
-"""Robots of which a page shows all details, some 200 kB each; of more robots, only of those that disagree."""
+"""Robots of which a page shows all details, some 400 kB each; of more robots, only of those that disagree, as many."""
 
 STATES: dict[str, State] = {
     DISAGREES: "disagrees",
@@ -31,7 +32,8 @@ STATES: dict[str, State] = {
 
 
 def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison]) -> Report:
-    """comparisons: those to be shown in detail, in the order of the rows"""
+    """comparisons: those to be shown in detail, in the order of the rows; the FEW that are farthest beyond a bound"""
+    comparisons = sorted(comparisons, key=_part_of_bound, reverse=True)[:FEW]
     keys = {comparison.robot: f"robot-{k}" for k, comparison in enumerate(comparisons, start=1)}
     named = list(zip(short_names(rows), rows, strict=True))
     by_verdict = [
@@ -49,6 +51,10 @@ def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison
     )
 
 
+def _part_of_bound(comparison: Comparison) -> float:
+    return max(result.part_of_bound for result in comparison.quantities.values())
+
+
 def _verdict(rows: Sequence[RobotSummary]) -> Verdict:
     found = {row.verdict for row in rows}
     words, state = next(((words, state) for words, state in STATES.items() if words in found), (AGREES, "agrees"))
@@ -63,7 +69,8 @@ def _why_not_all(rows: Sequence[RobotSummary]) -> str:
     if len(rows) <= FEW:
         return "Robots taken over from an earlier run have no details here; a run without --resume shows them."
     return (
-        "Details are shown of robots that disagree and were compared in this run; the JSON file has the numbers of all."
+        f"Details are shown of robots that disagree and were compared in this run, the {FEW} worst; the JSON file has "
+        "the numbers of all."
     )
 
 

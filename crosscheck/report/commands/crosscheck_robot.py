@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from crosscheck.referee.comparison import Comparison, QuantityResult
+from crosscheck.report.commands.errors import ERROR, distribution, error_text, over_states, span_text, verdict_of
 from crosscheck.report.commands.robot_parts import joints_table, locked_text, robot_picture
+from crosscheck.report.pictures.spread import SpreadRow
 from crosscheck.report.report import (
     ROOMY,
     Block,
@@ -21,23 +18,13 @@ from crosscheck.report.report import (
     Hover,
     Note,
     Notes,
-    Panel,
-    Picture,
-    Plot,
     Prose,
     Row,
     Section,
-    Series,
     Table,
-    Verdict,
 )
 from crosscheck.report.snippets import worst_state
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
-
-ERROR: dict[str, Any] = {"kind": "number", "form": ".1e"}
 
 ROUTES = {"urdf": "urdf: Pinocchio builds the same file", "model": "model: Pinocchio is built from our model"}
 
@@ -68,17 +55,9 @@ def robot_section(comparison: Comparison, key: str, *, detailed: bool) -> Sectio
             *_distribution(comparison),
             *_worst_states(comparison),
         ),
-        Verdict(*_state(comparison.agrees), _what(comparison)),
+        verdict_of(comparison.agrees, reason=_what(comparison)),
         sheet=True,
     )
-
-
-def verdict_of(agrees: bool) -> Verdict:
-    return Verdict(*_state(agrees))
-
-
-def _state(agrees: bool) -> tuple[Any, str]:
-    return ("agrees", "agrees") if agrees else ("disagrees", "DISAGREES")
 
 
 def _what(comparison: Comparison) -> str:
@@ -189,43 +168,20 @@ def quantities_table(comparison: Comparison, *, terminal: bool) -> Table:
 
 
 def _distribution(comparison: Comparison) -> tuple[Block, ...]:
+    """Of all quantities, and over the states those nearest to their bounds."""
     results = sorted(comparison.quantities.values(), key=lambda result: result.agrees)
-    caption = (
-        "All states and routes of each quantity; heights are relative to the fullest bin of the row. The upright line "
-        "is the bound, ▲ the largest error; errors that are exactly zero stand at 0."
-    )
-    return (
-        Picture(partial(_spread, results=results), caption, title="How the errors are distributed"),
-        _over_states(comparison),
-    )
-
-
-def _spread(key: str, results: list[QuantityResult]) -> Markup:
-    from crosscheck.report.pictures.spread import SpreadRow, spread
-
-    rows = [SpreadRow(result.quantity.name, result.errors, result.quantity.tolerance.bound) for result in results]
-    return spread(key, rows)
-
-
-def _over_states(comparison: Comparison) -> Plot:
-    """Errors in the order of the work, as parts of their bounds."""
-    bounded = [result for result in comparison.quantities.values() if result.quantity.tolerance.bound and result.worst]
+    bounded = [result for result in results if result.quantity.tolerance.bound and result.worst]
     nearest = sorted(bounded, key=lambda result: result.part_of_bound, reverse=True)[:PLOTTED]
-    longest = max(len(result.errors) for result in nearest)
-    series = []
-    for k, result in enumerate(nearest):
-        y = np.full(longest, np.nan)
-        y[: len(result.errors)] = result.errors / result.quantity.tolerance.bound
-        y[np.isinf(y)] = np.nan
-        series.append(Series(result.quantity.name, y, color=k, hidden=k >= SWITCHED_ON))
-    return Plot(
-        np.arange(1.0, longest + 1),
-        "state, case after case",
-        (Panel("error as part of its bound", tuple(series), log=True, level=1.0),),
-        f"Errors of {', '.join(result.quantity.name for result in nearest)} over the states, as parts of their bounds",
-        f"The {len(nearest)} quantities nearest to their bounds, on every route; the broken line is the bound. Zeros "
-        "are not drawn.",
-        title="Errors over the states",
+    return (
+        distribution([SpreadRow(r.quantity.name, r.errors, r.quantity.tolerance.bound) for r in results]),
+        *over_states(
+            {result.quantity.name: result.errors / result.quantity.tolerance.bound for result in nearest},
+            1.0,
+            "error as part of its bound",
+            "state, case after case",
+            f"The {len(nearest)} quantities nearest to their bounds, on every route.",
+            SWITCHED_ON,
+        ),
     )
 
 
@@ -253,14 +209,3 @@ def _worst_words(result: QuantityResult) -> str:
         f"{result.quantity.name}, {error_text(result.max_relative_error)} with the bound "
         f"{error_text(result.quantity.tolerance.bound)}, {result.worst.case} ({result.worst.route})"
     )
-
-
-def error_text(x: float) -> str:
-    """An error with two digits."""
-    return f"{x:.1e}" if math.isfinite(x) else "∞"
-
-
-def span_text(pair: tuple[float, float]) -> str:
-    """Smallest and largest, once where they are equal."""
-    low, high = (f"{x:.3g}" if math.isfinite(x) else "∞" for x in pair)
-    return low if low == high else f"{low} … {high}"

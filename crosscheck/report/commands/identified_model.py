@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from crosscheck.identifying import Identified, TorqueCurve
 from crosscheck.identifying.parameters import BaseRow, base_rows, body_rows, deviations_of
+from crosscheck.report.pictures.parameter_bars import parameter_bars
 from crosscheck.report.report import NOTHING, ROOMY, Column, Panel, Picture, Plot, Row, Section, Series, Table
 from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
 
 BLUE, RED, GREY = 0, 1, 7
 """Colours of curves."""
@@ -103,7 +100,7 @@ def parameters_section(found: Identified, shown: MethodResult) -> Section:
         "parameters",
         f"Parameters by {shown.name}",
         (
-            Picture(partial(_bars_drawn, found, rows), caption),
+            Picture(lambda key: parameter_bars(key, rows, _torque_sizes(found)), caption),
             _base_parameters(rows, source, virtual=found.truth is not None),
             _links(found, shown),
         ),
@@ -154,12 +151,6 @@ def _links(found: Identified, shown: MethodResult) -> Table:
 
 def _position_text(position: Array) -> str:
     return " ".join(f"{x:.4f}" for x in position) if np.all(np.isfinite(position)) else NOTHING
-
-
-def _bars_drawn(found: Identified, rows: Sequence[BaseRow], key: str) -> Markup:
-    from crosscheck.report.pictures.parameter_bars import parameter_bars
-
-    return parameter_bars(key, rows, _torque_sizes(found))
 
 
 def _torque_sizes(found: Identified) -> Array:

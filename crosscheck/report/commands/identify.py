@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
+from markupsafe import Markup
 
 from crosscheck.identifying import Identified
 from crosscheck.identifying.recommending import joint_errors, mean_error, real
 from crosscheck.report.commands.identified_model import parameters_section, torques_section
+from crosscheck.report.pictures.method_errors import method_errors, singular_values
 from crosscheck.report.records.identify import record
 from crosscheck.report.report import (
     NOTHING,
@@ -30,9 +32,6 @@ from crosscheck.report.report import (
 )
 from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
 
 MOST_NAMES = 6
 """Parameters that a terminal names of a long list; the page and --json have all."""
@@ -191,7 +190,7 @@ def _excitation(found: Identified) -> tuple[Block, ...]:
         "not at all"
     )
     return (
-        Picture(partial(_singular_values_drawn, found), caption),
+        Picture(lambda key: singular_values(key, _singular_values(found)), caption),
         *_listed("Not determined by this recording", comparison.lost, folded=False),
         *_listed(shared, comparison.undetermined, folded=True),
     )
@@ -209,17 +208,9 @@ def _listed(title: str, names: Sequence[str], *, folded: bool) -> tuple[Block, .
 
 
 def _errors_drawn(found: Identified, answered: Sequence[MethodResult], key: str) -> Markup:
-    from crosscheck.report.pictures.method_errors import method_errors
-
     chosen: list[Any] = [result.held_out or result.training for result in answered]
     errors = np.array([joint_errors(statistics) for statistics in chosen])
     return method_errors(key, [result.name for result in answered], found.torque_model.model.joint_names, errors)
-
-
-def _singular_values_drawn(found: Identified, key: str) -> Markup:
-    from crosscheck.report.pictures.method_errors import singular_values
-
-    return singular_values(key, _singular_values(found))
 
 
 def _singular_values(found: Identified) -> Array:

@@ -81,11 +81,13 @@ def _one(file: urdf.Report, missing: Notes, record: Recorder) -> Report:
     told = [kind[0].text for kind in _kinds(file.findings) if kind[0].text in file.reasons][:REASONS]
     more = [f"and {len(file.reasons) - len(told)} more"] if len(file.reasons) > len(told) else []
     reason = f"{_counts(file)}: {'; '.join([*told, *more])}" if told else f"{meaning} ({_counts(file)})"
-    blocks = (missing, *_findings(file))
+    verdict = Verdict(state, file.verdict, reason)
+    if missing.notes:
+        verdict = Verdict("disagrees", f"{file.verdict}; {len(missing.notes)} more could not be inspected", reason)
     return Report(
         Path(file.robot).name,
-        Verdict(state, file.verdict, reason),
-        (Section("findings", "", blocks),),
+        verdict,
+        (Section("findings", "", (missing, *_findings(file))),),
         record=record,
     )
 

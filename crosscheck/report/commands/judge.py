@@ -7,7 +7,8 @@ from functools import partial
 from pathlib import Path
 
 from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
-from crosscheck.report.commands.judge_function import ERROR, counted, function_section, verdict_of
+from crosscheck.report.commands.errors import ERROR, verdict_of
+from crosscheck.report.commands.judge_function import counted, function_section
 from crosscheck.report.commands.robot_parts import joints_table, locked_text, robot_picture
 from crosscheck.report.records.judge import record
 from crosscheck.report.report import (

@@ -5,29 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from crosscheck.judging.judgement import JudgedFunction, Judgement
-from crosscheck.report.report import Code, Column, Panel, Picture, Plot, Row, Section, Series, Table, Verdict
+from crosscheck.report.commands.errors import ERROR, distribution, over_states, verdict_of
+from crosscheck.report.pictures.spread import SpreadRow
+from crosscheck.report.report import Code, Column, Row, Section, Table
 from crosscheck.report.snippets import worst_call
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
-if TYPE_CHECKING:
-    from markupsafe import Markup
-
 MOST_ENTRIES = 12
 """Of a matrix, the entries shown at most, those that differ most; the code to reproduce them has all."""
-
-ERROR: dict[str, Any] = {"kind": "number", "form": ".1e"}
-
-SPREAD = (
-    "All states; heights are relative to the fullest bin of the row. The upright line is the bound, ▲ the largest "
-    "error; errors that are exactly zero stand at 0."
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +35,6 @@ class Contest:
     @property
     def median(self) -> float:
         return float(np.sort(self.errors)[(len(self.errors) - 1) // 2])
-
-
-def verdict_of(agrees: bool, decided: bool, reason: str = "") -> Verdict:
-    if not decided:
-        return Verdict("undecided", "UNDECIDED", reason)
-    return Verdict("agrees", "agrees", reason) if agrees else Verdict("disagrees", "DISAGREES", reason)
 
 
 def counted(errors: Array) -> Array:
@@ -72,8 +56,14 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
         function.name,
         (
             _contests(contests, function.scale),
-            Picture(partial(_drawn, contests=contests), SPREAD, title="How the errors are distributed", on=("page",)),
-            *_over_states(contests),
+            distribution([SpreadRow(contest.name, contest.errors, contest.bound) for contest in contests]),
+            *over_states(
+                {contest.name: contest.errors for contest in contests},
+                function.bound,
+                "relative error",
+                "state, the random ones first",
+                "Against every reference implementation.",
+            ),
             _worst_call(judgement.model, function),
             Code(
                 worst_call(judgement, function),
@@ -100,27 +90,6 @@ def _contests(contests: Sequence[Contest], scale: str) -> Table:
         ),
         caption=f"Errors over all states, relative to {scale}",
         on=("page",),
-    )
-
-
-def _over_states(contests: Sequence[Contest]) -> tuple[Plot, ...]:
-    """In the order of the work; nothing where no error can be drawn on a logarithmic axis."""
-    drawn = [np.where(np.isinf(contest.errors), np.nan, contest.errors) for contest in contests]
-    if not any((errors > 0).any() for errors in drawn):
-        return ()
-    series = tuple(
-        Series(one.name, errors, color=k) for k, (one, errors) in enumerate(zip(contests, drawn, strict=True))
-    )
-    return (
-        Plot(
-            np.arange(1.0, len(drawn[0]) + 1),
-            "state, the random ones first",
-            (Panel("relative error", series, log=True, level=contests[0].bound),),
-            "Relative errors over the states against every referee",
-            "The broken line is the bound. Errors that are zero or infinite are not drawn.",
-            title="Errors over the states",
-            on=("page",),
-        ),
     )
 
 
@@ -154,9 +123,3 @@ def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
         caption=differ if width == 1 else f"Largest differences of {len(expected)} entries",
         on=("page",),
     )
-
-
-def _drawn(key: str, contests: Sequence[Contest]) -> Markup:
-    from crosscheck.report.pictures.spread import SpreadRow, spread
-
-    return spread(key, [SpreadRow(contest.name, contest.errors, contest.bound) for contest in contests])

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from crosscheck.report.commands.errata import MEANINGS, effects_table
 from crosscheck.report.commands.paper_identification import identification_section
 from crosscheck.report.commands.paper_multipliers import corrected_section, printed_section
 from crosscheck.report.commands.paper_over_time import over_time_section
 from crosscheck.report.commands.paper_texts import BODY_COLUMNS
+from crosscheck.report.pictures.arm_poses import arm_pose
+from crosscheck.report.pictures.errata_pictures import distributions, missing_rank, towards_lock
 from crosscheck.report.records.paper import record
 from crosscheck.report.report import ROOMY, Block, Column, Picture, Prose, Report, Row, Section, Table, Verdict
 from crosscheck.studies.paper.checks import Check
@@ -18,9 +19,6 @@ from crosscheck.studies.paper.printed import POSES
 from crosscheck.studies.paper.reproduction import Reproduction
 from crosscheck.studies.paper.tables import WHY_TABLE_2, GeometryTable
 from crosscheck.studies.paper.why import EXPERIMENT, WHY_ERRATA
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
 
 JUDGE = "Pinocchio is the judge. Labels such as B5 are the numbers of docs/deviations.md."
 AXES = (
@@ -102,7 +100,14 @@ def _geometry(found: GeometryTable) -> Table:
 
 def _poses() -> tuple[Block, ...]:
     pictures = (
-        Picture(partial(_drawn_pose, title=title, time=time), f"{title}: {time:g} s", wide=False, on=("page",))
+        Picture(
+            partial(
+                arm_pose, title=f"{title}, {time:g} s", q=joint_motion(time)[0], travel=float(rail(time).translation[0])
+            ),
+            f"{title}: {time:g} s",
+            wide=False,
+            on=("page",),
+        )
         for title, time in POSES.items()
     )
     return *pictures, Prose(AXES, soft=True, on=("page",))
@@ -113,38 +118,21 @@ def _errata(found: Reproduction) -> Section:
         Prose(WHY_ERRATA),
         MEANINGS,
         Picture(
-            partial(_drawn_effects, found=found, name="distributions"),
+            partial(distributions, effects=found.effects),
             "Histograms of the relative error over the states (A6: over the six masses); line: the bound of the "
             "corrected form, ▲: the largest.",
             title="A1, A4, A5, A6: how large the errors are",
         ),
         Picture(
-            partial(_drawn_effects, found=found, name="towards_lock"),
+            partial(towards_lock, effects=found.effects),
             "Cardano angles lose digits as |cos β| falls; the same equations in the twist do not.",
             title="A3: towards gimbal lock",
         ),
         Picture(
-            partial(_drawn_effects, found=found, name="missing_rank"),
+            partial(missing_rank, effects=found.effects),
             "The area of a dot is the share of the states.",
             title="A2: rows that are missing",
         ),
         effects_table(found.effects, found.samples, found.seed),
     )
     return Section("errata", "What the printed errors do", blocks)
-
-
-def _drawn_pose(key: str, title: str, time: float) -> Markup:
-    from crosscheck.report.pictures.arm_poses import arm_pose
-
-    return arm_pose(key, f"{title}, {time:g} s", joint_motion(time)[0], float(rail(time).translation[0]))
-
-
-def _drawn_effects(key: str, found: Reproduction, name: str) -> Markup:
-    from crosscheck.report.pictures import errata_pictures
-
-    draw = {
-        "distributions": errata_pictures.distributions,
-        "towards_lock": errata_pictures.towards_lock,
-        "missing_rank": errata_pictures.missing_rank,
-    }[name]
-    return draw(key, found.effects)

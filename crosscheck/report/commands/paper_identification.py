@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 from crosscheck.report.commands.paper_texts import BODY_COLUMNS, error_text, misprints, printed_text, value_text
+from crosscheck.report.pictures.identification_errors import identification_errors
 from crosscheck.report.report import ROOMY, Column, Picture, Prose, Row, Section, Table
 from crosscheck.studies.paper.identification import WHY_TABLE_3, PaperIdentification
 from crosscheck.studies.paper.printed import TABLE_3, TABLE_4
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
 
 PARAMETER = (Column("parameter", "name"), Column("source", "name"), *BODY_COLUMNS)
 
@@ -55,13 +52,7 @@ def _picture(found: PaperIdentification) -> Picture:
         f"the exact data and {seeds} seeds of noise of one ten-millionth of a channel before the rounding, the dot is "
         "the first of them. Left of the dashed line the axis is compressed."
     )
-    return Picture(partial(_drawn, found=found), caption, title="Error of every parameter")
-
-
-def _drawn(key: str, found: PaperIdentification) -> Markup:
-    from crosscheck.report.pictures.identification_errors import identification_errors
-
-    return identification_errors(key, found)
+    return Picture(partial(identification_errors, found=found), caption, title="Error of every parameter")
 
 
 def _trials(found: PaperIdentification) -> Table:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
+from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
 from crosscheck.report.report import Column, Picture, Row, Table
 from graphdyn import RobotModel
-
-if TYPE_CHECKING:
-    from markupsafe import Markup
 
 
 def locked_text(locked: Mapping[str, float]) -> str:
@@ -21,10 +18,10 @@ def locked_text(locked: Mapping[str, float]) -> str:
 def robot_picture(model: RobotModel, name: str) -> Picture:
     """The robot as a stick figure. name: for readers who do not see it."""
     caption = (
-        f"{_pose_text(model)}. ○ revolute joint and its axis, □ prismatic joint and its direction, discs: centers of "
+        f"{pose_text(model)}. ○ revolute joint and its axis, □ prismatic joint and its direction, discs: centers of "
         "mass, area as the mass, ×: fixed frames, grey band: the links seen from above."
     )
-    return Picture(partial(_drawn, model=model, name=name), caption, wide=False, on=("page",))
+    return Picture(partial(stick_figure, model=model, name=name), caption, wide=False, on=("page",))
 
 
 def joints_table(model: RobotModel) -> Table:
@@ -45,15 +42,3 @@ def joints_table(model: RobotModel) -> Table:
         on=("page",),
         folded=True,
     )
-
-
-def _drawn(key: str, model: RobotModel, name: str) -> Markup:
-    from crosscheck.report.pictures.stick_figure import stick_figure
-
-    return stick_figure(key, model, name)
-
-
-def _pose_text(model: RobotModel) -> str:
-    from crosscheck.report.pictures.stick_figure import pose_text
-
-    return pose_text(model)

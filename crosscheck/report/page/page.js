@@ -14,6 +14,7 @@ function tellScrolling() {
     const scrolls = box.scrollWidth > box.clientWidth + 1;
     const told = box.previousElementSibling?.classList.contains("more");
     box.classList.toggle("scrolls", scrolls);
+    box.tabIndex = scrolls ? 0 : -1;
     if (scrolls && !told) {
       const line = document.createElement("p");
       line.className = "more";
@@ -36,3 +37,10 @@ function openTarget() {
 }
 addEventListener("hashchange", openTarget);
 openTarget();
+// Paper has no pointer: tables and notes that are folded are printed, long code is not.
+let folded = [];
+addEventListener("beforeprint", () => {
+  folded = [...document.querySelectorAll("details:not([open])")].filter((one) => one.querySelector("table, li") || one.matches(".long-note"));
+  for (const one of folded) one.open = true;
+});
+addEventListener("afterprint", () => { for (const one of folded) one.open = false; });

@@ -4,7 +4,7 @@ const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buff
 const values = (text, log) => Array.from(new Float32Array(bytes(text)), (y) => (Number.isNaN(y) || (log && y <= 0) ? null : y));
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const short = (y) => (y == null ? "–" : Math.abs(y) >= 1e5 || (y !== 0 && Math.abs(y) < 1e-3) ? y.toExponential(2) : String(Number(y.toPrecision(5))));
-const POINTS_SHOWN = 60, MOST_TICKS = 9;
+const POINTS_SHOWN = 60, MOST_TICKS = 9, LEAST_WIDTH = 300;
 const PREFIXES = [[1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 function prefixed(y, unit) {
   if (y == null) return "–";
@@ -31,6 +31,13 @@ function logarithmic(x) {
   const ticks = [...new Set(x)].filter((_, k) => k % every === 0);
   const scale = { time: false, distr: 3, range: (_, min, max) => (min < max ? [min, max] : [min / 2, 2 * max]) };
   return [scale, { splits: (_, k, min, max) => ticks.filter((one) => min <= one && one <= max), filter: (_, at) => at }];
+}
+
+// The range of an axis of y: its curves and its level, such as a bound.
+function reach(panel, min, max) {
+  if (min == null) return [panel.log ? 0.1 : 0, 1];
+  const low = Math.min(min, panel.level ?? min), high = Math.max(max, panel.level ?? max);
+  return panel.log ? uPlot.rangeLog(low, high, 10, false) : uPlot.rangeNum(low, high, 0.1, true);
 }
 
 // The level and the upright line across a panel, and the bars of its points.
@@ -64,7 +71,7 @@ function drawPanel(place, plot, panel, width, last) {
   return new uPlot({
     title: panel.title, width, height: Math.round(240 * panel.height) + 60,
     cursor: { sync: { key: plot.key, setSeries: false }, focus: { prox: 24 } },
-    scales: { x: scale, y: { distr: panel.log ? 3 : 1 } },
+    scales: { x: scale, y: { distr: panel.log ? 3 : 1, range: (_, min, max) => reach(panel, min, max) } },
     axes: [
       { ...axis(last ? plot.x_title : "", plot.log_x && short), ...ticks, size: last ? 48 : 30 },
       { ...axis(panel.prefixes ? "" : panel.unit, (panel.log || panel.prefixes) && said), space: panel.height < 0.7 ? 18 : 30 },
@@ -90,8 +97,13 @@ function draw(figure, k) {
   for (const old of plot.drawn ?? []) old.destroy();
   plot.drawn = [];
   live.hidden = false;
-  const width = Math.max(300, live.clientWidth);
+  const width = Math.max(LEAST_WIDTH, live.clientWidth);
   for (const panel of plot.panels) plot.drawn.push(drawPanel(live, plot, panel, width, panel === plot.panels.at(-1)));
+  for (const name of live.querySelectorAll(".u-legend .u-series:not(:first-child) th")) {
+    name.tabIndex = 0;
+    name.setAttribute("role", "button");
+    name.addEventListener("keydown", (event) => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); name.click(); } });
+  }
   figure.querySelector(".still").hidden = true;
   figure.querySelector(".how").hidden = false;
 }
@@ -113,5 +125,10 @@ figures.forEach((figure, k) => {
 });
 const again = () => figures.forEach((figure, k) => figure.plot && draw(figure, k));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
-let waiting;
-addEventListener("resize", () => { clearTimeout(waiting); waiting = setTimeout(again, 200); });
+// A window of another width: the plots keep their zoom and the curves that are on.
+addEventListener("resize", () => {
+  for (const figure of figures) {
+    const width = Math.max(LEAST_WIDTH, figure.querySelector(".live").clientWidth);
+    for (const one of figure.plot?.drawn ?? []) if (one.width !== width) one.setSize({ width, height: one.height });
+  }
+});

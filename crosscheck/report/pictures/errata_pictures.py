@@ -9,8 +9,9 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK
-from crosscheck.report.pictures.spread import SpreadRow, spread, superscript
+from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.svg import picture
+from crosscheck.report.plain_text import superscript
 from crosscheck.studies.errata import COSINES, Effect
 from crosscheck.studies.paper.checks import CORRECTED
 from graphdyn.layout import Array

@@ -8,8 +8,8 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK
-from crosscheck.report.pictures.spread import superscript
 from crosscheck.report.pictures.svg import picture
+from crosscheck.report.plain_text import superscript
 from crosscheck.studies.paper.identification import PaperIdentification
 from crosscheck.studies.paper.printed import PARAMETERS
 from graphdyn.layout import Array

@@ -9,8 +9,8 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
-from crosscheck.report.pictures.spread import superscript
 from crosscheck.report.pictures.svg import picture
+from crosscheck.report.plain_text import superscript
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from markupsafe import Markup
 
 from crosscheck.identifying.parameters import BaseRow
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK
-from crosscheck.report.pictures.spread import superscript
 from crosscheck.report.pictures.svg import picture
+from crosscheck.report.plain_text import superscript
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:

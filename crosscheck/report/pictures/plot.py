@@ -12,8 +12,8 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
-from crosscheck.report.pictures.spread import superscript
 from crosscheck.report.pictures.svg import picture
+from crosscheck.report.plain_text import superscript
 from crosscheck.report.report import Panel, Plot, Series
 from graphdyn.layout import Array
 

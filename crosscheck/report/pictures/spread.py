@@ -11,6 +11,7 @@ from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import BAR, CURVES, FAINT, INK
 from crosscheck.report.pictures.svg import picture
+from crosscheck.report.plain_text import superscript
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
@@ -32,8 +33,6 @@ WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
 """Of the picture, of one row, of what the axis needs [inches]."""
 
 WITHIN, BEYOND = BAR, CURVES[1]
-
-_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,11 +73,6 @@ def spread(key: str, rows: Sequence[SpreadRow]) -> Markup:
         f"the largest is {_largest(worst.errors):.1e} of {worst.name}"
     )
     return picture(key, label, (WIDTH, ROW * len(rows) + AXIS), lambda axes: _draw(axes, rows))
-
-
-def superscript(decade: int) -> str:
-    """-3 → 10⁻³."""
-    return "10" + str(decade).translate(_SUPERSCRIPT)
 
 
 def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:

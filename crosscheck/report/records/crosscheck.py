@@ -1,4 +1,4 @@
-"""The format `graphdyn crosscheck 1`."""
+"""The format `graphdyn crosscheck 2`."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ class RobotRecord:
 class CrosscheckRecord:
     """graphdyn against Pinocchio, robot by robot and quantity by quantity. Errors are relative and have no unit."""
 
-    format: Annotated[Literal["graphdyn crosscheck 1"], FORMAT] = "graphdyn crosscheck 1"
+    format: Annotated[Literal["graphdyn crosscheck 2"], FORMAT] = "graphdyn crosscheck 2"
 
     versions: Versions = field(default_factory=versions)
 
