@@ -1,4 +1,4 @@
-"""`graphdyn judge`: the referee for foreign functions."""
+"""`graphdyn judge`: foreign functions against graphdyn, Pinocchio and MuJoCo."""
 
 from __future__ import annotations
 

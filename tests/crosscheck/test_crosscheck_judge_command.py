@@ -16,7 +16,8 @@ class TestJudge:
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == AGREED
         assert done.out.startswith(
-            "Foreign functions for ur5: agrees\nEvery function gives the same numbers as every referee (graphdyn, "
+            "Foreign functions for ur5: agrees\n"
+            "Every function gives the same numbers as every reference implementation (graphdyn, "
         )
         assert re.search(r"^robot +ur5: 6 joints", done.out, re.MULTILINE)
         assert "2 random states and special ones, seed 0" in done.out

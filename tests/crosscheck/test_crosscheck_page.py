@@ -485,9 +485,9 @@ class TestJudgement:
     @pytest.mark.parametrize(
         ("factor", "between", "title", "sentence"),
         [
-            (1.0, 0.0, "agrees", "same numbers as every referee (graphdyn, pinocchio)"),
-            (1.5, 0.0, "DISAGREES", "inverse_dynamics: other numbers than the referees"),
-            (1.5, 1e-3, "UNDECIDED", "The referees (graphdyn, pinocchio) differ among themselves"),
+            (1.0, 0.0, "agrees", "same numbers as every reference implementation (graphdyn, pinocchio)"),
+            (1.5, 0.0, "DISAGREES", "inverse_dynamics: other numbers than the reference implementations"),
+            (1.5, 1e-3, "UNDECIDED", "The reference implementations (graphdyn, pinocchio) differ among themselves"),
         ],
     )
     def test_three_verdicts(self, tree, factor, between, title, sentence):
@@ -495,7 +495,7 @@ class TestJudgement:
         text = judgement_page(judged_functions)
         assert f"Foreign functions for some robot: {title}</title>" in text
         assert sentence in " ".join(text.split())
-        table = rows(text, "Largest error over all states against each referee")
+        table = rows(text, "Largest error over all states against each reference implementation")
         error = f"{factor - 1:.1e}"
         assert table["inverse_dynamics"] == [f"{SYMBOLS[title]} {title}", error, error, "1.0e-09", "the largest entry"]
         assert balanced(text)
@@ -505,7 +505,7 @@ class TestJudgement:
         assert rows(text, "Errors over all states, relative to the largest entry") == {
             "against graphdyn": ["✗ DISAGREES", "5.0e-01", "5.0e-01", "1.0e-09"],
             "against pinocchio": ["✗ DISAGREES", "5.0e-01", "5.0e-01", "1.0e-09"],
-            "referee pinocchio against graphdyn": ["✗ DISAGREES", "1.0e-03", "1.0e-03", "1.0e-09"],
+            "pinocchio against graphdyn": ["✗ DISAGREES", "1.0e-03", "1.0e-03", "1.0e-09"],
         }
         assert "<li>no MuJoCo" in text
 
@@ -515,7 +515,7 @@ class TestJudgement:
         (plot,) = [block for block in report.sections[-1].blocks if isinstance(block, Plot)]
         (panel,) = plot.panels
         assert [one.name for one in panel.series] == [
-            "against graphdyn", "against pinocchio", "referee pinocchio against graphdyn",
+            "against graphdyn", "against pinocchio", "pinocchio against graphdyn",
         ]  # fmt: skip
         assert [set(one.y.tolist()) for one in panel.series] == [{0.5}, {0.5}, {1e-3}]
         assert (len(plot.x), panel.level) == (STATES, 1e-9)

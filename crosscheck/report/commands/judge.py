@@ -1,4 +1,4 @@
-"""`graphdyn judge`: foreign functions against the referees, and what is wrong with them, as a report."""
+"""`graphdyn judge`: foreign functions, and what is wrong with them, as a report."""
 
 from __future__ import annotations
 
@@ -45,13 +45,17 @@ def judge_report(judgement: Judgement) -> Report:
 def _reason(judgement: Judgement) -> str:
     functions, referees = judgement.functions.values(), ", ".join(judgement.referees)
     if judgement.agrees and judgement.decided:
-        return f"Every function gives the same numbers as every referee ({referees}), within its bound."
+        return (
+            f"Every function gives the same numbers as every reference implementation ({referees}), within its bound."
+        )
     wrong = ", ".join(function.name for function in functions if function.referees_agree and not function.agrees)
     if judgement.decided:
-        return f"{wrong}: other numbers than the referees ({referees}), which agree among themselves."
+        return f"{wrong}: other numbers than the reference implementations ({referees}), which agree among themselves."
     undecided = ", ".join(function.name for function in functions if not function.referees_agree)
     others = f" {wrong}: other numbers than all of them, which agree among themselves there." if wrong else ""
-    return f"The referees ({referees}) differ among themselves on {undecided}: no verdict there.{others}"
+    return (
+        f"The reference implementations ({referees}) differ among themselves on {undecided}: no verdict there.{others}"
+    )
 
 
 def _diagnosis(diagnosis: Diagnosis) -> Facts:
@@ -66,7 +70,7 @@ def _diagnosis(diagnosis: Diagnosis) -> Facts:
 
 
 def _errors(judgement: Judgement) -> Table:
-    """A row per function: its largest error against every referee."""
+    """A row per function: its largest error against every reference implementation."""
     return Table(
         (
             Column("function", "name"),
@@ -90,7 +94,7 @@ def _errors(judgement: Judgement) -> Table:
             for function in judgement.functions.values()
             for verdict in [verdict_of(function.agrees, function.referees_agree)]
         ),
-        caption="Largest error over all states against each referee",
+        caption="Largest error over all states against each reference implementation",
     )
 
 
@@ -108,6 +112,6 @@ def _judged(judgement: Judgement) -> tuple[Block, ...]:
         ("robot", f"{judgement.robot}: {len(names)} joints{locked_text(judgement.locked)}"),
         ("joint order", ", ".join(names)),
         ("states", f"{judgement.samples} random states and special ones, seed {judgement.seed}"),
-        ("referees", ", ".join(judgement.referees)),
+        ("reference implementations", ", ".join(judgement.referees)),
     )
     return robot_picture(model, Path(judgement.robot).name), Group((Facts(facts), joints_table(model)))

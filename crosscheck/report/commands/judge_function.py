@@ -1,4 +1,4 @@
-"""One judged function: its errors against every referee, over the states, and its worst call."""
+"""One judged function: its errors against every reference implementation, over the states, and its worst call."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
     contests = [
         *(Contest(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
         *(
-            Contest(f"referee {who} against graphdyn", counted(errors), function.bound)
+            Contest(f"{who} against graphdyn", counted(errors), function.bound)
             for who, errors in function.referees_differ.items()
         ),
     ]
