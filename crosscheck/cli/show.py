@@ -35,9 +35,8 @@ def run(
     check_writable(json=json_file, html=html_file)
     import urdf
     from crosscheck.report.commands.show import show_report
-    from crosscheck.studies.describing import describe
+    from crosscheck.report.describing import describe
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
-    description = describe(model, robot, locked)
-    deliver(show_report(description), html_file, json_file)
+    deliver(show_report(describe(model, robot, locked), model), html_file, json_file)

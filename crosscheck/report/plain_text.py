@@ -1,9 +1,8 @@
 """Vectors, matrices of 0 and ±1 and powers of ten as text, the same on the terminal and on a page."""
 
-import numpy as np
+from collections.abc import Sequence
 
-from graphdyn._graph import IntArray
-from graphdyn.layout import Array
+import numpy as np
 
 CELL = 3
 """Characters of an entry of a 0/±1 matrix."""
@@ -15,16 +14,16 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SIGNS = {0: "·", 1: "1", -1: "−1"}
 
 
-def vector_text(values: Array) -> str:
+def vector_text(values: Sequence[float]) -> str:
     """Components with four digits each."""
     small = ROUNDING * np.abs(values).max(initial=0.0)
     return " ".join(f"{0.0 if abs(value) <= small else value:.4g}" for value in values)
 
 
-def matrix_lines(matrix: IntArray) -> list[str]:
+def matrix_lines(matrix: Sequence[Sequence[int]]) -> list[str]:
     """A matrix of 0 and ±1 with numbered rows and columns, dots for zeros."""
-    numbers = range(1, matrix.shape[1] + 1)
-    rows = [f"{i:>{CELL}}" + "".join(f"{_SIGNS[int(x)]:>{CELL}}" for x in row) for i, row in enumerate(matrix, start=1)]
+    numbers = range(1, len(matrix[0]) + 1)
+    rows = [f"{i:>{CELL}}" + "".join(f"{_SIGNS[x]:>{CELL}}" for x in row) for i, row in enumerate(matrix, start=1)]
     return [" " * CELL + "".join(f"{number:>{CELL}}" for number in numbers), *rows]
 
 

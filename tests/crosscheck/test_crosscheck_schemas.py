@@ -17,12 +17,11 @@ from typer.testing import CliRunner
 import crosscheck
 import urdf
 from crosscheck.cli import app
+from crosscheck.report.describing import describe
 from crosscheck.report.json import main, plain, schemas
 from crosscheck.report.records import crosscheck as crosscheck_records
 from crosscheck.report.records import errata as errata_records
 from crosscheck.report.records import judge as judge_records
-from crosscheck.report.records import show as show_records
-from crosscheck.studies.describing import describe
 from crosscheck.studies.errata import Effect
 
 ROOT = Path(__file__).parents[2]
@@ -154,7 +153,7 @@ class TestNumbers:
         for record in (
             crosscheck_records.record([crosscheck.compare(small_arm, 1)], [], []),
             judge_records.record(judgement, []),
-            show_records.record(describe(urdf.load(small_arm), "arm", {})),
+            describe(urdf.load(small_arm), "arm", {}),
             errata_records.record([Effect("A1", "arm", "error", np.ones(2), np.zeros(2))]),
         ):
             spoiled = plain(planted(record, number))

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crosscheck.report.commands.robot_parts import locked_text, robot_picture
+from crosscheck.report.pattern import Pattern
 from crosscheck.report.pattern import picture as character_pattern
 from crosscheck.report.plain_text import matrix_lines, vector_text
-from crosscheck.report.records.show import record
+from crosscheck.report.records.show import ShowRecord, System
 from crosscheck.report.report import (
     Block,
     CharacterPicture,
@@ -28,7 +29,7 @@ from crosscheck.report.report import (
     Section,
     Table,
 )
-from crosscheck.studies.description import RobotDescription, SystemRecord
+from graphdyn import RobotModel
 
 if TYPE_CHECKING:
     from markupsafe import Markup
@@ -37,21 +38,21 @@ VECTOR: dict[str, Any] = {"kind": "vector", "form": vector_text}
 NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
 
 
-def show_report(robot: RobotDescription) -> Report:
+def show_report(robot: ShowRecord, model: RobotModel) -> Report:
     return Report(
         Path(robot.robot).name,
         None,
         (
-            Section("robot", "", (*_overview(robot), _bodies(robot))),
-            Section("joints", "Joints", (_joints(robot), _limits(robot), _frames(robot))),
+            Section("robot", "", (*_overview(robot, model), _bodies(robot))),
+            Section("joints", "Joints", (_joints(robot, model), _limits(robot), _frames(robot))),
             Section("graph", "Graph", _graph(robot)),
-            Section("equations", f"Eq. (111): {len(robot.system.pattern)} equations", _equations(robot.system)),
+            Section("equations", f"Eq. (111): {robot.system.size} equations", _equations(robot.system)),
         ),
-        record=lambda _: record(robot),
+        record=lambda _: robot,
     )
 
 
-def _overview(robot: RobotDescription) -> tuple[Block, ...]:
+def _overview(robot: ShowRecord, model: RobotModel) -> tuple[Block, ...]:
     name = Path(robot.robot).name
     facts = (
         (
@@ -65,10 +66,10 @@ def _overview(robot: RobotDescription) -> tuple[Block, ...]:
             f"'{robot.base}', in the world at {vector_text(robot.base_xyz)} m, rpy {vector_text(robot.base_rpy)}°",
         ),
     )
-    return robot_picture(robot.model, name), Group((Facts(facts), _consistency(robot)))
+    return robot_picture(model, name), Group((Facts(facts), _consistency(robot)))
 
 
-def _consistency(robot: RobotDescription) -> Notes:
+def _consistency(robot: ShowRecord) -> Notes:
     """A note per body that no real body can be, or one for all."""
     impossible = [body for body in robot.bodies if not body.consistent]
     notes = [
@@ -78,7 +79,7 @@ def _consistency(robot: RobotDescription) -> Notes:
     return Notes(tuple(notes) or (Note("every body is physically consistent", state="agrees"),))
 
 
-def _bodies(robot: RobotDescription) -> Table:
+def _bodies(robot: ShowRecord) -> Table:
     return Table(
         (
             Column("no.", "number"),
@@ -99,7 +100,7 @@ def _bodies(robot: RobotDescription) -> Table:
     )
 
 
-def _joints(robot: RobotDescription) -> Table:
+def _joints(robot: ShowRecord, model: RobotModel) -> Table:
     return Table(
         (
             Column("no.", "number"),
@@ -112,13 +113,13 @@ def _joints(robot: RobotDescription) -> Table:
         ),
         tuple(
             Row((j.number, j.name, j.kind, f"{edge.inside} → {j.number}", j.axis, j.xyz, j.rpy))
-            for j, edge in zip(robot.joints, robot.model.joints, strict=True)
+            for j, edge in zip(robot.joints, model.joints, strict=True)
         ),
         caption="from body → to body, 0 is the ground",
     )
 
 
-def _limits(robot: RobotDescription) -> Table:
+def _limits(robot: ShowRecord) -> Table:
     names = ("lower", "upper", "velocity", "effort", "damping", "friction")
     return Table(
         (Column("no.", "number"), Column("joint", "name"), *(Column(name, **NUMBER) for name in names)),
@@ -129,7 +130,7 @@ def _limits(robot: RobotDescription) -> Table:
     )
 
 
-def _frames(robot: RobotDescription) -> Block:
+def _frames(robot: ShowRecord) -> Block:
     if not robot.frames:
         return Prose("No named frames", soft=True)
     return Table(
@@ -145,15 +146,20 @@ def _frames(robot: RobotDescription) -> Block:
     )
 
 
-def _graph(robot: RobotDescription) -> tuple[Block, ...]:
+def _graph(robot: ShowRecord) -> tuple[Block, ...]:
     graph = robot.graph
-    matrices = tuple(Lines(tuple(matrix_lines(matrix)), title=title) for title, matrix in graph.matrices.items())
+    matrices = (
+        Lines(tuple(matrix_lines(graph.incidence)), title="incidence S"),
+        Lines(tuple(matrix_lines(graph.path)), title="path matrix T"),
+        Lines(tuple(matrix_lines(graph.force_element)), title="force elements S^e"),
+    )
     rows = [
-        Row((i + 1, robot.bodies[i].name, j + 1, robot.joints[j].name, graph.incidence[i, j], vector))
-        for i, j in np.argwhere(graph.incidence).tolist()
-        for vector in [graph.body_joint_vectors[i, j]]
+        Row((body.number, body.name, joint.number, joint.name, sign, vector))
+        for body, signs, vectors in zip(robot.bodies, graph.incidence, graph.body_joint_vectors, strict=True)
+        for joint, sign, vector in zip(robot.joints, signs, vectors, strict=True)
+        if sign != 0
     ]
-    vectors = Table(
+    table = Table(
         (
             Column("i", "number"),
             Column("body", "name"),
@@ -167,11 +173,13 @@ def _graph(robot: RobotDescription) -> tuple[Block, ...]:
         caption="S_ij times the way from the center of mass of body i to joint j, in axes of i",
     )
     words = Prose("Row = body, column = joint; of T: row = joint, column = body.", soft=True)
-    return words, *matrices, vectors
+    return words, *matrices, table
 
 
-def _equations(system: SystemRecord) -> tuple[Block, ...]:
-    size, entries = len(system.pattern), int(system.pattern.sum())
+def _equations(system: System) -> tuple[Block, ...]:
+    size, n = system.size, len(system.q)
+    pattern = np.array([[entry == "1" for entry in row] for row in system.pattern])
+    entries = int(pattern.sum())
     facts = (
         ("state", f"random, seed {system.seed}"),
         ("entries", f"{entries} of {size**2} are not zero ({entries / size**2:.1%})"),
@@ -180,13 +188,13 @@ def _equations(system: SystemRecord) -> tuple[Block, ...]:
     )
     caption = "Upper left A, upper right φ_qᵀ, lower left φ_q; b: body, j: joint."
     return (
-        CharacterPicture(lambda width: character_pattern(system.pattern, system.n_bodies, width)),
-        Picture(partial(_drawn, system=system), caption, wide=False),
+        CharacterPicture(lambda width: character_pattern(pattern, n, width)),
+        Picture(partial(_drawn, pattern=pattern, n=n), caption, wide=False),
         Group((Facts(facts),)),
     )
 
 
-def _drawn(key: str, system: SystemRecord) -> Markup:
+def _drawn(key: str, pattern: Pattern, n: int) -> Markup:
     from crosscheck.report.pictures.matrix_pattern import matrix_pattern
 
-    return matrix_pattern(key, system.pattern, system.n_bodies)
+    return matrix_pattern(key, pattern, n)

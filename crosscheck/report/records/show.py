@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from crosscheck.report.records._fields import FORMAT, Count, Index, Keywords, Number, Vector3, Versions, taken
+from crosscheck.report.records._fields import FORMAT, Count, Index, Keywords, Number, Vector3, Versions
 from crosscheck.report.versions import versions
-from crosscheck.studies.description import RobotDescription
 
 Matrix = Sequence[Annotated[Sequence[Literal[-1, 0, 1]], Keywords(description="A row.")]]
 
@@ -189,21 +188,3 @@ class ShowRecord:
     graph: Graph
 
     system: System
-
-
-def record(description: RobotDescription) -> ShowRecord:
-    """A description but for the model."""
-    return taken(
-        ShowRecord,
-        description,
-        bodies=[taken(Body, body) for body in description.bodies],
-        joints=[taken(Joint, joint) for joint in description.joints],
-        frames=[taken(Frame, frame) for frame in description.frames],
-        graph=taken(Graph, description.graph),
-        system=taken(
-            System,
-            description.system,
-            size=len(description.system.pattern),
-            pattern=["".join("01"[entry] for entry in row) for row in description.system.pattern.astype(int)],
-        ),
-    )
