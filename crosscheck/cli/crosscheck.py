@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from crosscheck.cli.console import complain, err, progress, warnings_shown
-from crosscheck.cli.crosscheck_folder import is_folder, sweep
+from crosscheck.cli.crosscheck_folder import compare_folder
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import (
@@ -23,11 +23,9 @@ from crosscheck.cli.options import (
     check_writable,
     locked_joints,
 )
+from crosscheck.cli.robot_files import is_folder
 from graphdyn import GraphDynError
 from graphdyn.kernels.running import cores
-
-if TYPE_CHECKING:
-    pass
 
 DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
     ("kr500", {}),
@@ -83,7 +81,7 @@ def run(
     check_writable(json=json_file, html=html_file)
     if folder:
         processes = jobs or cores()
-        raise typer.Exit(sweep(context, robots or [], samples, seed, processes, resume, json_file, html_file))
+        raise typer.Exit(compare_folder(context, robots or [], samples, seed, processes, resume, json_file, html_file))
     choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
     from crosscheck.referee.compare import compare
     from crosscheck.report.commands.crosscheck import crosscheck_report

@@ -12,17 +12,11 @@ from crosscheck.cli.console import complain, err, progress
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import command_line
+from crosscheck.cli.robot_files import files_below, is_folder
 from graphdyn import GraphDynError
 
 
-def is_folder(robot: str) -> bool:
-    """Whether an argument is a folder, and not the name of a robot of the catalogue."""
-    from urdf._catalogue import robots
-
-    return Path(robot).is_dir() and robot not in {entry.name for entry in robots()}
-
-
-def sweep(
+def compare_folder(
     context: typer.Context,
     given: Sequence[str],
     samples: int,
@@ -41,7 +35,7 @@ def sweep(
     robots, failures = [], []
     for argument in given:
         try:
-            robots += _found(argument)
+            robots += files_below(argument) if is_folder(argument) else [argument]
         except GraphDynError as error:
             complain(error, context)
             failures.append({"robot": argument, "message": str(error)})
@@ -80,10 +74,3 @@ def sweep(
     if file.failures:
         return BAD_INPUT
     return DISAGREED if any(row.verdict == DISAGREES for row in rows) else AGREED
-
-
-def _found(argument: str) -> list[str]:
-    """The robots of an argument: itself, or the files of a folder. Raises RobotNotFound for a folder without *.urdf."""
-    from crosscheck.cli.inspect import found
-
-    return found(argument) if is_folder(argument) else [argument]

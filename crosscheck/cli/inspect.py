@@ -11,6 +11,7 @@ from crosscheck.cli.console import complain, err, progress
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, check_writable, robot_names
+from crosscheck.cli.robot_files import files_below
 from graphdyn import GraphDynError
 
 FilesArgument = Annotated[
@@ -38,34 +39,29 @@ def run(
     refused or good for kinematics only; 2: a file or folder cannot be found or read.
     """
     check_writable(json=json_file, html=html_file)
-    from crosscheck.cli.inspect_many import sweep
+    from crosscheck.cli.inspect_many import inspect_files
     from crosscheck.report.commands.inspect import inspect_report
 
     robots, failures = [], []
     for given in files:
         try:
-            robots += found(given)
+            robots += _found(given)
         except GraphDynError as error:
             complain(error, context)
             failures.append({"robot": given, "message": str(error)})
     with progress("inspect", len(robots) if err.is_terminal else None) as advance:
-        reports = sweep(robots, advance)
+        reports = inspect_files(robots, advance)
     deliver(inspect_report(reports, failures), html_file, json_file)
     if failures or any("unreadable-file" in report.codes for report in reports):
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(report.usable for report in reports) else DISAGREED)
 
 
-def found(given: str) -> list[str]:
+def _found(given: str) -> list[str]:
     """The files that an argument stands for. Raises RobotNotFound where there is none."""
-    from urdf import RobotNotFound
     from urdf._catalogue import locate
 
-    folder = Path(given)
-    if not folder.is_dir():
-        locate(given)
-        return [given]
-    files = sorted(str(path) for path in folder.rglob("*.urdf") if path.is_file())
-    if not files:
-        raise RobotNotFound(f"no *.urdf in the folder '{given}'", "give a folder with URDF files")
-    return files
+    if Path(given).is_dir():
+        return files_below(given)
+    locate(given)
+    return [given]

@@ -15,7 +15,7 @@ FEW = 16
 Examine = Callable[[str], Report]
 
 
-def sweep(robots: Sequence[str], done: Callable[[str, int], None], examine: Examine = inspect) -> list[Report]:
+def inspect_files(robots: Sequence[str], done: Callable[[str, int], None], examine: Examine = inspect) -> list[Report]:
     """One report per robot, in their order. done: called with what was just inspected, and 1."""
     work = partial(_examined, examine)
     reports: dict[int, Report] = {}

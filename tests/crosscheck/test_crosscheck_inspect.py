@@ -14,9 +14,8 @@ from lxml import etree
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import app, console
-from crosscheck.cli import inspect_many as sweeping
-from crosscheck.cli.inspect_many import FEW, sweep
+from crosscheck.cli import app, console, inspect_many
+from crosscheck.cli.inspect_many import FEW, inspect_files
 from crosscheck.report.commands.inspect import MANY_FILES, inspect_report, worst
 from crosscheck.report.html import MANY_NOTES, page
 from crosscheck.report.json import plain
@@ -303,17 +302,17 @@ class TestSweep:
     def test_in_processes(self, many):
         seen = []
         robots = self.names(many)
-        reports = sweep(robots, lambda robot, steps: seen.append((robot, steps)))
+        reports = inspect_files(robots, lambda robot, steps: seen.append((robot, steps)))
         assert [report.robot for report in reports] == robots
         assert sorted(seen) == [(robot, 1) for robot in robots]
         assert reports[0] == urdf.inspect(robots[0])
 
     def test_a_file_that_kills_its_process(self, many, monkeypatch):
-        monkeypatch.setattr(sweeping, "FEW", 1)
+        monkeypatch.setattr(inspect_many, "FEW", 1)
         for path in sorted(many.iterdir())[4:]:
             path.unlink()
         (many / "03.urdf").rename(many / "03_fatal.urdf")
-        reports = sweep(self.names(many), lambda *_: None, fatal)
+        reports = inspect_files(self.names(many), lambda *_: None, fatal)
         assert len(reports) == 4
         failed = [report for report in reports if not report.usable]
         assert [Path(report.robot).name for report in failed] == ["03_fatal.urdf"]
@@ -323,7 +322,7 @@ class TestSweep:
 
     def test_an_error_of_the_program(self, many):
         (many / "03.urdf").rename(many / "03_broken.urdf")
-        reports = sweep(self.names(many), lambda *_: None, broken)
+        reports = inspect_files(self.names(many), lambda *_: None, broken)
         failed = [report for report in reports if not report.usable]
         assert [report.reasons for report in failed] == [("the inspection failed: ZeroDivisionError: no reason",)]
 
