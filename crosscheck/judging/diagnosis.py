@@ -9,7 +9,8 @@ from itertools import chain
 import numpy as np
 
 from crosscheck.judging.experiments import PARTS, Parts, TrialStates, deviations, scales, split, torques
-from crosscheck.judging.faults import Fault, faults
+from crosscheck.judging.faults.all_faults import faults
+from crosscheck.judging.faults.fault import Fault
 from crosscheck.judging.fits import (
     FittedFault,
     ParameterFits,

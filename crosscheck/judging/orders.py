@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.experiments import Function, torques
-from crosscheck.judging.faults import Fault
+from crosscheck.judging.faults.fault import Fault
 from graphdyn import RobotModel, mass_matrix
 from graphdyn.layout import Array
 

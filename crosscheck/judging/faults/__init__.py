@@ -1,0 +1,1 @@
+"""Faults of dynamics codes: one file for each place where they are made."""
