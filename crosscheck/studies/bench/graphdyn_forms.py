@@ -54,35 +54,15 @@ def our_name() -> str:
 
 
 def inverse(states: States, threads: Sequence[int]) -> list[Contender]:
-    out = aligned(states.q.shape)
-
-    def run(count: int, **options: Any) -> Array:
-        rows = (x[:count] for x in (states.q, states.v, states.a))
-        return graphdyn.joint_torques(states.model, *rows, **options)
-
-    def into(count: int, used: int) -> Array:
-        return run(count, method="recursive", threads=used, out=out[:count])
-
-    return [
-        *_recursive(into, threads, states.torque_errors),
-        _projected(lambda count: run(count, method="projected"), states.torque_errors),
-    ]
+    inputs, out = (states.q, states.v, states.a), aligned(states.q.shape)
+    into, projected = _calls(graphdyn.joint_torques, states.model, inputs, out)
+    return [*_recursive(into, threads, states.torque_errors), _projected(projected, states.torque_errors)]
 
 
 def forward(states: States, threads: Sequence[int]) -> list[Contender]:
-    out = aligned(states.q.shape)
-
-    def run(count: int, **options: Any) -> Array:
-        rows = (x[:count] for x in (states.q, states.v, states.tau))
-        return graphdyn.joint_accelerations(states.model, *rows, **options)
-
-    def into(count: int, used: int) -> Array:
-        return run(count, method="recursive", threads=used, out=out[:count])
-
-    return [
-        *_recursive(into, threads, states.acceleration_errors),
-        _projected(lambda count: run(count, method="projected"), states.acceleration_errors),
-    ]
+    inputs, out = (states.q, states.v, states.tau), aligned(states.q.shape)
+    into, projected = _calls(graphdyn.joint_accelerations, states.model, inputs, out)
+    return [*_recursive(into, threads, states.acceleration_errors), _projected(projected, states.acceleration_errors)]
 
 
 def everything(states: States, threads: Sequence[int]) -> list[Contender]:
@@ -98,7 +78,7 @@ def everything(states: States, threads: Sequence[int]) -> list[Contender]:
     def into(count: int, used: int) -> Array:
         return run(count, "recursive", threads=used, out=(out[0][:count], out[1][:count]))
 
-    size = (BODY_FREEDOMS + JOINT_CONSTRAINTS) * states.model.n_bodies
+    size = (BODY_FREEDOMS + JOINT_CONSTRAINTS) * n
     dense = f"the {size}×{size} system of Eq. (111) solved for each sample"
     return [
         *_recursive(into, threads, states.multiplier_errors),
@@ -109,20 +89,28 @@ def everything(states: States, threads: Sequence[int]) -> list[Contender]:
 
 def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
     n = states.model.n_bodies
+    inputs = states.q, states.v, states.a
     out = aligned((min(len(states), LARGEST_OUTPUT), n, BODY_PARAMETERS * n))
-
-    def run(count: int, **options: Any) -> Array:
-        rows = (x[:count] for x in (states.q, states.v, states.a))
-        return graphdyn.joint_torque_regressor(states.model, *rows, **options)
-
-    def into(count: int, used: int) -> Array:
-        return run(count, method="recursive", threads=used, out=out[:count])
-
+    into, projected = _calls(graphdyn.joint_torque_regressor, states.model, inputs, out)
     return [
         *_recursive(into, threads, states.regressor_errors, LARGEST_OUTPUT, ", written out"),
         *_streamed(states, threads),
-        _projected(lambda count: run(count, method="projected"), states.regressor_errors),
+        _projected(projected, states.regressor_errors),
     ]
+
+
+def _calls(
+    function: Callable[..., Array], model: RobotModel, inputs: Sequence[Array], out: Array
+) -> tuple[Callable[..., Array], Callable[[int], Array]]:
+    """The function of the first samples: recursively into given memory, and projected into a new array."""
+
+    def into(count: int, used: int) -> Array:
+        return function(model, *(x[:count] for x in inputs), method="recursive", threads=used, out=out[:count])
+
+    def projected(count: int) -> Array:
+        return function(model, *(x[:count] for x in inputs), method="projected")
+
+    return into, projected
 
 
 def _recursive(
