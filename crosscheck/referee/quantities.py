@@ -5,8 +5,8 @@ Every function returns one relative error per sample (N,): ‖x - reference‖�
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -84,7 +84,7 @@ _SOLVED = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)
 _SOLVED_BODIES = "that of acceleration × n × max(1, lever)"
 _BASE = "only cond(W) ‖x‖ × rounding of a column, columns of W at unit length"
 
-QUANTITIES = (
+_PASSIVE = (
     Quantity("link_placement", "forwardKinematics, oMi", _PLACED, AGREEMENT),
     Quantity("frame_placement", "updateFramePlacements, oMf of fused links", _PLACED, AGREEMENT),
     Quantity("link_twist", "forwardKinematics, v", "linear: ‖ω‖ × lever + slide rate", AGREEMENT),
@@ -99,11 +99,9 @@ QUANTITIES = (
     Quantity("gravity_torque", "computeGeneralizedGravity", _WRENCH, AGREEMENT, verb="gravity_torque"),
     Quantity("torque_regressor", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
     Quantity("body_regressor", "jointBodyRegressor", "columns of m and m c: compensated; of I: turn", AGREEMENT),
-    Quantity("torque_recursive", "rnea", _TORQUE, AGREEMENT),
-    Quantity("joint_wrench_recursive", "rnea, data.f", _BY_PART, AGREEMENT),
-    Quantity("multipliers_recursive", "rnea, data.f", _WRENCH, AGREEMENT),
-    Quantity("mass_matrix_recursive", "crba", "largest entry of a tensor", AGREEMENT),
-    Quantity("torque_regressor_recursive", "computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
+)
+
+_FORWARD = (
     Quantity("acceleration", "aba; ours from the dense system", _SOLVED, ACCELERATION, forward=True),
     Quantity("acceleration_projected", "aba; ours from the null space", _SOLVED, ACCELERATION, forward=True),
     Quantity("acceleration_external", "aba with fext; dense system", _SOLVED, ACCELERATION, forward=True),
@@ -117,28 +115,9 @@ QUANTITIES = (
         forward=True,
     ),
     Quantity("forward_multipliers", "aba, then rnea; dense system", "force and moment", FORWARD_WRENCH, forward=True),
-    Quantity("acceleration_recursive", "aba; ours body after body", _SOLVED, ACCELERATION, forward=True),
-    Quantity(
-        "forward_body_acceleration_recursive",
-        "aba, then a; ours body after body",
-        _SOLVED_BODIES,
-        ACCELERATION,
-        forward=True,
-    ),
-    Quantity(
-        "forward_joint_wrench_recursive",
-        "aba, then rnea; ours body after body",
-        _BY_PART,
-        FORWARD_WRENCH,
-        forward=True,
-    ),
-    Quantity(
-        "forward_multipliers_recursive",
-        "aba, then rnea; ours body after body",
-        "force and moment",
-        FORWARD_WRENCH,
-        forward=True,
-    ),
+)
+
+_OWN = (
     Quantity("round_trip", "inverse(forward(τ)) = τ", "τ, joint wrenches, ‖M‖ ‖a‖", ROUND_TRIP, forward=True),
     Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", "only the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
     Quantity("constraint_residual", "φ_q q̈ = ζ", "only q̈ and the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
@@ -146,9 +125,30 @@ QUANTITIES = (
     Quantity("kkt_rank", "Eq. (111) has rank 11n", "full rank", RANK, forward=True),
     Quantity("base_parameters", "same least squares with Pinocchio's regressor", _BASE, IDENTIFICATION),
 )
+
 RECURSIVE = "_recursive"
 """Ending of the names of quantities that the recursive method computes; compared at random states only."""
 
+
+def _recursive(rows: Iterable[Quantity], names: set[str]) -> Iterator[Quantity]:
+    """The named rows again, for the recursive method; where `against` names our own method, it names this one."""
+    for row in rows:
+        if row.name in names:
+            function, ours, _ = row.against.partition("; ")
+            against = f"{function}; ours body after body" if ours else function
+            yield replace(row, name=f"{row.name}{RECURSIVE}", against=against)
+
+
+_PASSIVE_TWICE = {"torque", "joint_wrench", "multipliers", "mass_matrix", "torque_regressor"}
+_FORWARD_TWICE = {"acceleration", "forward_body_acceleration", "forward_joint_wrench", "forward_multipliers"}
+
+QUANTITIES = (
+    *_PASSIVE,
+    *_recursive(_PASSIVE, _PASSIVE_TWICE),
+    *_FORWARD,
+    *_recursive(_FORWARD, _FORWARD_TWICE),
+    *_OWN,
+)
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 
 

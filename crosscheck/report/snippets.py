@@ -9,7 +9,7 @@ import numpy as np
 import urdf
 from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
-from crosscheck.referee.quantities import QUANTITIES
+from crosscheck.referee.quantities import BY_NAME, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
 from graphdyn._dynamics import VERBS
 from graphdyn.layout import Array
@@ -22,12 +22,10 @@ _SHOWN = "print(ours, theirs, np.abs(ours - theirs).max(), sep='\\n')"
 _STATE = "graphdyn.maximal_state(model, q, v, a)"
 _INVERSE = "graphdyn.inverse_dynamics(model, q, v, a)"
 _INVERSE_LOADED = "graphdyn.inverse_dynamics(model, q, v, a, external_wrenches)"
-_FORWARD = 'graphdyn.forward_dynamics(model, q, v, tau, method="dense")'
-_FORWARD_LOADED = 'graphdyn.forward_dynamics(model, q, v, tau, external_wrenches, method="dense")'
+_DENSE = ', method="dense"'
+_FORWARD = f"graphdyn.forward_dynamics(model, q, v, tau{_DENSE})"
+_FORWARD_LOADED = f"graphdyn.forward_dynamics(model, q, v, tau, external_wrenches{_DENSE})"
 _PROJECTED = "graphdyn.forward_dynamics(model, q, v, tau)"
-_RECURSIVE = 'method="recursive"'
-_INVERSE_RECURSIVE = f"graphdyn.inverse_dynamics(model, q, v, a, {_RECURSIVE})"
-_FORWARD_RECURSIVE = f"graphdyn.forward_dynamics(model, q, v, tau, {_RECURSIVE})"
 _SYSTEM = "graphdyn.kkt_system(model, q, v, tau)"
 
 _FRAMES = "[frame.name for frame in model.frames]"
@@ -40,7 +38,7 @@ def _of_verb(verb: str, against: str) -> tuple[tuple[str, str], ...]:
     return ((f"graphdyn.{verb}(model, {', '.join(names)})", f"referee.joint_torques({against!r}, {rows})[0]"),)
 
 
-CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
+_OF_BASE: Mapping[str, tuple[tuple[str, str], ...]] = {
     **{quantity.name: _of_verb(quantity.verb, quantity.against) for quantity in QUANTITIES if quantity.verb},
     "link_placement": (
         (f"{_STATE}.rotation", "reference.rotation[0]"),
@@ -71,23 +69,25 @@ CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "forward_joint_wrench_external": ((f"{_FORWARD_LOADED}.joint_wrenches", "reference.a_wrenches_external[0]"),),
     "forward_multipliers": ((f"{_FORWARD}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
     "round_trip": ((f"graphdyn.inverse_dynamics(model, q, v, {_PROJECTED}.a).tau", "tau"),),
-    "torque_recursive": ((f"{_INVERSE_RECURSIVE}.tau", "reference.tau[0]"),),
-    "joint_wrench_recursive": ((f"{_INVERSE_RECURSIVE}.joint_wrenches", "reference.joint_wrenches[0]"),),
-    "multipliers_recursive": ((f"{_INVERSE_RECURSIVE}.multipliers", _MULTIPLIERS.format("joint_wrenches")),),
-    "mass_matrix_recursive": ((f"graphdyn.mass_matrix(model, q, {_RECURSIVE})", "reference.mass_matrix[0]"),),
-    "torque_regressor_recursive": (
-        (f"graphdyn.joint_torque_regressor(model, q, v, a, {_RECURSIVE})", "reference.torque_regressor[0]"),
-    ),
-    "acceleration_recursive": ((f"{_FORWARD_RECURSIVE}.a", "reference.a[0]"),),
-    "forward_body_acceleration_recursive": (
-        (f"{_FORWARD_RECURSIVE}.body_accelerations", "reference.a_body_accelerations[0]"),
-    ),
-    "forward_joint_wrench_recursive": ((f"{_FORWARD_RECURSIVE}.joint_wrenches", "reference.a_wrenches[0]"),),
-    "forward_multipliers_recursive": ((f"{_FORWARD_RECURSIVE}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
     "dynamics_residual": ((f"{_SYSTEM}.solve().dynamics_residual()", "0.0"),),
     "constraint_residual": ((f"{_SYSTEM}.solve().constraint_residual()", "0.0"),),
     "constraint_rank": ((f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),),
     "kkt_rank": ((f"{_SYSTEM}.rank()", "11 * model.n_bodies"),),
+}
+
+
+def _of_recursive(calls: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], ...]:
+    """The same calls of graphdyn, by the recursive method."""
+    found = []
+    for ours, theirs in calls:
+        call, _, member = ours.partition(")")
+        found.append((f'{call.removesuffix(_DENSE)}, method="recursive"){member}', theirs))
+    return tuple(found)
+
+
+CALLS = {
+    **_OF_BASE,
+    **{name: _of_recursive(_OF_BASE[name.removesuffix(RECURSIVE)]) for name in BY_NAME if name.endswith(RECURSIVE)},
 }
 """Per quantity, pairs of expressions: what graphdyn computes, and what it must be equal to."""
 
