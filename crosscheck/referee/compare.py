@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -10,23 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
+from crosscheck.referee.answers import forward_answers, passive_answers
 from crosscheck.referee.baseline import compare_identification
-from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
+from crosscheck.referee.comparison import Comparison
+from crosscheck.referee.error_record import ErrorRecord
+from crosscheck.referee.errors import forward_errors, frame_errors, passive_errors, rank_errors, torque_errors
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.referee.quantities import (
-    BY_NAME,
-    QUANTITIES,
-    RECURSIVE,
-    Conditioning,
-    forward_errors,
-    frame_errors,
-    passive_errors,
-    rank_errors,
-    torque_errors,
-)
-from crosscheck.referee.reference_values import RefereeValues
+from crosscheck.referee.quantities import QUANTITIES, RECURSIVE
 from crosscheck.referee.states import RANDOM, Case, cases
-from crosscheck.referee.subject import Lock, Robot, check_counts, subject
+from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn._methods import WORTH_COMPILING
 from graphdyn._projected import singular
@@ -67,57 +59,24 @@ def compare(
     check_counts(samples, seed)
     compared = subject(robot, lock, gravity, chain)
     model = compared.model
-    notes = [] if compared.file else ["route 'urdf' not taken: a RobotModel was given, not a file"]
-    referees = {"model": PinocchioModel.from_model(model)}
-    if compared.file:
-        try:
-            native = PinocchioModel.from_urdf(Path(compared.file), model, compared.locked, cut=chain is not None)
-            referees = {"urdf": native, **referees}
-        except PinocchioRefuses as refusal:
-            notes += [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
-
-    record = _Record()
+    referees, notes = _referees(compared)
+    record = ErrorRecord()
     reason = _why_not_forward(model)
     skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
-    singular_states: dict[str, int] = {}
     compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
     with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
-        for case in cases(model, samples, seed):
-            recursive = case.name == RANDOM  # compiled for one model: the special cases have many
-            for chunk in _chunks(case):
-                regular = np.zeros(len(chunk.q), dtype=bool) if reason else ~singular(mass_matrix(model, chunk.q))
-                if not reason and not regular.all():
-                    singular_states[case.name] = singular_states.get(case.name, 0) + int((~regular).sum())
-                for route, referee in referees.items():
-                    turned = referee.turned(chunk.turn, chunk.model.gravity)
-                    tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
-                    reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
-                    record.add(route, chunk, passive_errors(chunk, reference, recursive=recursive))
-                    record.add(route, chunk, torque_errors(chunk, turned))
-                    if route == "urdf" and model.frames:
-                        record.add(route, chunk, frame_errors(chunk, turned))
-                    if regular.any():
-                        at = chunk.rows(regular)
-                        errors = _forward_errors(at, tau[regular], reference.rows(regular), recursive=recursive)
-                        record.add(route, at, errors)
-                errors, conditioning = rank_errors(chunk, tau, regular)
-                record.add("model", chunk, errors)
-                record.condition(conditioning)
-                if progress:
-                    progress(case.name, len(chunk.q))
-        notes += [
-            f"{count} of the states '{name}' have a singular mass matrix: forward quantities left out there"
-            for name, count in singular_states.items()
-        ]
-        identification = None
-        if any(body.mass > 0 for body in model.bodies):
-            identification = compare_identification(model, referees["model"], seed)
-            missing = abs(identification.rank - identification.rank_there)
-            error = np.inf if missing else max(identification.difference, identification.error)
-            record.add_summary("model", "base_parameters", error)
-        else:
-            skipped["base_parameters"] = "no body has mass: kinematics only"
-            notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
+        for chunk in _chunks(model, samples, seed):
+            _compare_chunk(record, chunk, referees, with_forward=reason is None)
+            if progress:
+                progress(chunk.name, len(chunk.q))
+        has_mass = any(body.mass > 0 for body in model.bodies)
+        identification = compare_identification(model, referees["model"], seed) if has_mass else None
+    notes += record.singular_notes()
+    if identification:
+        record.add_identification(identification)
+    else:
+        skipped["base_parameters"] = "no body has mass: kinematics only"
+        notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
     assert record.conditioning is not None
     quantities = record.results()
     if not all(quantity.agrees for quantity in quantities.values()):
@@ -141,22 +100,64 @@ def compare(
     )
 
 
+def _referees(compared: Subject) -> tuple[dict[str, PinocchioModel], list[str]]:
+    """Pinocchio's models by route, and notes about a route that is not taken."""
+    referees = {"model": PinocchioModel.from_model(compared.model)}
+    if not compared.file:
+        return referees, ["route 'urdf' not taken: a RobotModel was given, not a file"]
+    try:
+        cut = compared.chain is not None
+        native = PinocchioModel.from_urdf(Path(compared.file), compared.model, compared.locked, cut=cut)
+    except PinocchioRefuses as refusal:
+        return referees, [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
+    return {"urdf": native, **referees}, []
+
+
 def _reader_wrote(said: Iterable[str]) -> list[str]:
     return [f"Pinocchio's reader wrote: {line}" for line in said]
 
 
-def _chunks(case: Case) -> Iterable[Case]:
-    for start in range(0, len(case.q), CHUNK):
-        yield case.rows(slice(start, start + CHUNK))
+def _chunks(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
+    for case in cases(model, samples, seed):
+        for start in range(0, len(case.q), CHUNK):
+            yield case.rows(slice(start, start + CHUNK))
 
 
-def _forward_errors(case: Case, tau: Array, reference: RefereeValues, *, recursive: bool) -> dict[str, Array]:
-    """forward_errors, infinite where a system is exactly singular: the rank quantities then show the reason."""
-    try:
-        return forward_errors(case, tau, reference, recursive=recursive)
-    except np.linalg.LinAlgError:
-        names = (quantity.name for quantity in QUANTITIES if quantity.forward and quantity.name != "kkt_rank")
-        return {name: np.full(len(case.q), np.inf) for name in names if recursive or not name.endswith(RECURSIVE)}
+def _compare_chunk(
+    record: ErrorRecord, chunk: Case, referees: Mapping[str, PinocchioModel], *, with_forward: bool
+) -> None:
+    """Record all errors at these states; forward quantities only where the mass matrix is regular."""
+    regular = ~singular(mass_matrix(chunk.model, chunk.q)) if with_forward else np.zeros(len(chunk.q), dtype=bool)
+    if with_forward:
+        record.count_singular(chunk.name, ~regular)
+    recursive = chunk.name == RANDOM  # compiled for one model: the special cases have many
+    passive = passive_answers(chunk, recursive=recursive)
+    at = chunk.rows(regular)
+    forward = None
+    for route, referee in referees.items():
+        turned = referee.turned(chunk.turn, chunk.model.gravity)
+        tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
+        reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
+        record.add(route, chunk, passive_errors(chunk, passive, reference))
+        record.add(route, chunk, torque_errors(passive, turned))
+        if route == "urdf" and chunk.model.frames:
+            record.add(route, chunk, frame_errors(chunk, turned))
+        if regular.any():
+            try:
+                if forward is None or chunk.tau is None:  # torques of a differ between the routes
+                    forward = forward_answers(at, tau[regular], recursive=recursive)
+                record.add(route, at, forward_errors(at, tau[regular], forward, reference.rows(regular)))
+            except np.linalg.LinAlgError:
+                record.add(route, at, _no_forward(len(at.q), recursive=recursive))
+    errors, conditioning = rank_errors(chunk, tau, regular)
+    record.add("model", chunk, errors)
+    record.condition(conditioning)
+
+
+def _no_forward(count: int, *, recursive: bool) -> dict[str, Array]:
+    """Infinite errors, where a system is exactly singular: the rank quantities then show the reason."""
+    names = (quantity.name for quantity in QUANTITIES if quantity.forward and quantity.name != "kkt_rank")
+    return {name: np.full(count, np.inf) for name in names if recursive or not name.endswith(RECURSIVE)}
 
 
 def _why_not_forward(model: RobotModel) -> str | None:
@@ -167,65 +168,3 @@ def _why_not_forward(model: RobotModel) -> str | None:
     except SingularMassMatrix as error:
         return str(error)
     return None
-
-
-class _Record:
-    """All errors so far, and the states of the largest ones."""
-
-    def __init__(self) -> None:
-        self._errors: dict[str, list[Array]] = {}
-        self._by_case: dict[str, dict[str, float]] = {}
-        self._by_route: dict[str, dict[str, float]] = {}
-        self._worst: dict[str, tuple[float, WorstState | None]] = {}
-        self.conditioning: Conditioning | None = None
-
-    def add(self, route: str, case: Case, errors: Mapping[str, Array]) -> None:
-        for name, values in errors.items():
-            values = np.where(np.isnan(values), np.inf, values)
-            k = int(values.argmax())
-            self._note(name, route, case.name, values)
-            if name not in self._worst or values[k] > self._worst[name][0]:
-                self._worst[name] = float(values[k]), _worst_state(route, case, k)
-
-    def add_summary(self, route: str, name: str, error: float) -> None:
-        """Add an error that belongs to all samples together."""
-        self._note(name, route, "all states", np.array([error]))
-        self._worst[name] = error, None
-
-    def condition(self, conditioning: Conditioning) -> None:
-        self.conditioning = conditioning if self.conditioning is None else self.conditioning.merged(conditioning)
-
-    def results(self) -> dict[str, QuantityResult]:
-        return {
-            name: QuantityResult(
-                quantity,
-                np.concatenate(self._errors[name]),
-                self._worst[name][0],
-                self._by_case[name],
-                self._by_route[name],
-                self._worst[name][1],
-            )
-            for name, quantity in BY_NAME.items()
-            if name in self._worst
-        }
-
-    def _note(self, name: str, route: str, case: str, values: Array) -> None:
-        self._errors.setdefault(name, []).append(values)
-        for table, key in ((self._by_case, case), (self._by_route, route)):
-            row = table.setdefault(name, {})
-            row[key] = max(row.get(key, 0.0), float(values.max()))
-
-
-def _worst_state(route: str, case: Case, k: int) -> WorstState:
-    """State k of a case as plain numbers."""
-    return WorstState(
-        route,
-        case.name,
-        q=tuple(case.q[k].tolist()),
-        v=tuple(case.v[k].tolist()),
-        a=tuple(case.a[k].tolist()),
-        tau=None if case.tau is None else tuple(case.tau[k].tolist()),
-        external_wrenches=tuple(map(tuple, case.external_wrenches[k].tolist())),
-        turn=tuple(map(tuple, case.turn.rotation.tolist())),
-        gravity=tuple(case.model.gravity.tolist()),
-    )

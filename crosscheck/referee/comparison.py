@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.referee.baseline import BaselineIdentification
-from crosscheck.referee.quantities import Conditioning, Quantity
+from crosscheck.referee.errors import Conditioning
+from crosscheck.referee.quantities import Quantity
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

@@ -38,7 +38,7 @@ def _of_verb(verb: str, against: str) -> tuple[tuple[str, str], ...]:
     return ((f"graphdyn.{verb}(model, {', '.join(names)})", f"referee.joint_torques({against!r}, {rows})[0]"),)
 
 
-_OF_BASE: Mapping[str, tuple[tuple[str, str], ...]] = {
+_BASE_CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     **{quantity.name: _of_verb(quantity.verb, quantity.against) for quantity in QUANTITIES if quantity.verb},
     "link_placement": (
         (f"{_STATE}.rotation", "reference.rotation[0]"),
@@ -86,8 +86,8 @@ def _of_recursive(calls: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], 
 
 
 CALLS = {
-    **_OF_BASE,
-    **{name: _of_recursive(_OF_BASE[name.removesuffix(RECURSIVE)]) for name in BY_NAME if name.endswith(RECURSIVE)},
+    **_BASE_CALLS,
+    **{name: _of_recursive(_BASE_CALLS[name.removesuffix(RECURSIVE)]) for name in BY_NAME if name.endswith(RECURSIVE)},
 }
 """Per quantity, pairs of expressions: what graphdyn computes, and what it must be equal to."""
 

@@ -14,8 +14,10 @@ import numpy as np
 from mends import MENDS, NEW_NAME, mended
 
 import urdf
+from crosscheck.referee.answers import passive_answers
+from crosscheck.referee.errors import frame_errors, passive_errors, torque_errors
 from crosscheck.referee.pinocchio_model import GROUND, PinocchioModel, PinocchioRefuses
-from crosscheck.referee.quantities import BY_NAME, frame_errors, passive_errors, torque_errors
+from crosscheck.referee.quantities import BY_NAME
 from crosscheck.referee.scales import relative
 from crosscheck.referee.states import Case
 from crosscheck.referee.tolerances import AGREEMENT
@@ -155,7 +157,8 @@ def _wrong(model: RobotModel, referee: PinocchioModel) -> dict[str, float]:
     """The quantities that miss their bound, and how far off they are."""
     case = _case(model)
     reference = referee.turned(case.turn, model.gravity).evaluate(*_states(case))
-    errors = passive_errors(case, reference) | torque_errors(case, referee.turned(case.turn, model.gravity))
+    ours = passive_answers(case)
+    errors = passive_errors(case, ours, reference) | torque_errors(ours, referee.turned(case.turn, model.gravity))
     if model.frames:
         errors |= frame_errors(case, referee)
     worst = {name: float(np.where(np.isnan(x), np.inf, x).max()) for name, x in errors.items()}

@@ -7,7 +7,7 @@ import numpy as np
 from random_trees import random_tree
 
 import crosscheck
-from crosscheck.referee import quantities
+from crosscheck.referee import answers, quantities
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from graphdyn import RobotModel
 from graphdyn._kkt import KKTSystem
@@ -107,13 +107,13 @@ class Plant:
         self._accelerations("recursive", factor)
 
     def _accelerations(self, wrong: str, factor: float) -> None:
-        original = quantities.forward_dynamics
+        original = answers.forward_dynamics
 
         def forward_dynamics(*arguments, method="projected"):
             answer = original(*arguments, method=method)
             return dataclasses.replace(answer, a=answer.a * factor) if method == wrong else answer
 
-        self._patch.setattr(quantities, "forward_dynamics", forward_dynamics)
+        self._patch.setattr(answers, "forward_dynamics", forward_dynamics)
 
     def dense_solution(self, acceleration: float = 1.0, multipliers: float = 1.0) -> None:
         """The solution of Eq. (111) is off by these factors."""
