@@ -109,6 +109,7 @@ def _recursive(rows: Iterable[Quantity], names: set[str]) -> Iterator[Quantity]:
 
 _PASSIVE_TWICE = {"torque", "joint_wrench", "multipliers", "mass_matrix", "torque_regressor"}
 _FORWARD_TWICE = {"acceleration", "forward_body_acceleration", "forward_joint_wrench", "forward_multipliers"}
+"""Quantities that are compared twice: by the usual method, and by the recursive one."""
 
 QUANTITIES = (
     *_PASSIVE,
