@@ -35,7 +35,7 @@ from urdf._loading import fused_links, load
 from urdf._opening import Xacro
 from urdf._saving import save
 from urdf._updating import Update, update
-from urdf.inspection import Finding, Report, inspect
+from urdf.inspection import Finding, Inspection, inspect
 
 __all__ = [
     "AxisNotNormalizedWarning",
@@ -45,6 +45,7 @@ __all__ = [
     "DuplicateEntry",
     "Finding",
     "GravityNotSavedWarning",
+    "Inspection",
     "InvalidChain",
     "InvalidLock",
     "InvalidNumber",
@@ -57,7 +58,6 @@ __all__ = [
     "MissingInertialWarning",
     "NotATree",
     "RepairWarning",
-    "Report",
     "RobotEntry",
     "RobotNotFound",
     "TooLarge",

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from crosscheck.cli import bench, crosscheck, errata, identify, inspect, judge, paper, robots, show
-from crosscheck.cli.exits import AGREED, Program
+from crosscheck.cli.exits import AGREED, CommandGroup
 
 COMMANDS = (
     (crosscheck.run, "crosscheck", crosscheck.EPILOG),
@@ -23,7 +23,7 @@ COMMANDS = (
 """Function, name and examples of each command."""
 
 app = typer.Typer(
-    cls=Program,
+    cls=CommandGroup,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

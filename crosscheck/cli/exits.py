@@ -19,7 +19,7 @@ BROKEN_PIPE = 141
 """Exit code where the reader of a pipe has closed it, as shells report it: 128 + SIGPIPE."""
 
 
-class Program(TyperGroup):
+class CommandGroup(TyperGroup):
     """The commands; every error ends here, as one line and an exit code. Ctrl-C is typer's: quiet, 130."""
 
     def invoke(self, ctx: Any) -> Any:

@@ -7,18 +7,20 @@ from functools import partial
 
 from crosscheck.cli.processes import Died, each
 from graphdyn.kernels.running import cores
-from urdf import Finding, Report, inspect
+from urdf import Finding, Inspection, inspect
 
 FEW = 16
 """So many files take less time than starting processes, a second each."""
 
-Examine = Callable[[str], Report]
+Examine = Callable[[str], Inspection]
 
 
-def inspect_files(robots: Sequence[str], done: Callable[[str, int], None], examine: Examine = inspect) -> list[Report]:
+def inspect_files(
+    robots: Sequence[str], done: Callable[[str, int], None], examine: Examine = inspect
+) -> list[Inspection]:
     """One report per robot, in their order. done: called with what was just inspected, and 1."""
     work = partial(_examined, examine)
-    reports: dict[int, Report] = {}
+    reports: dict[int, Inspection] = {}
     answers = each(work, robots, cores()) if len(robots) > FEW else enumerate(map(work, robots))
     for k, answer in answers:
         if isinstance(answer, Died):
@@ -28,13 +30,13 @@ def inspect_files(robots: Sequence[str], done: Callable[[str, int], None], exami
     return [reports[k] for k in range(len(robots))]
 
 
-def _examined(examine: Examine, robot: str) -> Report:
+def _examined(examine: Examine, robot: str) -> Inspection:
     try:
         return examine(robot)
     except Exception as error:
         return _failed(robot, f"the inspection failed: {type(error).__name__}: {error}")
 
 
-def _failed(robot: str, message: str) -> Report:
+def _failed(robot: str, message: str) -> Inspection:
     finding = Finding("inspection-failed", "error", None, None, message, "report it, with the file")
-    return Report(robot, robot, (finding,))
+    return Inspection(robot, robot, (finding,))

@@ -33,7 +33,7 @@ ROBOT, TIME = "robot", "time [s]"
 _BODY_SYMBOLS = {symbol for _, symbols in BODY_COLUMNS.values() for symbol in symbols}
 
 
-class Column(NamedTuple):
+class VirtualColumn(NamedTuple):
     """A column: its channel, and its index there, with the channel as an array (N, n) or (N, 3 n)."""
 
     label: str
@@ -54,15 +54,15 @@ class Elements(NamedTuple):
     body_names: tuple[str, ...]
 
 
-def columns(elements: Elements) -> list[Column]:
+def columns(elements: Elements) -> list[VirtualColumn]:
     """All columns after robot and time, in the order in which they are written."""
     of_joints = [
-        Column(f"{joint}.{symbol}", units[slides], symbol, j)
+        VirtualColumn(f"{joint}.{symbol}", units[slides], symbol, j)
         for j, (joint, slides) in enumerate(zip(elements.joint_names, elements.prismatic, strict=True))
         for symbol, units in JOINT_UNITS.items()
     ]
     of_bodies = [
-        Column(f"{body}.{symbol}", unit, channel, 3 * i + k)
+        VirtualColumn(f"{body}.{symbol}", unit, channel, 3 * i + k)
         for i, body in enumerate(elements.body_names)
         for channel, (unit, symbols) in BODY_COLUMNS.items()
         for k, symbol in enumerate(symbols)
@@ -88,7 +88,7 @@ def elements_of(path: Path, headers: Iterable[str]) -> Elements:
     return Elements(tuple(joints), tuple(joints.values()), tuple(bodies))
 
 
-def check_headers(path: Path, headers: list[str], expected: Iterable[Column]) -> None:
+def check_headers(path: Path, headers: list[str], expected: Iterable[VirtualColumn]) -> None:
     """Raise BadRecordingFile unless every expected column occurs once, in its unit, and no other column does."""
     units = dict([_split(ROBOT), _split(TIME)]) | {column.label: column.unit for column in expected}
     seen = set()

@@ -8,7 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.report.records.show import Body, Frame, Graph, Joint, ShowRecord, System
+from crosscheck.report.records.show import (
+    FrameRecord,
+    GraphRecord,
+    JointRecord,
+    ShowBodyRecord,
+    ShowRecord,
+    SystemRecord,
+)
 from graphdyn import Placement, RobotModel, kkt_system
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
 from urdf._rpy import rpy_from_rotation
@@ -34,7 +41,9 @@ def describe(model: RobotModel, robot: str, locked: Mapping[str, float]) -> Show
         bodies=_bodies(model),
         joints=_joints(model),
         frames=[
-            Frame(name=frame.name, aliases=frame.aliases, body=_vertex(model, frame.body), **_placed(frame.placement))
+            FrameRecord(
+                name=frame.name, aliases=frame.aliases, body=_vertex(model, frame.body), **_placed(frame.placement)
+            )
             for frame in model.frames
         ],
         graph=_graph(model),
@@ -42,9 +51,9 @@ def describe(model: RobotModel, robot: str, locked: Mapping[str, float]) -> Show
     )
 
 
-def _bodies(model: RobotModel) -> list[Body]:
+def _bodies(model: RobotModel) -> list[ShowBodyRecord]:
     return [
-        Body(
+        ShowBodyRecord(
             number=i,
             name=body.name,
             mass=body.mass,
@@ -57,9 +66,9 @@ def _bodies(model: RobotModel) -> list[Body]:
     ]
 
 
-def _joints(model: RobotModel) -> list[Joint]:
+def _joints(model: RobotModel) -> list[JointRecord]:
     return [
-        Joint(
+        JointRecord(
             number=j,
             name=joint.name,
             kind=joint.kind,
@@ -78,9 +87,9 @@ def _joints(model: RobotModel) -> list[Joint]:
     ]
 
 
-def _graph(model: RobotModel) -> Graph:
+def _graph(model: RobotModel) -> GraphRecord:
     incidence = model.graph.incidence().tolist()
-    return Graph(
+    return GraphRecord(
         incidence=incidence,
         path=model.graph.path_matrix().tolist(),
         force_element=incidence,
@@ -88,11 +97,11 @@ def _graph(model: RobotModel) -> Graph:
     )
 
 
-def _system(model: RobotModel) -> System:
+def _system(model: RobotModel) -> SystemRecord:
     q, v = model.random_state(np.random.default_rng(SEED))
     system = kkt_system(model, q, v, np.zeros_like(q))
     rank, size = int(system.rank()), len(system.rhs)
-    return System(
+    return SystemRecord(
         seed=SEED,
         q=q.tolist(),
         pattern=["".join("01"[entry] for entry in row) for row in _pattern(system.matrix).astype(int)],

@@ -109,7 +109,7 @@ class TestCommand:
 
     def test_reasons_of_several_kinds(self):
         kinds = [urdf.Finding(f"code-{k}", "error", f"link '{k}'", None, "is odd", "write it") for k in range(5)]
-        report = inspect_report([urdf.Report("arm", None, (*kinds, *kinds[:1]))], ())
+        report = inspect_report([urdf.Inspection("arm", None, (*kinds, *kinds[:1]))], ())
         assert report.verdict.reason == (
             "6 errors, 0 warnings, 0 notes: link '0': is odd; link '1': is odd; link '2': is odd; and 3 more"
         )

@@ -2,17 +2,17 @@
 
 import os
 
-from urdf import Report, inspect
+from urdf import Inspection, inspect
 
 
-def fatal(robot: str) -> Report:
+def fatal(robot: str) -> Inspection:
     """Takes its process with it where the path says so."""
     if "fatal" in robot:
         os._exit(1)
     return inspect(robot)
 
 
-def broken(robot: str) -> Report:
+def broken(robot: str) -> Inspection:
     """An error of the program."""
     if "broken" in robot:
         raise ZeroDivisionError("no reason")

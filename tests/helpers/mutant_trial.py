@@ -118,7 +118,7 @@ def _loaded(path: Path) -> tuple[RobotModel | None, urdf.URDFError | None, set[s
     return model, None, {WARNINGS[warning.category] for warning in caught}  # type: ignore[index]
 
 
-def _compared(path: Path, model: RobotModel, report: urdf.Report) -> Trial:
+def _compared(path: Path, model: RobotModel, report: urdf.Inspection) -> Trial:
     different = _difference(path, model)
     if different is None:
         return Trial("kinematics only" if report.verdict == "kinematics only" else "agrees")

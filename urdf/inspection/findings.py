@@ -39,7 +39,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Report:
+class Inspection:
     """All findings of one file.
 
     robot: path or name as given; path: of the file, None where there is none
@@ -78,7 +78,7 @@ class Report:
         return sum(finding.severity == severity for finding in self.findings)
 
 
-def report(robot: str, path: str | None, findings: list[Finding]) -> Report:
+def report(robot: str, path: str | None, findings: list[Finding]) -> Inspection:
     """The report of these findings: by severity, then by line, those of the whole file first."""
     in_order = sorted(findings, key=lambda finding: (SEVERITIES.index(finding.severity), finding.line or 0))
-    return Report(robot, path, tuple(in_order))
+    return Inspection(robot, path, tuple(in_order))

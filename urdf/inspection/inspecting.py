@@ -15,7 +15,7 @@ from urdf._parsing import build, parse
 from urdf._source import Source, reduced
 from urdf._tree import tree_faults
 from urdf.inspection.document_rules import document_findings
-from urdf.inspection.findings import Finding, Report, report
+from urdf.inspection.findings import Finding, Inspection, report
 from urdf.inspection.joint_rules import joint_findings
 from urdf.inspection.link_rules import link_findings
 from urdf.inspection.model_rules import model_findings
@@ -28,7 +28,7 @@ MOST_FINDINGS = 1000
 """Largest number of findings that a stage reports."""
 
 
-def inspect(source: Given, *, xacro: Xacro | None = None) -> Report:
+def inspect(source: Given, *, xacro: Xacro | None = None) -> Inspection:
     """Everything odd or wrong about a URDF file or a robot of the catalogue, and whether it is fit for dynamics.
 
     source: as urdf.load takes it: name, path, XML as text or bytes, an open file; xacro: for a .xacro file

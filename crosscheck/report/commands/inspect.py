@@ -49,7 +49,7 @@ VERDICTS: dict[str, tuple[State, str]] = {
 """Per verdict, the worst first: how it looks, and what it means."""
 
 
-def inspect_report(inspected: Sequence[urdf.Report], failures: Sequence[Mapping[str, str]]) -> Report:
+def inspect_report(inspected: Sequence[urdf.Inspection], failures: Sequence[Mapping[str, str]]) -> Report:
     """Every finding of one file, or several files by their verdicts.
 
     failures: what could not be found: robot, message
@@ -63,12 +63,12 @@ def inspect_report(inspected: Sequence[urdf.Report], failures: Sequence[Mapping[
     return _one(inspected[0], missing, record) if len(inspected) == 1 else _several(inspected, missing, record)
 
 
-def occurrences(inspected: Sequence[urdf.Report]) -> dict[str, int]:
+def occurrences(inspected: Sequence[urdf.Inspection]) -> dict[str, int]:
     """By code, the number of files that have it, most frequent first."""
     return dict(Counter(code for file in inspected for code in file.codes).most_common())
 
 
-def worst(file: urdf.Report) -> list[str]:
+def worst(file: urdf.Inspection) -> list[str]:
     """The first codes of the worst severity there is, notes left out."""
     codes = [
         dict.fromkeys(f.code for f in file.findings if f.severity == severity) for severity in ("error", "warning")
@@ -76,7 +76,7 @@ def worst(file: urdf.Report) -> list[str]:
     return list(next((found for found in codes if found), {}))[:WORST]
 
 
-def _one(file: urdf.Report, missing: Notes, record: Recorder) -> Report:
+def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
     state, meaning = VERDICTS[file.verdict]
     told = [kind[0].text for kind in _kinds(file.findings) if kind[0].text in file.reasons][:REASONS]
     more = [f"and {len(file.reasons) - len(told)} more"] if len(file.reasons) > len(told) else []
@@ -92,7 +92,7 @@ def _one(file: urdf.Report, missing: Notes, record: Recorder) -> Report:
     )
 
 
-def _several(inspected: Sequence[urdf.Report], missing: Notes, record: Recorder) -> Report:
+def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recorder) -> Report:
     folder = _common_folder([file.robot for file in inspected])
     by_verdict = {
         verdict: files for verdict in VERDICTS if (files := [file for file in inspected if file.verdict == verdict])
@@ -118,7 +118,7 @@ def _several(inspected: Sequence[urdf.Report], missing: Notes, record: Recorder)
     )
 
 
-def _of_verdict(verdict: str, files: Sequence[urdf.Report], folder: str) -> Section:
+def _of_verdict(verdict: str, files: Sequence[urdf.Inspection], folder: str) -> Section:
     """The files of one verdict in a table, and the findings of each of them."""
     state, meaning = VERDICTS[verdict]
     key = verdict.replace(" ", "-")
@@ -146,7 +146,7 @@ def _of_verdict(verdict: str, files: Sequence[urdf.Report], folder: str) -> Sect
     return Section(key, verdict.capitalize(), (table, findings), Verdict(state, words, f"{meaning}."))
 
 
-def _findings(file: urdf.Report) -> tuple[Block, ...]:
+def _findings(file: urdf.Inspection) -> tuple[Block, ...]:
     """A row per kind of finding, and each finding of the kinds that occur more than once."""
     kinds = _kinds(file.findings)
     table = Table(
@@ -194,7 +194,7 @@ def _place(finding: urdf.Finding) -> str:
     return ", ".join(part for part in (finding.element, line) if part)
 
 
-def _counts(file: urdf.Report) -> str:
+def _counts(file: urdf.Inspection) -> str:
     numbers = {severity: file.count(severity) for severity in SEVERITIES}  # type: ignore[arg-type]
     return ", ".join(f"{number} {severity}{'s' if number != 1 else ''}" for severity, number in numbers.items())
 

@@ -12,7 +12,7 @@ from crosscheck.report.commands.robot_parts import locked_text, robot_picture
 from crosscheck.report.pattern import Pattern
 from crosscheck.report.pattern import picture as character_pattern
 from crosscheck.report.plain_text import matrix_lines, vector_text
-from crosscheck.report.records.show import ShowRecord, System
+from crosscheck.report.records.show import ShowRecord, SystemRecord
 from crosscheck.report.report import (
     Block,
     CharacterPicture,
@@ -176,7 +176,7 @@ def _graph(robot: ShowRecord) -> tuple[Block, ...]:
     return words, *matrices, table
 
 
-def _equations(system: System) -> tuple[Block, ...]:
+def _equations(system: SystemRecord) -> tuple[Block, ...]:
     size, n = system.size, len(system.q)
     pattern = np.array([[entry == "1" for entry in row] for row in system.pattern])
     entries = int(pattern.sum())

@@ -20,7 +20,7 @@ Repeats = Annotated[Sequence[float], Keywords(minItems=1)]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Times:
+class TimesRecord:
     """Times of one import, or one first call."""
 
     median: float
@@ -37,7 +37,7 @@ class Times:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ratio:
+class BenchRatioRecord:
     """One comparison."""
 
     ours: str
@@ -60,7 +60,7 @@ class Ratio:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contender:
+class ContenderRecord:
     """One contender."""
 
     name: str
@@ -98,7 +98,7 @@ class Contender:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Work:
+class WorkRecord:
     """One work."""
 
     name: Literal["inverse_dynamics", "forward_dynamics", "everything", "regressor", "single_inverse", "single_forward"]
@@ -119,15 +119,15 @@ class Work:
     floor: Floor | None | None
     """What a sample takes at least on one thread of this machine; null where that is not known."""
 
-    ratios: Sequence[Ratio]
+    ratios: Sequence[BenchRatioRecord]
     """Our forms against every other with the same number of threads."""
 
-    entries: Sequence[Contender]
+    entries: Sequence[ContenderRecord]
     """Everyone who took part."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class IdentificationRatio:
+class IdentificationRatioRecord:
     """One comparison."""
 
     threads: int
@@ -144,7 +144,7 @@ class IdentificationRatio:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
+class WayRecord:
     """One way."""
 
     name: str
@@ -176,7 +176,7 @@ class Way:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identification:
+class BenchIdentificationRecord:
     """From a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports are
     not.
     """
@@ -184,15 +184,15 @@ class Identification:
     samples: int
     """Length of the recording."""
 
-    ratios: Sequence[IdentificationRatio]
+    ratios: Sequence[IdentificationRatioRecord]
     """Ours against Pinocchio's loop with lstsq, per number of threads."""
 
-    entries: Sequence[Way]
+    entries: Sequence[WayRecord]
     """Both ways, per number of threads."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Point:
+class PointRecord:
     """One point."""
 
     x: int
@@ -212,7 +212,7 @@ class Point:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Line:
+class LineRecord:
     """One contender."""
 
     name: str
@@ -226,12 +226,12 @@ class Line:
     three.
     """
 
-    points: Sequence[Point]
+    points: Sequence[PointRecord]
     """In ascending x."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Curve:
+class CurveRecord:
     """One diagram."""
 
     name: str
@@ -249,7 +249,7 @@ class Curve:
     notes: Sequence[str]
     """What a reader must know."""
 
-    lines: Sequence[Line]
+    lines: Sequence[LineRecord]
     """One per contender."""
 
 
@@ -302,23 +302,23 @@ class BenchRecord:
     machine: Sequence[Machine]
     """What this machine could do at best, by number of threads; empty where nothing can be compiled."""
 
-    works: Sequence[Work]
+    works: Sequence[WorkRecord]
     """What was done, in several ways."""
 
-    identification: Identification
+    identification: BenchIdentificationRecord
     """From a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports are
     not.
     """
 
-    imports: Mapping[str, Times]
+    imports: Mapping[str, TimesRecord]
     """Seconds of an import in a fresh process, by module."""
 
-    first_calls: Mapping[str, Times]
+    first_calls: Mapping[str, TimesRecord]
     """Seconds of the first call of a verb in a fresh process, which records and compiles, by verb; the first one loads
     the compiler too.
     """
 
-    curves: Sequence[Curve]
+    curves: Sequence[CurveRecord]
     """Times against the size of a batch, the number of bodies or of threads."""
 
 
@@ -332,41 +332,41 @@ def record(found: Benchmark, command: Sequence[str]) -> BenchRecord:
         repeats=found.effort.repeats,
         works=[_work(measured, found.floors.get(measured.name)) for measured in found.works],
         identification=_identification(found.identification),
-        imports={name: Times(**_times(times)) for name, times in found.imports.items()},
-        first_calls={name: Times(**_times(times)) for name, times in found.first_calls.items()},
+        imports={name: TimesRecord(**_times(times)) for name, times in found.imports.items()},
+        first_calls={name: TimesRecord(**_times(times)) for name, times in found.first_calls.items()},
         curves=[_curve(curve) for curve in found.curves],
     )
 
 
-def _work(measured: Measured, floor: Floor | None) -> Work:
+def _work(measured: Measured, floor: Floor | None) -> WorkRecord:
     return taken(
-        Work,
+        WorkRecord,
         measured,
         scale=measured.error,
         floor=floor,
-        ratios=[taken(Ratio, compared, **_ratio(compared.ratio)) for compared in measured.comparisons],
-        entries=[taken(Contender, entry, **_times(entry.times)) for entry in measured.entries],
+        ratios=[taken(BenchRatioRecord, compared, **_ratio(compared.ratio)) for compared in measured.comparisons],
+        entries=[taken(ContenderRecord, entry, **_times(entry.times)) for entry in measured.entries],
     )
 
 
-def _identification(found: Identifications) -> Identification:
-    return Identification(
+def _identification(found: Identifications) -> BenchIdentificationRecord:
+    return BenchIdentificationRecord(
         samples=found.samples,
-        ratios=[IdentificationRatio(threads=threads, **_ratio(ratio)) for threads, ratio in found.comparisons],
-        entries=[taken(Way, entry, **_times(entry.times)) for entry in found.entries],
+        ratios=[IdentificationRatioRecord(threads=threads, **_ratio(ratio)) for threads, ratio in found.comparisons],
+        entries=[taken(WayRecord, entry, **_times(entry.times)) for entry in found.entries],
     )
 
 
-def _curve(curve: ScalingCurve) -> Curve:
+def _curve(curve: ScalingCurve) -> CurveRecord:
     return taken(
-        Curve,
+        CurveRecord,
         curve,
         seconds_of=curve.seconds,
         lines=[
             taken(
-                Line,
+                LineRecord,
                 line,
-                points=[Point(x=x, **_times(times)) for x, times in zip(line.x, line.times, strict=True)],
+                points=[PointRecord(x=x, **_times(times)) for x, times in zip(line.x, line.times, strict=True)],
             )
             for line in curve.lines
         ],

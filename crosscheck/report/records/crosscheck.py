@@ -14,7 +14,7 @@ Pair = Annotated[Sequence[Number], Keywords(minItems=2, maxItems=2)]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Failure:
+class CrosscheckFailureRecord:
     """One of them."""
 
     robot: str
@@ -25,7 +25,7 @@ class Failure:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Worst:
+class CrosscheckWorstRecord:
     """A state, with the numbers to reproduce it."""
 
     route: Literal["urdf", "model"]
@@ -90,12 +90,12 @@ class QuantityRecord:
     by_route: Mapping[str, Number]
     """Largest relative error of each route. Null if it is not finite."""
 
-    worst: Worst | None
+    worst: CrosscheckWorstRecord | None
     """Where the error is largest; null where the error belongs to all states together."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Conditioning:
+class ConditioningRecord:
     """Smallest and largest rank and condition number over all states. No units: matrices as docs/notation.md writes
     them, in SI.
     """
@@ -117,7 +117,7 @@ class Conditioning:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identification:
+class CrosscheckIdentificationRecord:
     """Base parameters identified from simulated torques, by both regressors."""
 
     rank: Count
@@ -182,9 +182,9 @@ class RobotRecord:
     quantities: Mapping[str, QuantityRecord]
     """What was compared, by name, in the order of the table (docs/notation.md)."""
 
-    conditioning: Conditioning
+    conditioning: ConditioningRecord
 
-    identification: Identification | None
+    identification: CrosscheckIdentificationRecord | None
     """Null where no body has mass."""
 
 
@@ -204,7 +204,7 @@ class CrosscheckRecord:
     robots: Sequence[RobotRecord]
     """One record per robot that was compared."""
 
-    failures: Sequence[Failure]
+    failures: Sequence[CrosscheckFailureRecord]
     """Robots that could not be compared."""
 
     unfinished: Sequence[str]
@@ -219,8 +219,8 @@ def robot_record(comparison: Comparison) -> RobotRecord:
         RobotRecord,
         comparison,
         quantities={name: _quantity(result) for name, result in comparison.quantities.items()},
-        conditioning=taken(Conditioning, comparison.conditioning),
-        identification=comparison.identification and taken(Identification, comparison.identification),
+        conditioning=taken(ConditioningRecord, comparison.conditioning),
+        identification=comparison.identification and taken(CrosscheckIdentificationRecord, comparison.identification),
     )
 
 
@@ -233,7 +233,7 @@ def _quantity(result: QuantityResult) -> QuantityRecord:
         bound_reason=quantity.tolerance.why,
         scale=quantity.scale,
         against=quantity.against,
-        worst=result.worst and taken(Worst, result.worst),
+        worst=result.worst and taken(CrosscheckWorstRecord, result.worst),
     )
 
 
@@ -266,6 +266,6 @@ def _record(
         command=command,
         agrees=agree and not failures and not unfinished,
         robots=robots,
-        failures=[Failure(**failure) for failure in failures],
+        failures=[CrosscheckFailureRecord(**failure) for failure in failures],
         unfinished=unfinished,
     )

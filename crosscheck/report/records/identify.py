@@ -28,7 +28,7 @@ Inertial = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class IdentifyFindingRecord:
     """One finding."""
 
     code: str
@@ -57,7 +57,7 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Recording:
+class RecordingRecord:
     """What was fitted and predicted."""
 
     files: Sequence[str]
@@ -87,12 +87,12 @@ class Recording:
     held_out_rows: int
     """Rows that were predicted."""
 
-    findings: Sequence[Finding]
+    findings: Sequence[IdentifyFindingRecord]
     """What is odd in the files, see recordings.md."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Parameter:
+class ParameterRecord:
     """A standard parameter."""
 
     name: str
@@ -106,7 +106,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BaseParameter:
+class BaseParameterRecord:
     """A base parameter."""
 
     name: str
@@ -117,7 +117,7 @@ class BaseParameter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sizes:
+class SizesRecord:
     """Sizes of residuals."""
 
     count: Sequence[int]
@@ -137,13 +137,13 @@ class Sizes:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Statistics:
+class StatisticsRecord:
     """Sizes of the residuals; null where there are none."""
 
-    everything: Sizes
+    everything: SizesRecord
     """Over all rows."""
 
-    moving: Sizes
+    moving: SizesRecord
     """Per joint over its rows with |v| > 0.02 rad/s or m/s."""
 
     durbin_watson: Sequence[Number]
@@ -154,7 +154,7 @@ class Statistics:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Method:
+class MethodRecord:
     """One method."""
 
     name: str
@@ -178,10 +178,10 @@ class Method:
     mean_error: Number
     """Mean over the joints of the held-out ‖e‖ / ‖τ‖ over moving rows."""
 
-    held_out: Statistics | None
+    held_out: StatisticsRecord | None
     """Errors on the predicted rows, of all trials together."""
 
-    training: Statistics | None
+    training: StatisticsRecord | None
     """Errors on the rows of the fit, slow ones included."""
 
     fitted_relative: Sequence[Number] | None
@@ -231,7 +231,7 @@ class Method:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShownParameter:
+class ShownParameterRecord:
     """A base parameter of the shown result."""
 
     name: str
@@ -263,7 +263,7 @@ class ShownParameter:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Body:
+class IdentifyBodyRecord:
     """A link of the shown result."""
 
     name: str
@@ -283,7 +283,7 @@ class Body:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shown:
+class ShownRecord:
     """The result in the tables: the chosen one, else the recommended one, else the one that predicts best; null where
     no method has an answer.
     """
@@ -294,10 +294,10 @@ class Shown:
     deviations: str
     """Whose standard deviations these are."""
 
-    base_parameters: Sequence[ShownParameter]
+    base_parameters: Sequence[ShownParameterRecord]
     """Base parameters."""
 
-    bodies: Sequence[Body]
+    bodies: Sequence[IdentifyBodyRecord]
     """Links."""
 
 
@@ -338,10 +338,10 @@ class IdentifyRecord:
     reason: str
     """Why this one, or why none."""
 
-    recording: Recording
+    recording: RecordingRecord
     """What was fitted and predicted."""
 
-    parameters: Sequence[Parameter]
+    parameters: Sequence[ParameterRecord]
     """Standard parameters of the torque model, in order."""
 
     rank: int
@@ -356,7 +356,7 @@ class IdentifyRecord:
     condition_number: float
     """Of the regressor, joints weighted by their torque, columns at unit length."""
 
-    base_parameters: Sequence[BaseParameter]
+    base_parameters: Sequence[BaseParameterRecord]
     """Base parameters of the recording, in order."""
 
     undetermined: Sequence[str]
@@ -365,10 +365,10 @@ class IdentifyRecord:
     lost: Sequence[str]
     """Base parameters of the structure that the recording does not determine by themselves."""
 
-    methods: Sequence[Method]
+    methods: Sequence[MethodRecord]
     """Every method, in the order asked for."""
 
-    shown: Shown | None
+    shown: ShownRecord | None
     """The result in the tables: the chosen one, else the recommended one, else the one that predicts best; null where
     no method has an answer.
     """
@@ -394,9 +394,9 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         recommended=found.recommendation.name,
         reason=found.recommendation.reason,
         recording=_recording(found),
-        parameters=[taken(Parameter, column) for column in found.torque_model.columns],
+        parameters=[taken(ParameterRecord, column) for column in found.torque_model.columns],
         base_parameters=[
-            BaseParameter(name=name, unit=unit)
+            BaseParameterRecord(name=name, unit=unit)
             for name, unit in zip(comparison.base_names, comparison.base_units, strict=True)
         ],
         methods=[_method(found, result) for result in comparison.results],
@@ -405,9 +405,9 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
     )
 
 
-def _recording(found: Identified) -> Recording:
+def _recording(found: Identified) -> RecordingRecord:
     fit, test = found.division.fit, [split.test for split in found.division.trials]
-    return Recording(
+    return RecordingRecord(
         files=fit.provenance.files,
         mapping=fit.provenance.mapping,
         steps=fit.provenance.steps,
@@ -417,15 +417,17 @@ def _recording(found: Identified) -> Recording:
         held_out=found.division.words,
         held_out_files=list(dict.fromkeys(name for recording in test for name in recording.provenance.files)),
         held_out_rows=sum(len(t) for trial in found.trials for t in trial.times),
-        findings=[taken(Finding, finding) for recording in found.recordings for finding in recording.findings],
+        findings=[
+            taken(IdentifyFindingRecord, finding) for recording in found.recordings for finding in recording.findings
+        ],
     )
 
 
-def _method(found: Identified, result: MethodResult) -> Method:
+def _method(found: Identified, result: MethodResult) -> MethodRecord:
     estimate, plausible = result.estimate, result.plausibility
     answered = estimate is not None and plausible is not None
     return taken(
-        Method,
+        MethodRecord,
         result,
         mean_error=mean_error(result) if answered else None,
         held_out=_statistics(result.held_out),
@@ -444,26 +446,26 @@ def _method(found: Identified, result: MethodResult) -> Method:
     )
 
 
-def _statistics(statistics: ResidualStatistics | None) -> Statistics | None:
+def _statistics(statistics: ResidualStatistics | None) -> StatisticsRecord | None:
     if statistics is None:
         return None
     return taken(
-        Statistics,
+        StatisticsRecord,
         statistics,
-        everything=taken(Sizes, statistics.everything),
-        moving=taken(Sizes, statistics.moving),
+        everything=taken(SizesRecord, statistics.everything),
+        moving=taken(SizesRecord, statistics.moving),
     )
 
 
-def _shown(found: Identified, result: MethodResult | None) -> Shown | None:
+def _shown(found: Identified, result: MethodResult | None) -> ShownRecord | None:
     if result is None:
         return None
-    return Shown(
+    return ShownRecord(
         method=result.name,
         deviations=deviations_of(found, result)[1],
-        base_parameters=[taken(ShownParameter, row) for row in base_rows(found, result)],
+        base_parameters=[taken(ShownParameterRecord, row) for row in base_rows(found, result)],
         bodies=[
-            Body(
+            IdentifyBodyRecord(
                 name=row.name,
                 cad=dict(zip(PARAMETER_NAMES, row.cad_parameters, strict=True)),
                 identified=dict(zip(PARAMETER_NAMES, row.parameters, strict=True)),

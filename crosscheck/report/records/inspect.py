@@ -8,11 +8,11 @@ from typing import Annotated, Literal
 
 from crosscheck.report.records._fields import FORMAT, Command, Index, Keywords, Versions, taken
 from crosscheck.report.versions import versions
-from urdf import Report
+from urdf import Inspection
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finding:
+class InspectFindingRecord:
     """One fault or oddity."""
 
     code: Annotated[str, Keywords(pattern="^[a-z]+(-[a-z]+)*$")]
@@ -35,7 +35,7 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True)
-class File:
+class FileRecord:
     """A file."""
 
     robot: str
@@ -53,12 +53,12 @@ class File:
     reasons: Sequence[str]
     """Why the verdict is not dynamics; empty where it is."""
 
-    findings: Sequence[Finding]
+    findings: Sequence[InspectFindingRecord]
     """Errors, warnings, notes, each in the order of the file."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Failure:
+class InspectFailureRecord:
     """An argument."""
 
     robot: str
@@ -81,23 +81,23 @@ class InspectRecord:
     usable: bool
     """Every file is fit for dynamics, and no argument failed."""
 
-    files: Sequence[File]
+    files: Sequence[FileRecord]
     """One record per file, in the order of the arguments; those of a folder by path."""
 
     occurrences: Mapping[str, Index]
     """Number of files by code of a finding, the most frequent first."""
 
-    failures: Sequence[Failure]
+    failures: Sequence[InspectFailureRecord]
     """Arguments that are no file, no robot's name and no folder with URDF files."""
 
 
-def file_record(report: Report) -> File:
+def file_record(report: Inspection) -> FileRecord:
     """One inspected file."""
-    return taken(File, report, findings=[taken(Finding, finding) for finding in report.findings])
+    return taken(FileRecord, report, findings=[taken(InspectFindingRecord, finding) for finding in report.findings])
 
 
 def record(
-    reports: Sequence[Report],
+    reports: Sequence[Inspection],
     occurrences: Mapping[str, int],
     failures: Sequence[Mapping[str, str]],
     command: Sequence[str],
@@ -108,5 +108,5 @@ def record(
         usable=all(report.usable for report in reports) and not failures,
         files=[file_record(report) for report in reports],
         occurrences=occurrences,
-        failures=[Failure(**failure) for failure in failures],
+        failures=[InspectFailureRecord(**failure) for failure in failures],
     )

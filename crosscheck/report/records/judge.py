@@ -31,7 +31,7 @@ Quantiles = Annotated[
 
 
 @dataclass(frozen=True, kw_only=True)
-class Worst:
+class JudgeWorstRecord:
     """The state of the largest error, to be reproduced."""
 
     arguments: Mapping[str, Annotated[Sequence[Number], Keywords(description="One array (n,).")]]
@@ -47,7 +47,7 @@ class Worst:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Function:
+class FunctionRecord:
     """One function."""
 
     agrees: bool
@@ -65,7 +65,7 @@ class Function:
     referees_differ: Mapping[str, Quantiles]
     """Of each other referee against graphdyn."""
 
-    worst: Worst
+    worst: JudgeWorstRecord
     """The state of the largest error, to be reproduced."""
 
 
@@ -132,7 +132,7 @@ class JudgeRecord:
     referees: Sequence[str]
     """Who took part."""
 
-    functions: Mapping[str, Function]
+    functions: Mapping[str, FunctionRecord]
     """The judged functions, by name."""
 
     diagnoses: Sequence[DiagnosisRecord]
@@ -154,13 +154,13 @@ def record(judgement: Judgement, command: Sequence[str]) -> JudgeRecord:
     )
 
 
-def _function(function: JudgedFunction) -> Function:
+def _function(function: JudgedFunction) -> FunctionRecord:
     return taken(
-        Function,
+        FunctionRecord,
         function,
         errors={referee: _quantiles(error) for referee, error in function.errors.items()},
         referees_differ={referee: _quantiles(error) for referee, error in function.referees_differ.items()},
-        worst=taken(Worst, function.worst),
+        worst=taken(JudgeWorstRecord, function.worst),
     )
 
 

@@ -27,7 +27,7 @@ NAMES = Keywords(required=list(PARAMETERS))
 
 
 @dataclass(frozen=True, kw_only=True)
-class PrintedNumber:
+class PrintedNumberRecord:
     """One printed number."""
 
     printed: str | None
@@ -41,11 +41,11 @@ class PrintedNumber:
 
 
 ByParameter = Annotated[Mapping[str, Annotated[Sequence[Number], SIX]], NAMES]
-PrintedByParameter = Annotated[Mapping[str, Annotated[Sequence[PrintedNumber], SIX]], NAMES]
+PrintedByParameter = Annotated[Mapping[str, Annotated[Sequence[PrintedNumberRecord], SIX]], NAMES]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Check:
+class CheckRecord:
     """One check."""
 
     where: str
@@ -71,7 +71,7 @@ class Check:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Row:
+class RowRecord:
     """A row of Table 2."""
 
     name: str
@@ -91,12 +91,12 @@ class Table2:
     why: str
     """Why numbers differ, or that they do not."""
 
-    rows: Annotated[Sequence[Row], SIX]
+    rows: Annotated[Sequence[RowRecord], SIX]
     """The six rows of Table 2."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Trial:
+class TrialRecord:
     """One identification."""
 
     data: str
@@ -128,7 +128,7 @@ class Trial:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identification:
+class PaperIdentificationRecord:
     """Tables 3 and 4."""
 
     why: str
@@ -155,12 +155,12 @@ class Identification:
     implied_moment: float
     """J_22 and J_33 of B_1 by the cylinder formula with the mean of its printed masses [kg m²]."""
 
-    trials: Sequence[Trial]
+    trials: Sequence[TrialRecord]
     """Identifications: exact data, then data of seven digits."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Multiplier:
+class MultiplierRecord:
     """One multiplier."""
 
     name: str
@@ -189,7 +189,7 @@ class Multiplier:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ratio:
+class PaperRatioRecord:
     """Of one joint."""
 
     joint: Count
@@ -203,7 +203,7 @@ class Ratio:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AsPrinted:
+class AsPrintedRecord:
     """Section 3.2 from the printed rows."""
 
     why: str
@@ -215,15 +215,15 @@ class AsPrinted:
     n_rows: Count
     """How many rows there are."""
 
-    multipliers: Annotated[Sequence[Multiplier], Keywords(minItems=30, maxItems=30)]
+    multipliers: Annotated[Sequence[MultiplierRecord], Keywords(minItems=30, maxItems=30)]
     """Eq. (113) … (118), in their order."""
 
-    ratios: Sequence[Ratio]
+    ratios: Sequence[PaperRatioRecord]
     """Of the joints whose axis is horizontal."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Corrected:
+class CorrectedRecord:
     """Section 3.2 from the corrected model, at 1.5 s."""
 
     why: str
@@ -252,7 +252,7 @@ class Corrected:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rank:
+class RankRecord:
     """The rank at one time."""
 
     time: float
@@ -263,7 +263,7 @@ class Rank:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OverTime:
+class OverTimeRecord:
     """The whole motion of section 3.1."""
 
     samples: Count
@@ -272,12 +272,12 @@ class OverTime:
     difference: Number
     """Of multipliers, forces, moments and torques from those of rnea, relative to the largest of their kind."""
 
-    ranks: Sequence[Rank]
+    ranks: Sequence[RankRecord]
     """When the printed rows have which rank."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Errata:
+class PaperErrataRecord:
     """What the printed errors do, as in graphdyn errata --json."""
 
     samples: Count
@@ -306,25 +306,25 @@ class PaperRecord:
     agrees: bool
     """Every check holds."""
 
-    checks: Sequence[Check]
+    checks: Sequence[CheckRecord]
     """What must hold, in the order of the paper."""
 
     table_2: Table2
     """Geometry, masses and moments of inertia."""
 
-    identification: Identification
+    identification: PaperIdentificationRecord
     """Tables 3 and 4."""
 
-    as_printed: AsPrinted
+    as_printed: AsPrintedRecord
     """Section 3.2 from the printed rows."""
 
-    corrected: Corrected
+    corrected: CorrectedRecord
     """Section 3.2 from the corrected model, at 1.5 s."""
 
-    over_time: OverTime
+    over_time: OverTimeRecord
     """The whole motion of section 3.1."""
 
-    errata: Errata
+    errata: PaperErrataRecord
     """What the printed errors do, as in graphdyn errata --json."""
 
 
@@ -333,37 +333,37 @@ def record(found: Reproduction, command: Sequence[str]) -> PaperRecord:
     return PaperRecord(
         command=command,
         agrees=found.agrees,
-        checks=[taken(Check, check) for check in found.checks],
+        checks=[taken(CheckRecord, check) for check in found.checks],
         table_2=Table2(
             why=WHY_TABLE_2,
             rows=[
-                Row(name=name, printed=[str(number.text) for number in printed], ours=ours.tolist())
+                RowRecord(name=name, printed=[str(number.text) for number in printed], ours=ours.tolist())
                 for name, printed, ours in zip(
                     found.geometry.rows, found.geometry.printed, found.geometry.ours, strict=True
                 )
             ],
         ),
         identification=_identification(found.identification),
-        as_printed=AsPrinted(
+        as_printed=AsPrintedRecord(
             why=WHY_PRINTED,
             rank=found.printed.rank,
             n_rows=found.printed.n_rows,
             multipliers=[
-                taken(Multiplier, number, **vars(_number(number.printed)), meaning=KINDS[number.kind])
+                taken(MultiplierRecord, number, **vars(_number(number.printed)), meaning=KINDS[number.kind])
                 for number in found.numbers
             ],
             ratios=[
-                Ratio(joint=joint, printed=printed, null_vector=found.printed.ratios.get(joint))
+                PaperRatioRecord(joint=joint, printed=printed, null_vector=found.printed.ratios.get(joint))
                 for joint, printed in printed_ratios().items()
             ],
         ),
-        corrected=taken(Corrected, found.corrected, why=WHY_CORRECTED),
-        over_time=OverTime(
+        corrected=taken(CorrectedRecord, found.corrected, why=WHY_CORRECTED),
+        over_time=OverTimeRecord(
             samples=len(found.over_time.recording.time),
             difference=found.over_time.difference,
-            ranks=[Rank(time=time, rank=rank) for time, rank in found.over_time.ranks.items()],
+            ranks=[RankRecord(time=time, rank=rank) for time, rank in found.over_time.ranks.items()],
         ),
-        errata=Errata(
+        errata=PaperErrataRecord(
             samples=found.samples,
             seed=found.seed,
             sentences=ERRATA,
@@ -372,9 +372,9 @@ def record(found: Reproduction, command: Sequence[str]) -> PaperRecord:
     )
 
 
-def _identification(found: PaperIdentification) -> Identification:
+def _identification(found: PaperIdentification) -> PaperIdentificationRecord:
     return taken(
-        Identification,
+        PaperIdentificationRecord,
         found,
         why=WHY_TABLE_3,
         true=_by_parameter(found.true),
@@ -386,9 +386,9 @@ def _identification(found: PaperIdentification) -> Identification:
     )
 
 
-def _trial(trial: PaperTrial, found: PaperIdentification) -> Trial:
+def _trial(trial: PaperTrial, found: PaperIdentification) -> TrialRecord:
     return taken(
-        Trial,
+        TrialRecord,
         trial,
         values=_by_parameter(trial.values),
         errors=_by_parameter(trial.errors),
@@ -402,5 +402,5 @@ def _by_parameter(values: Array) -> Mapping[str, list[float]]:
     return {name: row.tolist() for name, row in zip(PARAMETERS, np.asarray(values), strict=True)}
 
 
-def _number(number: Printed) -> PrintedNumber:
-    return PrintedNumber(printed=number.text, reading=number.reading, erratum=number.erratum or None)
+def _number(number: Printed) -> PrintedNumberRecord:
+    return PrintedNumberRecord(printed=number.text, reading=number.reading, erratum=number.erratum or None)

@@ -11,7 +11,7 @@ from urdf import RobotEntry
 
 
 @dataclass(frozen=True, kw_only=True)
-class Robot:
+class CatalogueEntryRecord:
     """A robot."""
 
     name: str
@@ -33,10 +33,10 @@ class RobotsRecord:
 
     format: Annotated[Literal["graphdyn robots 1"], FORMAT] = "graphdyn robots 1"
 
-    robots: Sequence[Robot]
+    robots: Sequence[CatalogueEntryRecord]
     """The catalogue, in the order of the table."""
 
 
 def record(entries: Sequence[RobotEntry]) -> RobotsRecord:
     """The catalogue. entries: as urdf.robots gives them"""
-    return RobotsRecord(robots=[taken(Robot, entry, path=str(entry.path)) for entry in entries])
+    return RobotsRecord(robots=[taken(CatalogueEntryRecord, entry, path=str(entry.path)) for entry in entries])

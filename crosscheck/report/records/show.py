@@ -13,7 +13,7 @@ Matrix = Sequence[Annotated[Sequence[Literal[-1, 0, 1]], Keywords(description="A
 
 
 @dataclass(frozen=True, kw_only=True)
-class Body:
+class ShowBodyRecord:
     """A body, in its link axes."""
 
     number: Index
@@ -39,7 +39,7 @@ class Body:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Joint:
+class JointRecord:
     """A joint."""
 
     number: Index
@@ -86,7 +86,7 @@ class Joint:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Frame:
+class FrameRecord:
     """A frame."""
 
     name: str
@@ -106,7 +106,7 @@ class Frame:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Graph:
+class GraphRecord:
     """The graph as matrices (docs/notation.md)."""
 
     incidence: Matrix
@@ -125,7 +125,7 @@ class Graph:
 
 
 @dataclass(frozen=True, kw_only=True)
-class System:
+class SystemRecord:
     """The matrix [A φ_qᵀ; φ_q 0] of Eq. (111) at one random state."""
 
     seed: Count
@@ -176,15 +176,15 @@ class ShowRecord:
     total_mass: Annotated[float, Keywords(minimum=0)]
     """Of the moving bodies [kg]."""
 
-    bodies: Annotated[Sequence[Body], Keywords(minItems=1)]
+    bodies: Annotated[Sequence[ShowBodyRecord], Keywords(minItems=1)]
     """Bodies 1 … n, parents first."""
 
-    joints: Annotated[Sequence[Joint], Keywords(minItems=1)]
+    joints: Annotated[Sequence[JointRecord], Keywords(minItems=1)]
     """Joints 1 … n; joint j carries body j."""
 
-    frames: Sequence[Frame]
+    frames: Sequence[FrameRecord]
     """Named frames fixed in the bodies."""
 
-    graph: Graph
+    graph: GraphRecord
 
-    system: System
+    system: SystemRecord
