@@ -66,7 +66,11 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
     if not entries:
         raise RobotNotFound(f"'{shortened(str(path))}' is not a file", "give a file, or a robot's name as a string")
     close = difflib.get_close_matches(str(path_or_name), entries)
-    remedy = f"close names: {', '.join(close)}; urdf.robots() lists all" if close else "urdf.robots() lists all names"
+    remedy = (
+        f"close names: {', '.join(close)}; `graphdyn robots` lists all"
+        if close
+        else "`graphdyn robots` lists all names"
+    )
     if not _files():
         remedy += f". Most robots come with the package {DISTRIBUTION}, which is not installed"
     raise RobotNotFound(f"'{shortened(str(path_or_name))}' is neither a file nor a robot of the catalogue", remedy)

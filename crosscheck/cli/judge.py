@@ -57,7 +57,7 @@ def run(
 ) -> None:
     """Judge your own dynamics code, and say what is wrong with it.
 
-    It is held against graphdyn and Pinocchio at once: two against one.
+    It is compared with graphdyn and Pinocchio at once.
 
     Functions are named as FILE.py:NAME or MODULE:NAME and called with one state at a time. Where one is wrong, the
     fault is looked for: gravity, velocity terms, a sign, an order, a frame, a unit, and more (docs/judge.md). MuJoCo

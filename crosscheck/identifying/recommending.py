@@ -60,10 +60,16 @@ def recommendation(comparison: MethodComparison) -> Recommendation:
         return Recommendation(None, "no method has a result")
     consistent = [result for result in answered if real(result)]
     if not consistent:
+        failed = [result for result in comparison.results if result.failure is not None]
+        remedy = (
+            f"{', '.join(result.name for result in failed)} failed: {failed[0].failure}"
+            if failed
+            else "add the methods consistent, entropic or log-cholesky"
+        )
         return Recommendation(
             None,
             "no result is physically consistent: each has a link that cannot be a real body, or a mass matrix that is "
-            "not positive definite in some pose; add the methods consistent, entropic or log-cholesky",
+            f"not positive definite in some pose; {remedy}",
         )
     smallest = min(map(mean_error, consistent))
     best = next(result for result in consistent if not mean_error(result) > smallest * (1 + TIE))

@@ -123,12 +123,12 @@ def velocity_factors(model: RobotModel, trial: TrialStates, observed: Parts, sca
     return min(findings, key=lambda finding: finding.left)
 
 
-PIECES = ("mass", "first moment", "parallel-axis term", "tensor about the centre of mass")
+PIECES = ("mass", "first moment", "parallel-axis term", "tensor about the center of mass")
 """Parts of a body's ten parameters, which are their sum: a wrong factor on one of them is a fault with a name."""
 
 _ABOUT = {
-    0.0: "the tensor of {who} is about the centre of mass and used as if about the link origin",
-    2.0: "the tensor of {who} is about the link origin and used as if about the centre of mass",
+    0.0: "the tensor of {who} is about the center of mass and used as if about the link origin",
+    2.0: "the tensor of {who} is about the link origin and used as if about the center of mass",
     -1.0: "the parallel-axis term of {who} has the opposite sign",
 }
 """Messages by the factor on the parallel-axis term."""
@@ -158,14 +158,14 @@ class ParameterFits:
             yield FittedFault(
                 "inertial_parameters",
                 f"other inertial parameters of body '{name}' alone explain all numbers",
-                f"compare mass, centre of mass and tensor of '{name}', and the fixed links it carries",
+                f"compare mass, center of mass and tensor of '{name}', and the fixed links it carries",
                 left,
             )
         _, left = fit(self._regressor, self._deviation)
         yield FittedFault(
             "inertial_parameters",
             "other inertial parameters of several bodies explain all numbers; the geometry of the joints is right",
-            "compare masses, centres of mass and tensors body by body",
+            "compare masses, centers of mass and tensors body by body",
             left,
         )
 
@@ -200,7 +200,7 @@ def _pieces(mass: float, center: Array, tensor: Array) -> Array:
 def _interpreted(who: str, m: float, mc: float, parallel: float, tensor: float) -> tuple[str, str, str] | None:
     """Kind, message and remedy of factors on m, m c, the parallel-axis term and the tensor; None for no known fault."""
     if m == mc == tensor == 1 and parallel in _ABOUT:
-        remedy = "a tensor about the centre of mass needs m (c·c E - c cᵀ) more about the link origin"
+        remedy = "a tensor about the center of mass needs m (c·c E - c cᵀ) more about the link origin"
         return "inertia_point", _ABOUT[parallel].format(who=who), remedy
     if m == mc == parallel == tensor != 1:
         return _scaled(f"all inertial parameters of {who}, or all torques,", m)
@@ -209,7 +209,7 @@ def _interpreted(who: str, m: float, mc: float, parallel: float, tensor: float) 
     if m == mc == parallel == 1 != tensor:
         return _scaled(f"the tensor of {who}", tensor)
     if m == tensor == 1 != mc and abs(parallel - mc**2) <= ROUND * mc**2:
-        return _scaled(f"the centre of mass of {who}", mc)
+        return _scaled(f"the center of mass of {who}", mc)
     return None
 
 

@@ -79,7 +79,7 @@ def _spatial(model: RobotModel, trial: TrialStates, whole: Array) -> Terms:
     tensors = np.stack([body.inertia for body in model.bodies])
     spin = np.einsum("iab,...ib->...ia", tensors, omega) + cross(center, momentum)  # about the link origin
     force = cross(omega, momentum)
-    moment = cross(omega, spin) + cross(at_origin, momentum) - cross(center, force)  # about the centre
+    moment = cross(omega, spin) + cross(at_origin, momentum) - cross(center, force)  # about the center
     bias = _project(state, _in_world(state, force), moment)
     return {"the bias wrenches v ×* I v": bias, "the terms v × S q̇ in the accelerations": whole - bias}
 
@@ -106,7 +106,7 @@ def _christoffel(model: RobotModel, trial: TrialStates) -> tuple[Terms, Terms]:
 
 
 def _project(state: MaximalState, force: Array, moment: Array) -> Array:
-    """Nᵀ of forces at the centres of mass in world axes and moments in body axes: torques (N, n)."""
+    """Nᵀ of forces at the centers of mass in world axes and moments in body axes: torques (N, n)."""
     wrench = np.concatenate([force, moment], axis=-1)
     return apply(np.swapaxes(null_space(state), -1, -2), wrench.reshape(len(wrench), -1))
 

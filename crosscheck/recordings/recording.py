@@ -42,7 +42,7 @@ class Recording:
     t: time, increasing inside a block                            (N,)       [s]
     q, v, a, tau: of the joints, None where not recorded          (N, n)     [rad or m, …/s, …/s², N m or N]
     joint_wrenches: force, then moment, of the inside body on body j, at O_j, link axes of j   (N, n, 6) [N, N m]
-    body_accelerations: r̈ of the centre of mass in world axes, then ω̇ in body axes            (N, n, 6)
+    body_accelerations: r̈ of the center of mass in world axes, then ω̇ in body axes            (N, n, 6)
     block: number of the uninterrupted piece of time, not decreasing   (N,); nothing is filtered across two of them
     rows: row in its file, from 0; after resampling, the nearest       (N,)
     file: number of the file in provenance.files                       (N,)

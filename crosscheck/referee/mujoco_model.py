@@ -136,7 +136,7 @@ def _spec(mujoco: Any, model: RobotModel) -> Any:
 
 
 def _set_inertial(mujoco: Any, native: Any, body: Body) -> None:
-    """Mass, centre and tensor, in principal axes, the only form that MuJoCo has."""
+    """Mass, center and tensor, in principal axes, the only form that MuJoCo has."""
     moments, axes = np.linalg.eigh(body.inertia)
     axes = axes * np.sign(np.linalg.det(axes))
     native.explicitinertial = True

@@ -80,7 +80,7 @@ def test_negative_principal_moment():
 
 
 def test_massless_body_with_a_center():
-    """The centre of nothing may be anywhere: it enters no equation."""
+    """The center of nothing may be anywhere: it enters no equation."""
     arm = with_body(chain([1.0] * 3, "rrr"), 2, mass=0.0, center_of_mass=[0.5, -0.2, 0.1])
     assert flagged(crosscheck.compare(arm, SAMPLES)) == set()
 

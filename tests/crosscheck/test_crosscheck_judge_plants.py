@@ -117,7 +117,7 @@ SENTENCES = {
     ("unit", "translations in mm"): "the joint placements are in millimetres, the rest in metres",
     ("frame", "rotations transposed"): "the rotation of every joint is transposed",
     ("inertia_point", "of body 3 alone"): (
-        "the tensor of body 'forearm_link' is about the link origin and used as if about the centre of mass"
+        "the tensor of body 'forearm_link' is about the link origin and used as if about the center of mass"
     ),
     ("continuous_joint", "sine and cosine exchanged at joint 4"): (
         "the angle of joint 'wrist_1_joint' is the other angle of (cos, sin), π/2 - q"

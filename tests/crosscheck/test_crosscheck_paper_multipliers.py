@@ -47,7 +47,7 @@ class TestAsPrinted:
         np.testing.assert_allclose(printed.values[joint - 1, 3:], values, rtol=SIX_DIGITS)
 
     def test_moments_of_the_last_joint_by_hand(self, printed):
-        """The moment of λ_63 about the centre of B_6."""
+        """The moment of λ_63 about the center of B_6."""
         model, angle = kr500(), np.deg2rad(33.75)
         size = model.bodies[5].mass * 9.80665 * 0.15 / np.tan(angle)
         np.testing.assert_allclose(printed.values[5, 3:], size * np.array([np.cos(angle), np.sin(angle)]), rtol=1e-12)

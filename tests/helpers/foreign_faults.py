@@ -45,7 +45,7 @@ SIGNS = {
     "products of inertia": lambda arm, _: (
         arm.but(tensors=2 * np.einsum("iaa,ab->iab", arm.tensors, np.eye(3)) - arm.tensors).inverse_dynamics
     ),
-    "centre of mass of body 2": lambda arm, _: one(arm, "centers", 1, np.negative).inverse_dynamics,
+    "center of mass of body 2": lambda arm, _: one(arm, "centers", 1, np.negative).inverse_dynamics,
 }
 
 PLANTS = {
@@ -83,10 +83,10 @@ PLANTS = {
         ),
     },
     "inertia_point": {
-        "about the origin, taken about the centre": lambda arm, _: (
+        "about the origin, taken about the center": lambda arm, _: (
             arm.but(tensors=arm.tensors + point_terms(arm)).inverse_dynamics
         ),
-        "about the centre, taken about the origin": lambda arm, _: (
+        "about the center, taken about the origin": lambda arm, _: (
             arm.but(tensors=arm.tensors - point_terms(arm)).inverse_dynamics
         ),
         "of body 3 alone": lambda arm, _: (
@@ -98,7 +98,7 @@ PLANTS = {
         "positions in degrees": lambda arm, _: lambda q, v, a: arm.inverse_dynamics(np.deg2rad(q), v, a),
         "torques in kN m": lambda arm, _: lambda q, v, a: arm.inverse_dynamics(q, v, a) / 1000,
         "tensors in kg mm²": lambda arm, _: arm.but(tensors=1e6 * arm.tensors).inverse_dynamics,
-        "centres of mass in mm": lambda arm, _: arm.but(centers=1e3 * arm.centers).inverse_dynamics,
+        "centers of mass in mm": lambda arm, _: arm.but(centers=1e3 * arm.centers).inverse_dynamics,
         "translations in mm": lambda arm, _: arm.but(translations=1e3 * arm.translations).inverse_dynamics,
     },
     "continuous_joint": {
@@ -127,7 +127,7 @@ PLANTS = {
             ).inverse_dynamics
         ),
         "no tensors": lambda arm, _: arm.but(tensors=0 * arm.tensors).inverse_dynamics,
-        "no centre of mass at body 3": lambda arm, _: one(arm, "centers", 2, np.zeros_like).inverse_dynamics,
+        "no center of mass at body 3": lambda arm, _: one(arm, "centers", 2, np.zeros_like).inverse_dynamics,
     },
 }
 """Kind of the diagnosis that is right → variants. Fixed links need a file and have their own tests."""

@@ -80,13 +80,13 @@ def test_gravity_of_the_paper():
 def test_unknown_name_lists_close_ones():
     with pytest.raises(
         urdf.RobotNotFound,
-        match=r"'kinowa' is neither a file nor a robot of the catalogue; close names: kinova.*; urdf.robots\(\) lists",
+        match=r"'kinowa' is neither a file nor a robot .*; close names: kinova.*; `graphdyn robots` lists",
     ):
         urdf.load("kinowa")
 
 
 def test_nothing_close():
-    with pytest.raises(urdf.RobotNotFound, match=r"'@@@' is neither .*; urdf.robots\(\) lists all names$"):
+    with pytest.raises(urdf.RobotNotFound, match=r"'@@@' is neither .*; `graphdyn robots` lists all names$"):
         urdf.load("@@@")
 
 

@@ -14,7 +14,7 @@ PARITY = 1e-10
 """‖W π - τ(reloaded)‖ relative to the largest torque: rounding of sums and of the parallel-axis terms."""
 
 EXACT = 1e-13
-"""Parameters that were written and read again: the tensor moves to the centre of mass and back."""
+"""Parameters that were written and read again: the tensor moves to the center of mass and back."""
 
 
 def real_parameters(rng, n):

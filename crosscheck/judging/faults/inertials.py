@@ -1,4 +1,4 @@
-"""Wrong centres of mass and tensors: axes, missing entries, exchanged bodies."""
+"""Wrong centers of mass and tensors: axes, missing entries, exchanged bodies."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from graphdyn.layout import Array
 def inertials(model: RobotModel) -> Iterator[Fault]:
     axes = "the inertial frame's rotation turns the tensor into link axes: R J Rᵀ"
     changes: tuple[tuple[str, Callable[[Body, Array], Body]], ...] = (
-        ("the centre of mass of {who} is expressed in the axes of the inside body", lambda b, r: _placed(b, r.T, None)),
-        ("the centre of mass of {who} is turned the wrong way", lambda b, r: _placed(b, r, None)),
+        ("the center of mass of {who} is expressed in the axes of the inside body", lambda b, r: _placed(b, r.T, None)),
+        ("the center of mass of {who} is turned the wrong way", lambda b, r: _placed(b, r, None)),
         ("the tensor of {who} is expressed in the axes of the inside body", lambda b, r: _placed(b, None, r.T)),
         ("the tensor of {who} is turned the wrong way", lambda b, r: _placed(b, None, r)),
         (
-            "centre of mass and tensor of {who} are expressed in the axes of the inside body",
+            "center of mass and tensor of {who} are expressed in the axes of the inside body",
             lambda b, r: _placed(b, r.T, r.T),
         ),
-        ("centre of mass and tensor of {who} are turned the wrong way", lambda b, r: _placed(b, r, r)),
+        ("center of mass and tensor of {who} are turned the wrong way", lambda b, r: _placed(b, r, r)),
     )
     for message, change in changes:
         yield from of_bodies(model, "frame", message, axes, change)
@@ -46,8 +46,8 @@ def inertials(model: RobotModel) -> Iterator[Fault]:
     yield from of_bodies(
         model,
         "inertial_parameters",
-        "the centre of mass of {who} is taken at the link origin",
-        "use the centre of mass in the link frame",
+        "the center of mass of {who} is taken at the link origin",
+        "use the center of mass in the link frame",
         lambda body, _: dataclasses.replace(body, center_of_mass=np.zeros(3)),
     )
     pi = model.inertial_parameters.reshape(model.n_bodies, -1)
@@ -63,7 +63,7 @@ def inertials(model: RobotModel) -> Iterator[Fault]:
 
 
 def _placed(body: Body, center: Array | None, tensor: Array | None) -> Body:
-    """Rotations applied to the centre of mass and to the tensor."""
+    """Rotations applied to the center of mass and to the tensor."""
     return dataclasses.replace(
         body,
         center_of_mass=body.center_of_mass if center is None else center @ body.center_of_mass,

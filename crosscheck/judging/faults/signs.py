@@ -1,4 +1,4 @@
-"""Wrong signs: of torques, motions, axes, products of inertia and centres of mass."""
+"""Wrong signs: of torques, motions, axes, products of inertia and centers of mass."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def signs(model: RobotModel) -> Iterator[Fault]:
     yield from of_bodies(
         model,
         "sign",
-        "the centre of mass of {who} lies on the other side of the link origin",
+        "the center of mass of {who} lies on the other side of the link origin",
         "negate it",
         lambda body, _: dataclasses.replace(body, center_of_mass=-body.center_of_mass),
     )

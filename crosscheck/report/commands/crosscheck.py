@@ -51,6 +51,8 @@ def _verdict(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, 
         reason = "Nothing was compared."
     elif len(comparisons) == 1:
         reason = f"{_within(comparisons[0])} quantities are within their bounds."
+        if comparisons[0].not_compared:
+            reason += f" {len(comparisons[0].not_compared)} were not compared."
     else:
         reason = f"{agreeing} of {len(comparisons)} robots agree on every quantity."
     if failures:

@@ -136,8 +136,8 @@ def _links(found: Identified, shown: MethodResult) -> Table:
             Column("link", "name"),
             Column("mass CAD", unit="kg", **NUMBER),
             Column("mass", unit="kg", **NUMBER),
-            Column("centre of mass CAD", "vector", "m", _position_text),
-            Column("centre of mass", "vector", "m", _position_text),
+            Column("center of mass CAD", "vector", "m", _position_text),
+            Column("center of mass", "vector", "m", _position_text),
             Column("smallest pseudo-inertia eigenvalue", **DEVIATION),
         ),
         tuple(

@@ -44,7 +44,7 @@ SEVERITIES: dict[str, State] = {"error": "disagrees", "warning": "undecided", "n
 VERDICTS: dict[str, tuple[State, str]] = {
     "refused": ("disagrees", "Cannot be loaded"),
     "kinematics only": ("undecided", "Torques do not determine accelerations"),
-    "dynamics": ("agrees", "Fit for everything"),
+    "dynamics": ("agrees", "Dynamics can be computed"),
 }
 """Per verdict, the worst first: how it looks, and what it means."""
 

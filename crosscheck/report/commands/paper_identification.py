@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from crosscheck.report.commands.paper_texts import BODY_COLUMNS, error_text, misprints, printed_text, value_text
-from crosscheck.report.pictures.identification_errors import identification_errors
+from crosscheck.report.pictures.paper_identification_errors import identification_errors
 from crosscheck.report.report import ROOMY, Column, Picture, Prose, Row, Section, Table
 from crosscheck.studies.paper.identification import WHY_TABLE_3, PaperIdentification
 from crosscheck.studies.paper.printed import TABLE_3, TABLE_4
