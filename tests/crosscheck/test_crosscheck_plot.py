@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 
 import numpy as np
 import pytest
@@ -90,3 +91,37 @@ def test_in_a_browser(tmp_path):
     shown = document((tmp_path / "plots.html").as_uri(), tmp_path / "profile")
     assert shown.count("<canvas") == 4
     assert shown.count('<div class="still scroll" hidden="">') == 2
+
+
+PROBE = """<!DOCTYPE html><html><body><iframe src="plots.html" style="border:0;width:1200px;height:800px"></iframe>
+<script>
+onload = () => {
+  const page = document.querySelector("iframe"), figure = page.contentDocument.querySelector("figure.plot");
+  const [panel] = figure.plot.drawn, said = document.body.dataset;
+  said.range = [panel.scales.y.min, panel.scales.y.max].join(" ");
+  const name = figure.querySelector(".u-legend .u-series:nth-child(2) th");
+  const press = () => name.dispatchEvent(new page.contentWindow.KeyboardEvent("keydown", { key: "Enter" }));
+  press(); said.off = panel.series[1].show;
+  press(); said.on = panel.series[1].show;
+  panel.setScale("x", { min: 10, max: 20 });
+  page.style.width = "900px";
+  setTimeout(() => { said.zoom = [panel.scales.x.min, panel.scales.x.max, panel.width < 1000].join(" "); }, 300);
+};
+</script></body></html>
+"""
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
+def test_bound_keyboard_and_zoom(tmp_path):
+    """A bound far above its curve is in view; Enter switches a curve; a zoom outlives another width of the window."""
+    x = np.linspace(0, 100, 200)
+    panel = Panel("error", (Series("torque", 1e-16 + 1e-17 * np.sin(x)),), log=True, level=1e-9)
+    write_page(tmp_path / "plots.html", written(Plot(x, "state", (panel,), "errors")))
+    (tmp_path / "probe.html").write_text(PROBE, encoding="utf-8")
+    shown = document((tmp_path / "probe.html").as_uri(), tmp_path / "profile")
+    said = dict(re.findall(r'data-(\w+)="([^"]*)"', shown))
+    low, high = map(float, said["range"].split())
+    assert low <= 1.1e-16
+    assert high >= 1e-9
+    assert (said["off"], said["on"]) == ("false", "true")
+    assert said["zoom"] == "10 20 true"
