@@ -110,6 +110,7 @@ class TestOutcomes:
         done = program(folder, "--samples", 1, "--jobs", 2, "--json", tmp_path / "r.json")
         assert done.code == BAD_INPUT
         assert done.err == ""
+        assert done.out.startswith("graphdyn against Pinocchio: incomplete\n")
         assert done.row("good.urdf")[1:3] == ["agrees", "both"]
         assert done.row("sub/bare.urdf")[1:3] == ["kinematics only", "both"]
         assert done.row("sub/bare.urdf")[6] == "no body has mass"
@@ -383,6 +384,21 @@ class TestProcesses:
         next(answers)
         answers.close()
         assert multiprocessing.active_children() == []
+
+
+class TestVerdict:
+    @pytest.mark.parametrize(
+        ("verdicts", "words"),
+        [
+            (["agrees", "agrees"], "agrees"),
+            (["agrees", "kinematics only"], "no robot disagrees"),
+            (["kinematics only", "refused"], "incomplete"),
+            (["refused", "DISAGREES", "agrees"], "DISAGREES"),
+        ],
+    )
+    def test_of_all_robots(self, verdicts, words):
+        rows = [summary.RobotSummary(f"r{k}", verdict, (), None, None, None, "") for k, verdict in enumerate(verdicts)]
+        assert report_of_folder.folder_report(rows, []).verdict.words == words
 
 
 class TestSummary:

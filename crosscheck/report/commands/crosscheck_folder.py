@@ -62,7 +62,8 @@ def _verdict(rows: Sequence[RobotSummary]) -> Verdict:
         "“kinematics only”: all that was compared agrees, but forward dynamics could not be compared; “refused”: "
         "there was nothing to compare."
     )
-    return Verdict(state, "incomplete" if words == REFUSED else words, f"{counts(rows)}. {meaning}")
+    said = {REFUSED: "incomplete", KINEMATICS_ONLY: "no robot disagrees"}.get(words, words)
+    return Verdict(state, said, f"{counts(rows)}. {meaning}")
 
 
 def _why_not_all(rows: Sequence[RobotSummary]) -> str:
