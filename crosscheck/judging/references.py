@@ -63,5 +63,5 @@ def foreign_errors(name: str, answer: Array, reference: Array, states: JudgedSta
         state = graphdyn.maximal_state(model, q, v, a)
         assert state.acceleration is not None
         size = term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
-        errors = by_parameter_type(answer, reference, size.compensated * size.lever, size.compensated, size.turn)
+        errors = by_parameter_type(answer, reference, *size.regressor_columns)
     return np.where(np.isfinite(errors), errors, np.inf)

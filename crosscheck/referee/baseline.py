@@ -116,7 +116,8 @@ def _terms(model: RobotModel, q: Array, v: Array, a: Array) -> tuple[Array, Arra
     state = maximal_state(model, q, v, a)
     assert state.acceleration is not None
     size = term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
-    of_body = np.stack([size.compensated * size.lever, *3 * [size.compensated], *6 * [size.turn]], axis=-1)
+    mass, first_moment, tensor = size.regressor_columns
+    of_body = np.stack([mass, *3 * [first_moment], *6 * [tensor]], axis=-1)
     rows = np.sqrt(model.n_bodies)
     columns = rows * np.linalg.norm(np.tile(of_body, model.n_bodies), axis=0)
     return columns, rows * np.linalg.norm(np.maximum(size.force, size.moment))

@@ -58,13 +58,15 @@ def passive_errors(case: Case, ours: PassiveAnswers, ref: RefereeValues) -> dict
     offset, tensor = (np.full(len(case.q), size) for size in (center_offset(model), largest_tensor(model)))
 
     def errors_of(found: InverseAnswers) -> dict[str, Array]:
-        inverse, by_type = found.inverse, (size.compensated * size.lever, size.compensated, size.turn)
+        inverse = found.inverse
         return {
             "torque": relative(inverse.tau, ref.tau, largest(ref.joint_wrenches), size.spin),
             "joint_wrench": by_part(inverse.joint_wrenches, ref.joint_wrenches, size.force, size.moment),
             "multipliers": relative(inverse.multipliers, multipliers, largest(ref.joint_wrenches)),
             "mass_matrix": relative(found.mass_matrix, ref.mass_matrix, tensor),
-            "torque_regressor": by_parameter_type(found.torque_regressor, ref.torque_regressor, *by_type),
+            "torque_regressor": by_parameter_type(
+                found.torque_regressor, ref.torque_regressor, *size.regressor_columns
+            ),
         }
 
     errors = {

@@ -38,6 +38,11 @@ class Sizes:
     moment: Array
     spin: Array
 
+    @property
+    def regressor_columns(self) -> tuple[Array, Array, Array]:
+        """Of the columns of m, of m c and of I in a joint-torque regressor: what by_parameter_type takes."""
+        return self.compensated * self.lever, self.compensated, self.turn
+
     def loaded(self, wrenches: Array) -> Sizes:
         """The same sizes with external wrenches (N, n, 6) among the terms."""
         force = largest(wrenches[..., LINEAR])
