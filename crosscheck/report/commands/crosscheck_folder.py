@@ -32,7 +32,7 @@ STATES: dict[str, State] = {
 
 
 def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison]) -> Report:
-    """comparisons: those to be shown in detail, in the order of the rows; the FEW that are farthest beyond a bound"""
+    """comparisons: those to be shown in detail, of which the page has the FEW worst, the worst first"""
     comparisons = sorted(comparisons, key=_part_of_bound, reverse=True)[:FEW]
     keys = {comparison.robot: f"robot-{k}" for k, comparison in enumerate(comparisons, start=1)}
     named = list(zip(short_names(rows), rows, strict=True))

@@ -38,20 +38,17 @@ READER = "Pinocchio's reader wrote: "
 def robot_section(comparison: Comparison, key: str, *, detailed: bool) -> Section:
     """detailed: the terminal shows every quantity; otherwise it has them side by side with those of other robots"""
     name = Path(comparison.robot).name
-    page: tuple[Block, ...] = (
-        robot_picture(comparison.model, name),
-        Group((_compared(comparison), joints_table(comparison.model)), on=("page",)),
-        Group((_conditioning(comparison), _base_parameters(comparison)), on=("page",)),
-    )
     notes = (*_not_compared(comparison), *map(_note, comparison.notes))
     return Section(
         key,
         name,
         (
-            *page,
+            robot_picture(comparison.model, name),
+            Group((_compared(comparison), joints_table(comparison.model)), on=("page",)),
+            Group((_conditioning(comparison), _base_parameters(comparison)), on=("page",)),
             quantities_table(comparison, terminal=detailed),
             Prose(_conditioning_line(comparison), on=("text",)),
-            Notes(notes, title="Notes" if notes else ""),
+            Notes(notes, title="Notes"),
             *_distribution(comparison),
             *_worst_states(comparison),
         ),

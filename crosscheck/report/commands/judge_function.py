@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,23 +19,6 @@ MOST_ENTRIES = 12
 """Of a matrix, the entries shown at most, those that differ most; the code to reproduce them has all."""
 
 
-@dataclass(frozen=True, eq=False)
-class Contest:
-    """Errors (N,) of one side against another, infinite where they are no numbers."""
-
-    name: str
-    errors: Array
-    bound: float
-
-    @property
-    def agrees(self) -> bool:
-        return bool((self.errors <= self.bound).all())
-
-    @property
-    def median(self) -> float:
-        return float(np.sort(self.errors)[(len(self.errors) - 1) // 2])
-
-
 def counted(errors: Array) -> Array:
     """Errors that are no numbers count as infinite."""
     return np.where(np.isnan(errors), np.inf, errors)
@@ -45,9 +27,9 @@ def counted(errors: Array) -> Array:
 def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
     """For the page: the errors in detail, and the worst call."""
     contests = [
-        *(Contest(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
+        *(SpreadRow(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
         *(
-            Contest(f"{who} against graphdyn", counted(errors), function.bound)
+            SpreadRow(f"{who} against graphdyn", counted(errors), function.bound)
             for who, errors in function.referees_differ.items()
         ),
     ]
@@ -56,7 +38,7 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
         function.name,
         (
             _contests(contests, function.scale),
-            distribution([SpreadRow(contest.name, contest.errors, contest.bound) for contest in contests]),
+            distribution(contests),
             *over_states(
                 {contest.name: contest.errors for contest in contests},
                 function.bound,
@@ -76,7 +58,7 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
     )
 
 
-def _contests(contests: Sequence[Contest], scale: str) -> Table:
+def _contests(contests: Sequence[SpreadRow], scale: str) -> Table:
     return Table(
         (
             Column("comparison", "name"),
@@ -84,13 +66,18 @@ def _contests(contests: Sequence[Contest], scale: str) -> Table:
             *(Column(title, **ERROR) for title in ("median", "largest", "bound")),
         ),
         tuple(
-            Row((contest.name, verdict, contest.median, contest.errors.max(), contest.bound), verdict.state)
+            Row((contest.name, verdict, _median(contest.errors), contest.largest, contest.bound), verdict.state)
             for contest in contests
             for verdict in [verdict_of(contest.agrees, decided=True)]
         ),
         caption=f"Errors over all states, relative to {scale}",
         on=("page",),
     )
+
+
+def _median(errors: Array) -> float:
+    """The lower one of an even number: an error that occurred."""
+    return float(np.sort(errors)[(len(errors) - 1) // 2])
 
 
 def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:

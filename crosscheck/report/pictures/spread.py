@@ -43,6 +43,15 @@ class SpreadRow:
     errors: Array
     bound: float
 
+    @property
+    def largest(self) -> float:
+        """NaN counts as infinite."""
+        return float(np.where(np.isnan(self.errors), np.inf, self.errors).max())
+
+    @property
+    def agrees(self) -> bool:
+        return self.largest <= self.bound
+
 
 @dataclass(frozen=True)
 class _Scale:
@@ -67,10 +76,10 @@ class _Scale:
 
 def spread(key: str, rows: Sequence[SpreadRow]) -> Markup:
     """The picture of all rows, the first on top."""
-    worst = max(rows, key=lambda row: _largest(row.errors))
+    worst = max(rows, key=lambda row: row.largest)
     label = (
         f"Distribution of the relative errors of {', '.join(row.name for row in rows)} on a logarithmic axis; "
-        f"the largest is {_largest(worst.errors):.1e} of {worst.name}"
+        f"the largest is {worst.largest:.1e} of {worst.name}"
     )
     return picture(key, label, (WIDTH, ROW * len(rows) + AXIS), lambda axes: _draw(axes, rows))
 
@@ -86,12 +95,12 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
     step = -(-(scale.high - scale.low) // MOST_TICKS)
     decades = [k for k in range(scale.high, scale.low - 1, -step) if k - scale.zero > CLOSE * step]
     axes.set_xticks([scale.zero, *decades], ["0", *map(superscript, decades)], fontsize=9, color=INK)
-    if any(_largest(row.errors) == np.inf for row in rows):
+    if any(row.largest == np.inf for row in rows):
         axes.text(scale.infinity, len(rows) + 0.25, "∞", ha="center", va="top", fontsize=10, color=INK)
     axes.set_xlabel("relative error", fontsize=9, color=INK)
     axes.set_yticks(np.arange(len(rows)) + 0.62, [_title(row) for row in rows], fontsize=9, color=INK)
     for text, row in zip(axes.get_yticklabels(), rows, strict=True):
-        text.set_fontweight("normal" if _agrees(row) else "bold")
+        text.set_fontweight("normal" if row.agrees else "bold")
     axes.tick_params(length=0)
     axes.vlines(decades, 0, len(rows), color=FAINT, linewidth=0.5, zorder=0)
     for k, row in enumerate(rows):
@@ -115,7 +124,7 @@ def _draw_row(axes: Axes, scale: _Scale, row: SpreadRow, foot: float) -> None:
         part = occupied & ((places + width / 2 > bound) == beyond)
         axes.bar(places[part], -heights[part], width, foot, align="edge", color=color, linewidth=0, zorder=2)
     axes.plot([bound, bound], [foot, foot - HEIGHT], color=INK, linewidth=1.3, zorder=3)
-    largest = scale.place(_largest(errors))
+    largest = scale.place(row.largest)
     axes.plot([largest], [foot], marker="^", markersize=4, color=INK, clip_on=False, linewidth=0, zorder=4)
 
 
@@ -126,13 +135,5 @@ def _scale(rows: Sequence[SpreadRow]) -> _Scale:
     return _Scale(int(np.floor(low)), int(np.floor(high)) + 1)
 
 
-def _largest(errors: Array) -> float:
-    return float(np.where(np.isnan(errors), np.inf, errors).max())
-
-
-def _agrees(row: SpreadRow) -> bool:
-    return _largest(row.errors) <= row.bound
-
-
 def _title(row: SpreadRow) -> str:
-    return row.name if _agrees(row) else f"✗ {row.name}"
+    return row.name if row.agrees else f"✗ {row.name}"
