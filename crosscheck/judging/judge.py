@@ -16,9 +16,18 @@ from crosscheck.judging.diagnosis import diagnose, merged
 from crosscheck.judging.experiments import TrialStates, observe
 from crosscheck.judging.foreign import ForeignFunction, joint_order
 from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
-from crosscheck.judging.references import SCALES, foreign_errors, graphdyn_answers, pinocchio_answers
-from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall, largest_errors
+from crosscheck.judging.references import (
+    BACKWARD_SCALE,
+    SCALES,
+    Reference,
+    backward_errors,
+    foreign_errors,
+    graphdyn_reference,
+    mujoco_reference,
+    pinocchio_reference,
+)
+from crosscheck.referee.mujoco_model import MujocoRefuses
 from crosscheck.referee.subject import Lock, Robot, check_counts, subject
 from crosscheck.referee.tolerances import FOREIGN
 from graphdyn import InvalidInput
@@ -81,9 +90,9 @@ def judge(
     with threadpool_limits(limits=1, user_api="blas"):
         states = JudgedStates.draw(model, samples, seed, needs_tau=forward_dynamics is not None)
         say("evaluating the reference implementations")
-        references = {"graphdyn": graphdyn_answers(states, given), "pinocchio": pinocchio_answers(states)}
+        references = {"graphdyn": graphdyn_reference(states, given), "pinocchio": pinocchio_reference(states)}
         try:
-            references["mujoco"] = MujocoModel(model).evaluate(states.q, states.v, states.a, states.tau)
+            references["mujoco"] = mujoco_reference(states)
         except MujocoRefuses as refusal:
             notes.append(f"MuJoCo is not among the reference implementations: {refusal}")
         trial = states.trial
@@ -93,7 +102,7 @@ def judge(
             judged[function.name] = verdict = _verdict(function, answer, references, states, tolerance)
             if not verdict.agrees:
                 say(f"looking for the fault of {function.name}")
-                diagnoses += _diagnoses(function, answer, verdict, references["graphdyn"], states, trial, links)
+                diagnoses += _diagnoses(function, answer, verdict, references["graphdyn"].answers, states, trial, links)
     judgement = Judgement(
         robot=judged_robot.name,
         file=judged_robot.file,
@@ -115,27 +124,34 @@ def judge(
 def _verdict(
     function: ForeignFunction,
     answer: Array,
-    references: Mapping[str, Mapping[str, Array]],
+    references: Mapping[str, Reference],
     states: JudgedStates,
     tolerance: float,
 ) -> JudgedFunction:
-    known = {referee: answers[function.name] for referee, answers in references.items() if function.name in answers}
+    name = function.name
+    known = {referee: x.answers[name] for referee, x in references.items() if name in x.answers}
     ours = known["graphdyn"]
-    errors = {referee: foreign_errors(function.name, answer, reference, states) for referee, reference in known.items()}
-    worst = int(errors["graphdyn"].argmax())
-    row = [x[worst] for x in states.arguments(function.name)]
+    others = {referee: theirs for referee, theirs in known.items() if referee != "graphdyn"}
+    backward = name == "forward_dynamics"
+    errors = {referee: foreign_errors(name, answer, theirs, states) for referee, theirs in known.items()}
+    backward_of = {referee: backward_errors(answer, references[referee], states) for referee in known if backward}
+    worst = int(largest_errors(errors, backward_of).argmax())
+    row = [x[worst] for x in states.arguments(name)]
     return JudgedFunction(
-        name=function.name,
+        name=name,
         errors=errors,
-        referees_differ={
-            referee: foreign_errors(function.name, reference, ours, states)
-            for referee, reference in known.items()
-            if referee != "graphdyn"
+        referees_differ={referee: foreign_errors(name, theirs, ours, states) for referee, theirs in others.items()},
+        backward_errors=backward_of,
+        referees_differ_backward={
+            referee: backward_errors(theirs, references["graphdyn"], states)
+            for referee, theirs in others.items()
+            if backward
         },
         bound=tolerance,
-        scale=SCALES[function.name],
+        scale=SCALES[name],
+        backward_scale=BACKWARD_SCALE if backward else "",
         worst=WorstCall(
-            {name: tuple(x.tolist()) for name, x in function.foreign_arguments(row).items()},
+            {argument: tuple(x.tolist()) for argument, x in function.foreign_arguments(row).items()},
             tuple(ours[worst].ravel().tolist()),
             tuple(answer[worst].ravel().tolist()),
         ),
@@ -152,7 +168,7 @@ def _diagnoses(
     links: Mapping[str, tuple[int, Array]],
 ) -> list[Diagnosis]:
     name, model = function.name, states.model
-    wrong = verdict.errors["graphdyn"] > verdict.bound
+    wrong = verdict.largest_errors > verdict.bound
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate"
     if name == "regressor" and (fault := column_fault(answer, ours["regressor"])):
         return [

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
+
+import numpy as np
 
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -23,6 +25,12 @@ class WorstCall:
     answer: tuple[float, ...]
 
 
+def largest_errors(errors: Mapping[str, Array], backward_errors: Mapping[str, Array]) -> Array:
+    """Against graphdyn, the larger one of error and backward error of each state (N,)."""
+    ours = errors["graphdyn"]
+    return np.maximum(ours, backward_errors.get("graphdyn", ours))
+
+
 @dataclass(frozen=True, eq=False)
 class JudgedFunction:
     """One foreign function against every reference implementation ("referee").
@@ -30,7 +38,11 @@ class JudgedFunction:
     name: inverse_dynamics, forward_dynamics, mass_matrix or regressor
     errors: relative error per state (N,) against each referee: "graphdyn", "pinocchio", "mujoco"
     referees_differ: relative error per state (N,) of each other referee against graphdyn
-    bound: of these errors; scale: what they are relative to, in words
+    bound: of all errors; scale: what they are relative to, in words
+    backward_errors: of accelerations, per referee: its torques at the answered accelerations against the given torques
+        (N,); empty for other functions
+    referees_differ_backward: the same of the accelerations of each other referee, by graphdyn's torques
+    backward_scale: what backward errors are relative to, in words
     """
 
     name: str
@@ -39,16 +51,28 @@ class JudgedFunction:
     bound: float
     scale: str
     worst: WorstCall
+    backward_errors: Mapping[str, Array] = field(default_factory=dict)
+    referees_differ_backward: Mapping[str, Array] = field(default_factory=dict)
+    backward_scale: str = ""
 
     @property
     def agrees(self) -> bool:
-        """Whether it agrees with every referee; NaN is not agreement."""
-        return all(bool((error <= self.bound).all()) for error in self.errors.values())
+        """Whether it agrees with every referee, forward and backward; NaN is not agreement."""
+        return self.within(self.errors) and self.within(self.backward_errors)
 
     @property
     def referees_agree(self) -> bool:
         """Whether the referees agree with one another; only then is there a verdict."""
-        return all(bool((error <= self.bound).all()) for error in self.referees_differ.values())
+        return self.within(self.referees_differ) and self.within(self.referees_differ_backward)
+
+    @property
+    def largest_errors(self) -> Array:
+        """Against graphdyn, the larger one of error and backward error of each state (N,)."""
+        return largest_errors(self.errors, self.backward_errors)
+
+    def within(self, errors: Mapping[str, Array]) -> bool:
+        """Whether errors per referee are within the bound at all states."""
+        return all(bool((error <= self.bound).all()) for error in errors.values())
 
 
 @dataclass(frozen=True)

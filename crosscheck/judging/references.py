@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 import graphdyn
 from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.referee.mujoco_model import MujocoModel
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.scales import acceleration_scale, by_parameter_type, largest, ratio, relative, term_sizes
+from crosscheck.referee.scales import (
+    acceleration_scale,
+    backward_error,
+    by_parameter_type,
+    largest,
+    ratio,
+    relative,
+    term_sizes,
+)
 from graphdyn._kinematics import link_origins
 from graphdyn.layout import Array
 
@@ -20,9 +30,23 @@ SCALES = {
     "regressor": "largest entry and term of the parameter type (m, m c, I)",
 }
 
+BACKWARD_SCALE = "largest of τ, the joint wrenches and ∣M∣ ∣a∣"
 
-def graphdyn_answers(states: JudgedStates, given: Mapping[str, object]) -> dict[str, Array]:
-    """Answers by name of the function; those that take time only if the function is given."""
+
+@dataclass(frozen=True)
+class Reference:
+    """A reference implementation ("referee") at the judged states.
+
+    answers: by name of the function
+    torques: of accelerations (N, n) at the judged positions and velocities (N, n)
+    """
+
+    answers: Mapping[str, Array]
+    torques: Callable[[Array], Array]
+
+
+def graphdyn_reference(states: JudgedStates, given: Mapping[str, object]) -> Reference:
+    """Answers that take time only if the function is given."""
     model, q, v, a = states.model, states.q, states.v, states.a
     answers = {
         "inverse_dynamics": graphdyn.inverse_dynamics(model, q, v, a).tau,
@@ -32,19 +56,30 @@ def graphdyn_answers(states: JudgedStates, given: Mapping[str, object]) -> dict[
         answers["forward_dynamics"] = graphdyn.forward_dynamics(model, q, v, states.tau).a
     if given["regressor"] is not None:
         answers["regressor"] = graphdyn.joint_torque_regressor(model, q, v, a)
-    return answers
+    return Reference(answers, lambda a: graphdyn.inverse_dynamics(model, q, v, a).tau)
 
 
-def pinocchio_answers(states: JudgedStates) -> dict[str, Array]:
-    """Answers by name of the function."""
+def pinocchio_reference(states: JudgedStates) -> Reference:
     no_load = np.zeros((*states.q.shape, 6))
-    values = PinocchioModel.from_model(states.model).evaluate(states.q, states.v, states.a, states.tau, no_load)
-    return {
+    referee = PinocchioModel.from_model(states.model)
+    values = referee.evaluate(states.q, states.v, states.a, states.tau, no_load)
+    answers = {
         "inverse_dynamics": values.tau,
         "forward_dynamics": values.a,
         "mass_matrix": values.mass_matrix,
         "regressor": values.torque_regressor,
     }
+    return Reference(answers, lambda a: referee.rnea(states.q, states.v, a))
+
+
+def mujoco_reference(states: JudgedStates) -> Reference:
+    """Raises MujocoRefuses for robots that MuJoCo cannot represent, and where it is not installed."""
+    referee = MujocoModel(states.model)
+
+    def torques(a: Array) -> Array:
+        return referee.evaluate(states.q, states.v, a, states.tau)["inverse_dynamics"]
+
+    return Reference(referee.evaluate(states.q, states.v, states.a, states.tau), torques)
 
 
 def foreign_errors(name: str, answer: Array, reference: Array, states: JudgedStates) -> Array:
@@ -65,3 +100,16 @@ def foreign_errors(name: str, answer: Array, reference: Array, states: JudgedSta
         size = term_sizes(model, v, a, link_origins(state), state.velocity, state.acceleration)
         errors = by_parameter_type(answer, reference, *size.regressor_columns)
     return np.where(np.isfinite(errors), errors, np.inf)
+
+
+def backward_errors(answer: Array, reference: Reference, states: JudgedStates) -> Array:
+    """Backward errors (N,) of accelerations (N, n): how far the torques that they need are from the given ones.
+
+    Accelerations that are not finite count as infinitely wrong.
+    """
+    model, q, v, tau = states.model, states.q, states.v, states.tau
+    finite = np.all(np.isfinite(answer), axis=-1, keepdims=True)
+    a = np.where(finite, answer, 0.0)
+    wrenches = graphdyn.inverse_dynamics(model, q, v, a).joint_wrenches
+    errors = backward_error(reference.torques(a), tau, wrenches, graphdyn.mass_matrix(model, q), a)
+    return np.where(finite[:, 0] & np.isfinite(errors), errors, np.inf)

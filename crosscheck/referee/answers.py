@@ -67,22 +67,26 @@ class PassiveAnswers:
 
 
 @dataclass(frozen=True, eq=False)
+class SolvedAnswers:
+    """Forward dynamics of one method: usual, and loaded with the external wrenches."""
+
+    usual: ForwardDynamics
+    loaded: ForwardDynamics
+
+
+@dataclass(frozen=True, eq=False)
 class ForwardAnswers:
     """Answers at given torques, which need a regular mass matrix.
 
-    dense, projected, recursive: forward dynamics of these methods; recursive where it is compared
-    loaded: dense, with the external wrenches
-    back: inverse dynamics at the accelerations of projected
+    dense, projected, recursive: of these methods; recursive where it is compared
     dynamics_residual, constraint_residual: of the solution of Eq. (111)   (N,)
     """
 
-    dense: ForwardDynamics
-    projected: ForwardDynamics
-    loaded: ForwardDynamics
-    back: InverseDynamics
+    dense: SolvedAnswers
+    projected: SolvedAnswers
+    recursive: SolvedAnswers | None
     dynamics_residual: Array
     constraint_residual: Array
-    recursive: ForwardDynamics | None
 
 
 def passive_answers(case: Case, *, recursive: bool = False) -> PassiveAnswers:
@@ -116,15 +120,19 @@ def _of_verb(case: Case, verb: str) -> VerbAnswer:
 
 def forward_answers(case: Case, tau: Array, *, recursive: bool = False) -> ForwardAnswers:
     """tau: (N, n); recursive: also those of the recursive method. Raises LinAlgError for an exactly singular system."""
-    model, q, v = case.model, case.q, case.v
-    projected = forward_dynamics(model, q, v, tau)
     solution = kkt_batch(case, tau).solve_unchecked()
     return ForwardAnswers(
-        dense=forward_dynamics(model, q, v, tau, method="dense"),
-        projected=projected,
-        loaded=forward_dynamics(model, q, v, tau, case.external_wrenches, method="dense"),
-        back=inverse_dynamics(model, q, v, projected.a),
+        dense=_solved_answers(case, tau, "dense"),
+        projected=_solved_answers(case, tau, "projected"),
+        recursive=_solved_answers(case, tau, "recursive") if recursive else None,
         dynamics_residual=solution.dynamics_residual(),
         constraint_residual=solution.constraint_residual(),
-        recursive=forward_dynamics(model, q, v, tau, method="recursive") if recursive else None,
+    )
+
+
+def _solved_answers(case: Case, tau: Array, method: Method) -> SolvedAnswers:
+    model, q, v = case.model, case.q, case.v
+    return SolvedAnswers(
+        forward_dynamics(model, q, v, tau, method=method),
+        forward_dynamics(model, q, v, tau, case.external_wrenches, method=method),
     )

@@ -146,7 +146,7 @@ def _compare_chunk(
             try:
                 if forward is None or chunk.tau is None:  # torques of a differ between the routes
                     forward = forward_answers(at, tau[regular], recursive=recursive)
-                record.add(route, at, forward_errors(at, tau[regular], forward, reference.rows(regular)))
+                record.add(route, at, forward_errors(at, tau[regular], forward, reference.rows(regular), turned))
             except np.linalg.LinAlgError:
                 record.add(route, at, _no_forward(len(at.q), recursive=recursive))
     errors, conditioning = rank_errors(chunk, tau, regular)

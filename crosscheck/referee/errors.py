@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.referee.answers import ForwardAnswers, InverseAnswers, PassiveAnswers
+from crosscheck.referee.answers import ForwardAnswers, InverseAnswers, PassiveAnswers, SolvedAnswers
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.quantities import BY_NAME, RECURSIVE, kkt_batch, multipliers_of
 from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.scales import (
     acceleration_scale,
+    backward_error,
     by_parameter_type,
     by_part,
     center_offset,
@@ -115,9 +116,14 @@ def frame_errors(case: Case, referee: PinocchioModel) -> dict[str, Array]:
     return {"frame_placement": np.maximum(turned, shifted)}
 
 
-def forward_errors(case: Case, tau: Array, ours: ForwardAnswers, ref: RefereeValues) -> dict[str, Array]:
-    """Errors of the quantities solved for accelerations, at the torques tau (N, n)."""
-    model, v, external, loaded, back = case.model, case.v, case.external_wrenches, ours.loaded, ours.back
+def forward_errors(
+    case: Case, tau: Array, ours: ForwardAnswers, ref: RefereeValues, referee: PinocchioModel
+) -> dict[str, Array]:
+    """Errors of the quantities solved for accelerations, at the torques tau (N, n).
+
+    referee: gave the reference values ref; it tells the torques that our accelerations need
+    """
+    model, v, external, loaded = case.model, case.v, case.external_wrenches, ours.dense.loaded
     size = term_sizes(model, v, ref.a, ref.position, ref.velocity, ref.a_body_accelerations)
     bound = acceleration_scale(ref.mass_matrix, ref.a, tau, ref.a_wrenches)
     loads = np.maximum(largest(ref.a_wrenches_external), largest(external))
@@ -125,8 +131,18 @@ def forward_errors(case: Case, tau: Array, ours: ForwardAnswers, ref: RefereeVal
     with_load = moved.loaded(external)
     bound_loaded = acceleration_scale(ref.mass_matrix, ref.a_external, tau, loads)
     body_bound = model.n_bodies * np.maximum(1.0, size.lever) * bound + largest(ref.a_body_accelerations)
-    inertial = np.abs(ref.mass_matrix).sum(axis=-1).max(axis=-1) * largest(ref.a)
     multipliers = multipliers_of(model, ref.rotation, ref.a_wrenches)
+
+    def backward_errors(found: SolvedAnswers, name: str = "backward_error") -> dict[str, Array]:
+        usual, with_loads = found.usual.a, found.loaded.a
+        required = referee.inverse_dynamics(case.q, v, usual)
+        required_loaded = referee.inverse_dynamics(case.q, v, with_loads, external)
+        return {
+            name: backward_error(required[0], tau, required[1], ref.mass_matrix, usual),
+            f"{name}_external": backward_error(
+                required_loaded[0], tau, required_loaded[1], ref.mass_matrix, with_loads, external
+            ),
+        }
 
     def solved_errors(found: ForwardDynamics) -> dict[str, Array]:
         moving = largest(found.body_accelerations - ref.a_body_accelerations)
@@ -138,20 +154,19 @@ def forward_errors(case: Case, tau: Array, ours: ForwardAnswers, ref: RefereeVal
         }
 
     errors = {
-        **solved_errors(ours.dense),
-        "acceleration_projected": ratio(largest(ours.projected.a - ref.a), bound),
+        **solved_errors(ours.dense.usual),
+        **backward_errors(ours.dense),
+        **backward_errors(ours.projected, "backward_error_projected"),
+        "acceleration_projected": ratio(largest(ours.projected.usual.a - ref.a), bound),
         "acceleration_external": ratio(largest(loaded.a - ref.a_external), bound_loaded),
         "forward_joint_wrench_external": by_part(
             loaded.joint_wrenches, ref.a_wrenches_external, with_load.force, with_load.moment
-        ),
-        "round_trip": ratio(
-            largest(back.tau - tau), np.maximum.reduce([largest(tau), largest(back.joint_wrenches), inertial])
         ),
         "dynamics_residual": ours.dynamics_residual,
         "constraint_residual": ours.constraint_residual,
     }
     if ours.recursive:
-        errors |= _of_recursive(solved_errors(ours.recursive))
+        errors |= _of_recursive(solved_errors(ours.recursive.usual) | backward_errors(ours.recursive))
     return errors
 
 

@@ -185,6 +185,18 @@ class PinocchioModel:
         """τ (N, n) of N states."""
         return self.joint_torques("rnea", q, v, a)
 
+    def inverse_dynamics(
+        self, q: Array, v: Array, a: Array, external_wrenches: Array | None = None
+    ) -> tuple[Array, Array]:
+        """rnea's τ (N, n) and joint wrenches, data.f (N, n, 6), at N states."""
+        external_wrenches = np.zeros((*q.shape, 6)) if external_wrenches is None else external_wrenches
+        torques, wrenches = [], []
+        for q_k, v_k, a_k, external in zip(q, v, a, external_wrenches, strict=True):
+            state = self.configuration(q_k), self._there(v_k), self._there(a_k)
+            torques.append(pin.rnea(self._native, self._data, *state, self._forces(external))[self._columns])
+            wrenches.append(self._joint_wrenches())
+        return np.array(torques).reshape(q.shape), np.array(wrenches).reshape(*q.shape, 6)
+
     def joint_torques(self, function: str, q: Array, *rates: Array) -> Array:
         """The torque or force of each joint (N, n) that a function of Pinocchio returns at N states.
 
@@ -238,10 +250,7 @@ class PinocchioModel:
     def _evaluate_one(self, q: Array, v: Array, a: Array, tau: Array, external: Array) -> dict[str, Array]:
         native, data, columns = self._native, self._data, self._columns
         q, v, a, tau = self.configuration(q), self._there(v), self._there(a), self._there(tau)
-        forces = pin.StdVec_Force()
-        forces.extend(pin.Force.Zero() for _ in range(native.njoints))
-        for k, wrench in zip(self._ids, external, strict=True):
-            forces[k] = pin.Force(np.array(wrench))
+        forces = self._forces(external)
         row = {}
         row["tau_external"] = pin.rnea(native, data, q, v, a, forces)[columns]
         row["joint_wrenches_external"] = self._joint_wrenches()
@@ -280,6 +289,14 @@ class PinocchioModel:
         arguments = (self._native, self._data, q, v, tau)
         a = pin.aba(*arguments) if forces is None else pin.aba(*arguments, forces)
         return np.array(a)
+
+    def _forces(self, external: Array) -> pin.StdVec_Force:
+        """External wrenches (n, 6) as Pinocchio takes them, one for each of its joints."""
+        forces = pin.StdVec_Force()
+        forces.extend(pin.Force.Zero() for _ in range(self._native.njoints))
+        for k, wrench in zip(self._ids, external, strict=True):
+            forces[k] = pin.Force(np.array(wrench))
+        return forces
 
     def _joint_wrenches(self) -> Array:
         return np.array([self._data.f[k].vector for k in self._ids])

@@ -11,11 +11,11 @@ from crosscheck.referee.states import Case
 from crosscheck.referee.tolerances import (
     ACCELERATION,
     AGREEMENT,
+    BACKWARD,
     FORWARD_WRENCH,
     IDENTIFICATION,
     RANK,
     RESIDUAL,
-    ROUND_TRIP,
     Tolerance,
 )
 from graphdyn import RobotModel, maximal_state
@@ -49,6 +49,7 @@ _BY_PART = "forces: force; moments: moment"
 _WRENCH = "largest joint wrench"
 _TORQUE = "largest joint wrench; spin"
 _SOLVED = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
+_REQUIRED = "only τ, the largest joint wrench and load, ∣M∣ ∣a∣"
 _SOLVED_BODIES = "that of acceleration × n × max(1, lever)"
 _BASE = "only cond(W) ‖x‖ × rounding of a column, columns of W at unit length"
 
@@ -73,6 +74,10 @@ _FORWARD = (
     Quantity("acceleration", "aba; ours from the dense system", _SOLVED, ACCELERATION, forward=True),
     Quantity("acceleration_projected", "aba; ours from the null space", _SOLVED, ACCELERATION, forward=True),
     Quantity("acceleration_external", "aba with fext; dense system", _SOLVED, ACCELERATION, forward=True),
+    Quantity("backward_error", "τ that rnea needs at a; dense system", _REQUIRED, BACKWARD, forward=True),
+    Quantity("backward_error_projected", "τ that rnea needs at a; null space", _REQUIRED, BACKWARD, forward=True),
+    Quantity("backward_error_external", "with fext; dense system", _REQUIRED, BACKWARD, forward=True),
+    Quantity("backward_error_projected_external", "with fext; null space", _REQUIRED, BACKWARD, forward=True),
     Quantity("forward_body_acceleration", "aba, then a; dense system", _SOLVED_BODIES, ACCELERATION, forward=True),
     Quantity("forward_joint_wrench", "aba, then rnea; dense system", _BY_PART, FORWARD_WRENCH, forward=True),
     Quantity(
@@ -86,7 +91,6 @@ _FORWARD = (
 )
 
 _OWN = (
-    Quantity("round_trip", "inverse(forward(τ)) = τ", "τ, joint wrenches, ‖M‖ ‖a‖", ROUND_TRIP, forward=True),
     Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", "only the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
     Quantity("constraint_residual", "φ_q q̈ = ζ", "only q̈ and the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
     Quantity("constraint_rank", "φ_q has rank 5n", "full rank", RANK),
@@ -108,7 +112,14 @@ def _recursive(rows: Iterable[Quantity], names: set[str]) -> Iterator[Quantity]:
 
 
 _PASSIVE_TWICE = {"torque", "joint_wrench", "multipliers", "mass_matrix", "torque_regressor"}
-_FORWARD_TWICE = {"acceleration", "forward_body_acceleration", "forward_joint_wrench", "forward_multipliers"}
+_FORWARD_TWICE = {
+    "acceleration",
+    "backward_error",
+    "backward_error_external",
+    "forward_body_acceleration",
+    "forward_joint_wrench",
+    "forward_multipliers",
+}
 """Quantities that are compared twice: by the usual method, and by the recursive one."""
 
 QUANTITIES = (

@@ -116,6 +116,18 @@ def by_parameter_type(x: Array, reference: Array, mass: Array, first_moment: Arr
     return errors
 
 
+def backward_error(required: Array, tau: Array, wrenches: Array, mass: Array, a: Array, *external: Array) -> Array:
+    """How far the torques that accelerations need are from the given ones: no condition number enters (N,).
+
+    On the largest of the given torques, the joint wrenches, the external wrenches, and the entries of |M| |a|.
+
+    required: the torques that inverse dynamics give at a; tau: the given ones; a   (N, n)
+    wrenches: joint wrenches at a (N, n, 6); mass: M (N, n, n); external: wrenches, where there are (N, n, 6)
+    """
+    inertial = np.einsum("kij,kj->ki", np.abs(mass), np.abs(a))
+    return ratio(largest(required - tau), np.maximum.reduce([largest(x) for x in (tau, wrenches, inertial, *external)]))
+
+
 def acceleration_scale(mass: Array, a: Array, tau: Array, wrenches: Array) -> Array:
     """cond(M) ‖a‖∞ + ‖M⁻¹‖∞ (‖τ‖∞ + largest joint wrench): the change of a by a relative rounding of the data (N,)."""
     finite = np.isfinite(largest(mass))

@@ -25,8 +25,16 @@ _INVERSE_LOADED = "graphdyn.inverse_dynamics(model, q, v, a, external_wrenches)"
 _DENSE = ', method="dense"'
 _FORWARD = f"graphdyn.forward_dynamics(model, q, v, tau{_DENSE})"
 _FORWARD_LOADED = f"graphdyn.forward_dynamics(model, q, v, tau, external_wrenches{_DENSE})"
-_PROJECTED = "graphdyn.forward_dynamics(model, q, v, tau)"
+_PROJECTED = _FORWARD.replace("dense", "projected")
+_PROJECTED_LOADED = _FORWARD_LOADED.replace("dense", "projected")
 _SYSTEM = "graphdyn.kkt_system(model, q, v, tau)"
+
+
+def _required(forward: str, *loads: str) -> tuple[tuple[str, str], ...]:
+    """The torques that Pinocchio's rnea needs for our accelerations, and the given ones."""
+    states = ", ".join(f"np.array([{x}])" for x in ("q", "v", f"{forward}.a", *loads))
+    return ((f"referee.inverse_dynamics({states})[0][0]", "tau"),)
+
 
 _FRAMES = "[frame.name for frame in model.frames]"
 
@@ -64,11 +72,14 @@ _BASE_CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "acceleration": ((f"{_FORWARD}.a", "reference.a[0]"),),
     "acceleration_projected": ((f"{_PROJECTED}.a", "reference.a[0]"),),
     "acceleration_external": ((f"{_FORWARD_LOADED}.a", "reference.a_external[0]"),),
+    "backward_error": _required(_FORWARD),
+    "backward_error_projected": _required(_PROJECTED),
+    "backward_error_external": _required(_FORWARD_LOADED, "external_wrenches"),
+    "backward_error_projected_external": _required(_PROJECTED_LOADED, "external_wrenches"),
     "forward_body_acceleration": ((f"{_FORWARD}.body_accelerations", "reference.a_body_accelerations[0]"),),
     "forward_joint_wrench": ((f"{_FORWARD}.joint_wrenches", "reference.a_wrenches[0]"),),
     "forward_joint_wrench_external": ((f"{_FORWARD_LOADED}.joint_wrenches", "reference.a_wrenches_external[0]"),),
     "forward_multipliers": ((f"{_FORWARD}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
-    "round_trip": ((f"graphdyn.inverse_dynamics(model, q, v, {_PROJECTED}.a).tau", "tau"),),
     "dynamics_residual": ((f"{_SYSTEM}.solve().dynamics_residual()", "0.0"),),
     "constraint_residual": ((f"{_SYSTEM}.solve().constraint_residual()", "0.0"),),
     "constraint_rank": ((f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),),
@@ -78,11 +89,11 @@ _BASE_CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
 
 def _of_recursive(calls: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], ...]:
     """The same calls of graphdyn, by the recursive method."""
-    found = []
-    for ours, theirs in calls:
-        call, _, member = ours.partition(")")
-        found.append((f'{call.removesuffix(_DENSE)}, method="recursive"){member}', theirs))
-    return tuple(found)
+    recursive = ', method="recursive"'
+    return tuple(
+        (ours.replace(_DENSE, recursive) if _DENSE in ours else ours.replace(")", f"{recursive})", 1), theirs)
+        for ours, theirs in calls
+    )
 
 
 CALLS = {

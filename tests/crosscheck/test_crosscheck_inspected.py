@@ -36,7 +36,7 @@ def errors(referee, model):
     tau = referee.rnea(case.q, case.v, case.a)
     reference = referee.evaluate(case.q, case.v, case.a, tau, case.external_wrenches)
     found = passive_errors(case, passive_answers(case), reference)
-    found |= forward_errors(case, tau, forward_answers(case, tau), reference)
+    found |= forward_errors(case, tau, forward_answers(case, tau), reference, referee)
     assert {"torque", "acceleration", "torque_regressor", "joint_wrench"} <= set(found)
     return {name: error.max() for name, error in found.items() if not error.max() <= BY_NAME[name].tolerance.bound}
 

@@ -103,7 +103,7 @@ class TestOverview:
         assert printed(*several, width=60).count("┏") > printed(*several, width=120).count("┏") >= 1
 
     def test_missing_quantity_is_a_dash(self, comparison, massless):
-        assert cells(printed(comparison, massless, width=120))["round_trip"][-1] == "–"
+        assert cells(printed(comparison, massless, width=120))["backward_error"][-1] == "–"
 
     def test_a_disagreement_comes_first_and_is_marked(self, comparison):
         torque = dataclasses.replace(comparison.quantities["torque"], max_relative_error=math.inf)

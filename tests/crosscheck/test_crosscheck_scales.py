@@ -3,17 +3,31 @@
 import numpy as np
 import pytest
 from planting import mixed_tree
+from random_trees import random_tree
 
+from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.scales import (
     SHORTEST_LEVER,
     acceleration_scale,
+    backward_error,
     by_parameter_type,
     by_part,
     ratio,
     relative,
     term_sizes,
 )
-from graphdyn import Body, Joint, Placement, RobotModel, inverse_dynamics, maximal_state
+from crosscheck.referee.tolerances import BACKWARD, FOREIGN
+from graphdyn import (
+    Body,
+    Joint,
+    Placement,
+    RobotModel,
+    bias_torque,
+    forward_dynamics,
+    inverse_dynamics,
+    mass_matrix,
+    maximal_state,
+)
 from graphdyn._kinematics import link_origins
 
 ERROR = 1e-9
@@ -38,6 +52,39 @@ def test_relative_takes_the_largest_scale():
 def test_an_error_without_scale_is_infinite_and_none_is_zero():
     assert ratio(np.array([0.0, 1.0]), np.zeros(2)).tolist() == [0.0, np.inf]
     assert relative(np.zeros((1, 2)), np.zeros((1, 2))).tolist() == [0.0]
+
+
+class TestBackwardError:
+    def test_largest_of_all_terms(self):
+        """By hand: torques 3 off; given 10, wrenches 20, |M| |a| = 2·3 + 4·5 = 26, loads 40."""
+        required, tau = np.array([[13.0, 1.0]]), np.array([[10.0, 1.0]])
+        wrenches, mass = np.full((1, 2, 6), -20.0), np.array([[[1.0, 0.0], [2.0, -4.0]]])
+        a = np.array([[-3.0, 5.0]])
+        assert backward_error(required, tau, 0 * wrenches, 0 * mass, a) == pytest.approx([3 / 10])
+        assert backward_error(required, tau, wrenches, 0 * mass, a) == pytest.approx([3 / 20])
+        assert backward_error(required, tau, wrenches, mass, a) == pytest.approx([3 / 26])
+        assert backward_error(required, tau, wrenches, mass, a, 2 * wrenches) == pytest.approx([3 / 40])
+
+    @pytest.mark.parametrize("n", [6, 30, 100])
+    def test_chains(self, n):
+        """Ours are backward stable however long the chain; single precision and g = 9.811 show on every one."""
+        model = random_tree(5, range(n), ["revolute"] * n).with_gravity([0.0, 0.0, -9.81])
+        q, v = model.random_state(np.random.default_rng(0), 3)
+        a = np.random.default_rng(1).uniform(-10, 10, q.shape)
+        tau = inverse_dynamics(model, q, v, a).tau * np.linspace(0.5, 1.5, n)
+        mass, rest = mass_matrix(model, q), tau - bias_torque(model, q, v)
+        referee = PinocchioModel.from_model(model)
+
+        def error(a):
+            required, wrenches = referee.inverse_dynamics(q, v, a)
+            return backward_error(required, tau, wrenches, mass, a)
+
+        for method in ("dense", "projected", "recursive"):
+            assert error(forward_dynamics(model, q, v, tau, method=method).a).max() <= BACKWARD.bound / 10
+        single = np.linalg.solve(mass.astype(np.float32), rest.astype(np.float32)[..., None])[..., 0]
+        assert error(single.astype(float)).max() > 10 * FOREIGN.bound
+        other = model.with_gravity([0.0, 0.0, -9.811])
+        assert error(forward_dynamics(other, q, v, tau).a).max() > FOREIGN.bound
 
 
 def test_nan_stays_nan():

@@ -70,6 +70,16 @@ class Plant:
         self._patch.setattr(PinocchioModel, "joint_torques", joint_torques)
         return planted
 
+    def referee_required(self, loaded: bool, change: Callable[[float], float]) -> None:
+        """Change the largest torque that rnea needs for our accelerations, with or without external wrenches."""
+        original = PinocchioModel.inverse_dynamics
+
+        def inverse_dynamics(referee, q, v, a, *external):
+            torques, wrenches = original(referee, q, v, a, *external)
+            return (_changed(torques, change) if bool(external) == loaded else torques), wrenches
+
+        self._patch.setattr(PinocchioModel, "inverse_dynamics", inverse_dynamics)
+
     def referee_frames(self, which: int, change: Callable[[float], float]) -> None:
         """Change the largest entry of the frames' rotations (0) or positions (1)."""
         original = PinocchioModel.frame_placements

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
+from crosscheck.judging.judgement import Diagnosis, Judgement
 from crosscheck.report.commands.errors import ERROR, verdict_of
 from crosscheck.report.commands.judge_function import counted, function_section
 from crosscheck.report.commands.robot_parts import joints_table, locked_text, robot_picture
@@ -24,6 +25,7 @@ from crosscheck.report.report import (
     Section,
     Table,
 )
+from graphdyn.layout import Array
 
 
 def judge_report(judgement: Judgement) -> Report:
@@ -70,7 +72,16 @@ def _diagnosis(diagnosis: Diagnosis) -> Facts:
 
 
 def _errors(judgement: Judgement) -> Table:
-    """A row per function: its largest error against every reference implementation."""
+    """A row per function, two for accelerations: the largest error against every reference implementation."""
+    rows = [
+        row
+        for function in judgement.functions.values()
+        for row in (
+            (function, function.name, function.errors, function.scale),
+            (function, "backward_error", function.backward_errors, function.backward_scale),
+        )
+        if row[2]
+    ]
     return Table(
         (
             Column("function", "name"),
@@ -82,24 +93,24 @@ def _errors(judgement: Judgement) -> Table:
         tuple(
             Row(
                 (
-                    function.name,
+                    name,
                     verdict,
-                    *(_largest(function, referee) for referee in judgement.referees),
+                    *(_largest(errors, referee) for referee in judgement.referees),
                     function.bound,
-                    function.scale,
+                    scale,
                 ),
                 verdict.state,
                 link=function.name,
             )
-            for function in judgement.functions.values()
-            for verdict in [verdict_of(function.agrees, function.referees_agree)]
+            for function, name, errors, scale in rows
+            for verdict in [verdict_of(function.within(errors), function.referees_agree)]
         ),
         caption="Largest error over all states against each reference implementation",
     )
 
 
-def _largest(function: JudgedFunction, referee: str) -> float | None:
-    return float(counted(function.errors[referee]).max()) if referee in function.errors else None
+def _largest(errors: Mapping[str, Array], referee: str) -> float | None:
+    return float(counted(errors[referee]).max()) if referee in errors else None
 
 
 def _to_be_known(judgement: Judgement) -> Notes:

@@ -33,14 +33,29 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
             for who, errors in function.referees_differ.items()
         ),
     ]
+    backward = [
+        *(
+            SpreadRow(f"torques of {who}", counted(errors), function.bound)
+            for who, errors in function.backward_errors.items()
+        ),
+        *(
+            SpreadRow(f"{who} by torques of graphdyn", counted(errors), function.bound)
+            for who, errors in function.referees_differ_backward.items()
+        ),
+    ]
     return Section(
         function.name,
         function.name,
         (
-            _contests(contests, function.scale),
-            distribution(contests),
+            _contests(contests, f"Errors over all states, relative to {function.scale}"),
+            *(
+                [_contests(backward, f"Backward errors over all states, relative to {function.backward_scale}")]
+                if backward
+                else []
+            ),
+            distribution([*contests, *backward]),
             *over_states(
-                {contest.name: contest.errors for contest in contests},
+                {contest.name: contest.errors for contest in [*contests, *backward]},
                 function.bound,
                 "relative error",
                 "state, the random ones first",
@@ -58,7 +73,7 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
     )
 
 
-def _contests(contests: Sequence[SpreadRow], scale: str) -> Table:
+def _contests(contests: Sequence[SpreadRow], caption: str) -> Table:
     return Table(
         (
             Column("comparison", "name"),
@@ -70,7 +85,7 @@ def _contests(contests: Sequence[SpreadRow], scale: str) -> Table:
             for contest in contests
             for verdict in [verdict_of(contest.agrees, decided=True)]
         ),
-        caption=f"Errors over all states, relative to {scale}",
+        caption=caption,
         on=("page",),
     )
 

@@ -59,11 +59,20 @@ class FunctionRecord:
     scale: str
     """What the errors are relative to."""
 
+    backward_scale: str
+    """What the backward errors are relative to; empty for other functions."""
+
     errors: Mapping[str, Quantiles]
     """Against each referee, by its name."""
 
     referees_differ: Mapping[str, Quantiles]
     """Of each other referee against graphdyn."""
+
+    backward_errors: Mapping[str, Quantiles]
+    """Of accelerations, by the torques that each referee computes for them; empty for other functions."""
+
+    referees_differ_backward: Mapping[str, Quantiles]
+    """Of each other referee's accelerations, by the torques that graphdyn computes for them."""
 
     worst: JudgeWorstRecord
     """The state of the largest error, to be reproduced."""
@@ -158,8 +167,10 @@ def _function(function: JudgedFunction) -> FunctionRecord:
     return taken(
         FunctionRecord,
         function,
-        errors={referee: _quantiles(error) for referee, error in function.errors.items()},
-        referees_differ={referee: _quantiles(error) for referee, error in function.referees_differ.items()},
+        **{
+            name: {referee: _quantiles(error) for referee, error in getattr(function, name).items()}
+            for name in ("errors", "referees_differ", "backward_errors", "referees_differ_backward")
+        },
         worst=taken(JudgeWorstRecord, function.worst),
     )
 
