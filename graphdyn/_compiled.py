@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn._dynamics import VERBS
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel
-from graphdyn._verb import Verb
 from graphdyn.kernels.programs import Request
 from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared
@@ -18,54 +20,65 @@ SINGLE = {name: verb for name, verb in VERBS.items() if len(verb.outputs) == 1}
 """The verbs that answer one array."""
 
 
-class SingleState:
+class SingleState(threading.local):  # __init__ runs again in every thread that uses the object
     """A verb for one state at a time. Call it with new arguments (n,), or change `arguments` and call it without.
 
-    arguments: its memory, by name                          (n,) each
-    result: what each call returns, and the next overwrites: copy what is to stay
+    Every thread has memory of its own, and so has a copy. It is NaN at first, so that a call without arguments where
+    nothing was filled in gives NaN.
+
+    arguments: the memory of this thread, by name           (n,) each
+    result: what each call in this thread returns, and the next overwrites: copy what is to stay
 
     Raises InvalidInput for wrong shapes, and another number of arguments.
     """
 
-    def __init__(self, model: RobotModel, verb: Verb[Array]) -> None:
+    def __init__(self, model: RobotModel, name: str) -> None:
+        verb = SINGLE[name]
         n, (output,) = model.n_bodies, verb.outputs
         shape = ARRAYS[output].shape_for(n)
         backend = prepared(model, Request(verb.recursion, verb.outputs)).backend
         memory = {name: np.zeros((backend.lanes, n)) for name in verb.inputs}
         answer = np.zeros((backend.lanes, int(np.prod(shape))))
+        self.model, self._name = model, name
         self.arguments: dict[str, Array] = {name: rows[0] for name, rows in memory.items()}
         self.result: Array = answer[0].reshape(shape)
-        self._places = tuple(self.arguments.values())
-        self._n = n
-        self._run = backend.bind_row(memory, {output: answer})
+        for unfilled in (*self.arguments.values(), self.result):
+            unfilled.fill(np.nan)
+        self._own = tuple(self.arguments.values()), n, backend.bind_row(memory, {output: answer}), self.result
 
     def __call__(self, *arguments: ArrayLike) -> Array:
+        result: Array
+        places, n, run, result = self._own  # once: looking for what a thread owns takes as long as half the rest
         if arguments:
             try:
-                for place, argument in zip(self._places, arguments, strict=True):
-                    if len(argument) != self._n:  # type: ignore[arg-type]  # a third of the time that shape takes
+                for place, argument in zip(places, arguments, strict=True):
+                    if len(argument) != n:  # type: ignore[arg-type]  # a third of the time that shape takes
                         raise ValueError
                     place[...] = argument  # half of the time that [:] takes
             except (TypeError, ValueError):
                 self._refuse_shapes(arguments)
                 raise
-        self._run()
-        return self.result
+        run()
+        return result
+
+    def __reduce__(self) -> tuple[Callable[[RobotModel, str], SingleState], tuple[RobotModel, str]]:
+        return SingleState, (self.model, self._name)
 
     def _refuse_shapes(self, arguments: tuple[ArrayLike, ...]) -> None:
-        if len(arguments) != len(self._places):
+        if len(arguments) != len(self.arguments):
             names = ", ".join(self.arguments)
             raise InvalidInput(f"{len(arguments)} arguments given; give {names}, or none where their memory is filled")
         for name, argument in zip(self.arguments, arguments, strict=True):
-            if np.shape(argument) != (self._n,):
-                raise InvalidInput(f"{name} has shape {np.shape(argument)}, expected {(self._n,)}")
+            if np.shape(argument) != (self.model.n_bodies,):
+                raise InvalidInput(f"{name} has shape {np.shape(argument)}, expected {(self.model.n_bodies,)}")
 
 
 class CompiledModel:
     """The verbs of graphdyn that answer one array, for single states of one robot, each compiled when first used.
 
-    NaN, infinity and singular mass matrices are not looked for. Angles are accurate up to 1e6 rad. One object per
-    thread. On the NumPy back end the calls work, slowly. Its attributes, each a SingleState:
+    NaN, infinity and singular mass matrices are not looked for. Angles are accurate up to 1e6 rad. Threads may share
+    it: each has arguments and results of its own. On the NumPy back end the calls work, slowly. Its attributes, each a
+    SingleState:
     """
 
     def __init__(self, model: RobotModel) -> None:
@@ -74,8 +87,11 @@ class CompiledModel:
     def __getattr__(self, name: str) -> SingleState:
         if name not in SINGLE:
             raise AttributeError(f"there is no single-state call '{name}'; use some of {', '.join(SINGLE)}")
-        call = self.__dict__[name] = SingleState(self.model, SINGLE[name])  # found there from now on
+        call = self.__dict__[name] = SingleState(self.model, name)  # found there from now on
         return call
+
+    def __reduce__(self) -> tuple[Callable[..., CompiledModel], tuple[RobotModel | str, ...]]:
+        return compile, (self.model, *(name for name in self.__dict__ if name in SINGLE))
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *SINGLE})
@@ -87,6 +103,9 @@ if CompiledModel.__doc__:  # python -OO strips docstrings
 
 def compile(model: RobotModel, *verbs: str) -> CompiledModel:
     """The robot's verbs for single states; those named are compiled now, so that the first call is as fast as the rest.
+
+    The array that a call returns is overwritten by the next call of the same verb in the same thread: copy what is to
+    stay. Other threads do not touch it. Copies and pickles have memory of their own.
 
     Raises InvalidInput for a verb that CompiledModel does not have.
     """

@@ -1,5 +1,10 @@
 """graphdyn.compile: one state after the other, in memory that is reused."""
 
+import copy
+import pickle
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from back_ends import BACK_ENDS, on
@@ -45,6 +50,72 @@ def test_results_do_not_mix():
     two.joint_torques(2 * q, v, a)
     one.joint_accelerations(q, v, a)
     assert np.array_equal(first, kept)
+
+
+class TestThreads:
+    """One object, shared: what other threads do changes neither arguments nor results."""
+
+    @pytest.mark.parametrize("back_end", BACK_ENDS)
+    def test_every_thread_has_its_own_results(self, back_end):
+        """All threads have called before any looks at what it got."""
+        states = random_state(MODEL, 5, (8,))
+        with on(back_end):
+            expected = graphdyn.joint_torques(MODEL, *states, method="recursive")
+            call, together = graphdyn.compile(MODEL).joint_torques, threading.Barrier(8)
+
+            def use(row):
+                with on(back_end):
+                    result = call(*(x[row] for x in states))
+                    together.wait()
+                    kept = result.copy()
+                    together.wait()
+                    return kept, call().copy()
+
+            with ThreadPoolExecutor(8) as pool:
+                for row, (kept, again) in enumerate(pool.map(use, range(8))):
+                    assert np.array_equal(kept, expected[row])
+                    assert np.array_equal(again, expected[row])
+
+    def test_what_another_thread_filled_in_is_not_there(self):
+        """Nor are zeros: NaN, which nobody takes for a torque."""
+        call = graphdyn.compile(MODEL).joint_torques
+        here = call(*random_state(MODEL, 6)).copy()
+        with ThreadPoolExecutor(1) as pool:
+            assert np.isnan(pool.submit(call).result()).all()
+            assert np.isnan(pool.submit(lambda: call.arguments["q"]).result()).all()
+        assert np.array_equal(call(), here)
+
+    def test_a_call_without_arguments_before_any(self):
+        assert np.isnan(graphdyn.compile(MODEL).mass_matrix.result).all()
+        assert np.isnan(graphdyn.compile(MODEL).joint_torques()).all()
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+class TestCopies:
+    """Of the object and of one call, before and after the first use; with memory of their own."""
+
+    @pytest.mark.parametrize("used", [False, True])
+    def test_of_the_object(self, copied, used):
+        original, (q, v, a) = graphdyn.compile(MODEL), random_state(MODEL, 7)
+        kept = original.joint_torques(q, v, a) if used else None
+        other = copied(original)
+        assert np.array_equal(
+            other.joint_torques(2 * q, v, a), graphdyn.joint_torques(MODEL, 2 * q, v, a, method="recursive")
+        )
+        assert np.array_equal(other.model.inertial_parameters, MODEL.inertial_parameters)
+        if used:
+            assert np.array_equal(kept, graphdyn.joint_torques(MODEL, q, v, a, method="recursive"))
+
+    @pytest.mark.parametrize("used", [False, True])
+    def test_of_a_call(self, copied, used):
+        call, q = graphdyn.compile(MODEL).gravity_torque, random_state(MODEL, 8)[0]
+        if used:
+            call(q)
+        other = copied(call)
+        assert np.isnan(other.arguments["q"]).all()
+        expected = graphdyn.gravity_torque(MODEL, q, method="recursive")
+        assert np.array_equal(other(q), expected)
+        assert np.array_equal(call(q), expected)
 
 
 def test_what_is_named_is_prepared_up_front(monkeypatch):
