@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import sys
+import time
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -35,18 +36,19 @@ from crosscheck.studies.bench.benchmark import PARTS, Effort, thread_numbers
 from crosscheck.studies.bench.casadi_forms import CasadiRefuses
 from crosscheck.studies.bench.chains import chain
 from crosscheck.studies.bench.cold import in_fresh_process
-from crosscheck.studies.bench.contender import Entry, Measured
+from crosscheck.studies.bench.contender import LEAST_SHARE, Entry, Measured
 from crosscheck.studies.bench.curves import Line
 from crosscheck.studies.bench.floor import REQUESTS, floating_point_operations, machine
+from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
 from crosscheck.studies.bench.states import random_states
-from crosscheck.studies.bench.timing import Times, fitting_count, in_turns, ratio
+from crosscheck.studies.bench.timing import CoreShare, Ratio, Times, fitting_count, in_turns, ratio
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
 from graphdyn.kernels.expressions import Recorder
 from graphdyn.kernels.programs import record
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = Draft202012Validator(json.loads((ROOT / "docs/schemas/bench-1.schema.json").read_text(encoding="utf-8")))
+SCHEMA = Draft202012Validator(json.loads((ROOT / "docs/schemas/bench-2.schema.json").read_text(encoding="utf-8")))
 SMALL = Effort(duration=1e-3, repeats=3, processes=1, most_loop=300, lengths=(2, 3, 4))
 SAMPLES = 60
 
@@ -71,6 +73,17 @@ def found():
         result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
     assert sum(steps) == PARTS
     return result
+
+
+def quiet(found):
+    """The same, as if nothing had disturbed it: all repeats alike."""
+
+    def calm(entry):
+        return replace(entry, times=Times((entry.times.median,) * len(entry.times.seconds)))
+
+    works = tuple(replace(x, core_share=1.0, entries=tuple(map(calm, x.entries))) for x in found.works)
+    once = replace(found.identification, entries=tuple(map(calm, found.identification.entries)))
+    return replace(found, works=works, identification=once, load=(Load(0.1, 2), Load(1.0, 2)))
 
 
 @pytest.fixture
@@ -132,7 +145,9 @@ class TestNumbers:
                 ours, theirs = entries[one["ours"], one["threads"]], entries[one["theirs"], one["threads"]]
                 assert ours["ours"]
                 assert not theirs["ours"]
-                assert one["ratio"] == pytest.approx(theirs["median"] / ours["median"], rel=ROUNDED)
+                quotients = [y / x for x, y in zip(ours["seconds"], theirs["seconds"], strict=True)]
+                assert one["ratio"] == pytest.approx(np.median(quotients), rel=ROUNDED)
+                assert one["quartiles"][0] <= one["ratio"] <= one["quartiles"][1]
                 assert one["fastest_ratio"] == pytest.approx(theirs["fastest"] / ours["fastest"], rel=ROUNDED)
 
     def test_times(self, found):
@@ -178,7 +193,8 @@ class TestNumbers:
             found.identification.comparisons, entries[0::2], entries[1::2], strict=True
         ):
             assert threads == ours.threads == theirs.threads
-            assert quotient.median == pytest.approx(theirs.times.median / ours.times.median, rel=ROUNDED)
+            quotients = np.array(theirs.times.seconds) / ours.times.seconds
+            assert quotient.median == pytest.approx(np.median(quotients), rel=ROUNDED)
 
     def test_once_per_process(self, found):
         assert set(found.imports) == {"numpy", "graphdyn", "pinocchio"}
@@ -280,9 +296,48 @@ class TestSaid:
                 assert (series.low[drawn] <= series.y[drawn]).all()
                 assert (series.y[drawn] <= series.high[drawn]).all()
 
+    def test_a_quiet_machine(self, found):
+        assert "Not to be trusted" not in as_text(bench_report(quiet(found)))
+
+    def test_a_busy_machine(self, found):
+        """Each reason is told, the ratios concerned are marked, and only those."""
+        still = quiet(found)
+        works = (replace(still.works[0], core_share=0.62), *still.works[1:])
+        busy = replace(still, works=works, load=(Load(12.0, 2), Load(1.0, 2)))
+        text = as_text(bench_report(busy), 140)
+        marked, every = len(still.works[0].comparisons), sum(len(x.comparisons) for x in still.works) + 2
+        assert f"Not to be trusted: {marked} of {every} ratios (marked ?)" in text
+        assert "the machine was busy before the benchmark began: 12 programs on 2 cores" in text
+        assert "inverse dynamics: runs on one thread had a core for 62% of the time" in text
+        assert len(re.findall(r"\? [\d.]+×", text)) == marked
+        written = plain(record_of(busy, []))
+        assert [work["core_share"] for work in written["works"]] == [0.62, 1, 1, 1, 1, 1]
+        assert not any(one["trusted"] for one in written["works"][0]["ratios"])
+        assert all(one["trusted"] for one in written["works"][1]["ratios"])
+        assert written["load"] == [{"programs": 12.0, "cores": 2}, {"programs": 1.0, "cores": 2}]
+
+    def test_scattered_ratios(self, found):
+        still = quiet(found)
+        first, *others = still.works[0].entries
+        seconds = tuple(k * second for k, second in zip((1, 3, 9), first.times.seconds, strict=True))
+        scattered = replace(first, times=Times(seconds))
+        works = (replace(still.works[0], entries=(scattered, *others)), *still.works[1:])
+        text = as_text(bench_report(replace(still, works=works)), 140)
+        assert re.search(r"\d ratios have an upper quartile of more than 1.5 times the lower one", text)
+
+    def test_load_that_nobody_tells(self, found, monkeypatch):
+        monkeypatch.delattr(os, "getloadavg")
+        assert load().programs is None
+        assert not load().busy
+        assert ("load", "not known before, not known after") in facts(replace(found, load=(load(), load())))
+
+    @pytest.mark.parametrize(("programs", "busy"), [(1.9, False), (2.1, True)])
+    def test_busy(self, programs, busy):
+        assert Load(programs, 4).busy is busy
+
     def test_what_could_not_take_part(self, found):
         there = replace(found, left_out={"mujoco": "it rains"}, backend="numpy", machine=(), peers={})
-        assert list(facts(there))[3:] == [
+        assert list(facts(there))[4:] == [
             ("mujoco", "left out: it rains"),
             ("graphdyn", "runs on NumPy arrays here: nothing is compiled"),
         ]
@@ -384,7 +439,24 @@ class TestParts:
 
     def test_ratio(self):
         found = ratio(Times((1.0, 2.0, 3.0)), Times((10.0, 40.0, 30.0)))
-        assert (found.median, found.fastest, found.spread) == (15.0, 10.0, (10.0, 15.0))
+        assert (found.median, found.fastest, found.spread) == (10.0, 10.0, (10.0, 15.0))
+        # one disturbed repeat of each: the quotient of the medians, 1.5, is outside the quartiles
+        found = ratio(Times((2.0, 2.0, 9.0)), Times((4.0, 3.0, 3.0)))
+        assert found.spread[0] <= found.median == 1.5 <= found.spread[1]
+
+    @pytest.mark.parametrize(("spread", "steady"), [((10.0, 14.9), True), ((10.0, 15.1), False)])
+    def test_steady(self, spread, steady):
+        assert Ratio(12.0, 12.0, spread).steady is steady
+
+    def test_core_share(self):
+        """Of runs on one thread only: sleeping is a time without a core."""
+        share = CoreShare()
+        assert share.share == 1.0
+        in_turns([lambda: time.sleep(0.01), lambda: time.sleep(0.01)], [1, 2], 2, 0.0, share)
+        assert share.elapsed >= 0.02
+        assert share.share < LEAST_SHARE
+        share = CoreShare(elapsed=3.0, used=3.1)  # clocks differ a little
+        assert share.share == 1.0
 
     @pytest.mark.parametrize(("most", "numbers"), [(1, (1,)), (2, (1, 2)), (6, (1, 2, 4, 6)), (8, (1, 2, 4, 8))])
     def test_thread_numbers(self, most, numbers):

@@ -10,12 +10,27 @@ from crosscheck.report.commands.bench_curves import curve_section
 from crosscheck.report.durations import ratio_span_text, ratio_text, span_text, threads_text, time_text
 from crosscheck.report.pictures.ratio_bars import ratio_bars
 from crosscheck.report.records.bench import record
-from crosscheck.report.report import ROOMY, Block, Column, Facts, Picture, Prose, Report, Row, Section, Table, Verdict
+from crosscheck.report.report import (
+    ROOMY,
+    Block,
+    Column,
+    Facts,
+    Note,
+    Notes,
+    Picture,
+    Prose,
+    Report,
+    Row,
+    Section,
+    Table,
+    Verdict,
+)
 from crosscheck.studies.bench.benchmark import Benchmark
 from crosscheck.studies.bench.contender import Measured, SpeedRatio
 from crosscheck.studies.bench.floor import Floor
 from crosscheck.studies.bench.identification import OURS, THEIRS, IdentificationRun, Identifications
-from crosscheck.studies.bench.timing import Times
+from crosscheck.studies.bench.load import Load
+from crosscheck.studies.bench.timing import SCATTERED, Times
 
 MORE = 100
 """Characters of a line from which times have all their columns."""
@@ -25,8 +40,8 @@ WHICH_WAY = (
     "as in {faster} of {all} comparisons."
 )
 HOW = (
-    "All contenders of a work took turns in one run. A ratio is the quotient of two medians; its quartiles are those "
-    "of repeats that followed each other."
+    "All contenders of a work took turns in one run. Median and quartiles are those of the quotients of repeats that "
+    "followed each other."
 )
 
 
@@ -59,6 +74,10 @@ def facts(found: Benchmark) -> Iterator[tuple[str, str]]:
     """What a reader must know before the numbers."""
     yield "robot", f"{found.robot}: {found.model.n_bodies} bodies, {found.samples} random states, seed {found.seed}"
     yield "repeats", f"{found.effort.repeats}, in turns"
+    yield (
+        "load",
+        " ".join(f"{_load_text(load)} {when}" for load, when in zip(found.load, ("before,", "after"), strict=True)),
+    )
     yield "cores", f"{found.cores}, compared with {' and '.join(map(threads_text, found.threads))}"
     yield from found.peers.items()
     for library, reason in found.left_out.items():
@@ -70,6 +89,34 @@ def facts(found: Benchmark) -> Iterator[tuple[str, str]]:
             f"machine, {threads_text(machine.threads)}",
             f"{machine.operations / 1e9:.3g} GFlop/s in vectors of {machine.lanes}, "
             f"{machine.bandwidth / 1e9:.3g} GB/s at best",
+        )
+
+
+def _load_text(load: Load) -> str:
+    if load.programs is None:
+        return "not known"
+    return f"{load.programs:.2g} programs on {load.cores} cores"
+
+
+def _distrust(found: Benchmark, every: Sequence[SpeedRatio]) -> Iterator[Block]:
+    """Why ratios are not to be trusted."""
+    doubtful = sum(not c.trusted for c in every)
+    waiting = [measured for measured in found.works if not measured.undisturbed]
+    reasons = [
+        *(
+            [f"the machine was busy before the benchmark began: {_load_text(found.load[0])}"]
+            if found.load[0].busy
+            else []
+        ),
+        *(f"{x.title}: runs on one thread had a core for {x.core_share:.0%} of the time" for x in waiting),
+    ]
+    scattered = sum(not c.ratio.steady for c in every)
+    if scattered:
+        reasons.append(f"{scattered} ratios have an upper quartile of more than {SCATTERED} times the lower one")
+    if reasons:
+        yield Notes(
+            tuple(map(Note, reasons)),
+            title=f"Not to be trusted: {doubtful} of {len(every)} ratios (marked ?); measure on a quiet machine",
         )
 
 
@@ -87,15 +134,16 @@ def _ratios(found: Benchmark) -> tuple[Block, ...]:
             Column("graphdyn", form=lambda name: name.removeprefix("graphdyn").strip()),
             Column("against"),
             Column("threads", "number"),
-            Column("median", "number", form=ratio_text, meaning="times as long as graphdyn"),
+            Column("median", "number", meaning="times as long as graphdyn; ?: not to be trusted"),
             Column("quartiles", "number", form=ratio_span_text, meaning="of repeats that followed each other"),
             Column("fastest", "number", form=ratio_text, meaning="of the fastest repeats", from_width=ROOMY),
         ),
         tuple(row for title, comparisons in groups for row in _ratio_rows(title, comparisons)),
-        caption="Times as long as graphdyn: quotients of the medians, quartiles over the repeats, fastest repeats",
+        caption="Times as long as graphdyn: median and quartiles over the repeats, and of the fastest repeats",
         compact=True,
     )
-    return Prose(WHICH_WAY.format(faster=faster, all=len(every))), table, Prose(HOW, soft=True)
+    which_way = Prose(WHICH_WAY.format(faster=faster, all=len(every)))
+    return which_way, *_distrust(found, every), table, Prose(HOW, soft=True)
 
 
 def _ratio_rows(title: str, comparisons: Sequence[SpeedRatio]) -> Iterator[Row]:
@@ -103,7 +151,8 @@ def _ratio_rows(title: str, comparisons: Sequence[SpeedRatio]) -> Iterator[Row]:
     before = None
     for k, c in enumerate(comparisons):
         names = "" if k else title, c.ours if c.ours != before else "", c.theirs
-        yield Row((*names, c.threads, c.ratio.median, c.ratio.spread, c.ratio.fastest), rule=not k)
+        median = f"{'' if c.trusted else '? '}{ratio_text(c.ratio.median)}"
+        yield Row((*names, c.threads, median, c.ratio.spread, c.ratio.fastest), rule=not k)
         before = c.ours
 
 

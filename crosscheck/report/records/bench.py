@@ -1,4 +1,4 @@
-"""The format `graphdyn bench 1`."""
+"""The format `graphdyn bench 2`."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from crosscheck.studies.bench.contender import Measured
 from crosscheck.studies.bench.curves import ScalingCurve
 from crosscheck.studies.bench.floor import Floor, Machine
 from crosscheck.studies.bench.identification import Identifications
+from crosscheck.studies.bench.load import Load
 
 Quartiles = Annotated[Sequence[float], Keywords(minItems=2, maxItems=2)]
 Repeats = Annotated[Sequence[float], Keywords(minItems=1)]
@@ -50,13 +51,16 @@ class BenchRatioRecord:
     """Threads that may be used."""
 
     ratio: float
-    """How many times as long theirs takes: quotient of the medians."""
+    """How many times as long theirs takes: median of the quotients of repeats that followed each other."""
 
     fastest_ratio: float
     """Quotient of the fastest repeats."""
 
     quartiles: Quartiles
     """Quartiles of the quotients of repeats that followed each other."""
+
+    trusted: bool
+    """The machine was quiet: the runs had a core, and the quartiles are close together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,6 +120,9 @@ class WorkRecord:
     agrees: bool
     """Our answers are within the bound."""
 
+    core_share: float
+    """Part of the time of runs on one thread for which they had a core: below 0.95, others disturbed them."""
+
     floor: Floor | None | None
     """What a sample takes at least on one thread of this machine; null where that is not known."""
 
@@ -134,13 +141,16 @@ class IdentificationRatioRecord:
     """Threads that may be used."""
 
     ratio: float
-    """How many times as long theirs takes: quotient of the medians."""
+    """How many times as long theirs takes: median of the quotients of repeats that followed each other."""
 
     fastest_ratio: float
     """Quotient of the fastest repeats."""
 
     quartiles: Quartiles
     """Quartiles of the quotients of repeats that followed each other."""
+
+    trusted: bool
+    """The quartiles are close together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -257,7 +267,7 @@ class CurveRecord:
 class BenchRecord:
     """How fast graphdyn is beside other libraries, measured in turns in one run. Times in seconds."""
 
-    format: Annotated[Literal["graphdyn bench 1"], FORMAT] = "graphdyn bench 1"
+    format: Annotated[Literal["graphdyn bench 2"], FORMAT] = "graphdyn bench 2"
 
     versions: Versions = field(default_factory=versions)
 
@@ -283,6 +293,9 @@ class BenchRecord:
 
     cores: int
     """Processor cores that the program may use."""
+
+    load: Annotated[Sequence[Load], Keywords(minItems=2, maxItems=2)]
+    """Of the machine, before and after."""
 
     threads: Sequence[int]
     """Numbers of threads that were compared."""
@@ -352,7 +365,10 @@ def _work(measured: Measured, floor: Floor | None) -> WorkRecord:
 def _identification(found: Identifications) -> BenchIdentificationRecord:
     return BenchIdentificationRecord(
         samples=found.samples,
-        ratios=[IdentificationRatioRecord(threads=threads, **_ratio(ratio)) for threads, ratio in found.comparisons],
+        ratios=[
+            IdentificationRatioRecord(threads=threads, trusted=ratio.steady, **_ratio(ratio))
+            for threads, ratio in found.comparisons
+        ],
         entries=[taken(WayRecord, entry, **_times(entry.times)) for entry in found.entries],
     )
 

@@ -17,6 +17,7 @@ from crosscheck.studies.bench.contender import Measured, measure
 from crosscheck.studies.bench.curves import ScalingCurve
 from crosscheck.studies.bench.floor import Floor, Machine, floor, machine
 from crosscheck.studies.bench.identification import Identifications, identifications
+from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
 from crosscheck.studies.bench.states import random_states
 from crosscheck.studies.bench.timing import Times
@@ -56,6 +57,7 @@ class Benchmark:
     threads: the numbers of threads compared; machine: limits with each of them, empty where nothing can be compiled
     floors: least times on one thread of the works that have a program
     peers: a description by library; left_out: libraries that were not measured, and why
+    load: of the machine, before and after
     imports, first_calls: seconds in fresh processes, by module and by function
     """
 
@@ -68,6 +70,7 @@ class Benchmark:
     threads: tuple[int, ...]
     backend: str
     cores: int
+    load: tuple[Load, Load]
     machine: tuple[Machine, ...]
     floors: Mapping[str, Floor]
     peers: Mapping[str, str]
@@ -109,6 +112,7 @@ def benchmark(
     counts = thread_numbers(cores() if threads is None else threads)
     compared = (1, counts[-1]) if counts[-1] > 1 else (1,)
     states = random_states(model, samples, seed)
+    before = load()
 
     done("machine", 0)
     machines = tuple(measured for used in compared if (measured := machine(used)) is not None)
@@ -152,6 +156,7 @@ def benchmark(
         threads=compared,
         backend=chosen_backend(),
         cores=cores(),
+        load=(before, load()),
         machine=machines,
         floors=floors,
         peers=_peers(works),

@@ -9,7 +9,16 @@ from functools import partial
 
 import numpy as np
 
-from crosscheck.studies.bench.timing import STEADY, Ratio, Times, fitting_count, in_turns, linear_algebra_threads, ratio
+from crosscheck.studies.bench.timing import (
+    STEADY,
+    CoreShare,
+    Ratio,
+    Times,
+    fitting_count,
+    in_turns,
+    linear_algebra_threads,
+    ratio,
+)
 from graphdyn.layout import Array
 
 ALL = sys.maxsize
@@ -17,6 +26,10 @@ ALL = sys.maxsize
 
 AMORTISED = 10_000
 """Number of samples per call from which the overhead of the call is negligible."""
+
+LEAST_SHARE = 0.95
+"""Part of their time for which runs on one thread need a core, so that ratios are to be trusted. Measured: 0.99 and
+more on a quiet machine, 0.5 where two other programs keep both of two cores busy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,29 +87,43 @@ class Entry:
 
 @dataclass(frozen=True)
 class SpeedRatio:
-    """The ratio of two entries with the same number of threads."""
+    """The ratio of two entries with the same number of threads. undisturbed: whether the runs had the cores."""
 
     ours: str
     theirs: str
     threads: int
     ratio: Ratio
+    undisturbed: bool = True
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the machine was quiet enough for it."""
+        return self.undisturbed and self.ratio.steady
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A measured work. agrees: whether the errors of our answers are within the bound."""
+    """A measured work. agrees: whether the errors of our answers are within the bound.
+
+    core_share: part of the time of its runs on one thread for which they had a core
+    """
 
     name: str
     title: str
     error: str
     bound: float
     entries: tuple[Entry, ...]
+    core_share: float = 1.0
+
+    @property
+    def undisturbed(self) -> bool:
+        return self.core_share >= LEAST_SHARE
 
     @property
     def comparisons(self) -> tuple[SpeedRatio, ...]:
         """Our form against every other entry with the same number of threads."""
         return tuple(
-            SpeedRatio(ours.name, theirs.name, ours.threads, ratio(ours.times, theirs.times))
+            SpeedRatio(ours.name, theirs.name, ours.threads, ratio(ours.times, theirs.times), self.undisturbed)
             for ours in self.entries
             if ours.ours
             for theirs in self.entries
@@ -117,12 +144,13 @@ def measure(work: Work, samples: int, duration: float, repeats: int) -> Measured
             counts.append(fitting_count(contender.run, min(contender.least, most), most, duration))
     errors = [_largest_error(contender, count) for contender, count in zip(work.contenders, counts, strict=True)]
     runs = [partial(c.run, count) for c, count in zip(work.contenders, counts, strict=True)]
-    rows = in_turns(runs, [contender.threads for contender in work.contenders], repeats, STEADY)
+    share = CoreShare()
+    rows = in_turns(runs, [contender.threads for contender in work.contenders], repeats, STEADY, share)
     entries = tuple(
         Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
         for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
     )
-    return Measured(work.name, work.title, work.error, work.bound, entries)
+    return Measured(work.name, work.title, work.error, work.bound, entries, share.share)
 
 
 def _per_sample(seconds: Sequence[float], samples: int) -> Times:

@@ -23,6 +23,10 @@ STEADY = 5e-2
 vectors; in the evaluation of millions of samples this does not matter."""
 
 
+SCATTERED = 1.5
+"""Upper over lower quartile of a ratio from which it is not to be trusted; on a quiet machine they are within 1.1."""
+
+
 @dataclass(frozen=True)
 class Times:
     """Seconds per sample, one number per repeat, in order."""
@@ -47,18 +51,41 @@ class Times:
 class Ratio:
     """The time of another implementation divided by ours.
 
-    median: quotient of the medians; fastest: of the fastest repeats; spread: quartiles of the quotients of repeats that
-    were measured directly after each other
+    median, spread: median and quartiles of the quotients of repeats that were measured directly after each other
+    fastest: quotient of the fastest repeats
     """
 
     median: float
     fastest: float
     spread: tuple[float, float]
 
+    @property
+    def steady(self) -> bool:
+        """Whether its quartiles are close together."""
+        low, high = self.spread
+        return high <= SCATTERED * low
+
 
 def ratio(ours: Times, theirs: Times) -> Ratio:
     quotients = [y / x for x, y in zip(ours.seconds, theirs.seconds, strict=True)]
-    return Ratio(theirs.median / ours.median, theirs.fastest / ours.fastest, _quartiles(quotients))
+    return Ratio(float(np.median(quotients)), theirs.fastest / ours.fastest, _quartiles(quotients))
+
+
+@dataclass
+class CoreShare:
+    """What part of the time of runs on one thread they had a core: less than all where others were at work too."""
+
+    elapsed: float = 0.0
+    used: float = 0.0
+
+    def add(self, elapsed: float, used: float) -> None:
+        self.elapsed += elapsed
+        self.used += used
+
+    @property
+    def share(self) -> float:
+        """Between 0 and 1; 1 before anything was measured."""
+        return min(1.0, self.used / self.elapsed) if self.elapsed else 1.0
 
 
 def fitting_count(run: Callable[[int], object], least: int, most: int, duration: float) -> int:
@@ -72,9 +99,17 @@ def fitting_count(run: Callable[[int], object], least: int, most: int, duration:
 
 
 def in_turns(
-    runs: Sequence[Callable[[], object]], threads: Sequence[int], repeats: int, shortest: float = SHORTEST
+    runs: Sequence[Callable[[], object]],
+    threads: Sequence[int],
+    repeats: int,
+    shortest: float = SHORTEST,
+    share: CoreShare | None = None,
 ) -> list[list[float]]:
-    """Seconds per call of each run, for every repeat. threads: number that each may use in linear algebra libraries."""
+    """Seconds per call of each run, for every repeat.
+
+    threads: number that each may use in linear algebra libraries; share: counts the runs on one thread
+    """
+    share = share or CoreShare()
     rows: list[list[float]] = [[] for _ in runs]
     in_a_row = []
     for run, count in zip(runs, threads, strict=True):
@@ -84,7 +119,11 @@ def in_turns(
     for _ in range(repeats):
         for row, run, calls, count in zip(rows, runs, in_a_row, threads, strict=True):
             with linear_algebra_threads(count):
-                row.append(_seconds(run, calls) / calls)
+                before = time.process_time()
+                elapsed = _seconds(run, calls)
+                if count == 1:
+                    share.add(elapsed, time.process_time() - before)
+                row.append(elapsed / calls)
     return rows
 
 

@@ -1,0 +1,32 @@
+"""How busy the machine is: programs that wait for a core or have one."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+BUSY = 0.5
+"""Programs per core of the machine, over the last minute, beyond which a benchmark is disturbed."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """Over the last minute."""
+
+    programs: float | None
+    """Average number of programs that had a core or waited for one; null where the system has no figure."""
+
+    cores: int
+    """Of the whole machine, of which this program may be allowed fewer."""
+
+    @property
+    def busy(self) -> bool:
+        return self.programs is not None and self.programs > BUSY * self.cores
+
+
+def load() -> Load:
+    try:
+        programs = os.getloadavg()[0]
+    except (AttributeError, OSError):  # Windows has none
+        programs = None
+    return Load(programs, os.cpu_count() or 1)
