@@ -12,6 +12,8 @@ import crosscheck
 from crosscheck.cli import main
 from crosscheck.cli.exits import DISAGREED
 from crosscheck.referee import compare as comparing
+from crosscheck.referee.baseline import BaselineIdentification
+from crosscheck.referee.error_record import ErrorRecord
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.quantities import BY_NAME, QUANTITIES, RECURSIVE
 from crosscheck.referee.reference_values import RefereeValues
@@ -261,6 +263,15 @@ class TestBaseParameters:
         assert short.identification.rank == rank > short.identification.rank_there
         assert flagged(short) == {"base_parameters"}
         assert short.quantities["base_parameters"].max_relative_error == math.inf
+
+    @pytest.mark.parametrize("rank_there", [11, 13])
+    def test_another_rank_alone(self, rank_there):
+        """However well the estimates agree."""
+        record = ErrorRecord()
+        record.add_identification(BaselineIdentification(12, rank_there, 5.0, 1e3, difference=0.0, error=0.0))
+        (result,) = record.results().values()
+        assert result.max_relative_error == math.inf
+        assert not result.agrees
 
     def test_against_the_model(self, tree, plant):
         """The estimates are judged against the model itself too: both cannot be wrong together."""

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from random_trees import NAMED, SEEDS, body_of_points, random_state, random_wrenches, robots
+from random_trees import NAMED, SEEDS, body_of_points, random_state, random_tree, random_wrenches, robots
 from witnesses import acceleration_scale, derivative, relative_error
 
 import graphdyn
 from graphdyn import Body, MaximalState, RobotModel
+from graphdyn._projected import singular
 
 EPS = np.finfo(float).eps
 
@@ -201,6 +202,37 @@ def test_solution_satisfies_the_equations_as_the_paper_writes_them(robot):
     assert relative_error(k.constraint_jacobian @ s.acceleration, k.zeta, s.acceleration) < RESIDUAL
     wrong = graphdyn.KKTSolution(k, s.acceleration + 1e-6, s.stacked_multipliers)
     assert wrong.dynamics_residual() > 1e3 * s.dynamics_residual()
+
+
+@pytest.mark.parametrize("seed", [3, 8])
+def test_every_row_balances_on_its_own_scale(seed):
+    """Masses from 1e-6 to 1e6 in a chain: without iterative refinement, rows of light bodies are off by up to 1e-13."""
+    chain = random_tree(seed, range(6), ["revolute"] * 6)
+    sizes = 10.0 ** np.random.default_rng(seed).uniform(-6, 6, 6)
+    chain = chain.with_inertial_parameters((chain.inertial_parameters.reshape(6, 10) * sizes[:, None]).ravel())
+    k = graphdyn.kkt_system(chain, *random_state(chain, seed))
+    s = k.solve()
+    unknowns = np.concatenate([s.acceleration, s.stacked_multipliers])
+    terms = np.abs(k.matrix) @ np.abs(unknowns) + np.abs(k.rhs)
+    assert (np.abs(k.matrix @ unknowns - k.rhs) / terms).max() < 4 * EPS
+
+
+def test_constraints_have_the_scale_of_the_accelerations():
+    """A row whose terms all vanish beside large accelerations: φ_q q̈ = ζ is as exact as q̈ is."""
+    a = np.array([1e6, 0.0, 0.0, 0.0, 0.0, 1.0])
+    rows = np.eye(6)[1:]
+    k = graphdyn.KKTSystem(np.eye(6), rows, np.zeros(6), np.array([1e-10, 0, 0, 0, 1.0]))
+    residual = graphdyn.KKTSolution(k, a, np.zeros(5)).constraint_residual()
+    assert residual == pytest.approx(1e-16)
+
+
+@pytest.mark.parametrize(("eigenvalue", "is_singular"), [(1e-14, False), (2e-15, False), (3e-16, True), (0.0, True)])
+def test_where_a_mass_matrix_counts_as_singular(eigenvalue, is_singular):
+    """Scaled to unit diagonal, at n eps of the largest eigenvalue, here 2 × 2.2e-16 of 2: whatever the units."""
+    mass = np.array([[1.0, 1.0 - eigenvalue], [1.0 - eigenvalue, 1.0]])
+    for unit in (1.0, 1e-9, 1e9):
+        units = np.diag([1.0, unit])
+        assert bool(singular(units @ mass @ units)) is is_singular
 
 
 def test_condition_number_is_the_ratio_of_the_extreme_singular_values(robot):

@@ -3,13 +3,16 @@
 import mpmath
 import numpy as np
 import pytest
-from back_ends import COMPILED, on
+from back_ends import BACK_ENDS, COMPILED, on
 from random_trees import NAMED
 
 import graphdyn
+from graphdyn import Body, Joint, Placement, RobotModel
 from graphdyn.kernels.expressions import Recorder
 from graphdyn.kernels.interpreter import Interpreter
 from graphdyn.kernels.native import CompiledProgram, host_lanes
+from graphdyn.kernels.programs import pivot_scales
+from graphdyn.kernels.running import turned_back
 from graphdyn.kernels.sines import FARTHEST
 
 ULPS = {100.0: 1.5, FARTHEST: 2.5}
@@ -104,6 +107,35 @@ def test_angles_beyond_the_reduction_are_brought_back_first(back_end, angle):
     assert np.array_equal(found.joint_wrenches[others], plain.joint_wrenches[others])
     there = graphdyn.inverse_dynamics(model, slid, v, a, method="projected")
     assert np.abs(away - there.tau).max() < TURNED * np.abs(there.joint_wrenches).max()
+
+
+@pytest.mark.parametrize("back_end", BACK_ENDS)
+def test_a_slide_is_not_turned_back(back_end):
+    """Positions beyond FARTHEST on a slide with a turning joint after it: nothing is periodic in meters."""
+    slide = Joint("slide", "prismatic", 0, Placement(), [1, 0, 0])
+    turn = Joint("turn", "revolute", 1, Placement(np.eye(3), [0, 0.5, 0]), [0, 1, 0])
+    bodies = (Body("carriage", 2.0, [0, 0, 0], np.eye(3)), Body("arm", 1.0, [0.3, 0, 0], np.eye(3)))
+    model = RobotModel("crane", bodies, (slide, turn))
+    far = np.array([[3e6, 0.3]])
+    with on(back_end):
+        state = graphdyn.maximal_state(model, far, method="recursive")
+    assert state.position[0, 0].tolist() == [3e6, 0.0, 0.0]
+    assert turned_back(model, np.array([[3e6, 3e6]]))[0].tolist() == [
+        3e6,
+        pytest.approx(np.angle(np.exp(3e6j)), abs=1e-9),
+    ]
+
+
+def test_scales_of_pivots():
+    """The stretched arm by hand: bodies of 2 kg at 0.3 m and 1 kg at 0.4 m; joint 2 is 0.5 m off and slides 1 m."""
+    tensor = np.diag([0.01, 0.02, 0.02])
+    bodies = Body("one", 2.0, [0, 0, 0.3], tensor), Body("two", 1.0, [0.4, 0, 0], np.zeros((3, 3)))
+    joints = (
+        Joint("turn", "revolute", 0, Placement(np.eye(3), [0, 0, 9.0]), [0, 1, 0]),
+        Joint("slide", "prismatic", 1, Placement(np.eye(3), [0.5, 0, 0]), [1, 0, 0]),
+    )
+    turning = 2.0 * 0.3**2 + 0.03 + 1.0 * (0.5 + 1.0 + 0.4) ** 2
+    assert pivot_scales(RobotModel("arm", bodies, joints)) == pytest.approx([turning, 1.0])
 
 
 def test_the_interpreter_has_the_sine_of_numpy():
