@@ -11,8 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.identifying.preparation import samples_of
-from crosscheck.recordings import Provenance, Recording, recording_of
+from crosscheck.recordings import Provenance, Recording, recording_of, samples_of
 from crosscheck.referee.subject import Lock, Robot, Subject, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn import record as virtual_experiment
@@ -122,7 +121,7 @@ def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Reco
 
 def _truth(torque_model: TorqueModel, motion: Recording, rng: np.random.Generator) -> Array:
     """The bodies of the model, and drive parameters whose torques have the size DRIVES, randomly ±50 %."""
-    samples = samples_of(motion.take(slice(None, None, -(-len(motion.t) // ENOUGH))))
+    (samples,) = samples_of(motion.take(slice(None, None, -(-len(motion.t) // ENOUGH))))
     size = np.sqrt(np.mean(samples.tau**2, axis=0))
     columns = np.sqrt(np.mean(torque_model.rows(samples) ** 2, axis=0))
     x = torque_model.prior()
@@ -136,7 +135,7 @@ def _measured(
     torque_model: TorqueModel, truth: Array, motion: Recording, rng: np.random.Generator, name: str
 ) -> Recording:
     """The motion as measured: with friction and noise, without velocities and accelerations."""
-    exact = samples_of(motion)
+    (exact,) = samples_of(motion)
     tau = np.concatenate([torque_model.torque(piece, truth) for piece in exact.pieces(PIECE)])
     wrenches = motion.channel("joint_wrenches")
 

@@ -1,6 +1,6 @@
 """Recordings: read from files of many formats, checked, filtered, differentiated and split."""
 
-from crosscheck.recordings.decimation import decimated, decimated_columns
+from crosscheck.recordings.decimation import decimated_columns
 from crosscheck.recordings.derivatives import chosen_cutoff, derivative, differentiated
 from crosscheck.recordings.errors import AmbiguousColumns, BadMapping, BadRecordingFile, DirtyRecording
 from crosscheck.recordings.filtering import lowpass
@@ -10,6 +10,7 @@ from crosscheck.recordings.mapping import ColumnMapping, load_mapping, mapping_o
 from crosscheck.recordings.noise_floor import ResidualAnalysis, residual_analysis
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
 from crosscheck.recordings.resampling import resampled, sampling_rate
+from crosscheck.recordings.row_filters import samples_of
 from crosscheck.recordings.splits import Split, fold_numbers, split_by_file, split_by_rows, split_by_time, time_folds
 from crosscheck.recordings.streaming import StreamedRecording
 from crosscheck.recordings.virtual_recording_files import load_virtual_recording, save_virtual_recording
@@ -29,7 +30,6 @@ __all__ = [
     "StreamedRecording",
     "chosen_cutoff",
     "concatenated",
-    "decimated",
     "decimated_columns",
     "derivative",
     "differentiated",
@@ -43,6 +43,7 @@ __all__ = [
     "recording_of",
     "resampled",
     "residual_analysis",
+    "samples_of",
     "sampling_rate",
     "save_virtual_recording",
     "split_by_file",

@@ -9,7 +9,6 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.recordings.recording import JOINT_CHANNELS, OPTIONAL_CHANNELS, Recording
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
@@ -49,38 +48,19 @@ def _anti_aliasing(factor: int) -> Array:
     return np.asarray(cheby1(8, 0.05, 0.8 / factor, output="sos"))
 
 
+def slowest_pole(factor: int) -> float:
+    """Largest modulus of the poles of the filter: from row to row its slowest mode decays by this factor."""
+    from scipy.signal import sos2zpk
+
+    return float(np.abs(sos2zpk(_anti_aliasing(factor))[1]).max())
+
+
 def rows_needed(factors: Sequence[int]) -> int:
     """The fewest rows of a block that every stage can filter."""
     needed = PADDING + 1
     for factor in reversed(factors[:-1]):
         needed = (needed - 1) * factor + 1
     return needed
-
-
-def decimated(recording: Recording, factors: Sequence[int]) -> Recording:
-    """The recording with all its channels decimated, block by block; its time is that of the rows that stay.
-
-    Blocks too short for a stage are left out, which the provenance states. Raises InvalidInput as decimated_columns,
-    and where no block is left.
-    """
-    _check(factors)
-    needed = rows_needed(factors)
-    long = [rows for rows in recording.block_slices if rows.stop - rows.start >= needed]
-    if not long:
-        raise InvalidInput(
-            f"no block has the {needed} rows that decimation by {tuple(factors)} needs; use smaller factors"
-        )
-    names = [name for name in (*JOINT_CHANNELS, *OPTIONAL_CHANNELS) if getattr(recording, name) is not None]
-    changed = {
-        name: np.concatenate([decimated_columns(getattr(recording, name)[rows], factors) for rows in long])
-        for name in names
-    }
-    stay = np.concatenate([np.arange(rows.start, rows.stop, int(np.prod(factors))) for rows in long])
-    step = f"decimated by {' and '.join(map(str, factors))}, zero-phase"
-    left_out = [str(recording.block[rows.start]) for rows in recording.block_slices if rows not in long]
-    if left_out:
-        step += f", without the blocks {', '.join(left_out)} of fewer than {needed} rows"
-    return recording.take(stay, step, **changed)
 
 
 def _check(factors: Sequence[int]) -> None:

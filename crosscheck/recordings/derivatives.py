@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.recordings.filtering import border, lowpass, padding
+from crosscheck.recordings.filtering import ORDER, border, check_cutoff, lowpass, padding
 from crosscheck.recordings.noise_floor import residual_analysis
 from crosscheck.recordings.recording import JOINT_CHANNELS, Recording
 from crosscheck.recordings.resampling import is_even, resampled, sampling_rate
@@ -30,27 +30,28 @@ def derivative(values: Array, rate: float) -> Array:
     return np.asarray(savgol_filter(values, STENCIL, STENCIL - 1, deriv=1, delta=1 / rate, axis=0))
 
 
-def chosen_cutoff(recording: Recording, order: int = 4) -> float:
+def chosen_cutoff(recording: Recording) -> float:
     """The largest cutoff [Hz] that residual analysis chooses for a joint's position, in the longest block."""
     rows = max(recording.block_slices, key=lambda rows: rows.stop - rows.start)
     rate = sampling_rate(recording)
     moving = [q for q in recording.q[rows].T if np.ptp(q) > 0]
     if not moving:
         raise InvalidInput("no joint moves, so no cutoff can be chosen; give the cutoff")
-    return max(residual_analysis(q, rate, order).cutoff for q in moving)
+    return max(residual_analysis(q, rate).cutoff for q in moving)
 
 
 def differentiated(
-    recording: Recording, cutoff: Cutoff, *, order: int = 4, velocity: Literal["recorded", "derived"] = "recorded"
+    recording: Recording, cutoff: Cutoff, *, velocity: Literal["recorded", "derived"] = "recorded"
 ) -> Recording:
     """The recording with v and a: filtered without phase shift, differentiated, the borders of its blocks cut off.
 
     cutoff: [Hz] of all channels, or per channel ({"q": 100.0}; the others stay as they are), or "residual": chosen from
         the positions by residual analysis, or None: no filter
-    order: of the Butterworth filter, one pass
     velocity: "recorded" takes v where the recording has it; "derived" differentiates q in any case
 
-    v is the derivative of the filtered q unless recorded, a that of v unless recorded. A recording with uneven steps is
+    v is the derivative of the filtered q unless recorded, a that of v unless recorded. tau stays as it is, because what
+    is filtered alone no longer fits its regressor: its cutoff is kept in `torque_cutoff`, and the identification
+    filters tau and every column of the regressor alike (crosscheck.samples_of). A recording with uneven steps is
     resampled first. Blocks shorter than their borders are left out. The provenance lists these steps.
 
     Raises InvalidInput for other channels, cutoffs from half the sampling rate on, and where no block is left.
@@ -63,9 +64,12 @@ def differentiated(
     recorded = [name for name in JOINT_CHANNELS if getattr(recording, name) is not None]
     if velocity == "derived":
         recorded = [name for name in recorded if name not in ("v", "a")]
-    cutoffs = _cutoffs(recording, cutoff, order, recorded)
-    cut = max([border(rate, frequency, order) for frequency in cutoffs.values()], default=0) + STENCIL - 1
-    needed = max(2 * cut + 1, padding(order) + 1)
+    cutoffs = _cutoffs(recording, cutoff, recorded)
+    for frequency in cutoffs.values():
+        check_cutoff(rate, frequency)
+    now = {name: frequency for name, frequency in cutoffs.items() if name != "tau"}
+    cut = max([border(rate, frequency) for frequency in now.values()], default=0) + STENCIL - 1
+    needed = max(2 * cut + 1, padding() + 1)
     parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *JOINT_CHANNELS)}
     short = []
     for rows in recording.block_slices:
@@ -73,7 +77,7 @@ def differentiated(
             short.append(int(recording.block[rows.start]))
             continue
         block = {name: recording.channel(name)[rows] for name in recorded}
-        block |= {name: lowpass(block[name], rate, frequency, order) for name, frequency in cutoffs.items()}
+        block |= {name: lowpass(block[name], rate, frequency) for name, frequency in now.items()}
         block.setdefault("v", derivative(block["q"], rate))
         block.setdefault("a", derivative(block["v"], rate))
         for name, values in block.items():
@@ -85,8 +89,9 @@ def differentiated(
             f"the longest block has {longest} rows, {needed} are needed with borders of {cut} rows; "
             "choose a higher cutoff, or record longer"
         )
-    filtered = ", ".join(f"{name} {frequency:.4g} Hz" for name, frequency in cutoffs.items())
-    steps = [f"zero-phase Butterworth low-pass of order {order}: {filtered}"] if cutoffs else ["no filter"]
+    words = {"tau": "tau and every column of the regressor"}
+    filtered = ", ".join(f"{words.get(name, name)} {frequency:.4g} Hz" for name, frequency in cutoffs.items())
+    steps = [f"zero-phase Butterworth low-pass of order {ORDER}: {filtered}"] if cutoffs else ["no filter"]
     steps.append(", ".join(name for name in ("v", "a") if name not in recorded) + " by central differences")
     steps.append(f"{cut} rows cut at both ends of each block")
     if cutoff == "residual":
@@ -94,10 +99,12 @@ def differentiated(
     if short:
         steps.append(f"without the blocks {', '.join(map(str, short))} of fewer than {needed} rows")
     changed = {name: np.concatenate(part) for name, part in parts.items() if part and name != "rows"}
+    if "tau" in cutoffs:
+        changed["torque_cutoff"] = np.full(len(changed["q"]), cutoffs["tau"])
     return recording.take(np.concatenate(parts["rows"]), "; ".join(steps), **changed)
 
 
-def _cutoffs(recording: Recording, cutoff: Cutoff, order: int, recorded: list[str]) -> dict[str, float]:
+def _cutoffs(recording: Recording, cutoff: Cutoff, recorded: list[str]) -> dict[str, float]:
     """Cutoff [Hz] of every channel that is to be filtered."""
     if cutoff is None:
         return {}
@@ -109,5 +116,5 @@ def _cutoffs(recording: Recording, cutoff: Cutoff, order: int, recorded: list[st
     if isinstance(cutoff, str):
         if cutoff != "residual":
             raise InvalidInput(f"cutoff is '{cutoff}'; give it in Hz, per channel, or 'residual'")
-        cutoff = chosen_cutoff(recording, order)
+        cutoff = chosen_cutoff(recording)
     return dict.fromkeys(recorded, cutoff)

@@ -7,11 +7,14 @@ import numpy as np
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
+ORDER = 4
+"""Of the Butterworth filter unless told otherwise, one pass."""
+
 BORDER_DECAY = 1e-3
 """Part of its initial value to which the slowest mode of the filter has decayed at the end of the border."""
 
 
-def lowpass(values: Array, rate: float, cutoff: float, order: int = 4) -> Array:
+def lowpass(values: Array, rate: float, cutoff: float, order: int = ORDER) -> Array:
     """Values (N, …) sampled at the rate [Hz], filtered along the rows; N must exceed padding(order).
 
     cutoff [Hz], order: of one pass. The two passes together have zero phase and twice the attenuation, 6 dB at the
@@ -21,10 +24,7 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = 4) -> Array:
     """
     from scipy.signal import butter, sosfiltfilt
 
-    if not 0 < cutoff < rate / 2:
-        raise InvalidInput(
-            f"cutoff is {cutoff:g} Hz at {rate:g} samples per second; choose one between zero and {rate / 2:g} Hz"
-        )
+    check_cutoff(rate, cutoff)
     if order < 1:
         raise InvalidInput(f"the order of the filter is {order}; choose 1 or more, usually 4")
     if len(values) <= padding(order):
@@ -35,12 +35,20 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = 4) -> Array:
     return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding(order)))
 
 
-def padding(order: int) -> int:
+def check_cutoff(rate: float, cutoff: float) -> None:
+    """Raises InvalidInput for a cutoff outside 0 … rate/2."""
+    if not 0 < cutoff < rate / 2:
+        raise InvalidInput(
+            f"cutoff is {cutoff:g} Hz at {rate:g} samples per second; choose one between zero and {rate / 2:g} Hz"
+        )
+
+
+def padding(order: int = ORDER) -> int:
     """Rows by which a block is extended on both sides: three times the filter's number of coefficients, as in SciPy."""
     return 3 * (order + 1)
 
 
-def border(rate: float, cutoff: float, order: int = 4) -> int:
+def border(rate: float, cutoff: float, order: int = ORDER) -> int:
     """Number of rows at each end that still depend on how the data were extended beyond it.
 
     The slowest pair of poles of a Butterworth filter decays at 2π cutoff sin(π / 2 order).

@@ -46,6 +46,8 @@ class Recording:
     block: number of the uninterrupted piece of time, not decreasing   (N,); nothing is filtered across two of them
     rows: row in its file, from 0; after resampling, the nearest       (N,)
     file: number of the file in provenance.files                       (N,)
+    torque_cutoff: of the low-pass through which tau is still to go, together with every column of the regressor
+        (crosscheck.samples_of); infinite where it stays as it is      (N,)       [Hz]
 
     Arrays are copied and read-only. Raises InvalidInput, with channel and row, for wrong shapes, NaN or infinity, and
     times that do not increase inside a block.
@@ -63,6 +65,7 @@ class Recording:
     block: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
     rows: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
     file: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
+    torque_cutoff: Array = None  # type: ignore[assignment]  # __post_init__ fills it
     provenance: Provenance = Provenance()
     findings: tuple[RecordingFinding, ...] = ()
 
@@ -84,6 +87,8 @@ class Recording:
             given = getattr(self, name)
             labels = np.array(default if given is None else given, dtype=np.intp)
             object.__setattr__(self, name, _checked(name, labels, (count,)))
+        cutoff = np.full(count, np.inf) if self.torque_cutoff is None else np.array(self.torque_cutoff, dtype=float)
+        object.__setattr__(self, "torque_cutoff", _shaped("torque_cutoff", cutoff, (count,)))
         steps, same = np.diff(self.t), np.diff(self.block)
         if np.any(same < 0):
             raise InvalidInput("the blocks of a recording are not in order; number them in the order of the rows")
@@ -121,7 +126,7 @@ class Recording:
 
     def take(self, rows: Any, step: str | None = None, **changed: Any) -> Recording:
         """The recording of these rows (mask, indices or slice), with other changes; step is added to its provenance."""
-        names = ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "block", "rows", "file")
+        names = ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "block", "rows", "file", "torque_cutoff")
         taken = {name: getattr(self, name)[rows] for name in names if getattr(self, name) is not None}
         return replace(self, **(taken | changed), provenance=self._after(step))
 
@@ -130,11 +135,15 @@ class Recording:
 
 
 def _checked(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    if array.shape != shape:
-        raise InvalidInput(f"{name} has shape {array.shape}, expected {shape}")
-    bad = np.argwhere(~np.isfinite(array))
+    bad = np.argwhere(~np.isfinite(_shaped(name, array, shape)))
     if bad.size:
         raise InvalidInput(f"{name} is {array[tuple(bad[0])]} in row {bad[0][0]}; leave out the rows without numbers")
+    return array
+
+
+def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    if array.shape != shape:
+        raise InvalidInput(f"{name} has shape {array.shape}, expected {shape}")
     array.setflags(write=False)
     return array
 
@@ -175,7 +184,7 @@ def concatenated(recordings: Sequence[Recording]) -> Recording:
                 "give recordings of the same joints"
             )
     joined: dict[str, Any] = {}
-    for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "rows"):
+    for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "rows", "torque_cutoff"):
         parts = [getattr(recording, name) for recording in recordings]
         joined[name] = np.concatenate(parts) if all(part is not None for part in parts) else None
     block: list[NDArray[np.intp]] = []

@@ -39,7 +39,7 @@ def resampled(recording: Recording, rate: float | None = None) -> Recording:
     own = sampling_rate(recording)
     rate = own if rate is None else rate
     if not (np.isfinite(rate) and rate >= own * (1 - EVEN)):
-        raise InvalidInput(f"rate is {rate:g} Hz, the recording has {own:g} Hz; use decimated to lower it")
+        raise InvalidInput(f"rate is {rate:g} Hz, the recording has {own:g} Hz; a lower one would alias")
     names = [name for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS) if getattr(recording, name) is not None]
     parts: dict[str, list[np.ndarray]] = {name: [] for name in (*names, "nearest")}
     short = []

@@ -25,16 +25,14 @@ from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.resampling import EVEN
+from crosscheck.recordings.row_filters import BORDERS, torque_filter
 from crosscheck.recordings.table import RecordedTable
 from graphdyn import InvalidInput
-from graphdyn.identification import Samples
+from graphdyn.identification import RowFilter, Samples
 from graphdyn.layout import Array
 
 WINDOW = 20_000
 """Default number of rows in memory at once: 4 MB for a six-axis arm."""
-
-BORDERS = 2
-"""Number of filter borders that are cut off on both sides of a window: derivatives amplify what one border leaves."""
 
 AT_ONCE = 1 << 20
 """Part of a CSV file that is parsed at once [bytes]."""
@@ -63,6 +61,7 @@ class StreamedRecording:
     def __iter__(self) -> Iterator[Samples]:
         """Pieces in order. Raises BadRecordingFile, BadMapping, InvalidInput, OSError."""
         whole: Recording | None = None
+        row_filter: RowFilter | None = None
         first = 0
         for part in self._parts():
             whole = part if whole is None else _appended(whole, part)
@@ -75,13 +74,15 @@ class StreamedRecording:
                         f"{overlap}, or a higher cutoff"
                     )
                 inner = (BORDERS - 1) * border
-                yield _samples(done, inner if first else 0, inner)
+                row_filter = row_filter if first else torque_filter(done)
+                yield _samples(done, row_filter, inner if first else 0, inner)
                 first += len(whole.t) - overlap
                 whole = whole.take(slice(len(whole.t) - overlap, None))
         if whole is None:
             raise BadRecordingFile(f"{self.path}: no rows; record at least one")
         done, border = self._differentiated(whole, first)
-        yield _samples(done, (BORDERS - 1) * border if first else 0, 0)
+        row_filter = row_filter if first else torque_filter(done)
+        yield _samples(done, row_filter, (BORDERS - 1) * border if first else 0, 0)
 
     def _differentiated(self, recording: Recording, first: int) -> tuple[Recording, int]:
         """The window with v and a, and the rows that were cut at both of its ends. first: row of the file."""
@@ -138,10 +139,10 @@ def _appended(recording: Recording, part: Recording) -> Recording:
     return Recording(recording.joint_names, **joined, prismatic=recording.prismatic, provenance=recording.provenance)
 
 
-def _samples(done: Recording, before: int, after: int) -> Samples:
-    """The recording as samples, without these numbers of rows at its beginning and end."""
+def _samples(done: Recording, row_filter: RowFilter | None, before: int, after: int) -> Samples:
+    """The recording without these numbers of rows at its beginning and end; one without rows before is the first."""
     q, v, a, tau = (done.channel(name)[before : len(done.t) - after] for name in ("q", "v", "a", "tau"))
-    return Samples(q, v, a, tau)
+    return Samples(q, v, a, tau, row_filter=row_filter, continues=before > 0)
 
 
 def _tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[RecordedTable]:

@@ -44,6 +44,7 @@ from graphdyn.identification.prior import Prior, model_prior
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.rank_revealing import ParameterEstimate
 from graphdyn.identification.residual_statistics import ResidualSizes, ResidualStatistics, residual_statistics
+from graphdyn.identification.row_filter import RowFilter
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.torque_model import TorqueModel
 
@@ -74,6 +75,7 @@ __all__ = [
     "ResidualStatistics",
     "ReweightedLeastSquares",
     "Ridge",
+    "RowFilter",
     "Samples",
     "TorqueModel",
     "WeightedLeastSquares",

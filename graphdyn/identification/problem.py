@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,9 @@ from graphdyn.identification.base_parameters import RANK, BaseParameters, base_p
 from graphdyn.identification.compressed import CompressedEquations, merged
 from graphdyn.identification.direct_sums import DirectSums
 from graphdyn.identification.one_thread import one_thread
+from graphdyn.identification.parallel_filtering import filtered
+from graphdyn.identification.rows import Rows
+from graphdyn.identification.runs import Run, runs
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.structure import ParameterStructure, structure
 from graphdyn.identification.torque_model import TorqueModel
@@ -43,36 +47,7 @@ NOTHING = (
     "opens its file in __iter__"
 )
 
-RowFilter = Callable[[Array], Array]
-"""(N, k) → (M, k) along time: parallel filtering and decimation of the columns of the regressor and of the torque."""
-
-
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Equations of consecutive samples, W x = τ, in the base parameters of the structure.
-
-    matrix: W (N, n, b); right: measured minus known torque (N, n); measured: measured torque (N, n)
-    velocity: (N, n); kept: which count in the fit (N, n)
-    block: number of the time block; first: whether a piece of recording starts here
-    """
-
-    matrix: Array
-    right: Array
-    measured: Array
-    velocity: Array
-    kept: NDArray[np.bool_]
-    block: int = 0
-    first: bool = False
-
-    def __getitem__(self, rows: slice) -> Rows:
-        return replace(
-            self,
-            matrix=self.matrix[rows],
-            right=self.right[rows],
-            measured=self.measured[rows],
-            velocity=self.velocity[rows],
-            kept=self.kept[rows],
-        )
+P = TypeVar("P", Rows, Rows | Samples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +59,6 @@ class Problem:
     n_blocks: time blocks for cross-validation and block standard deviations
     block_samples: samples per time block instead; needed where the data can be read once only
     min_speed: equations of joint j with |v_j| below it are left out of the fit, one for all or (n,) [rad/s or m/s]
-    row_filter: applied to every column of the regressor, to the torque and to v of each piece as a whole
     compression: "qr", or "gram" for well-conditioned data
     rank_tolerance: smallest |R_kk| / |R_11| of the recording that counts as determined
     progress: called with the number of samples of every chunk read
@@ -95,7 +69,6 @@ class Problem:
     n_blocks: int = BLOCKS
     block_samples: int | None = None
     min_speed: ArrayLike = 0.0
-    row_filter: RowFilter | None = None
     compression: Compression = "qr"
     rank_tolerance: float = RANK
     progress: Callable[[int], None] | None = None
@@ -127,11 +100,14 @@ class Problem:
     def recorded(self) -> tuple[CompressedEquations, ...]:
         """Factors of every time block that has samples, in the base parameters of the structure."""
         blocks: dict[int, Accumulator] = defaultdict(self._accumulator)
-        if self.compression == "gram" and self.row_filter is None:
+        if self.compression == "gram":
             sums = DirectSums(self.torque_model, self.structure)
-            for samples, block in self._cut_samples():
-                kept = np.abs(samples.v) >= self.min_speed
-                blocks[block].add_gram(sums(samples, kept), kept.sum(axis=0))
+            for part, block in self._cut(self._equations_or_samples()):
+                if isinstance(part, Samples):
+                    kept = np.abs(part.v) >= self.min_speed
+                    blocks[block].add_gram(sums(part, kept), kept.sum(axis=0))
+                else:
+                    blocks[block].add(part.matrix, part.right, kept=part.kept)
         else:
             for rows in self.rows():
                 blocks[rows.block].add(rows.matrix, rows.right, kept=rows.kept)
@@ -198,7 +174,8 @@ class Problem:
             yield from self._memory
             return
         size, few = 0, list[Rows]()
-        for rows in self._cut_rows():
+        for part, block in self._cut(self._equations()):
+            rows = replace(part, block=block)
             size += rows.matrix.nbytes
             few = [*few, rows] if size <= REMEMBERED else []
             yield rows
@@ -206,80 +183,66 @@ class Problem:
             raise InvalidInput(NOTHING)
         self._memory.extend(few)
 
-    def _cut_rows(self) -> Iterator[Rows]:
-        """Chunks cut at the borders of the time blocks."""
+    def _cut(self, parts: Iterable[P]) -> Iterator[tuple[P, int]]:
+        """Parts of the recording cut at the borders of the time blocks, and the number of their block."""
         position = 0
-        for piece in self._pieces():
-            first = True
-            for chunk in self._chunks(piece):
-                start = 0
-                while start < len(chunk.right):
-                    block, within = divmod(position, self._block_samples)
-                    part = chunk[start : start + self._block_samples - within]
-                    yield replace(part, block=block, first=first)
-                    first, start, position = False, start + len(part.right), position + len(part.right)
-
-    def _cut_samples(self) -> Iterator[tuple[Samples, int]]:
-        """Pieces of the recording cut at the borders of the time blocks, and the number of their block."""
-        position = 0
-        for piece in self._pieces():
+        for part in parts:
             start = 0
-            while start < len(piece):
-                block, within = divmod(position + start, self._block_samples)
-                part = piece[start : min(start + self._block_samples - within, start + SUMMED)]
-                if self.progress is not None:
-                    self.progress(len(part))
-                yield part, block
-                start += len(part)
-            position += len(piece)
+            while start < len(part):
+                block, within = divmod(position, self._block_samples)
+                cut = part[start : start + self._block_samples - within]
+                yield cut, block
+                start, position = start + len(cut), position + len(cut)
 
-    def _chunks(self, piece: Samples) -> Iterator[Rows]:
-        chunks = map(self._equations, piece.pieces(CHUNK))
-        if self.row_filter is None:
-            yield from chunks
+    def _equations(self) -> Iterator[Rows]:
+        for run in self._runs():
+            yield from self._equations_of(run)
+
+    def _equations_or_samples(self) -> Iterator[Rows | Samples]:
+        """The samples where no filter stands between them and their sums, the filtered equations elsewhere."""
+        for run in self._runs():
+            if run.row_filter is None:
+                yield from map(self._told, run.pieces(SUMMED))
+            else:
+                yield from self._equations_of(run)
+
+    def _equations_of(self, run: Run) -> Iterator[Rows]:
+        chunks = map(self._unfiltered, run.pieces(CHUNK))
+        if run.row_filter is not None:
+            yield from filtered(chunks, run.row_filter, self.structure.support, self.min_speed)
             return
-        parts = [(chunk.matrix, chunk.right, chunk.measured, chunk.velocity) for chunk in chunks]
-        whole = [np.concatenate(arrays) for arrays in zip(*parts, strict=True)]
-        filtered = [_along_time(self.row_filter, array) for array in whole]
-        matrix, right, measured, velocity = filtered
-        rows = Rows(matrix, right, measured, velocity, np.abs(velocity) >= self.min_speed)
-        for start in range(0, len(right), CHUNK):
-            yield rows[start : start + CHUNK]
+        for number, rows in enumerate(chunks):
+            yield replace(rows, first=number == 0)
 
-    def _equations(self, samples: Samples) -> Rows:
-        if self.progress is not None:
-            self.progress(len(samples))
+    def _unfiltered(self, samples: Samples) -> Rows:
+        self._told(samples)
         matrix = self.torque_model.rows(samples, self.structure.base.independent)
         measured, velocity = np.asarray(samples.tau, dtype=float), np.asarray(samples.v, dtype=float)
         right = measured - self.torque_model.known_torque(samples)
         return Rows(matrix, right, measured, velocity, np.abs(velocity) >= self.min_speed)
 
-    def _pieces(self) -> Iterator[Samples]:
-        for piece in [self.data] if isinstance(self.data, Samples) else self.data:
-            if not isinstance(piece, Samples):
-                raise InvalidInput(f"the data hold a {type(piece).__name__}; every piece must be Samples(q, v, a, tau)")
-            if piece.q.shape[1] != self.n_joints:
-                raise InvalidInput(
-                    f"the samples have {piece.q.shape[1]} joints, robot '{self.torque_model.model.name}' has "
-                    f"{self.n_joints}: {', '.join(self.torque_model.model.joint_names)}"
-                )
-            yield piece
+    def _told(self, samples: Samples) -> Samples:
+        if self.progress is not None:
+            self.progress(len(samples))
+        return samples
+
+    def _runs(self) -> Iterator[Run]:
+        """Raises InvalidInput for pieces that are none, or of other joints."""
+        return runs(self._checked(piece) for piece in ([self.data] if isinstance(self.data, Samples) else self.data))
+
+    def _checked(self, piece: Samples) -> Samples:
+        if not isinstance(piece, Samples):
+            raise InvalidInput(f"the data hold a {type(piece).__name__}; every piece must be Samples(q, v, a, tau)")
+        if piece.q.shape[1] != self.n_joints:
+            raise InvalidInput(
+                f"the samples have {piece.q.shape[1]} joints, robot '{self.torque_model.model.name}' has "
+                f"{self.n_joints}: {', '.join(self.torque_model.model.joint_names)}"
+            )
+        return piece
 
     @cached_property
     def _block_samples(self) -> int:
         """Rows per time block."""
         if self.block_samples is not None:
             return self.block_samples
-        lengths = (len(p) if self.row_filter is None else len(self.row_filter(p.v)) for p in self._pieces())
-        return max(1, -(-sum(lengths) // self.n_blocks))
-
-
-def _along_time(row_filter: RowFilter, array: Array) -> Array:
-    """The filter on (N, …), one column at a time."""
-    columns = [row_filter(column[:, None])[:, 0] for column in array.reshape(len(array), -1).T]
-    lengths = sorted({len(column) for column in columns})
-    if len(lengths) > 1:
-        raise InvalidInput(
-            f"the row filter answers {', '.join(map(str, lengths))} rows for different columns; it must treat all alike"
-        )
-    return np.stack(columns, axis=-1).reshape(-1, *array.shape[1:])
+        return max(1, -(-sum(run.filtered_length() for run in self._runs()) // self.n_blocks))

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.problem import Problem, Rows
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.rows import Rows
 from graphdyn.layout import Array
 
 MOVING = 0.02

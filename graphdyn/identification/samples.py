@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import InvalidInput
+from graphdyn.identification.row_filter import RowFilter
 from graphdyn.layout import Array
 
 
@@ -21,6 +22,9 @@ class Samples:
     q, v, a: joint positions, velocities, accelerations     (N, n)  [rad or m, …/s, …/s²]
     tau: measured actuator torques or forces                (N, n)  [N m or N]
     base: prescribed motion of the base, at rest if left out
+    row_filter: through which the torque and every column of the regressor still have to go; tau is as measured then
+    continues: whether the first sample follows the last one of the piece before, one period later; filters and
+        correlations in time do not stop between them
 
     Memory maps are kept as they are and read piece by piece. Raises InvalidInput where the shapes differ.
     """
@@ -30,6 +34,8 @@ class Samples:
     a: Array
     tau: Array
     base: BaseMotion | None = None
+    row_filter: RowFilter | None = None
+    continues: bool = False
 
     def __post_init__(self) -> None:
         arrays = {name: _two_dimensional(name, getattr(self, name)) for name in ("q", "v", "a", "tau")}
@@ -45,7 +51,9 @@ class Samples:
         return len(self.q)
 
     def __getitem__(self, rows: slice) -> Samples:
-        return Samples(self.q[rows], self.v[rows], self.a[rows], self.tau[rows], _base_rows(self.base, rows))
+        parts = {name: getattr(self, name)[rows] for name in ("q", "v", "a", "tau")}
+        continues = self.continues and not rows.start
+        return dataclasses.replace(self, **parts, base=_base_rows(self.base, rows), continues=continues)
 
     def pieces(self, length: int) -> Iterator[Samples]:
         """Consecutive pieces of this length; the last one may be shorter."""

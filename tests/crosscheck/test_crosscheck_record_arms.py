@@ -7,10 +7,10 @@ from shared_data import DATA, REPOSITORY, existing
 from crosscheck.recordings import (
     AmbiguousColumns,
     chosen_cutoff,
-    decimated,
     differentiated,
     load_mapping,
     load_recording,
+    samples_of,
     sampling_rate,
     split_by_rows,
     split_by_time,
@@ -98,10 +98,11 @@ def test_kr300_torques_behind_the_gears_are_the_published_ones():
 
 
 def test_settings_of_the_literature():
-    tx40 = decimated(differentiated(arm("tx40"), {"q": 100.0}), (10, 10))
-    assert sampling_rate(tx40) == pytest.approx(50)
+    tx40 = differentiated(arm("tx40"), {"q": 100.0})
     split = split_by_time(tx40, train=(0, 6), test=(6, 9))
     assert len(split.train.t) + len(split.test.t) == len(tx40.t)
+    (train,) = samples_of(split.train, (10, 10))
+    assert len(train.row_filter(train.q)) == -(-len(split.train.t) // 100)
     ur10 = differentiated(arm("ur10"), 8.0)
     split = split_by_rows(ur10, train=(60, 1700), test=(1750, 2400))
     assert len(split.train.t) == 1640

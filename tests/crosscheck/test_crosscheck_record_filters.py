@@ -11,7 +11,6 @@ from crosscheck.recordings import (
     Recording,
     chosen_cutoff,
     concatenated,
-    decimated,
     decimated_columns,
     derivative,
     differentiated,
@@ -19,6 +18,7 @@ from crosscheck.recordings import (
     recording_of,
     resampled,
     residual_analysis,
+    samples_of,
     sampling_rate,
 )
 from crosscheck.recordings.decimation import PADDING, rows_needed
@@ -108,15 +108,15 @@ def test_velocities_and_accelerations_of_a_known_motion(cutoff):
     assert np.array_equal(result.rows, np.arange(result.rows[0], result.rows[-1] + 1))
     assert result.rows[0] == len(T) - 1 - result.rows[-1]
     assert np.array_equal(result.t, T[result.rows])
-    if not isinstance(cutoff, float):
-        assert np.array_equal(result.tau, record(T).tau[result.rows])
+    assert np.array_equal(result.tau, record(T).tau[result.rows])
+    assert np.all(result.torque_cutoff == (cutoff if isinstance(cutoff, float) else np.inf))
 
 
 def test_what_was_done_is_in_the_provenance():
     (step,) = differentiated(record(T), 8.0).provenance.steps
     assert step == (
-        "zero-phase Butterworth low-pass of order 4: q 8 Hz, tau 8 Hz; v, a by central differences; "
-        "184 rows cut at both ends of each block"
+        "zero-phase Butterworth low-pass of order 4: q 8 Hz, tau and every column of the regressor 8 Hz; v, a by "
+        "central differences; 184 rows cut at both ends of each block"
     )
     (step,) = differentiated(record(T), None).provenance.steps
     assert step == "no filter; v, a by central differences; 4 rows cut at both ends of each block"
@@ -217,7 +217,7 @@ def test_resampling_block_by_block():
         "resampled to 1000 Hz by cubic splines, without the blocks 1 of fewer than 4 rows",
     )
     assert [rows.stop - rows.start for rows in even.block_slices] == [199, 199]
-    with pytest.raises(InvalidInput, match=r"rate is 100 Hz, the recording has 500 Hz; use decimated to lower it"):
+    with pytest.raises(InvalidInput, match=r"rate is 100 Hz, the recording has 500 Hz; a lower one would alias"):
         resampled(record(t, block=block), 100)
     with pytest.raises(InvalidInput, match=r"no block of the recording has 4 rows; nothing can be resampled"):
         resampled(record(T[:3]))
@@ -229,35 +229,45 @@ def test_decimation_of_any_columns_is_that_of_scipy():
     columns = np.random.default_rng(7).normal(size=(4000, 2, 3))
     by_hand = decimate(decimate(columns, 10, axis=0), 10, axis=0)
     assert np.array_equal(decimated_columns(columns, (10, 10)), by_hand)
-    slow = motion(T)[0]
-    result = decimated(record(T), (5, 4))
-    assert np.array_equal(result.t, T[::20])
-    assert np.array_equal(result.rows, np.arange(0, 3000, 20))
-    inner = slice(5, -5)
-    ripple = 10 ** (2 * 2 * 0.05 / 20) - 1  # 0.05 dB of the Chebyshev filter, forward and backward, in two stages
-    assert np.abs(result.q - slow[::20])[inner].max() < ripple
-    assert result.provenance.steps == ("decimated by 5 and 4, zero-phase",)
 
 
 def test_decimation_leaves_short_blocks_out():
     assert rows_needed((10,)) == PADDING + 1
     assert rows_needed((10, 10)) == 10 * PADDING + 1
     block = np.repeat([0, 1, 2], [1000, 270, 1730])
-    result = decimated(record(T, block=block), (10, 10))
-    assert result.provenance.steps == (
-        "decimated by 10 and 10, zero-phase, without the blocks 1 of fewer than 271 rows",
-    )
-    assert np.array_equal(result.t, np.concatenate([T[:1000:100], T[1270::100]]))
+    with_short = record(T, block=block, v=record(T).q, a=record(T).q)
+    long = samples_of(with_short, (10, 10))
+    assert [len(samples) for samples in long] == [1000, 1730]
+    assert [len(samples.row_filter(samples.q)) for samples in long] == [10, 18]
     assert len(decimated_columns(np.zeros(271), (10, 10))) == 3
     with pytest.raises(InvalidInput, match=r"270 rows are too few to be decimated by \(10, 10\); give 271 or more"):
         decimated_columns(np.zeros(270), (10, 10))
-    with pytest.raises(
-        InvalidInput, match=r"no block has the 2701 rows that decimation by \(10, 10, 10\) needs; use sm"
-    ):
-        decimated(record(T, block=block), (10, 10, 10))
+    with pytest.raises(InvalidInput, match=r"no block has the 2701 rows that decimation by \(10, 10, 10\) needs; use"):
+        samples_of(with_short, (10, 10, 10))
     for factors in ((), (1,), (14,), (2.5,)):
         with pytest.raises(InvalidInput, match=r"give factors from 2 to 13, larger ones in stages: \(10, 10\)"):
             decimated_columns(np.zeros(3000), factors)
+
+
+def test_the_filter_of_the_torque_goes_with_the_samples():
+    """Low-pass, then decimation, of each block at its own cutoff and rate; no row beyond the memory counts."""
+    recording = concatenated([differentiated(record(T), 8.0), differentiated(record(T / 2), {"q": 20.0, "tau": 12.0})])
+    columns = np.random.default_rng(3).normal(size=(len(recording.t), 2))
+    here, there = samples_of(recording)
+    np.testing.assert_allclose(here.row_filter(columns), lowpass(columns, RATE, 8.0), atol=1e-9)
+    np.testing.assert_allclose(there.row_filter(columns), lowpass(columns, 2 * RATE, 12.0), atol=1e-9)
+    both = samples_of(recording, (5, 4))[0].row_filter
+    np.testing.assert_allclose(both(columns), decimated_columns(lowpass(columns, RATE, 8.0), (5, 4)), atol=1e-9)
+    assert samples_of(differentiated(record(T), None))[0].row_filter is None
+    for row_filter in (here.row_filter, both):
+        beyond = columns[: 2 * row_filter.memory + 1].copy()
+        before = row_filter(beyond)[row_filter.memory // row_filter.factor]
+        beyond[[0, -1]] += 1.0
+        assert np.abs(row_filter(beyond)[row_filter.memory // row_filter.factor] - before).max() < 1e-5
+    with pytest.raises(InvalidInput, match=r"no block has the 16 rows that the filter needs; record longer"):
+        samples_of(recording.take(slice(10)))
+    with pytest.raises(InvalidInput, match=r"torque_cutoff has shape \(3,\), expected"):
+        dataclasses.replace(recording, torque_cutoff=np.ones(3))
 
 
 def test_a_record_refuses_what_is_none():

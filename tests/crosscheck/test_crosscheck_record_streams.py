@@ -6,8 +6,14 @@ import pytest
 from identified_arm import virtual
 from pyarrow import parquet
 
-from crosscheck.identifying.preparation import samples_of
-from crosscheck.recordings import BadRecordingFile, StreamedRecording, differentiated, load_recording, lowpass
+from crosscheck.recordings import (
+    BadRecordingFile,
+    StreamedRecording,
+    differentiated,
+    load_recording,
+    lowpass,
+    samples_of,
+)
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, WeightedLeastSquares
 

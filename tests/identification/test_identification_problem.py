@@ -151,29 +151,6 @@ class TestWhatCounts:
         assert rows.right == pytest.approx((samples.tau - rigid)[: len(rows.right)], abs=1e-9)
         assert np.array_equal(rows.measured, samples.tau[: len(rows.right)])
 
-    def test_row_filter(self, samples):
-        """Columns, torque and speed are filtered alike, each piece as a whole."""
-
-        def mean_of_three(x):
-            return x[: len(x) // 3 * 3].reshape(-1, 3, x.shape[1]).mean(axis=1)
-
-        problem = Problem(torque_data.torque_model(), samples, row_filter=mean_of_three, n_blocks=4)
-        rows = list(problem.rows())
-        w = torque_data.torque_model().rows(samples)[..., problem.base.independent]
-        expected = w.reshape(200, 3, 6, -1).mean(axis=1)
-        assert np.concatenate([part.matrix for part in rows]) == pytest.approx(expected, abs=1e-12)
-        assert np.concatenate([part.right for part in rows]) == pytest.approx(mean_of_three(samples.tau), abs=1e-12)
-        assert np.concatenate([part.velocity for part in rows]) == pytest.approx(mean_of_three(samples.v), abs=1e-12)
-        assert [len(part.right) for part in rows] == [50] * 4
-
-    def test_row_filter_of_varying_length(self, samples):
-        lengths = iter(range(3, 10_000))
-        problem = Problem(
-            torque_data.torque_model(), samples, row_filter=lambda x: x[: next(lengths)], block_samples=10
-        )
-        with pytest.raises(InvalidInput, match=r"the row filter answers 3, 4, 5.* rows for different columns"):
-            _ = problem.equations
-
 
 class TestThreads:
     def test_small_matrices_get_one_thread(self, samples):

@@ -68,11 +68,15 @@ def tx40():
     return urdf.load(existing(RECORDINGS / "tx40" / "tx40.urdf")), q, motor_torques @ torque_ratios.T
 
 
-def decimated(x):
-    """Zero phase, twice by ten: 50 Hz."""
-    for _ in range(2):
-        x = signal.decimate(x, 10, axis=0, zero_phase=True)
-    return x
+class TwiceByTen:
+    """Decimation with zero phase to 50 Hz."""
+
+    factor, memory = 100, 10_000
+
+    def __call__(self, x):
+        for _ in range(2):
+            x = signal.decimate(x, 10, axis=0, zero_phase=True)
+        return x
 
 
 class TestTX40:
@@ -80,10 +84,10 @@ class TestTX40:
         robot, q, tau = tx40
         q = low_pass(q, 5000.0, 100.0)
         v = np.gradient(q, 1 / 5000, axis=0)
-        samples = Samples(q, v, np.gradient(v, 1 / 5000, axis=0), tau)
+        samples = Samples(q, v, np.gradient(v, 1 / 5000, axis=0), tau, row_filter=TwiceByTen())
         terms = (RigidBodies(), Viscous(), Coulomb(), Offset(), RotorInertia(), CoupledWrist())
         slow = [0.0501, 0.0501, 0.0750, 0.0716, 0.0559, 0.1222]
-        problem = Problem(TorqueModel(robot, terms), samples, row_filter=decimated, min_speed=slow)
+        problem = Problem(TorqueModel(robot, terms), samples, min_speed=slow)
         assert problem.base.rank == 61
         for estimator in (OrdinaryLeastSquares(), WeightedLeastSquares()):
             x = problem.base.values(estimator.estimate(problem).parameters)

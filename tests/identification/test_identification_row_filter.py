@@ -1,0 +1,98 @@
+"""Parallel filtering: columns, torque and speed go through one filter, in whatever pieces the recording arrives."""
+
+import dataclasses
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import torque_data
+
+from graphdyn import InvalidInput
+from graphdyn.identification import Problem, TorqueModel
+from graphdyn.identification.terms import Coulomb, KnownTorque, RigidBodies, UserColumns
+
+ROUNDING = 1e-12
+"""Of the equations, in N m; of sums of their squares, relative to the largest."""
+
+MODEL = TorqueModel(
+    torque_data.torque_model().model,
+    (RigidBodies(), Coulomb(), UserColumns(lambda q, v, a: np.sign(np.sin(3 * q)), ["S"], ["N m"])),
+    (KnownTorque(lambda q, v, a: 3.0 * np.sign(np.sin(5 * q))),),
+)
+"""Every kind of column that is no smooth function of the motion."""
+
+
+@pytest.fixture(scope="module")
+def samples():
+    return torque_data.noisy_samples()
+
+
+@dataclass(frozen=True)
+class EveryThird:
+    """(x_{t-1} + 2 x_t + x_{t+1}) / 4 at every third row; the ends repeat themselves."""
+
+    factor: int = 3
+    memory: int = 1
+
+    def __call__(self, x):
+        y = np.concatenate([x[:1], x, x[-1:]])
+        return ((y[:-2] + 2 * y[1:-1] + y[2:]) / 4)[::3]
+
+
+class TestRowFilter:
+    def rows(self, *pieces):
+        parts = list(Problem(MODEL, pieces, n_blocks=4).rows())
+        joined = {
+            name: np.concatenate([getattr(part, name) for part in parts]) for name in ("matrix", "right", "velocity")
+        }
+        return joined, parts
+
+    def filtered(self, samples, **changed):
+        return dataclasses.replace(samples, row_filter=EveryThird(), **changed)
+
+    def test_everything_is_filtered(self, samples):
+        rows, parts = self.rows(self.filtered(samples))
+        w = MODEL.rows(samples)[..., Problem(MODEL, samples).structure.base.independent]
+        alone = EveryThird()
+        assert rows["matrix"] == pytest.approx(alone(w), abs=ROUNDING)
+        assert rows["right"] == pytest.approx(alone(samples.tau - MODEL.known_torque(samples)), abs=ROUNDING)
+        assert rows["velocity"] == pytest.approx(alone(samples.v), abs=ROUNDING)
+        assert [len(part) for part in parts] == [50] * 4
+
+    @pytest.mark.parametrize("borders", [(300,), (1, 2, 100, 350, 599), tuple(range(7, 600, 7))])
+    def test_pieces_and_windows_that_continue_each_other(self, samples, borders, monkeypatch):
+        whole, _ = self.rows(self.filtered(samples))
+        monkeypatch.setattr("graphdyn.identification.parallel_filtering.LEAST_WINDOW", 20)
+        edges = [0, *borders, len(samples)]
+        pieces = [self.filtered(samples[a:b], continues=a > 0) for a, b in itertools.pairwise(edges)]
+        cut, parts = self.rows(*pieces)
+        for name, values in whole.items():
+            assert cut[name] == pytest.approx(values, abs=ROUNDING), name
+        assert [part.first for part in parts] == [True] + [False] * (len(parts) - 1)
+
+    def test_nothing_is_filtered_across_a_gap(self, samples):
+        here, there = self.filtered(samples[:299]), self.filtered(samples[299:])
+        both, parts = self.rows(here, there)
+        for name, values in both.items():
+            alone = np.concatenate([self.rows(piece)[0][name] for piece in (here, there)])
+            assert values == pytest.approx(alone, abs=ROUNDING), name
+        assert sum(part.first for part in parts) == 2
+
+    def test_gram(self, samples):
+        pieces = [self.filtered(samples[:300]), samples[300:]]
+        gram, qr = (Problem(MODEL, pieces, compression=how) for how in ("gram", "qr"))
+        a, b = (np.swapaxes(f, 1, 2) @ f for f in (gram.equations.factors, qr.equations.factors))
+        assert np.abs(a - b).max() <= ROUNDING * np.abs(a).max()
+        assert np.array_equal(gram.equations.counts, qr.equations.counts)
+        assert list(qr.equations.counts) == [400] * 6
+
+    def test_a_filter_that_answers_too_few_rows(self, samples):
+        short = EveryThird(factor=2)
+        with pytest.raises(InvalidInput, match=r"the row filter answers shape \(200, .*expected \(300, "):
+            self.rows(dataclasses.replace(samples, row_filter=short))
+
+    def test_a_piece_that_continues_with_another_filter(self, samples):
+        pieces = [self.filtered(samples[:300]), dataclasses.replace(samples[300:], continues=True)]
+        with pytest.raises(InvalidInput, match="a piece that continues another has another row filter; give both the"):
+            self.rows(*pieces)
