@@ -9,20 +9,23 @@ import numpy as np
 from crosscheck.identifying.result import Identified
 from graphdyn._inertia import pseudo_inertia_from_parameters
 from graphdyn.identification import MethodResult
+from graphdyn.identification.comparison import ENOUGH
 from graphdyn.layout import Array
 
 ROUNDING = 1e-13
 """Value, relative to the largest, that counts as zero: the rounding left where terms cancel."""
 
 LIKELIEST = ("WLS", "GLS", "OLS")
-"""Methods whose standard deviations are shown, the first available one, for a method that gives none."""
+"""Methods whose standard deviations are shown, the first available one, for a method that gives none that allow for
+correlation in time."""
 
 
 @dataclass(frozen=True)
 class BaseRow:
     """One base parameter; NaN for numbers that do not exist.
 
-    name: in standard parameters; relative_deviation: [%]; error: of the value against the truth
+    name: in standard parameters; error: of the value against the truth
+    deviation: for white noise; block_deviation: allowing for correlation in time; relative_deviation: of that one [%]
     """
 
     name: str
@@ -52,13 +55,43 @@ class BodyRow:
 
 def deviations_of(found: Identified, result: MethodResult) -> tuple[MethodResult | None, str]:
     """The result whose standard deviations are shown, and a text that says so."""
-    if result.standard_deviations is not None:
+    if result.block_deviations is not None:
         return result, f"of {result.name}"
     for name in LIKELIEST:
         for other in found.comparison.results:
-            if other.name == name and other.standard_deviations is not None:
+            if other.name == name and other.block_deviations is not None:
                 return other, f"of {name}, because {result.name} gives none: from the data alone"
     return None, f"{result.name} gives none"
+
+
+@dataclass(frozen=True)
+class Correlation:
+    """How long the residual of a result is correlated, of the joint with the longest correlation.
+
+    joint: its name; time: until the autocorrelation has fallen to 1/e, 0 where all residuals are white [s]
+    times: how many of them the rows of the fit are long
+    """
+
+    joint: str
+    time: float
+    times: float
+
+    @property
+    def lower_bound(self) -> bool:
+        """Whether block deviations are a lower bound only."""
+        return self.times < ENOUGH
+
+
+def correlation_of(found: Identified, result: MethodResult) -> Correlation:
+    """Over the rows of the fit; the result must have an estimate."""
+    assert result.training is not None
+    longest = max(found.fit.times, key=len)
+    period = float(np.median(np.diff(longest))) if len(longest) > 1 else float("nan")
+    lengths = np.nan_to_num(result.training.correlation_length)
+    j = int(np.argmax(lengths))
+    return Correlation(
+        found.torque_model.model.joint_names[j], float(lengths[j]) * period, result.training.correlation_times
+    )
 
 
 def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
@@ -73,7 +106,7 @@ def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
     cad, truth = (_without_rounding(values) for values in (cad, truth))
     rows = []
     for k, x in enumerate(result.base_values):
-        relative = 100 * deviations[k] / abs(x) if x else float("inf")
+        relative = 100 * blocks[k] / abs(x) if x else float("inf")
         numbers = (cad[k], x, deviations[k], blocks[k], relative, truth[k], x - truth[k])
         rows.append(BaseRow(comparison.base_names[k], comparison.base_units[k], *map(float, numbers)))
     return rows

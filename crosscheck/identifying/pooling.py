@@ -10,11 +10,12 @@ from graphdyn.identification import ResidualSizes, ResidualStatistics
 
 
 def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
-    """Statistics of all rows of all trials. Whiteness tests are NaN, since every trial has its own parameters."""
+    """Statistics of all rows of all trials. Whiteness and correlation are NaN: every trial has its own parameters."""
     unknown = np.full(len(parts[0].durbin_watson), np.nan)
     return ResidualStatistics(
         pooled_sizes([part.everything for part in parts]),
         pooled_sizes([part.moving for part in parts]),
+        unknown,
         unknown,
         unknown,
     )

@@ -1,4 +1,4 @@
-"""Choice of a strength by cross-validation over time blocks, so that neighbouring samples stay together."""
+"""Choice of a strength by cross-validation over folds of time blocks, so that neighbouring samples stay together."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ Trained = Callable[[float], Array]
 @dataclass(frozen=True, eq=False)
 class CrossValidation:
     """strengths (s,), increasing
-    errors: Σ_g ‖W_g x - τ_g‖² / σ_g² of each time block, x fitted to the others, infinite where that failed
-                                                            (blocks, s)
+    errors: Σ_g ‖W_g x - τ_g‖² / σ_g² of each fold, x fitted to the others, infinite where that failed
+                                                            (folds, s)
     failures: why, in sentences
     """
 
@@ -51,26 +51,26 @@ class CrossValidation:
 def cross_validation(
     problem: Problem, noise: Array, strengths: Sequence[float], train: Callable[[CompressedEquations], Trained]
 ) -> CrossValidation:
-    """train: prepares the fit to some of the time blocks; noise: σ_g of every joint (n,).
+    """train: prepares the fit to all folds but one; noise: σ_g of every joint (n,).
 
     Raises EstimationFailed with less than two time blocks, and where every strength fails.
     """
-    blocks = len(problem.blocks)
-    if blocks < 2:
+    folds = len(problem.folds)
+    if folds < 2:
         raise EstimationFailed(
-            f"cross-validation needs two time blocks, there is {blocks}; give a strength, a longer recording or more "
+            f"cross-validation needs two time blocks, there is {folds}; give a strength, a longer recording or more "
             "blocks (n_blocks)"
         )
-    errors, failures = np.full((blocks, len(strengths)), np.inf), list[str]()
-    for k, held_out in enumerate(problem.blocks):
+    errors, failures = np.full((folds, len(strengths)), np.inf), list[str]()
+    for k, held_out in enumerate(problem.folds):
         trained = train(problem.all_but(k))
         for s, strength in enumerate(strengths):
             try:
                 x = problem.base.values(trained(strength))
             except EstimationFailed as failure:
-                failures.append(f"strength {strength:g}, without time block {k + 1}: {failure}")
+                failures.append(f"strength {strength:g}, without fold {k + 1}: {failure}")
                 continue
             errors[k, s] = np.sum(held_out.residual_squares(x) / noise**2)
     if not np.any(np.isfinite(errors.sum(axis=0))):
-        raise EstimationFailed(f"cross-validation: every strength fails in some time block; {failures[0]}")
+        raise EstimationFailed(f"cross-validation: every strength fails in some fold; {failures[0]}")
     return CrossValidation(tuple(strengths), errors, tuple(failures))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.identification.correlation_length import CorrelationLength
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.rows import Rows
 from graphdyn.layout import Array
@@ -44,12 +45,21 @@ class ResidualStatistics:
     moving: per joint over the samples with |v_j| > MOVING
     durbin_watson, ljung_box_p: per joint over all samples (n,); a p below 0.05 says that the residual is not white,
         and that standard deviations for white noise are too small
+    correlation_length: per joint (n,), in samples: over so many the residual is correlated (lag at which the
+        autocorrelation has fallen to 1/e); zero for a white one
     """
 
     everything: ResidualSizes
     moving: ResidualSizes
     durbin_watson: Array
     ljung_box_p: Array
+    correlation_length: Array
+
+    @property
+    def correlation_times(self) -> float:
+        """How many times as long as the correlation all samples are, for the joint with the longest one."""
+        longest = np.nanmax(self.correlation_length, initial=0.0)
+        return float(self.everything.count.max() / longest) if longest > 0 else float("inf")
 
 
 def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualStatistics]:
@@ -60,14 +70,18 @@ def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualSta
     x = problem.structure.base.matrix @ np.asarray(parameters, dtype=float).T
     everything, moving = (_Sizes(problem.n_joints, x.shape[1]) for _ in range(2))
     lagged = _Autocorrelation(problem.n_joints, x.shape[1])
+    lengths = CorrelationLength(problem.n_joints, x.shape[1])
     for rows in problem.rows():
         residual = rows.matrix @ x - rows.right[..., None]
         everything.add(residual, rows.measured, np.ones(rows.right.shape))
         moving.add(residual, rows.measured, (np.abs(rows.velocity) > MOVING).astype(float))
         lagged.add(rows, residual)
+        lengths.add(residual, rows.kept)
+    correlation = lengths.samples()
     tests = lagged.durbin_watson(), lagged.ljung_box_p(everything.count)
     return [
-        ResidualStatistics(everything.of(k), moving.of(k), tests[0][:, k], tests[1][:, k]) for k in range(x.shape[1])
+        ResidualStatistics(everything.of(k), moving.of(k), tests[0][:, k], tests[1][:, k], correlation[:, k])
+        for k in range(x.shape[1])
     ]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,19 +75,3 @@ def residual_deviations(equations: CompressedEquations, squares: Array, used: Ar
         )
     floor = EPS**2 * equations.measured_squares + np.finfo(float).tiny
     return np.sqrt(np.maximum(squares, floor) / spare)
-
-
-def block_covariance(blocks: Sequence[CompressedEquations], solution: Solution, deviations: Array) -> Array | None:
-    """Covariance of x that allows for any correlation of the noise within a time block; None below two blocks.
-
-    C (Σ_b s_b s_bᵀ) C B / (B - 1),  s_b the gradient of block b. Liang and Zeger, Biometrika 73(1), 1986. Rough with
-    few blocks: each standard deviation is uncertain by 1 / sqrt(2 B) of itself.
-    """
-    if len(blocks) < 2:
-        return None
-    gradients = []
-    for block in blocks:
-        r, z = block.weighted(deviations)
-        gradients.append(r.T @ (r @ solution.x - z))
-    s = np.array(gradients) @ solution.inverse
-    return s.T @ s * len(blocks) / (len(blocks) - 1)

@@ -39,7 +39,7 @@ from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.report.json import plain
 from crosscheck.report.records.identify import record
 from graphdyn import EstimationFailed, InvalidInput, mass_matrix
-from graphdyn.identification import ResidualSizes, WeightedLeastSquares
+from graphdyn.identification import Plausibility, ResidualSizes, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
 
 SAME = 1e-10
@@ -167,6 +167,9 @@ class TestHoldingOut:
         fit, splits, words = Folds(4).divide([recording])
         assert len(fit.t) == len(recording.t) == sum(len(split.test.t) for split in splits)
         assert words == "4 consecutive folds, each from the others"
+        for split in splits:
+            distance = np.abs(split.train.t[:, None] - split.test.t[[0, -1]]).min()
+            assert 0.25 <= distance < 0.26  # [s] neither fitted nor predicted
 
     def test_several_recordings_have_no_common_time(self, recording):
         with pytest.raises(
@@ -254,7 +257,7 @@ class TestRecommendation:
         found = compared()
         best = found.comparison.of(found.recommendation.name)
         consistent = [found.comparison.of(name) for name in ("consistent", "consistent, entropic prior")]
-        assert mean_error(best) == min(map(mean_error, consistent))
+        assert mean_error(best) == pytest.approx(min(map(mean_error, consistent)), rel=1e-6)
         assert found.usable
         assert "the smallest of 2 such results" in found.recommendation.reason
         only = recommendation(replace(found.comparison, results=(best,)))
@@ -290,16 +293,33 @@ class TestRecommendation:
 
     def test_a_joint_that_hardly_moves_counts_with_all_its_rows(self):
         statistics = compared().comparison.of("WLS").held_out
-        still = replace(statistics, moving=replace(statistics.moving, count=np.array([0, 1000, 1000])))
+        still = replace(statistics, moving=replace(statistics.moving, count=np.array([49, 50, 1000])))
+        assert statistics.everything.relative[0] != statistics.moving.relative[0]
         assert joint_errors(still)[0] == statistics.everything.relative[0]
-        assert joint_errors(still)[1] == statistics.moving.relative[1]
+        assert np.array_equal(joint_errors(still)[1:], statistics.moving.relative[1:])
+
+    @pytest.mark.parametrize(
+        ("bodies", "poses", "usable"),
+        [
+            ([0.0, 1e-9, 1.0], [1e-9] * 20, True),
+            ([-1e-9, 1.0, 1.0], [1.0] * 20, False),
+            ([1.0, 1.0, 1.0], [1.0] * 19 + [0.0], False),
+            ([1.0, 1.0, 1.0], [1.0] * 19 + [-1e-9], False),
+        ],
+        ids=["barely real", "one body is not real", "one pose is singular", "one pose is not positive definite"],
+    )
+    def test_every_body_and_every_pose_counts(self, bodies, poses, usable):
+        good = compared().comparison.of("consistent")
+        result = replace(good, plausibility=Plausibility(np.array(bodies), np.array(poses)))
+        answer = recommendation(replace(compared().comparison, results=(result,)))
+        assert answer.name == ("consistent" if usable else None)
 
 
 class TestParameters:
     def test_deviations_stand_in(self):
         found = compared()
         entropic = found.comparison.of("consistent, entropic prior")
-        bare = replace(entropic, standard_deviations=None)
+        bare = replace(entropic, standard_deviations=None, block_deviations=None)
         source, words = deviations_of(found, bare)
         assert source.name == "WLS"
         assert words.startswith("of WLS, because consistent, entropic prior gives none")
@@ -358,7 +378,7 @@ class TestRecord:
     """What --json writes, also of a method without an answer and of numbers that are not finite."""
 
     def checked(self, whole):
-        schema = Path(__file__).parents[2] / "docs/schemas/identify-1.schema.json"
+        schema = Path(__file__).parents[2] / "docs/schemas/identify-2.schema.json"
         Draft202012Validator(json.loads(schema.read_text(encoding="utf-8"))).validate(plain(whole))
         return plain(whole)
 

@@ -15,7 +15,7 @@ import urdf
 from crosscheck.cli import app
 from crosscheck.identifying import friction_terms, virtual_robot
 
-SCHEMA = Path(__file__).parents[2] / "docs/schemas/identify-1.schema.json"
+SCHEMA = Path(__file__).parents[2] / "docs/schemas/identify-2.schema.json"
 
 METHODS = "ols,wls,wls-pinocchio,consistent,graph"
 

@@ -73,7 +73,7 @@ class TestComparison:
         assert comparison.lost == ()
         assert "O3 viscous friction" not in comparison.undetermined
         assert "B1 m" in comparison.undetermined
-        assert result.relative_deviations == pytest.approx(100 * result.standard_deviations / abs(result.base_values))
+        assert result.relative_deviations == pytest.approx(100 * result.block_deviations / abs(result.base_values))
         assert np.all(result.block_deviations > 0)
         assert comparison.gap[0] > 0.01
         assert 1 < comparison.condition_number < 200

@@ -335,12 +335,12 @@ class TestCrossValidation:
         assert estimate.settings["strength"] == 10.0
         assert estimate.remarks[:2] == (
             "the strongest prior tried (10) predicts best; the data add little",
-            "cross-validation left out 1 of 8 fits that failed; the first: strength 1, without time block 1: as asked",
+            "cross-validation left out 1 of 8 fits that failed; the first: strength 1, without fold 1: as asked",
         )
 
     def test_all_failed(self, monkeypatch):
         monkeypatch.setattr(cvxpy.Problem, "solve", failing)
-        with pytest.raises(EstimationFailed, match="every strength fails in some time block; strength 1, without time"):
+        with pytest.raises(EstimationFailed, match="every strength fails in some fold; strength 1, without fold 1"):
             ConsistentWithPrior(strengths=(1.0, 10.0)).estimate(data.poor_problem())
 
     @pytest.mark.parametrize("strengths", [(), (-1.0, 1.0), (1.0, 1.0), (2.0, 1.0), (np.nan,)])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.identifying import Identified, TorqueCurve
-from crosscheck.identifying.parameters import BaseRow, base_rows, body_rows, deviations_of
+from crosscheck.identifying.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
 from crosscheck.report.pictures.parameter_bars import parameter_bars
 from crosscheck.report.report import NOTHING, ROOMY, Column, Panel, Picture, Plot, Row, Section, Series, Table
 from graphdyn.identification import MethodResult
@@ -91,10 +91,10 @@ def _joined(pieces: Sequence[Array]) -> Array:
 
 def parameters_section(found: Identified, shown: MethodResult) -> Section:
     rows = base_rows(found, shown)
-    source = deviations_of(found, shown)[1]
+    source = _source(found, shown)
     caption = (
         "Base parameters, each in the torque that it makes over the fitted rows of all joints. "
-        f"σ: {source}, for white noise."
+        f"Error bars: twice σ blocks {source}."
     )
     return Section(
         "parameters",
@@ -109,25 +109,32 @@ def parameters_section(found: Identified, shown: MethodResult) -> Section:
 
 def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> Table:
     """virtual: the truth is known."""
-    blocks = any(np.isfinite(row.block_deviation) for row in rows)
     columns = {
         "name": Column("base parameter", "name"),
         "cad": Column("CAD", **NUMBER),
         **({"truth": Column("truth", **NUMBER)} if virtual else {}),
         "value": Column("identified", **NUMBER),
         **({"error": Column("error", **NUMBER)} if virtual else {}),
-        "deviation": Column("σ", **DEVIATION, from_width=ROOMY),
-        **({"block_deviation": Column("σ blocks", **DEVIATION)} if blocks else {}),
-        "relative_deviation": Column("%σ", **DEVIATION),
+        "deviation": Column("σ white", **DEVIATION, from_width=ROOMY),
+        "block_deviation": Column("σ blocks", **DEVIATION),
+        "relative_deviation": Column("%σ blocks", **DEVIATION),
         "unit": Column("unit"),
     }
-    caption = f"σ: {source}, for white noise; CAD: the robot as given, drives zero"
     return Table(
         tuple(columns.values()),
         tuple(Row(tuple(getattr(row, name) for name in columns)) for row in rows),
         title="Base parameters",
-        caption=f"{caption}; σ blocks: allowing for correlation in time" if blocks else caption,
+        caption=f"σ {source}: white for white noise, blocks allowing for correlation in time; CAD: the robot as given, "
+        "drives zero",
     )
+
+
+def _source(found: Identified, shown: MethodResult) -> str:
+    """Whose standard deviations are shown, and whether they are a lower bound."""
+    result, source = deviations_of(found, shown)
+    if result is None or not correlation_of(found, result).lower_bound:
+        return source
+    return f"{source} (a lower bound: the recording is too short for its correlation)"
 
 
 def _links(found: Identified, shown: MethodResult) -> Table:

@@ -11,6 +11,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.identifying import Identified
+from crosscheck.identifying.parameters import correlation_of, deviations_of
 from crosscheck.identifying.recommending import joint_errors, mean_error, real
 from crosscheck.report.commands.identified_model import parameters_section, torques_section
 from crosscheck.report.pictures.method_errors import method_errors, singular_values
@@ -31,6 +32,7 @@ from crosscheck.report.report import (
     Verdict,
 )
 from graphdyn.identification import MethodResult
+from graphdyn.identification.comparison import ENOUGH
 from graphdyn.layout import Array
 
 MOST_NAMES = 6
@@ -46,7 +48,7 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
         f"{Path(found.subject.name).name} identified",
         _verdict(found),
         (
-            Section("recording", "", (_overview(found),)),
+            Section("recording", "", (_overview(found, shown),)),
             Section("methods", "Methods", _methods_blocks(found)),
             *model,
             Section("excitation", "What the motion excites", _excitation(found)),
@@ -63,7 +65,7 @@ def _verdict(found: Identified) -> Verdict:
     return Verdict("agrees", f"use {chosen.name}", f"It is {chosen.reason}.")
 
 
-def _overview(found: Identified) -> Facts:
+def _overview(found: Identified, shown: MethodResult | None) -> Facts:
     comparison, fit = found.comparison, found.division.fit.provenance
     held_out_rows = sum(len(t) for trial in found.trials for t in trial.times)
     return Facts(
@@ -80,8 +82,26 @@ def _overview(found: Identified) -> Facts:
                 "condition number",
                 f"{comparison.condition_number:.3g}, joints weighted by their torque, columns at unit length",
             ),
+            *_correlation(found, shown),
         )
     )
+
+
+def _correlation(found: Identified, shown: MethodResult | None) -> tuple[tuple[str, str], ...]:
+    """What the residual says about the standard deviations that are shown."""
+    result = None if shown is None else deviations_of(found, shown)[0]
+    if result is None:
+        return ()
+    correlation = correlation_of(found, result)
+    if not correlation.time > 0:
+        return (("residuals", f"of {result.name} white"),)
+    words = (
+        f"of {result.name} correlated over {correlation.time:.2g} s at {correlation.joint}; the fitted rows are "
+        f"{correlation.times:.0f} times as long"
+    )
+    if correlation.lower_bound:
+        words += f", fewer than {ENOUGH}: σ is a lower bound"
+    return (("residuals", words),)
 
 
 def _methods_blocks(found: Identified) -> tuple[Block, ...]:

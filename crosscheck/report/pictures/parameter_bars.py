@@ -39,8 +39,8 @@ def parameter_bars(key: str, rows: Sequence[BaseRow], sizes: Array) -> Markup:
 def _draw(axes: Axes, rows: Sequence[BaseRow], sizes: Array, height: float) -> None:
     axes.set_position((0.3, 0.48 / height, 0.68, ROW * len(rows) / height))
     found, cad, true = (sizes * np.array([getattr(row, name) for row in rows]) for name in ("value", "cad", "truth"))
-    bar = 2 * sizes * np.nan_to_num([row.deviation for row in rows])
     reach = float(np.nanmax(np.abs([*found, *cad]), initial=0.0)) or 1.0
+    bar = np.nan_to_num(2 * sizes * [row.block_deviation for row in rows], posinf=4 * reach)
     axes.set_xscale("symlog", linthresh=SMALLEST * reach, linscale=0.5)
     axes.set(xlim=(-2 * reach, 2 * reach), ylim=(len(rows), 0))
     axes.set_facecolor("none")

@@ -1,4 +1,4 @@
-"""The format `graphdyn identify 1`."""
+"""The format `graphdyn identify 2`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
+from crosscheck.identifying.parameters import base_rows, body_rows, correlation_of, deviations_of
 from crosscheck.identifying.recommending import mean_error
 from crosscheck.identifying.result import Identified
 from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
@@ -152,6 +152,11 @@ class StatisticsRecord:
     ljung_box_p: Sequence[Number]
     """Below 0.05: not white, per joint, in the order of joint_names; null where several trials were put together."""
 
+    correlation_length: Sequence[Number]
+    """Rows after which the autocorrelation has fallen to 1/e, 0 for a white residual, per joint, in the order of
+    joint_names; null where several trials were put together.
+    """
+
 
 @dataclass(frozen=True, kw_only=True)
 class MethodRecord:
@@ -197,10 +202,10 @@ class MethodRecord:
     """Of the base parameters, for white noise."""
 
     block_deviations: Sequence[Number] | None
-    """The same, allowing for correlation in time."""
+    """The same, allowing for correlation in time: jackknife over time blocks."""
 
     relative_deviations: Sequence[Number] | None
-    """100 σ / |value| [%]."""
+    """100 block_deviations / |value| [%]."""
 
     noise: Sequence[Number] | None
     """Standard deviation of the torque as the method sees it, per joint, in the order of joint_names [N m or N]."""
@@ -250,10 +255,10 @@ class ShownParameterRecord:
     """Standard deviation for white noise."""
 
     block_deviation: Number
-    """Allowing for correlation in time."""
+    """Allowing for correlation in time: jackknife over time blocks."""
 
     relative_deviation: Number
-    """100 σ / |value| [%]."""
+    """100 block_deviation / |value| [%]."""
 
     truth: Number
     """True value, of a simulated robot."""
@@ -294,6 +299,15 @@ class ShownRecord:
     deviations: str
     """Whose standard deviations these are."""
 
+    correlation_time: Number
+    """Until the autocorrelation of the residual behind them has fallen to 1/e, at the slowest joint [s]."""
+
+    correlation_times: Number
+    """How many times as long the fitted rows are; null for a white residual."""
+
+    lower_bound: bool | None
+    """Block deviations are a lower bound: fewer than 80 correlation times; null without them."""
+
     base_parameters: Sequence[ShownParameterRecord]
     """Base parameters."""
 
@@ -305,7 +319,7 @@ class ShownRecord:
 class IdentifyRecord:
     """Parameters of a robot from recordings by several methods, and which one to trust."""
 
-    format: Annotated[Literal["graphdyn identify 1"], FORMAT] = "graphdyn identify 1"
+    format: Annotated[Literal["graphdyn identify 2"], FORMAT] = "graphdyn identify 2"
 
     versions: Versions = field(default_factory=versions)
 
@@ -460,9 +474,14 @@ def _statistics(statistics: ResidualStatistics | None) -> StatisticsRecord | Non
 def _shown(found: Identified, result: MethodResult | None) -> ShownRecord | None:
     if result is None:
         return None
+    source, words = deviations_of(found, result)
+    correlation = None if source is None else correlation_of(found, source)
     return ShownRecord(
         method=result.name,
-        deviations=deviations_of(found, result)[1],
+        deviations=words,
+        correlation_time=correlation.time if correlation else None,
+        correlation_times=correlation.times if correlation else None,
+        lower_bound=correlation.lower_bound if correlation else None,
         base_parameters=[taken(ShownParameterRecord, row) for row in base_rows(found, result)],
         bodies=[
             IdentifyBodyRecord(

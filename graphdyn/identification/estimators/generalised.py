@@ -9,16 +9,19 @@ regressions", J. of the American Statistical Association 57, 1962.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
 
 from graphdyn._errors import EstimationFailed
 from graphdyn.identification.accumulator import Accumulator
+from graphdyn.identification.compressed import CompressedEquations, merged
 from graphdyn.identification.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
+from graphdyn.identification.jackknife import jackknife_covariance
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import EPS, Solution, leverages, solve
+from graphdyn.identification.solution import EPS, leverages, solve
 from graphdyn.layout import Array
 
 LEAST_SAMPLES = 10
@@ -41,7 +44,9 @@ class GeneralisedLeastSquares:
         start, noise = weighted_solution(problem.equations)
         used = leverages(problem.equations, noise, start.inverse)
         covariance = error_covariance(problem, start.x, used)
-        solution = whitened_solution(problem, covariance)
+        blocks = whitened_blocks(problem, covariance)
+        ones = np.ones(problem.n_joints)
+        solution = solve(merged(blocks), ones)
         deviations = np.sqrt(np.diag(covariance))
         correlation = covariance / deviations / deviations[:, None]
         strongest = float(np.abs(correlation - np.eye(len(noise))).max())
@@ -50,6 +55,7 @@ class GeneralisedLeastSquares:
             solution.x,
             solution.inverse,
             deviations,
+            block_covariance=jackknife_covariance(blocks, solution.x, ones),
             iterations=2,
             settings={"largest correlation between joints": strongest},
         )
@@ -86,10 +92,10 @@ def error_covariance(problem: Problem, x: Array, used: Array) -> Array:
     return covariance
 
 
-def whitened_solution(problem: Problem, covariance: Array) -> Solution:
-    """Least squares on L⁻¹ W_t x = L⁻¹ τ_t with Σ = L Lᵀ."""
+def whitened_blocks(problem: Problem, covariance: Array) -> list[CompressedEquations]:
+    """L⁻¹ W_t x = L⁻¹ τ_t with Σ = L Lᵀ, time block by time block."""
     n = problem.n_joints
-    accumulator = Accumulator(problem.base.rank, n)
+    blocks: dict[int, Accumulator] = defaultdict(lambda: Accumulator(problem.base.rank, n))
     for rows in problem.rows():
         matrix, right = problem.reduced(rows), rows.right
         for pattern in np.unique(rows.kept, axis=0):
@@ -102,5 +108,5 @@ def whitened_solution(problem: Problem, covariance: Array) -> Solution:
             white_rows, white_right = np.zeros((len(samples), n, matrix.shape[-1])), np.zeros((len(samples), n))
             white_rows[:, joints] = np.einsum("jk,tkc->tjc", whiten, matrix[at])
             white_right[:, joints] = right[at] @ whiten.T
-            accumulator.add(white_rows, white_right, kept=np.broadcast_to(pattern, white_right.shape))
-    return solve(accumulator.compressed, np.ones(n))
+            blocks[rows.block].add(white_rows, white_right, kept=np.broadcast_to(pattern, white_right.shape))
+    return [accumulator.compressed for _, accumulator in sorted(blocks.items())]

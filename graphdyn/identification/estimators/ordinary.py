@@ -14,8 +14,9 @@ import numpy as np
 
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.identification.jackknife import jackknife_covariance
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import Solution, block_covariance, leverages, residual_deviations, solve
+from graphdyn.identification.solution import Solution, leverages, residual_deviations, solve
 from graphdyn.layout import Array
 
 
@@ -30,7 +31,7 @@ class OrdinaryLeastSquares:
 
     def estimate(self, problem: Problem) -> Estimate:
         solution, covariance, noise = ordinary_solution(problem.equations)
-        blocks = block_covariance(problem.blocks, solution, np.ones(problem.n_joints))
+        blocks = jackknife_covariance(problem.blocks, solution.x, np.ones(problem.n_joints))
         return base_estimate(problem, solution.x, covariance, noise, block_covariance=blocks)
 
 

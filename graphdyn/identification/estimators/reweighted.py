@@ -13,6 +13,7 @@ A6, 1977.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -21,8 +22,10 @@ import numpy as np
 
 from graphdyn._errors import InvalidInput
 from graphdyn.identification.accumulator import Accumulator
+from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
+from graphdyn.identification.jackknife import jackknife_covariance
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.solution import EPS, Solution, leverages, solve
 from graphdyn.layout import Array
@@ -99,6 +102,7 @@ class ReweightedLeastSquares:
             fit.x,
             fit.covariance,
             fit.scale,
+            block_covariance=jackknife_covariance(fit.blocks, fit.x, np.ones(problem.n_joints)),
             iterations=iterations,
             settings={"mean weight": fit.mean_weight},
             remarks=remarks,
@@ -109,6 +113,7 @@ class ReweightedLeastSquares:
 class _Fit:
     x: Array
     covariance: Array
+    blocks: list[CompressedEquations]
     scale: Array
     mean_weight: float
     iterations: int
@@ -127,7 +132,8 @@ def _iterate(problem: Problem, norm: Norm, x: Array) -> _Fit:
         iterations += 1
     scale = _scale(problem, residuals, used)
     covariance, mean_weight = _covariance(problem, norm, residuals, scale)
-    return _Fit(x, covariance, scale, mean_weight, iterations, converged)
+    blocks = _blocks_at_minimum(problem, norm, x, residuals, scale)
+    return _Fit(x, covariance, blocks, scale, mean_weight, iterations, converged)
 
 
 def _residuals(problem: Problem, x: Array) -> Array:
@@ -156,6 +162,30 @@ def _reweighted(problem: Problem, norm: Norm, residuals: Array, scale: Array) ->
     equations, ones = accumulator.compressed, np.ones(problem.n_joints)
     solution = solve(equations, ones)
     return solution, leverages(equations, ones, solution.inverse)
+
+
+def _blocks_at_minimum(
+    problem: Problem, norm: Norm, x: Array, residuals: Array, scale: Array
+) -> list[CompressedEquations]:
+    """Least-squares equations of every time block with the gradient of ρ at its minimum x.
+
+    Their second derivative is that of ρ on the average over each joint: W_gᵀ w W_g times c_g = mean(ψ') / mean(w).
+    """
+    u = residuals / scale
+    counted = np.isfinite(u)
+    ratio = np.mean(norm.slope(u), axis=0, where=counted) / np.mean(norm.weight(u), axis=0, where=counted)
+    weights = np.sqrt(ratio * norm.weight(np.nan_to_num(u))) / scale
+    blocks: dict[int, Accumulator] = defaultdict(
+        lambda: Accumulator(problem.base.rank, problem.n_joints, support=problem.support)
+    )
+    position = 0
+    for rows in problem.rows():
+        here = slice(position, position + len(rows))
+        matrix = problem.reduced(rows)
+        right = matrix @ x - np.nan_to_num(residuals[here]) / ratio
+        blocks[rows.block].add(matrix, right, kept=rows.kept, weights=weights[here])
+        position = here.stop
+    return [accumulator.compressed for _, accumulator in sorted(blocks.items())]
 
 
 def _covariance(problem: Problem, norm: Norm, residuals: Array, scale: Array) -> tuple[Array, float]:

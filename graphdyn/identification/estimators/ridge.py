@@ -54,7 +54,7 @@ class Ridge:
 
         if strength is None:
             choice = cross_validation(problem, noise, self.strengths, trained)
-            strength, remarks, solutions = choice.best, choice.remarks, 1 + len(problem.blocks)
+            strength, remarks, solutions = choice.best, choice.remarks, 1 + len(problem.folds)
             error = choice.errors.sum(axis=0).min() / problem.equations.counts.sum()
             settings["validation error"] = float(np.sqrt(error))
         path = RidgePath.of(*problem.equations.weighted(noise), problem.base.matrix, prior)

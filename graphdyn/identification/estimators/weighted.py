@@ -14,8 +14,9 @@ import numpy as np
 from graphdyn.identification.base_parameters import DROPPED_COLUMN, RANK
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.identification.jackknife import jackknife_covariance
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import Solution, block_covariance, residual_deviations, solve
+from graphdyn.identification.solution import Solution, residual_deviations, solve
 from graphdyn.layout import Array
 
 
@@ -30,7 +31,7 @@ class WeightedLeastSquares:
 
     def estimate(self, problem: Problem) -> Estimate:
         solution, noise = weighted_solution(problem.equations)
-        blocks = block_covariance(problem.blocks, solution, noise)
+        blocks = jackknife_covariance(problem.blocks, solution.x, noise)
         return base_estimate(problem, solution.x, solution.inverse, noise, block_covariance=blocks)
 
 

@@ -1,0 +1,148 @@
+"""How often twice the standard deviation covers the truth: python tests/helpers/coverage_run.py [RUNS].
+
+A simulated UR5 with friction is identified again and again, each time with new noise on the torques: an AR(1) process
+of a given correlation time. What is right covers 95 of 100 parameters.
+"""
+
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import butter, lfilter, sosfiltfilt
+
+import graphdyn
+import urdf
+from graphdyn.identification import (
+    GeneralisedLeastSquares,
+    OrdinaryLeastSquares,
+    Problem,
+    ReweightedLeastSquares,
+    Samples,
+    TorqueModel,
+    WeightedLeastSquares,
+)
+from graphdyn.identification.comparison import ENOUGH
+from graphdyn.identification.residual_statistics import residual_statistics
+from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
+from graphdyn.motion_laws import FourierSeries
+
+RATE = 50.0
+"""[Hz]"""
+
+METHODS = (
+    OrdinaryLeastSquares(),
+    WeightedLeastSquares(),
+    GeneralisedLeastSquares(),
+    ReweightedLeastSquares("huber"),
+)
+
+
+SHORT = ("OLS", "WLS", "GLS", "Huber")
+
+
+@dataclass(frozen=True)
+class Case:
+    """Length of the recording, correlation time of its noise [s], cutoff of the low-pass [Hz], part that is white."""
+
+    seconds: float
+    correlated: float
+    cutoff: float | None = None
+    white: float = 0.0
+
+    def __str__(self):
+        low = f", {self.cutoff:g} Hz" if self.cutoff else ""
+        white = f", {self.white:g} white" if self.white else ""
+        return f"{self.seconds:g} s / {self.correlated:g} s{white}{low}"
+
+
+CASES = (
+    Case(10, 0.0),
+    Case(10, 0.1),
+    Case(20, 0.1),
+    Case(40, 0.5),
+    Case(40, 0.1),
+    Case(80, 0.1),
+    Case(40, 0.4, white=1.5),
+    Case(20, 0.0, cutoff=4.0),
+    Case(20, 0.1, cutoff=4.0),
+    Case(10, 0.2),
+    Case(10, 0.5),
+    Case(20, 1.0),
+)
+
+
+@dataclass(frozen=True)
+class LowPass:
+    """Butterworth of order 4, forward and backward."""
+
+    cutoff: float
+    factor: int = 1
+    memory: int = 400
+
+    def __call__(self, columns):
+        return sosfiltfilt(butter(4, self.cutoff, fs=RATE, output="sos"), columns, axis=0)
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Parts of the parameters within two standard deviations, by method; median of the correlation times found."""
+
+    block: dict[str, float]
+    white: dict[str, float]
+    correlation_times: float
+
+
+def coverage(case: Case, runs: int, methods=METHODS, seed: int = 0) -> Coverage:
+    robot, rng = urdf.load("ur5"), np.random.default_rng(seed)
+    laws = [FourierSeries(0.1, *0.3 * rng.normal(size=(2, 5))) for _ in robot.joints]
+    motion = graphdyn.record(robot, np.arange(0, case.seconds, 1 / RATE), laws)
+    model = TorqueModel(robot, (RigidBodies(), Viscous(), Coulomb(), Offset()))
+    truth = model.prior()
+    truth[60:] = rng.uniform(1.0, 5.0, len(truth) - 60)
+    exact = Samples(motion.q, motion.v, motion.a, motion.tau)
+    tau, size = model.torque(exact, truth), rng.uniform(0.5, 2.0, 6)
+    covered = {kind: {method.name: [] for method in methods} for kind in ("block", "white")}
+    lengths = []
+    for _ in range(runs):
+        noise = size * (correlated_noise(rng, tau.shape, case.correlated) + case.white * rng.normal(size=tau.shape))
+        row_filter = None if case.cutoff is None else LowPass(case.cutoff)
+        problem = Problem(model, Samples(motion.q, motion.v, motion.a, tau + noise, row_filter=row_filter))
+        true = problem.base.values(truth)
+        for method in methods:
+            estimate = method.estimate(problem)
+            error = np.abs(problem.base.values(estimate.parameters) - true)
+            for kind, covariance in (("block", estimate.block_covariance), ("white", estimate.covariance)):
+                covered[kind][method.name].append(np.mean(error <= 2 * np.sqrt(np.diag(covariance))))
+        lengths.append(residual_statistics(problem, estimate.parameters[None])[0].correlation_times)
+    means = {kind: {name: float(np.mean(parts)) for name, parts in found.items()} for kind, found in covered.items()}
+    return Coverage(means["block"], means["white"], float(np.median(lengths)))
+
+
+def correlated_noise(rng, shape, time: float):
+    """AR(1) of unit variance, stationary from the first row on; white for a time of zero."""
+    noise = rng.normal(size=shape)
+    if time == 0:
+        return noise
+    decay = np.exp(-1 / (RATE * time))
+    noise[1:] *= np.sqrt(1 - decay**2)
+    return lfilter([1.0], [1.0, -decay], noise, axis=0)
+
+
+def main() -> None:
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 50
+    print(f"Part of the parameters within two standard deviations [%], {runs} runs each; right is 95.")
+    print(f"{'recording':34} {'correlation times':>20} {'σ blocks':>26} {'σ white':>8}")
+    print(f"{'':34} {'true':>10} {'found':>9} {' '.join(f'{name:>6}' for name in SHORT)} {'WLS':>8}")
+    for case in CASES:
+        found = coverage(case, runs)
+        true = case.seconds / case.correlated if case.correlated else np.inf
+        parts = " ".join(f"{100 * part:6.1f}" for part in found.block.values())
+        low = "" if found.correlation_times >= ENOUGH else "  lower bound"
+        print(
+            f"{case!s:34} {true:10.0f} {found.correlation_times:9.0f} {parts} {100 * found.white['WLS']:8.1f}{low}",
+            flush=True,
+        )
+
+
+if __name__ == "__main__":
+    main()

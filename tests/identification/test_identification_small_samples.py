@@ -1,0 +1,238 @@
+"""What is lost to the parameters: corrections for few equations, the jackknife, the correlation time, ties and gaps.
+
+Statistics are held against simulation or against the formula written out, thresholds against numbers on both sides.
+"""
+
+import dataclasses
+
+import numpy as np
+import pytest
+import torque_data
+from coverage_run import Case, correlated_noise, coverage
+from replayed_problem import ReplayedProblem
+
+from graphdyn import InvalidInput
+from graphdyn.identification import (
+    GeneralisedLeastSquares,
+    OrdinaryLeastSquares,
+    Problem,
+    ReweightedLeastSquares,
+    Samples,
+    WeightedLeastSquares,
+    base_parameters,
+)
+from graphdyn.identification.compressed import CompressedEquations
+from graphdyn.identification.correlation_length import MOST_CELLS, CorrelationLength
+from graphdyn.identification.cross_validation import CrossValidation
+from graphdyn.identification.jackknife import jackknife_covariance
+
+FEW = 30
+"""Samples of two joints: 60 equations for 12 parameters, which use up a fifth of them."""
+
+RUNS = 200
+
+USED_UP = 0.89
+"""Estimate of a noise of 1 that takes all equations for free ones."""
+
+
+def thinned(samples, size):
+    every = slice(None, None, len(samples) // size)
+    return samples[every]
+
+
+def few_equations():
+    exact = thinned(torque_data.small_samples(120), FEW)
+    return Problem(torque_data.small_arm(), exact, n_blocks=1)
+
+
+@pytest.mark.parametrize(
+    "method",
+    [OrdinaryLeastSquares(), WeightedLeastSquares(), GeneralisedLeastSquares(), ReweightedLeastSquares("huber")],
+    ids=lambda method: method.name,
+)
+def test_noise_of_few_equations(method):
+    problem = ReplayedProblem(few_equations())
+    rng = np.random.default_rng(0)
+    found = [method.estimate(problem.replay(rng.normal(size=(FEW, 2)))).noise for _ in range(RUNS)]
+    assert np.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=(1 - USED_UP) / 3)
+
+
+def test_covariance_of_few_equations_with_huber():
+    """A⁻¹ B A⁻¹ with κ and the equations used up, written out."""
+    exact = thinned(torque_data.small_samples(120), FEW)
+    noise = np.random.default_rng(1).standard_t(3, size=(FEW, 2))
+    problem = Problem(torque_data.small_arm(), dataclasses.replace(exact, tau=exact.tau + noise), n_blocks=1)
+    estimate = ReweightedLeastSquares("huber").estimate(problem)
+    (rows,) = problem.rows()
+    w, size = problem.reduced(rows), estimate.noise
+    u = (w @ problem.base.values(estimate.parameters) - rows.right) / size
+    psi, slope = np.clip(u, -1.345, 1.345), np.abs(u) <= 1.345
+    n_equations, n_parameters = 60, 12
+    first, second = np.zeros((12, 12)), np.zeros((12, 12))
+    for j in range(2):
+        gram = w[:, j].T @ w[:, j] / size[j] ** 2
+        m = slope[:, j].mean()
+        kappa = 1 + n_parameters / n_equations * m * (1 - m) / m**2
+        first += m * gram
+        second += kappa**2 * (psi[:, j] ** 2).mean() / (1 - n_parameters / n_equations) * gram
+    inverse = np.linalg.inv(first)
+    np.testing.assert_allclose(estimate.covariance, inverse @ second @ inverse, rtol=1e-6)
+    assert kappa**2 > 1.02
+
+
+class TestJackknife:
+    def problem(self, n_blocks):
+        samples = torque_data.small_samples()
+        noise = np.random.default_rng(0).normal(size=samples.tau.shape)
+        return Problem(
+            torque_data.small_arm(), dataclasses.replace(samples, tau=samples.tau + noise), n_blocks=n_blocks
+        )
+
+    @pytest.mark.parametrize(("n_blocks", "factor"), [(2, 0.5), (4, 0.75), (10, 0.9)])
+    def test_against_leaving_blocks_out(self, n_blocks, factor):
+        """(B - 1) / B Σ (x_b - x)², every x_b by lstsq without the rows of its block."""
+        problem = self.problem(n_blocks)
+        rows = list(problem.rows())
+        w, right, block = (
+            np.concatenate(arrays)
+            for arrays in zip(*((problem.reduced(r), r.right, np.full(len(r), r.block)) for r in rows), strict=True)
+        )
+
+        def solved(kept):
+            return np.linalg.lstsq(w[kept].reshape(-1, 12), right[kept].ravel(), rcond=None)[0]
+
+        changes = np.array([solved(block != b) - solved(block >= 0) for b in range(n_blocks)])
+        estimate = OrdinaryLeastSquares().estimate(problem)
+        np.testing.assert_allclose(np.diag(estimate.block_covariance), factor * np.sum(changes**2, axis=0), rtol=1e-6)
+
+    def test_one_block_says_nothing(self):
+        assert OrdinaryLeastSquares().estimate(self.problem(1)).block_covariance is None
+
+    def test_what_one_block_alone_determines(self):
+        """Of two columns, the second differs from zero in one block: its variance is infinite."""
+        rng = np.random.default_rng(0)
+        blocks = []
+        for k in range(5):
+            w = np.column_stack([rng.normal(size=50), rng.normal(size=50) * (k == 3)])
+            blocks.append(
+                CompressedEquations(
+                    np.linalg.qr(np.column_stack([w, rng.normal(size=50)]), mode="r")[None], np.array([50])
+                )
+            )
+        x = np.linalg.lstsq(
+            np.concatenate([b.factors[0, :, :2] for b in blocks]),
+            np.concatenate([b.factors[0, :, 2] for b in blocks]),
+            rcond=None,
+        )[0]
+        covariance = jackknife_covariance(blocks, x, np.ones(1))
+        assert 0 < covariance[0, 0] < 0.1
+        assert covariance[1, 1] == np.inf
+        assert np.isnan(covariance[0, 1])
+
+
+@pytest.mark.parametrize(
+    ("case", "correlation_times"),
+    [
+        (Case(10, 0.0), (1000, 1e99)),
+        (Case(10, 0.1), (70, 140)),
+        (Case(20, 0.15, cutoff=4.0), (80, 170)),
+        (Case(20, 0.2, white=1.5), (60, 140)),
+        (Case(40, 0.5), (45, 110)),
+    ],
+    ids=str,
+)
+def test_two_standard_deviations_cover_the_truth(case, correlation_times):
+    """From 80 correlation times on, in 90 to 98 of 100 cases; those for white noise do not."""
+    found = coverage(case, 12, (WeightedLeastSquares(),))
+    assert 0.90 <= found.block["WLS"] <= 0.98
+    assert correlation_times[0] < min(found.correlation_times, 1e98) < correlation_times[1]
+    assert (found.white["WLS"] > 0.9) == (case.correlated == 0)
+
+
+def test_the_other_methods_cover_it_too():
+    methods = (OrdinaryLeastSquares(), GeneralisedLeastSquares(), *map(ReweightedLeastSquares, ("huber", "tukey")))
+    found = coverage(Case(20, 0.1), 6, methods)
+    for method in methods:
+        assert 0.88 <= found.block[method.name] <= 0.99, method.name
+
+
+class TestCorrelationLength:
+    def length(self, residual, cuts=(), kept=None):
+        lengths = CorrelationLength(*residual.shape[1:])
+        kept = np.ones(residual.shape[:2], dtype=bool) if kept is None else kept
+        for part, counted in zip(np.split(residual, cuts), np.split(kept, cuts), strict=True):
+            lengths.add(part, counted)
+        return lengths.samples()
+
+    def test_of_an_exponential(self):
+        """AR(1) with e⁻¹ after 20 samples, beside white noise of twice its variance or not."""
+        rng = np.random.default_rng(0)
+        noise = correlated_noise(rng, (50_000, 1, 2), 20 / 50)
+        noise[:, :, 1] += np.sqrt(2) * rng.normal(size=(50_000, 1))
+        np.testing.assert_allclose(self.length(noise), [[20, 20]], rtol=0.2)
+
+    def test_white(self):
+        assert self.length(np.random.default_rng(0).normal(size=(5000, 2, 1))).tolist() == [[0], [0]]
+
+    def test_pieces(self):
+        noise = correlated_noise(np.random.default_rng(0), (4000, 2, 1), 1.0)
+        assert np.array_equal(self.length(noise), self.length(noise, range(7, 4000, 131)))
+
+    def test_long_recordings_are_thinned(self):
+        """As long as ten times the cells: correlations of thousands of samples are still found."""
+        size = 10 * MOST_CELLS
+        noise = correlated_noise(np.random.default_rng(0), (size, 1, 1), 2000 / 50)
+        np.testing.assert_allclose(self.length(noise, range(0, size, 4999)), self.length(noise), rtol=1e-3)
+        np.testing.assert_allclose(self.length(noise), [[2000]], rtol=0.3)
+
+    def test_what_does_not_count(self):
+        noise = np.random.default_rng(0).normal(size=(4000, 1, 1))
+        still = np.zeros((4000, 1), dtype=bool)
+        still[1000:1500] = True
+        standing = np.where(still[..., None], 1e3, noise)
+        assert self.length(standing)[0, 0] > 100
+        assert self.length(standing, kept=~still)[0, 0] == 0
+
+    def test_nothing(self):
+        assert np.isnan(self.length(np.zeros((2, 1, 1)))).all()
+        assert np.isnan(self.length(np.zeros((50, 1, 1)))).all()
+
+    def test_never_forgotten(self):
+        assert self.length(np.ones((50, 1, 1)))[0, 0] > 20
+
+
+class TestChoice:
+    def test_of_equal_strengths_the_strongest(self):
+        errors = np.array([[4.0, 1.0, 2.0, 1.5], [3.0, 2.0, 1.0, 1.5]])
+        assert CrossValidation((0.1, 1.0, 10.0, 100.0), errors, ()).best == 100.0
+        assert CrossValidation((0.1, 1.0, 10.0, 100.0), errors + np.array([0, 0, 0, 1e-9]), ()).best == 10.0
+
+
+class TestGap:
+    """Columns (1, 0, 0), (≈1, 1e-3, 0), (≈1, 0, 1e-12): pivots 1, 1e-3 and 1e-12."""
+
+    REGRESSOR = np.array([[1.0, 1.0, 1.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-12]])
+
+    def test_of_one_matrix(self):
+        assert base_parameters(self.REGRESSOR).gap == pytest.approx((1e-3, 1e-12), rel=1e-2)
+        assert base_parameters(self.REGRESSOR[:, :2]).gap == pytest.approx((1e-3, 0.0), rel=1e-2)
+        assert base_parameters(self.REGRESSOR, tolerance=1e-2).gap == pytest.approx((1.0, 1e-3), rel=1e-2)
+
+    def test_of_a_recording(self):
+        outer = base_parameters(np.eye(3))
+        assert outer.gap == (1.0, 0.0)
+        assert outer.then(base_parameters(self.REGRESSOR)).gap == pytest.approx((1e-3, 1e-12), rel=1e-2)
+
+    def test_of_a_recording_that_determines_everything(self):
+        """How clearly is up to the recording: the same motion, a tenth as large about one pose, is less clear."""
+        samples = torque_data.exact_samples()
+        small = Samples(*(0.1 * x for x in (samples.q, samples.v, samples.a)), samples.tau)
+        gaps = [Problem(torque_data.torque_model(), motion).base.gap for motion in (samples, small)]
+        structure = Problem(torque_data.torque_model(), samples).structure.base.gap
+        assert gaps[1][0] < 0.01 * gaps[0][0]
+        assert gaps[0][1] == gaps[1][1] == structure[1]
+
+
+def test_a_problem_needs_equations_for_its_blocks():
+    with pytest.raises(InvalidInput, match="both must be at least 1"):
+        Problem(torque_data.small_arm(), torque_data.small_samples(), n_blocks=0)
