@@ -40,7 +40,10 @@ DropOption = Annotated[
 ]
 CutoffOption = Annotated[
     str,
-    typer.Option(metavar="HZ|CHANNEL=HZ,…|residual|none", help="Zero-phase low-pass of q, v and τ, or of these."),
+    typer.Option(
+        metavar="HZ|CHANNEL=HZ,…|residual|none",
+        help="Zero-phase low-pass of q, v and τ, or of these; the regressor is filtered like τ.",
+    ),
 ]
 DerivedOption = Annotated[bool, typer.Option("--derive-velocity", help="Differentiate q even where v was recorded.")]
 DecimateOption = Annotated[

@@ -42,7 +42,7 @@ FIXED_PRIOR = """
 from graphdyn.identification import ConsistentWithPrior
 
 def fixed():
-    return ConsistentWithPrior("pullback", strength=100.0)
+    return ConsistentWithPrior("entropic", strength=1000.0)
 """
 """The strength that cross-validation chooses for the whole recording; choosing it in every fold takes a minute."""
 
@@ -169,7 +169,7 @@ def test_kr300_prior_predicts_better(run, kr300):
     kr300("kr300_150.urdf", 150.0)
     Path("prior.py").write_text(FIXED_PRIOR, encoding="utf-8")
     recording = run(everything, "--methods", "wls,prior.py:fixed")
-    unconstrained, best = method(recording, "WLS"), method(recording, "consistent, pullback prior")
+    unconstrained, best = method(recording, "WLS"), method(recording, "consistent, entropic prior")
     assert recording["recommended"] == best["name"]
     errors = [100 * np.array(found["held_out"]["moving"]["relative"]) for found in (unconstrained, best)]
     assert errors[1].mean() < errors[0].mean()

@@ -94,7 +94,7 @@ def parameters_section(found: Identified, shown: MethodResult) -> Section:
     source = _source(found, shown)
     caption = (
         "Base parameters, each in the torque that it makes over the fitted rows of all joints. "
-        f"Error bars: twice σ blocks {source}."
+        f"Error bars: twice σ blocks. {source}."
     )
     return Section(
         "parameters",
@@ -124,17 +124,19 @@ def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> 
         tuple(columns.values()),
         tuple(Row(tuple(getattr(row, name) for name in columns)) for row in rows),
         title="Base parameters",
-        caption=f"σ {source}: white for white noise, blocks allowing for correlation in time; CAD: the robot as given, "
-        "drives zero",
+        caption=f"{source}; σ white: for white noise, σ blocks: allowing for correlation in time; CAD: the robot as "
+        "given, drives zero",
     )
 
 
 def _source(found: Identified, shown: MethodResult) -> str:
     """Whose standard deviations are shown, and whether they are a lower bound."""
     result, source = deviations_of(found, shown)
-    if result is None or not correlation_of(found, result).lower_bound:
-        return source
-    return f"{source} (a lower bound: the recording is too short for its correlation)"
+    if result is None:
+        return f"No σ: {source}"
+    if correlation_of(found, result).lower_bound:
+        return f"σ {source} (a lower bound: the recording is too short for its correlation)"
+    return f"σ {source}"
 
 
 def _links(found: Identified, shown: MethodResult) -> Table:
