@@ -67,6 +67,20 @@ def test_same_estimate(files):
     assert np.abs((x - y) * scale).max() <= FORGOTTEN * np.abs(x * scale).max()
 
 
+def test_the_torque_is_filtered_across_windows(files):
+    """Streamed pieces carry the filter and continue each other: the filtered equations are those of the whole file."""
+    whole = differentiated(load_recording(files / "log.parquet"), CUTOFF)
+    pieces = list(StreamedRecording(files / "log.parquet", cutoff=CUTOFF, window=WINDOW))
+    assert [piece.continues for piece in pieces] == [False] + [True] * (len(pieces) - 1)
+    model = virtual().torque_model
+    (here,), (there,) = (
+        [np.concatenate([rows.right for rows in Problem(model, data).rows()])] for data in (samples_of(whole), pieces)
+    )
+    expected = lowpass(whole.tau, 250.0, CUTOFF)
+    np.testing.assert_allclose(here, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(there, here, rtol=0, atol=1e-5 * np.abs(expected).max())
+
+
 def test_a_border_that_is_not_kept_would_show(columns):
     """Windows without overlap differ by more than FORGOTTEN allows."""
     q = np.column_stack([columns["q_1"]])

@@ -105,6 +105,25 @@ class TestJackknife:
         estimate = OrdinaryLeastSquares().estimate(problem)
         np.testing.assert_allclose(np.diag(estimate.block_covariance), factor * np.sum(changes**2, axis=0), rtol=1e-6)
 
+    def test_with_huber(self):
+        """One Newton step from the answer to that without a block: x_b - x = (A - A_b)⁻¹ g_b, A with the mean of ψ'."""
+        problem = self.problem(4)
+        estimate = ReweightedLeastSquares("huber").estimate(problem)
+        x, first, gradients = problem.base.values(estimate.parameters), [], []
+        parts = [(problem.reduced(rows), rows.right) for rows in problem.rows()]
+        u = np.concatenate([(w @ x - right) / estimate.noise for w, right in parts])
+        weight = np.minimum(1.0, 1.345 / np.abs(u))
+        ratio = (np.abs(u) <= 1.345).mean(axis=0) / weight.mean(axis=0)
+        for (w, right), here in zip(parts, np.split(weight, 4), strict=True):
+            scaled = w / estimate.noise[:, None]
+            first.append(np.einsum("tj,tji,tjk->ik", here * ratio, scaled, scaled))
+            gradients.append(np.einsum("tj,tji->i", here * (w @ x - right) / estimate.noise, scaled))
+        changes = [np.linalg.solve(sum(first) - a, g) for a, g in zip(first, gradients, strict=True)]
+        np.testing.assert_allclose(
+            np.diag(estimate.block_covariance), 0.75 * np.sum(np.square(changes), axis=0), rtol=1e-4
+        )
+        assert np.all(ratio < 0.95)
+
     def test_one_block_says_nothing(self):
         assert OrdinaryLeastSquares().estimate(self.problem(1)).block_covariance is None
 
