@@ -11,7 +11,6 @@ import torque_data
 from coverage_run import Case, correlated_noise, coverage
 from replayed_problem import ReplayedProblem
 
-from graphdyn import InvalidInput
 from graphdyn.identification import (
     GeneralisedLeastSquares,
     OrdinaryLeastSquares,
@@ -250,8 +249,3 @@ class TestGap:
         structure = Problem(torque_data.torque_model(), samples).structure.base.gap
         assert gaps[1][0] < 0.01 * gaps[0][0]
         assert gaps[0][1] == gaps[1][1] == structure[1]
-
-
-def test_a_problem_needs_equations_for_its_blocks():
-    with pytest.raises(InvalidInput, match="both must be at least 1"):
-        Problem(torque_data.small_arm(), torque_data.small_samples(), n_blocks=0)
