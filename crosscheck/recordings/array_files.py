@@ -1,18 +1,19 @@
-"""Parquet, NumPy .npz and MATLAB .mat files: named arrays, one per column or one for several columns."""
+"""Parquet and NumPy .npz files."""
 
 from __future__ import annotations
 
+import io
 import zipfile
-from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from crosscheck.recordings.cells import as_doubles
+from crosscheck.recordings.cells import Cells, cells_of_column
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.named_arrays import left_out_findings, table_of
+from crosscheck.recordings.sizes import check_expanded
 from crosscheck.recordings.table import RecordedTable
 
 
@@ -22,120 +23,98 @@ def read_parquet(path: Path) -> RecordedTable:
     from pyarrow import parquet
 
     try:
-        table = parquet.read_table(pa.BufferReader(path.read_bytes()))
+        file = parquet.ParquetFile(pa.BufferReader(path.read_bytes()))
+        check_expanded(path, 8 * _count(file.metadata))
+        table = file.read()
     except (pa.ArrowException, OSError) as error:
         raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error
-    arrays: dict[str, Any] = {}
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        if pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type):
-            lists = column.to_pylist()
-            widths = {len(cells or ()) for cells in lists}
-            arrays[name] = np.array(lists, dtype=float) if len(widths) == 1 else "lists of different lengths"
-        elif pa.types.is_timestamp(column.type):
-            arrays[name] = column.to_numpy().astype("datetime64[ns]")
+    return table_of_columns(path, table.schema.names, table.columns)
+
+
+def _count(metadata: Any) -> int:
+    """Number of cells, of lists as well."""
+    groups = [metadata.row_group(k) for k in range(metadata.num_row_groups)]
+    return sum(group.column(k).num_values for group in groups for k in range(group.num_columns))
+
+
+def table_of_columns(path: Path, headers: Sequence[str], arrays: Sequence[Any]) -> RecordedTable:
+    """The table of Arrow columns. Raises BadRecordingFile where none holds numbers."""
+    import pyarrow as pa
+
+    names: list[str] = []
+    columns: list[Cells] = []
+    left_out: dict[str, str] = {}
+    texts: dict[int, dict[int, str]] = {}
+    for name, column in zip(headers, arrays, strict=True):
+        kind = column.type
+        if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+            elements: list[Cells] | Cells | str = _elements(column)
         else:
-            arrays[name] = as_doubles(column)
-    return table_of(path, arrays)
+            elements = cells_of_column(column)
+        if isinstance(elements, str):
+            left_out[name] = elements
+        elif isinstance(elements, Cells):
+            if pa.types.is_string(kind) or pa.types.is_large_string(kind):
+                rows = np.flatnonzero(np.isnan(elements.values))
+                texts[len(names)] = {int(row): column[int(row)].as_py() or "" for row in rows}
+            names.append(name)
+            columns.append(elements)
+        else:
+            names += [f"{name}_{k}" for k in range(1, len(elements) + 1)]
+            columns += elements
+    if not columns:
+        raise BadRecordingFile(f"{path}: no column of numbers; save time, q and tau")
+    findings = left_out_findings(path, left_out)
+    return RecordedTable.of(path, names, columns, texts=texts, left_out=left_out, findings=findings)
+
+
+def _elements(column: Any) -> list[Cells] | str:
+    """One column per element of lists of the same length; or why there are none."""
+    from pyarrow import compute
+
+    widths = compute.unique(compute.list_value_length(column)).to_pylist()
+    if len(widths) != 1 or not widths[0]:
+        return "lists of different lengths"
+    flat = cells_of_column(compute.list_flatten(column))
+    if isinstance(flat, str):
+        return flat
+    return [flat._replace(values=values) for values in flat.values.reshape(-1, widths[0]).T]
 
 
 def read_npz(path: Path) -> RecordedTable:
     """Read the arrays of a NumPy archive; pickled objects are refused."""
+    content = path.read_bytes()
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        _check_headers(path, content)
+        with np.load(io.BytesIO(content), allow_pickle=False) as archive:
             arrays = {}
             for name in archive.files:
                 try:
                     arrays[name] = archive[name]
-                except ValueError as error:
-                    raise BadRecordingFile(f"{path}: '{name}' is not an array of numbers; save it as one") from error
-    except (zipfile.BadZipFile, ValueError, EOFError, TypeError) as error:
-        if isinstance(error, BadRecordingFile):
-            raise
+                except (ValueError, MemoryError) as error:
+                    raise BadRecordingFile(f"{path}: {name!r} is not an array of numbers; save it as one") from error
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged archive makes zipfile and NumPy raise
         raise BadRecordingFile(f"{path}: not a readable .npz file ({error}); save it with numpy.savez") from error
     return table_of(path, arrays)
 
 
-def read_mat(path: Path) -> RecordedTable:
-    """Read the variables of a MATLAB file, including fields of structures (data.q); version 7.3 needs h5py."""
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
+def _check_headers(path: Path, content: bytes) -> None:
+    """Raise BadRecordingFile for arrays that are larger than allowed, or than their part of the archive."""
+    from numpy.lib import format as npy
 
-    try:
-        variables = loadmat(path, simplify_cells=True)
-    except NotImplementedError:
-        variables = _read_hdf5(path)
-    except (MatReadError, ValueError, TypeError, EOFError) as error:
-        raise BadRecordingFile(f"{path}: not a readable .mat file ({error}); save it with save('-v7')") from error
-    return table_of(path, _flat({name: value for name, value in variables.items() if not name.startswith("__")}))
-
-
-def _read_hdf5(path: Path) -> dict[str, Any]:
-    """The variables of a version 7.3 file, which stores arrays with their axes reversed."""
-    try:
-        import h5py
-    except ImportError as error:
-        raise BadRecordingFile(
-            f"{path}: of MATLAB version 7.3; save it with save('-v7'), or install graphdyn with its extra 'mat73'"
-        ) from error
-
-    def content(node: Any) -> Any:
-        if isinstance(node, h5py.Group):
-            return {name: content(child) for name, child in node.items() if not name.startswith("#")}
-        return np.transpose(node[()]) if node.dtype.kind in "fiub" else "no numbers"
-
-    try:
-        with h5py.File(path) as file:
-            return dict(content(file))
-    except OSError as error:
-        raise BadRecordingFile(f"{path}: not a readable .mat file ({error}); save it with save('-v7')") from error
-
-
-def _flat(variables: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """The fields of structures as 'structure.field'."""
-    flat: dict[str, Any] = {}
-    for name, value in variables.items():
-        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {f"{prefix}{name}": value}
-    return flat
-
-
-def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
-    """One row per time: (N,) becomes a column, (N, k) and (k, N) the columns name_1 … name_k.
-
-    N is the length that most arrays have along their longest axis. Raises BadRecordingFile where no array has rows.
-    """
-    numbers, left_out = {}, {}
-    for name, value in arrays.items():
-        array = np.squeeze(np.asarray(value))
-        if array.dtype.kind == "M":
-            array = (array - array.min()) / np.timedelta64(1, "s")
-        if array.dtype.kind not in "fiub":
-            left_out[name] = value if isinstance(value, str) and value else "it holds no numbers"
-        elif array.ndim not in (1, 2):
-            left_out[name] = f"its shape is {array.shape}"
-        else:
-            numbers[name] = array.astype(float)
-    if not numbers:
-        raise BadRecordingFile(f"{path}: no arrays with one row per time; save t (N,) and q, tau (N, n)")
-    count = Counter(max(array.shape) for array in numbers.values()).most_common(1)[0][0]
-    names, columns, turned = [], [], []
-    for name, array in numbers.items():
-        if array.ndim == 2 and len(array) != count and array.shape[1] == count:
-            array = array.T
-            turned.append(name)
-        if len(array) != count:
-            left_out[name] = f"its shape is {array.shape}, most others have {count} rows"
-        elif array.ndim == 1:
-            names.append(name)
-            columns.append(array)
-        else:
-            names += [f"{name}_{k + 1}" for k in range(array.shape[1])]
-            columns += list(array.T)
-    findings = []
-    if turned:
-        message = f"{', '.join(turned)}: one column per time"
-        findings.append(
-            RecordingFinding(
-                "turned-array", "note", str(path), None, (), message, "transposed, so that each row is a time"
-            )
-        )
-    return RecordedTable(path, tuple(names), np.column_stack(columns), left_out=left_out, findings=tuple(findings))
+    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        check_expanded(path, sum(member.file_size for member in archive.infolist()))
+        for member in archive.infolist():
+            with archive.open(member) as file:
+                if not member.filename.endswith(".npy") or (version := npy.read_magic(file)) not in readers:
+                    continue
+                shape, _, kind = readers[version](file)
+                size = int(np.prod(shape, dtype=object)) * kind.itemsize
+                if size > member.file_size and not kind.hasobject:
+                    raise BadRecordingFile(
+                        f"{path}: {member.filename!r} announces {size} bytes of numbers and has {member.file_size}; "
+                        "save it with numpy.savez"
+                    )

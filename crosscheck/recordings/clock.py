@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings.findings import RecordingFinding
 from crosscheck.recordings.limits import TIME
+from crosscheck.recordings.units import TIME_UNITS
 from graphdyn.layout import Array
 
 JITTER = 0.05
@@ -22,6 +23,9 @@ GAP = 5.5
 
 SAME_RATE = 0.01
 """Relative difference between a given rate and that of the stamps from which it is reported."""
+
+CENTURY = (946_684_800.0, 4_102_444_800.0)
+"""The years 2000 and 2100, since 1970 [s]."""
 
 
 def increasing(t: Array) -> NDArray[np.bool_]:
@@ -49,8 +53,10 @@ def increasing(t: Array) -> NDArray[np.bool_]:
     return kept
 
 
-def stamp_findings(file: str, t: Array, sound: NDArray[np.bool_], lines: int | None) -> list[RecordingFinding]:
-    """Stamps that do not increase, or are too large for any clock, among the sound rows (N,)."""
+def stamp_findings(
+    file: str, t: Array, sound: NDArray[np.bool_], lines: int | None, origin: float = 0.0
+) -> list[RecordingFinding]:
+    """Stamps that do not increase, or are too large for any clock, among the sound rows (N,). origin: stamp at t = 0."""
     findings = []
 
     def found(code: str, where: NDArray[np.bool_], message: str, remedy: str) -> None:
@@ -58,8 +64,14 @@ def stamp_findings(file: str, t: Array, sound: NDArray[np.bool_], lines: int | N
             rows = tuple(np.flatnonzero(where).tolist())
             findings.append(RecordingFinding(code, "error", file, None, rows, message, remedy, lines))
 
-    wild = sound & (np.abs(t) > TIME.value)
+    stamps = t + origin
+    wild = sound & (np.abs(stamps) > TIME.value)
     remedy = "check the unit of time; drop the rows if lines of the file are broken"
+    units = [unit for unit in ("ms", "us", "ns") if wild.any() and _recent(stamps[wild] * TIME_UNITS[unit])]
+    if units:
+        remedy = (
+            f"as {units[0]} they are dates of this century: say so in the column's name (time_{units[0]}) or mapping"
+        )
     found("implausible-value", wild, f"time beyond {TIME.value:g} s ({TIME.why})", remedy)
     rows = np.flatnonzero(sound & ~wild)
     if rows.size:
@@ -71,6 +83,10 @@ def stamp_findings(file: str, t: Array, sound: NDArray[np.bool_], lines: int | N
         message, remedy = "a stamp out of order", "drop the rows, or split the file where its clock was set back"
         found("backward-stamp", out & ~repeated, message, remedy)
     return findings
+
+
+def _recent(seconds: Array) -> bool:
+    return bool(np.all((seconds > CENTURY[0]) & (seconds < CENTURY[1])))
 
 
 def step_findings(

@@ -44,7 +44,10 @@ def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> d
             )
         table = matching[0]
         numbers = [table.number(name, where) for name in names]
-        found[quantity] = [RecordedColumn(quantity, table, number, table.values[:, number]) for number in numbers]
+        times = [number for number in numbers if number in table.seconds and quantity != "time"]
+        if times:
+            raise BadMapping(f"{where}: {table.names[times[0]]!r} of {table.path} holds times; name another column")
+        found[quantity] = [RecordedColumn(quantity, table, number, table.doubles(number)) for number in numbers]
     used = list({column.table.path: column.table for columns in found.values() for column in columns}.values())
     unused = [str(table.path) for table in tables if table.path not in [table.path for table in used]]
     if unused:

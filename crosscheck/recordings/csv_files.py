@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import re
-from codecs import BOM_UTF8
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from crosscheck.recordings.cells import as_doubles
+from crosscheck.recordings.cells import LARGEST_EXACT, Cells, cells_of_column
 from crosscheck.recordings.csv_layout import HEAD, Layout, layout_of
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.findings import RecordingFinding
 from crosscheck.recordings.table import RecordedTable
-from graphdyn.layout import Array
-
-NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
+from crosscheck.recordings.text_files import text_of
 
 
 def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     """Read delimited text. Raises BadRecordingFile where it is not a table of numbers, and OSError."""
-    content = _content(path)
+    content = text_of(path)
     head = content[:HEAD].decode(errors="ignore")  # the last character may be cut off
     layout = layout_of(path, head, delimiter)
     body = memoryview(content)[len(head[: layout.length].encode()) :]
@@ -41,44 +38,32 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
             f"{path}: {len(wrong)} of {count} lines do not have {n} cells like the first one "
             f"(line {row + lines} has {cells}); name the delimiter in a mapping, or repair the file"
         )
-    values = np.full((count, n), np.nan)
     good = np.delete(np.arange(count), list(wrong))
+    columns: list[Cells] = []
     texts: dict[int, dict[int, str]] = {}
     for k, column in enumerate(table.columns):
-        numbers = _numbers(column, layout.decimal_comma)
-        values[good, k] = numbers
-        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in np.flatnonzero(np.isnan(numbers))}
+        read = _cells(column, layout.decimal_comma)
+        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in np.flatnonzero(np.isnan(read.values))}
+        values = np.full(count, np.nan)
+        values[good] = read.values
+        columns.append(read._replace(values=values))
     for row in set.intersection(*({row for row, cell in cells.items() if not cell} for cells in texts.values())):
         wrong[row] = 0
     findings = _line_findings(path, wrong, n, count, lines)
     if not ends and count - 1 not in wrong:
-        cut = bool(np.isnan(values[-1, -1])) and not np.isnan(values[-2:-1, -1]).any()
+        last = columns[-1].values
+        cut = bool(np.isnan(last[-1])) and not np.isnan(last[-2:-1]).any()
         findings.append(_last_line(path, count - 1, lines, cut))
     if not any(layout.names):
         message = "the first line holds numbers, so the columns have no names"
         findings.append(_note(path, "no-header", message, "they can be mapped by number only"))
     if layout.decimal_comma:
         findings.append(_note(path, "decimal-comma", "the numbers have decimal commas", "they are read with them"))
-    return RecordedTable(path, layout.names, values, texts, lines, findings=tuple(findings))
+    return RecordedTable.of(path, layout.names, columns, texts=texts, lines=lines, findings=tuple(findings))
 
 
 def _note(path: Path, code: str, message: str, remedy: str) -> RecordingFinding:
     return RecordingFinding(code, "note", str(path), None, (), message, remedy)
-
-
-def _content(path: Path) -> bytes:
-    """The file with line feeds at line ends, without byte order mark. Raises BadRecordingFile if it is not text."""
-    content = path.read_bytes()
-    try:
-        content.decode()
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        raise BadRecordingFile(f"{path}, line {line}: not UTF-8 text; save the file as CSV in UTF-8") from error
-    if b"\0" in content:
-        line = content[: content.index(b"\0")].count(b"\n") + 1
-        raise BadRecordingFile(f"{path}, line {line}: a zero byte, so not text; save the file as CSV in UTF-8")
-    content = content.removeprefix(BOM_UTF8)
-    return content.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in content else content
 
 
 def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:
@@ -108,32 +93,43 @@ def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, 
                 decimal_point="," if layout.decimal_comma else ".",
                 null_values=[""],
                 strings_can_be_null=True,
+                true_values=[],  # words, not numbers
+                false_values=[],
             ),
         )
 
     try:
         try:
-            return read(None), wrong
+            table = read(None)
+            large = [name for name in names if _beyond_doubles(table.column(name))]
+            return read(dict.fromkeys(large, pa.string())) if large else table, wrong
         except pa.ArrowInvalid:  # types are inferred from the first block only
             return read(dict.fromkeys(names, pa.string())), wrong
     except pa.ArrowInvalid as error:
         raise BadRecordingFile(f"{path}, from line {layout.above + 1} on: {error}; repair the file") from error
 
 
-def _numbers(column: Any, comma: bool) -> Array:
-    """A column as doubles; calendar times as seconds since the first of them."""
+def _beyond_doubles(column: Any) -> bool:
+    """Whether a column that Arrow reads as doubles may have integers with more digits, as unsigned ones of 64 bits."""
     import pyarrow as pa
     from pyarrow import compute
 
-    if pa.types.is_string(column.type):
-        column = compute.replace_substring_regex(compute.utf8_trim_whitespace(column), r"^\+", "")
-        column = compute.replace_substring(column, ",", ".") if comma else column
-        number = compute.match_substring_regex(column, NUMBER)
-        column = compute.if_else(number, column, pa.scalar(None, pa.string()))
-    if not pa.types.is_timestamp(column.type):
-        return as_doubles(column)
-    stamps = column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy(zero_copy_only=False)
-    return np.asarray((stamps - np.nanmin(stamps)) * 1e-9, dtype=float)
+    if not pa.types.is_floating(column.type):
+        return False
+    extremes = compute.min_max(column.filter(compute.is_finite(column))).as_py().values()
+    return any(value is not None and abs(value) > LARGEST_EXACT for value in extremes)
+
+
+def _cells(column: Any, comma: bool) -> Cells:
+    """A column of numbers, texts or times, as they are inferred from a text file."""
+    import pyarrow as pa
+    from pyarrow import compute
+
+    if comma and pa.types.is_string(column.type):
+        column = compute.replace_substring(column, ",", ".")
+    cells = cells_of_column(column)
+    assert isinstance(cells, Cells)  # Arrow finds nothing else in text
+    return cells
 
 
 def _shown(cell: Any) -> str:

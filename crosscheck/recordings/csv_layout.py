@@ -17,6 +17,9 @@ DELIMITERS = (";", "\t", ",", " ")
 HEAD, SAMPLED_LINES = 1 << 20, 50
 """Number of characters read to find comments and header; number of lines from which the delimiter is found."""
 
+LONGEST_LINE = HEAD // 4
+"""Number of characters from which a first line without end is no line of a table."""
+
 COMMENT = re.compile(r"\s*[#%]+\s*")
 
 
@@ -36,12 +39,16 @@ def layout_of(path: Path, text: str, delimiter: str | None) -> Layout:
     n_above = next((k for k, line in enumerate(head) if line.strip() and not COMMENT.match(line)), None)
     if n_above is None:
         raise BadRecordingFile(f"{path}: the file holds no table; record at least one row")
+    if n_above == len(head) - 1 and len(text) > LONGEST_LINE:
+        raise BadRecordingFile(
+            f"{path}, line {n_above + 1}: longer than {LONGEST_LINE} characters; write one line per time"
+        )
     sample = [line for line in head[n_above:-1] if line.strip()][:SAMPLED_LINES]
     sample = sample or head[n_above : n_above + 1]  # the last line may be cut off, so it is used only if alone
     delimiter = delimiter or _delimiter(path, sample)
     comma = delimiter != "," and _has_decimal_comma(sample, delimiter)
     first = _cells(sample[0], delimiter)
-    header = not all(_is_number(cell, comma) for cell in first)
+    header = not all(_is_number(cell, comma) for cell in first) and not _repeats(sample, first, delimiter, comma)
     names = first if header else _commented_names(head[:n_above], delimiter, len(first))
     above = n_above + header
     return Layout(delimiter, comma, tuple(names), above, sum(len(line) + 1 for line in head[:above]))
@@ -64,10 +71,20 @@ def _delimiter(path: Path, sample: list[str]) -> str:
     )
 
 
+def cells_of_line(line: str, layout: Layout) -> list[str]:
+    """The cells of a line as text."""
+    return _cells(line, layout.delimiter)
+
+
 def _cells(line: str, delimiter: str) -> list[str]:
     if delimiter == " ":
         return line.split()
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(delimiter)]
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+    except csv.Error:  # a cell longer than csv.field_size_limit: not a table with this delimiter
+        return [line]
 
 
 def _is_number(cell: str, comma: bool = False) -> bool:
@@ -79,6 +96,15 @@ def _is_number(cell: str, comma: bool = False) -> bool:
         except ValueError:
             pass
     return cell == ""
+
+
+def _repeats(sample: list[str], first: list[str], delimiter: str, comma: bool) -> bool:
+    """Whether the first line is a row like the second one: numbers, and words that are the same in both."""
+    second = _cells(sample[1], delimiter) if len(sample) > 1 else []
+    numbers = [_is_number(cell, comma) for cell in first]
+    return any(numbers) and [cell for cell, number in zip(first, numbers, strict=True) if not number] == [
+        cell for cell, number in zip(second, numbers, strict=False) if not number
+    ]
 
 
 def _has_decimal_comma(sample: list[str], delimiter: str) -> bool:

@@ -20,6 +20,7 @@ from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.readers import read_table
 from crosscheck.recordings.recording import Provenance, Recording
+from crosscheck.recordings.stamps import Origin, origin_of, times
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
@@ -27,11 +28,15 @@ Paths = str | PathLike[str] | Sequence[str | PathLike[str]]
 
 
 class _Content(NamedTuple):
-    """Content of the files: mapping, time (N,), joint channels (N, n), which joints slide, all findings."""
+    """Content of the files: mapping, time (N,), joint channels (N, n), which joints slide, all findings.
+
+    origin: the stamp at t = 0
+    """
 
     files: tuple[str, ...]
     mapping: ColumnMapping
     t: Array
+    origin: Origin
     channels: dict[str, Array]
     slides: tuple[bool, ...]
     findings: list[RecordingFinding]
@@ -66,7 +71,9 @@ def load_recording(
     kept = _without(len(content.t), dropped)
     if not kept.any():
         raise BadRecordingFile(f"{', '.join(content.files)}: no row is left; repair the file instead of dropping rows")
-    steps = [f"dropped {f.code}: rows {spans(f.rows)} of {f.file}" for f in dropped]
+    origin = content.origin.seconds
+    steps = [f"time counted from the first stamp, {origin:.6f} s"] if origin else []
+    steps += [f"dropped {f.code}: rows {spans(f.rows)} of {f.file}" for f in dropped]
     t = content.t[kept]
     channels: dict[str, Any] = {name: values[kept] for name, values in content.channels.items()}
     recording = Recording(
@@ -122,10 +129,9 @@ def _read(
     malformed = [f for f in findings if f.rows and f.code != "unterminated-last-line"]
     findings += cell_findings(columns, _without(count, malformed))
     findings += value_findings(file, mapping.joints, slides, channels, lines)
-    t = _time(mapping, by_quantity.get("time"), count)
-    findings += stamp_findings(
-        file, t, _without(count, [f for f in findings if f.severity == "error"] + malformed), lines
-    )
+    t, origin = _time(mapping, by_quantity.get("time"), count)
+    sound = _without(count, [f for f in findings if f.severity == "error"] + malformed)
+    findings += stamp_findings(file, t, sound, lines, origin.seconds)
     sound = _without(count, [f for f in findings if f.severity == "error"] + malformed)
     rows = np.flatnonzero(sound)
     findings += channel_findings(columns, sound)
@@ -133,14 +139,16 @@ def _read(
     if "v" in channels and rows.size:
         q, v = channels["q"][sound], channels["v"][sound]
         findings += motion_findings(file, mapping.joints, t[sound], blocks_of(t[sound]), q, v)
-    return _Content(tuple(map(str, files)), mapping, t, channels, slides, findings)
+    return _Content(tuple(map(str, files)), mapping, t, origin, channels, slides, findings)
 
 
-def _time(mapping: ColumnMapping, column: list[RecordedColumn] | None, count: int) -> Array:
+def _time(mapping: ColumnMapping, column: list[RecordedColumn] | None, count: int) -> tuple[Array, Origin]:
     if column is not None and mapping.time is not None:
-        return np.asarray(column[0].values * mapping.time.factor)
+        place = (column[0].table, column[0].number, mapping.time.factor)
+        origin = origin_of(*place)
+        return times(*place, origin), origin
     assert mapping.rate is not None  # a mapping has one or the other
-    return np.arange(count) / mapping.rate
+    return np.arange(count) / mapping.rate, Origin()
 
 
 def _without(count: int, findings: Iterable[RecordingFinding]) -> NDArray[np.bool_]:

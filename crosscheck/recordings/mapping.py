@@ -25,6 +25,7 @@ torque_matrix = [[100, 20], [0, -80]]  # R_tau, the transpose of R (equal power)
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -36,6 +37,7 @@ import numpy as np
 
 from crosscheck.recordings.errors import BadMapping
 from crosscheck.recordings.units import Unit, known_unit
+from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 QUANTITIES = ("q", "v", "a", "tau")
@@ -99,10 +101,11 @@ def load_mapping(path: str | PathLike[str]) -> ColumnMapping:
     """Read a mapping. Raises BadMapping, with table and key, and OSError."""
     content = Path(path).read_bytes()
     try:
-        document = tomllib.loads(content.decode("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        return mapping_of(tomllib.loads(content.decode("utf-8")), str(path))
+    except (ValueError, RecursionError) as error:  # also of numbers with thousands of digits, and of deep tables
+        if isinstance(error, InvalidInput):
+            raise
         raise BadMapping(f"{path}: not TOML ({error}); write it as docs/recordings shows") from error
-    return mapping_of(document, str(path))
 
 
 def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
@@ -116,7 +119,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
     if "q" not in document:
         raise BadMapping(f"{source}: without [q]; say which columns hold the joint positions")
     rate, prismatic = document.get("rate"), document.get("prismatic")
-    if rate is not None and not (_is_number(rate) and 0 < rate < np.inf):
+    if rate is not None and not (_is_number(rate) and rate > 0):
         raise BadMapping(f"{source}: rate is {rate!r}; give samples per second")
     if rate is None and "time" not in document:
         raise BadMapping(f"{source}: without [time]; name its column, or give the rate in samples per second")
@@ -134,6 +137,11 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
         transmission = _transmission(_table(document, "transmission", source), len(joints), f"{source}, [transmission]")
     elif any(channel.motor for channel in channels.values()):
         raise BadMapping(f'{source}: side = "motor" without [transmission]; give its ratio or matrix')
+    if transmission is not None and not any(channel.motor for channel in channels.values()):
+        raise BadMapping(f'{source}: [transmission] without side = "motor"; say which columns are in front of it')
+    delimiter = _text(document, "delimiter", source)
+    if delimiter is not None and (len(delimiter) != 1 or delimiter in '\r\n"'):
+        raise BadMapping(f"{source}: delimiter is {delimiter!r}; give the one character between two cells")
     return ColumnMapping(
         source,
         tuple(joints),
@@ -142,7 +150,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
         rate=None if rate is None else float(rate),
         transmission=transmission,
         prismatic=None if prismatic is None else tuple(prismatic),
-        delimiter=_text(document, "delimiter", source),
+        delimiter=delimiter,
         topic=_text(document, "topic", source),
     )
 
@@ -166,7 +174,7 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
         raise BadMapping(f"{where}: unit is {units!r}; give one text, or one per joint")
     known: list[Unit] = [known_unit(name, unit, where) for unit in units]
     if any(unit.needs_gain for unit in known) and "gain" not in table:
-        raise BadMapping(f"{where}: '{units[0]}' is not a unit of torque; give the gain in N m per {units[0]}")
+        raise BadMapping(f"{where}: {units[0]!r} is not a unit of torque; give the gain in N m per {units[0]}")
     side = table.get("side", "joint")
     if side not in ("joint", "motor"):
         raise BadMapping(f'{where}: side is {side!r}; use "joint" or "motor"')
@@ -218,13 +226,15 @@ def _numbers(table: Mapping[str, Any], key: str, n: int, default: float, where: 
     """n finite numbers; a single number is used n times."""
     value = table.get(key, default)
     values = [value] * n if _is_number(value) else value
-    if not isinstance(values, list) or len(values) != n or not all(_is_number(x) and np.isfinite(x) for x in values):
+    if not isinstance(values, list) or len(values) != n or not all(map(_is_number, values)):
         raise BadMapping(f"{where}: {key} is {value!r}; give {n} numbers")
     return np.array(values, dtype=float)
 
 
 def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    """Whether a double can hold it: integers of TOML have any number of digits."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and abs(value) <= sys.float_info.max
 
 
 def _text(table: Mapping[str, Any], key: str, where: str) -> str | None:
@@ -243,4 +253,4 @@ def _table(document: Mapping[str, Any], key: str, source: str) -> Mapping[str, A
 def _refuse_unknown(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
     unknown = [key for key in table if key not in known]
     if unknown:
-        raise BadMapping(f"{where}: unknown key '{unknown[0]}'; known are {', '.join(known)}")
+        raise BadMapping(f"{where}: unknown key {unknown[0]!r}; known are {', '.join(known)}")

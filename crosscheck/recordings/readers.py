@@ -6,11 +6,12 @@ from collections.abc import Callable
 from errno import ENOENT
 from pathlib import Path
 
-from crosscheck.recordings.array_files import read_mat, read_npz, read_parquet
+from crosscheck.recordings.array_files import read_npz, read_parquet
 from crosscheck.recordings.bag_files import read_bag
 from crosscheck.recordings.csv_files import read_csv
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.mapping import ColumnMapping
+from crosscheck.recordings.matlab_files import read_mat
 from crosscheck.recordings.table import RecordedTable
 
 TEXT = (".csv", ".tsv", ".txt", ".dat", ".log")
@@ -21,17 +22,17 @@ ARRAYS: dict[str, Callable[[Path], RecordedTable]] = {
     ".npz": read_npz,
     ".mat": read_mat,
 }
-SUFFIXES = (*TEXT, *ARRAYS, *BAGS)
+SUFFIXES = (*TEXT, f"{TEXT[0]}.gz", *ARRAYS, *BAGS)
 
 
 def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...] | None) -> RecordedTable:
     """Read one file by its suffix; a folder is a ROS 2 bag. Raises BadRecordingFile, OSError."""
-    suffix = path.suffix.lower()
+    suffix = "".join(path.suffixes[-2:]).lower() if path.suffix.lower() == ".gz" else path.suffix.lower()
     if not path.exists():
         raise FileNotFoundError(ENOENT, "no such file", str(path))
     if suffix in BAGS or path.is_dir():
         return read_bag(path, mapping.topic if mapping else None, (mapping and mapping.joints) or joints)
-    if suffix in TEXT:
+    if suffix.removesuffix(".gz") in TEXT:
         return read_csv(path, mapping.delimiter if mapping else None)
     if suffix in ARRAYS:
         return ARRAYS[suffix](path)

@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from errno import ENOENT
 from os import PathLike
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 
-from crosscheck.recordings.cells import as_doubles
+from crosscheck.recordings.batches import tables
 from crosscheck.recordings.conversion import joint_channels, mapped_columns, sliding_joints
-from crosscheck.recordings.csv_layout import HEAD, layout_of
 from crosscheck.recordings.derivatives import differentiated
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.loading import reordered
@@ -26,23 +24,19 @@ from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.resampling import EVEN
 from crosscheck.recordings.row_filters import BORDERS, torque_filter
-from crosscheck.recordings.table import RecordedTable
+from crosscheck.recordings.stamps import Origin, origin_of, times
 from graphdyn import InvalidInput
 from graphdyn.identification import RowFilter, Samples
-from graphdyn.layout import Array
 
 WINDOW = 20_000
 """Default number of rows in memory at once: 4 MB for a six-axis arm."""
-
-AT_ONCE = 1 << 20
-"""Part of a CSV file that is parsed at once [bytes]."""
 
 
 @dataclass(frozen=True)
 class StreamedRecording:
     """A long recording for graphdyn.identification.Problem(data=…), read again by every iteration.
 
-    path: Parquet, or .csv with a header
+    path: Parquet, .csv or .csv.gz with a header
     mapping, joints, rate: as in load_recording; joints in the order of the robot, those of the mapping if left out
     cutoff: as in differentiated, [Hz] of all channels or per channel; None: no filter
     window: rows in memory at once
@@ -100,12 +94,18 @@ class StreamedRecording:
         """Consecutive rows as they are read, at the joints in SI units."""
         path, count = Path(self.path), 0
         mapping = None if self.mapping is None else self._mapping()
-        for table in _tables(path, mapping, self.window):
+        origin: Origin | None = None
+        for table in tables(path, mapping.delimiter if mapping else None, self.window):
             if mapping is None:
                 mapping = mapping_by_name(table, self.joints, self.rate)[0]
             columns = mapped_columns([table], mapping)
             rows = np.arange(count, count + len(table.values))
-            t = columns["time"][0].values * mapping.time.factor if mapping.time else rows / (mapping.rate or 1.0)
+            if mapping.time:
+                place = (table, columns["time"][0].number, mapping.time.factor)
+                origin = origin or origin_of(*place)
+                t = times(*place, origin)
+            else:
+                t = rows / (mapping.rate or 1.0)
             channels = joint_channels(columns, mapping)
             bad = np.flatnonzero(~np.isfinite(np.column_stack([t, *channels.values()])).all(axis=1))
             back = np.flatnonzero(np.diff(t) <= 0)
@@ -143,42 +143,3 @@ def _samples(done: Recording, row_filter: RowFilter | None, before: int, after: 
     """The recording without these numbers of rows at its beginning and end; one without rows before is the first."""
     q, v, a, tau = (done.channel(name)[before : len(done.t) - after] for name in ("q", "v", "a", "tau"))
     return Samples(q, v, a, tau, row_filter=row_filter, continues=before > 0)
-
-
-def _tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[RecordedTable]:
-    """The file as tables of at most this number of rows."""
-    import pyarrow as pa
-
-    if not path.exists():
-        raise FileNotFoundError(ENOENT, "no such file", str(path))
-    suffix = path.suffix.lower()
-    try:
-        if suffix in (".parquet", ".pq"):
-            from pyarrow import parquet
-
-            batches: Any = parquet.ParquetFile(path).iter_batches(rows)
-        elif suffix == ".csv":
-            batches = _csv_batches(path, mapping)
-        else:
-            raise BadRecordingFile(f"{path}: only .parquet and .csv files are streamed; convert it to one of them")
-        for batch in batches:
-            columns: list[Array] = [as_doubles(column) for column in batch.columns]
-            yield RecordedTable(path, tuple(batch.schema.names), np.column_stack(columns))
-    except pa.ArrowException as error:
-        raise BadRecordingFile(f"{path}: {error}; load_recording gives details, or repair the file") from error
-
-
-def _csv_batches(path: Path, mapping: ColumnMapping | None) -> Any:
-    from pyarrow import csv
-
-    with path.open("rb") as file:
-        head = file.read(HEAD).decode(errors="ignore").replace("\r\n", "\n")
-    layout = layout_of(path, head, mapping.delimiter if mapping else None)
-    return csv.open_csv(
-        path,
-        read_options=csv.ReadOptions(column_names=list(layout.names), skip_rows=layout.above, block_size=AT_ONCE),
-        parse_options=csv.ParseOptions(delimiter=layout.delimiter),
-        convert_options=csv.ConvertOptions(
-            column_types=dict.fromkeys(layout.names, "float64"), decimal_point="," if layout.decimal_comma else "."
-        ),
-    )

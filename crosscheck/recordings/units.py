@@ -68,5 +68,5 @@ def known_unit(quantity: str, name: str, where: str) -> Unit:
             names = [*TIME_UNITS]
         else:
             names = [*TURNING_UNITS[quantity], *SLIDING_UNITS[quantity], *(DRIVE_UNITS if quantity == "tau" else ())]
-        raise BadMapping(f"{where}: '{name}' is not a unit of {quantity}; use one of: {', '.join(names)}")
+        raise BadMapping(f"{where}: {name!r} is not a unit of {quantity}; use one of: {', '.join(names)}")
     return unit

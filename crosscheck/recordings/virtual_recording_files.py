@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.recordings.cells import as_doubles
+from crosscheck.recordings.cells import cells_of_column
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.virtual_recording_columns import (
     JOINT_UNITS,
@@ -75,7 +75,8 @@ def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:
         return f"{path}, {kind} {first + row}, column {headers.index(header) + 1} '{header}'"
 
     def numbers(header: str) -> Array:
-        values = as_doubles(table.column(headers.index(header)))
+        cells = cells_of_column(table.column(headers.index(header)))
+        values = np.full(n_times, np.nan) if isinstance(cells, str) else cells.doubles
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size:
             cell = table.column(headers.index(header))[int(bad[0])].as_py()

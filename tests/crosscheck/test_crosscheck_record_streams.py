@@ -42,7 +42,7 @@ def files(tmp_path, columns):
 
 @pytest.mark.parametrize("name", ["log.parquet", "log.csv"])
 def test_pieces_are_those_of_the_whole_file(files, name, monkeypatch):
-    monkeypatch.setattr("crosscheck.recordings.streaming.AT_ONCE", 20_000)  # a CSV file is parsed in many parts too
+    monkeypatch.setattr("crosscheck.recordings.batches.AT_ONCE", 20_000)  # a CSV file is parsed in many parts too
     whole = differentiated(load_recording(files / name), CUTOFF)
     streamed = StreamedRecording(files / name, cutoff=CUTOFF, window=WINDOW)
     for _ in range(2):
@@ -123,7 +123,7 @@ class TestRefusals:
         (tmp_path / "log.mat").write_bytes(b"x")
         (tmp_path / "log.csv").write_text("t,q_1,tau_1\n0,1,2\n1,x,3\n", encoding="utf-8")
         parquet.write_table(pa.table(columns)[:0], tmp_path / "empty.parquet")
-        with pytest.raises(BadRecordingFile, match=r"only .parquet and .csv files are streamed; convert it to one"):
+        with pytest.raises(BadRecordingFile, match=r"only .parquet, .csv and .csv.gz files are streamed; convert"):
             list(StreamedRecording(tmp_path / "log.mat"))
         with pytest.raises(BadRecordingFile, match=r"log.csv: .*load_recording gives details, or repair the file"):
             list(StreamedRecording(tmp_path / "log.csv"))

@@ -1,0 +1,71 @@
+"""Named arrays of a file as columns: one per array, or one per column of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.recordings.cells import Cells, cells_of_array
+from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.table import RecordedTable, in_words
+
+
+def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
+    """One row per time: (N,) becomes a column, (N, k) and (k, N) the columns name_1 … name_k.
+
+    N is the length that most arrays have along their longest axis. Raises BadRecordingFile where no array has rows.
+    """
+    found: dict[str, tuple[tuple[int, ...], Cells]] = {}
+    left_out = {}
+    for name, value in arrays.items():
+        array = np.asarray(value)
+        if array.ndim == 2 and 1 in array.shape:  # MATLAB has no arrays of one dimension
+            array = array.ravel()
+        cells = cells_of_array(array)
+        if isinstance(cells, str):
+            left_out[name] = cells
+        elif array.ndim not in (1, 2) or not array.size:
+            left_out[name] = f"its shape is {array.shape}, where (N,) or (N, n) is needed"
+        else:
+            found[name] = (array.shape, cells)
+    if not found:
+        reasons = "; ".join(f"{name!r}: {reason}" for name, reason in left_out.items())
+        raise BadRecordingFile(
+            f"{path}: no arrays with one row per time{f' ({reasons})' if reasons else ''}; save t (N,) and q, tau (N, n)"
+        )
+    count = Counter(max(shape) for shape, _ in found.values()).most_common(1)[0][0]
+    names: list[str] = []
+    columns: list[Cells] = []
+    turned = []
+    for name, (shape, cells) in found.items():
+        values = cells.values
+        if len(shape) == 2 and shape[0] != count and shape[1] == count:
+            values = values.T
+            turned.append(name)
+        if len(values) != count:
+            left_out[name] = f"its shape is {shape}, most others have {count} rows"
+        elif values.ndim == 1:
+            names.append(name)
+            columns.append(cells)
+        else:
+            names += [f"{name}_{k}" for k in range(1, values.shape[1] + 1)]
+            columns += [cells._replace(values=column) for column in values.T]
+    findings = left_out_findings(path, left_out)
+    if turned:
+        message = f"{in_words(turned)}: one column per time"
+        remedy = "transposed, so that each row is a time"
+        findings += (RecordingFinding("turned-array", "note", str(path), None, (), message, remedy),)
+    return RecordedTable.of(path, names, columns, left_out=left_out, findings=findings)
+
+
+def left_out_findings(path: Path, left_out: Mapping[str, str]) -> tuple[RecordingFinding, ...]:
+    """What is in the file and is not read."""
+    if not left_out:
+        return ()
+    message = f"not read: {in_words(f'{name} ({reason})' for name, reason in left_out.items())}"
+    return (RecordingFinding("left-out", "note", str(path), None, (), message, "save columns of numbers"),)
