@@ -74,7 +74,7 @@ def _csv_batches(path: Path, delimiter: str | None) -> tuple[tuple[str, ...], An
 
 
 def _types(layout: Layout, head: str) -> dict[str, str]:
-    """Types of the columns by the first row: doubles, or integers with all their digits; calendar times are inferred."""
+    """Types of the columns by the first row: doubles, or integers with all digits; calendar times are inferred."""
     first = cells_of_line(next((line for line in head[layout.length :].split("\n") if line.strip()), ""), layout)
     types = {}
     for k, cell in enumerate(first):

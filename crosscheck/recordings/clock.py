@@ -56,7 +56,10 @@ def increasing(t: Array) -> NDArray[np.bool_]:
 def stamp_findings(
     file: str, t: Array, sound: NDArray[np.bool_], lines: int | None, origin: float = 0.0
 ) -> list[RecordingFinding]:
-    """Stamps that do not increase, or are too large for any clock, among the sound rows (N,). origin: stamp at t = 0."""
+    """Stamps that do not increase, or are too large for any clock, among the sound rows (N,).
+
+    origin: the stamp at t = 0 [s]
+    """
     findings = []
 
     def found(code: str, where: NDArray[np.bool_], message: str, remedy: str) -> None:

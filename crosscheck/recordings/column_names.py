@@ -1,4 +1,4 @@
-"""The meaning of columns by their names: q_1, position.elbow, joint2.tau [N m], qd_shoulder_pan_joint, time_ms.
+"""The meaning of columns by their names: q_1, position.elbow, joint2.tau [N m], /joint_states/elbow/effort, time_ms.
 
 A name gives the quantity first (tau_motor_Nm_2) or, after a dot, last (joint2.tau). The rest, without the unit, is the
 joint. Columns that differ only in the joint are a family; two families of one quantity (motor and secondary encoder)
@@ -11,8 +11,11 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
+RECEIVED = "__time"
+"""PlotJuggler's name of the time, which is that of receiving or of the stamps, as its user chose."""
+
 WORDS = {
-    "time": ("t", "time", "stamp", "timestamp", "timestamps", "times", "bag_t", "header_stamp"),
+    "time": ("t", "time", "stamp", "timestamp", "timestamps", "times", "bag_t", "header_stamp", RECEIVED),
     "q": ("q", "pos", "position", "positions", "angle", "joint_position", "joint_positions", "actual_q"),
     "v": ("v", "qd", "dq", "qdot", "vel", "velocity", "velocities", "joint_velocity", "joint_velocities", "actual_qd"),
     "a": ("a", "qdd", "ddq", "qddot", "acc", "acceleration", "accelerations", "joint_acceleration"),
@@ -33,21 +36,76 @@ SUFFIX_UNITS = {
 """Units by the part of a name that stands for them."""
 
 
+TOPIC = re.compile(r"(?i)(.*/)?joint_states?[./]|.*/")
+"""What stands before the joint in a name with a path."""
+
+STAMP = re.compile(r"(?i)(|.*[/.])header[/.]stamp|(.*[/.])(t|time|timestamp)")
+"""Stamp of a message, or the time of a structure."""
+
+SECONDS_PART = re.compile(r"(?i)(|.*[/._])secs?(onds)?")
+NANOSECONDS_PART = r"(?i)(nsecs?|nanosecs?|nanoseconds)"
+"""The two columns of a ROS stamp: header.stamp.sec and header.stamp.nanosec."""
+
+ALL_WORDS = "|".join(sorted((word for words in WORDS.values() for word in words), key=len, reverse=True))
+ELEMENT = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})(?:[\[(](\d+)[\])]|[._/]?(\d+))")
+"""Element of an array, as PlotJuggler, ROS and MATLAB write it: position[0], field.position0, .position.0, q(1)."""
+
+
 class Meaning(NamedTuple):
-    """Meaning of a column: quantity, family (the name with * for the joint), joint, unit ("" if the name has none)."""
+    """Meaning of a column.
+
+    quantity: a key of WORDS
+    family: the name with * for the joint
+    joint: its name or number; "" for time
+    unit: "" if the name has none
+    path: of the message that has the column: "/joint_states"; None for a name without path
+    """
 
     quantity: str
     family: str
     joint: str
     unit: str
+    path: str | None = None
 
 
 def meaning(name: str, joints: Sequence[str] | None) -> Meaning | None:
     """The meaning of a name; None where it is unknown."""
     label, unit = name.strip(), ""
-    bracket = re.fullmatch(r"(.*\S)\s*[\[(]([^\[\]()]*)[\])]", label)
+    bracket = re.fullmatch(r"(.*\S)\s*[\[(]([^\[\]()]*[^\[\]()\d][^\[\]()]*)[\])]", label)
     if bracket:
         label, unit = bracket[1], bracket[2].strip()
+    return _of_message(label, unit, joints) or _of_table(label, unit, joints)
+
+
+def _of_message(label: str, unit: str, joints: Sequence[str] | None) -> Meaning | None:
+    """The meaning of a field of a message: /joint_states/elbow/position, /joint_states/position[0], field.position0."""
+    stamp = STAMP.fullmatch(label)
+    if stamp:
+        return Meaning("time", label, "", unit, (stamp[1] or stamp[2] or "").rstrip("/."))
+    element = ELEMENT.fullmatch(label)
+    if element and (quantity := _quantity(element[2])) != "time":
+        path, word, bracketed, bare = element.groups()
+        if path or bracketed:  # position_1 is a name without path
+            return Meaning(quantity, f"{path}{word}[*]", bracketed or bare, unit, path.rstrip("/."))
+    word = re.split(r"[/.]", label)[-1]
+    quantity, owner = _quantity(word), label[: -len(word) - 1]
+    if quantity in ("", "time") or not owner:
+        return None
+    known = [joint for joint in joints or () if re.fullmatch(rf"(|.*[/.]){re.escape(joint)}", owner)]
+    topic = TOPIC.match(owner)
+    joint = max(known, key=len) if known else owner[topic.end() :] if topic else ""
+    before = owner[: len(owner) - len(joint)]
+    if not joint or not (known or before.strip("/")):  # "/gripper/position" is a field of a topic, not of a joint
+        return None
+    return Meaning(quantity, f"{before}*{label[len(owner) :]}", joint, unit, before.rstrip("/.") if before else None)
+
+
+def _quantity(word: str) -> str:
+    return next((quantity for quantity, words in WORDS.items() if word.lower() in words), "")
+
+
+def _of_table(label: str, unit: str, joints: Sequence[str] | None) -> Meaning | None:
+    """The meaning of a name without path."""
     for quantity, words in WORDS.items():
         alternatives = "|".join(sorted(words, key=len, reverse=True))
         last = quantity != "time" and re.fullmatch(rf"(?i)(.+)\.({alternatives})", label)

@@ -32,7 +32,7 @@ def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> d
     """The columns of q, v, a, tau, and of time where there is one. Raises BadMapping, BadRecordingFile."""
     wanted = {name: (channel.file, channel.columns) for name, channel in mapping.channels.items()}
     if mapping.time is not None:
-        wanted["time"] = (mapping.time.file, (mapping.time.column,))
+        wanted["time"] = (mapping.time.file, mapping.time.columns)
     found: dict[str, list[RecordedColumn]] = {}
     for quantity, (pattern, names) in wanted.items():
         where = f"{mapping.source}, [{quantity}]"

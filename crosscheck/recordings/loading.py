@@ -20,7 +20,7 @@ from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.readers import read_table
 from crosscheck.recordings.recording import Provenance, Recording
-from crosscheck.recordings.stamps import Origin, origin_of, times
+from crosscheck.recordings.stamps import Origin, times
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
@@ -144,9 +144,7 @@ def _read(
 
 def _time(mapping: ColumnMapping, column: list[RecordedColumn] | None, count: int) -> tuple[Array, Origin]:
     if column is not None and mapping.time is not None:
-        place = (column[0].table, column[0].number, mapping.time.factor)
-        origin = origin_of(*place)
-        return times(*place, origin), origin
+        return times(column, mapping.time.factor)
     assert mapping.rate is not None  # a mapping has one or the other
     return np.arange(count) / mapping.rate, Origin()
 

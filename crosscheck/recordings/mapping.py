@@ -8,6 +8,7 @@ topic = "/joint_states"                # of a bag with several topics
 
 [time]
 column = "stamp"                       # name, or number from 1; unit = "s" unless given
+nanoseconds = "stamp_ns"               # only where a stamp has two columns, seconds and nanoseconds
 [q]                                    # and [v], [a], [tau]
 columns = "pos_{number}"               # or "q_{joint}", or a list of names or numbers, in the order of joints
 unit = "deg"                           # or one per joint
@@ -67,11 +68,21 @@ class Channel:
 
 @dataclass(frozen=True)
 class TimeColumn:
-    """The column of the time; factor: seconds per number."""
+    """The column of the time.
+
+    factor: seconds per number
+    nanoseconds: a second column, of ROS stamps: what has to be added to the seconds
+    """
 
     column: str | int
     factor: float = 1.0
     file: str = "*"
+    nanoseconds: str | int | None = None
+
+    @property
+    def columns(self) -> tuple[str | int, ...]:
+        """One or two."""
+        return (self.column,) if self.nanoseconds is None else (self.column, self.nanoseconds)
 
 
 @dataclass(frozen=True)
@@ -193,12 +204,20 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
 
 
 def _time(table: Mapping[str, Any], where: str) -> TimeColumn:
-    _refuse_unknown(table, ("column", "unit", "file"), where)
-    column = table.get("column")
-    if not isinstance(column, str | int) or isinstance(column, bool):
-        raise BadMapping(f"{where}: column is {column!r}; give its name, or its number from 1")
-    factor = known_unit("time", _text(table, "unit", where) or "s", where).factor
-    return TimeColumn(column, factor, _text(table, "file", where) or "*")
+    _refuse_unknown(table, ("column", "unit", "file", "nanoseconds"), where)
+    column = _column(table, "column", where)
+    nanoseconds = _column(table, "nanoseconds", where) if "nanoseconds" in table else None
+    unit = _text(table, "unit", where) or "s"
+    if nanoseconds is not None and unit != "s":
+        raise BadMapping(f"{where}: unit is {unit!r}, but beside nanoseconds the column holds seconds; leave it out")
+    return TimeColumn(column, known_unit("time", unit, where).factor, _text(table, "file", where) or "*", nanoseconds)
+
+
+def _column(table: Mapping[str, Any], key: str, where: str) -> str | int:
+    value = table.get(key)
+    if not isinstance(value, str | int) or isinstance(value, bool):
+        raise BadMapping(f"{where}: {key} is {value!r}; give its name, or its number from 1")
+    return value
 
 
 def _transmission(table: Mapping[str, Any], n: int, where: str) -> Transmission:

@@ -35,9 +35,8 @@ def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
             found[name] = (array.shape, cells)
     if not found:
         reasons = "; ".join(f"{name!r}: {reason}" for name, reason in left_out.items())
-        raise BadRecordingFile(
-            f"{path}: no arrays with one row per time{f' ({reasons})' if reasons else ''}; save t (N,) and q, tau (N, n)"
-        )
+        there = f" ({reasons})" if reasons else ""
+        raise BadRecordingFile(f"{path}: no arrays with one row per time{there}; save t (N,) and q, tau (N, n)")
     count = Counter(max(shape) for shape, _ in found.values()).most_common(1)[0][0]
     names: list[str] = []
     columns: list[Cells] = []

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from crosscheck.recordings.cells import LARGEST_EXACT
+from crosscheck.recordings.conversion import RecordedColumn
 from crosscheck.recordings.limits import TIME
-from crosscheck.recordings.table import RecordedTable
 from graphdyn.layout import Array
 
 LARGEST_TIME = LARGEST_EXACT * 1e-9
@@ -23,18 +24,23 @@ class Origin(NamedTuple):
     seconds: float = 0.0
 
 
-def origin_of(table: RecordedTable, number: int, factor: float) -> Origin:
-    """The first plausible stamp of a column if it is beyond LARGEST_TIME, else zero. factor: seconds per number."""
-    factor = table.seconds.get(number, factor)
-    start, values = table.starts.get(number, 0), table.values[:, number]
+def times(columns: Sequence[RecordedColumn], factor: float, origin: Origin | None = None) -> tuple[Array, Origin]:
+    """Time of the rows since the origin (N,) [s], and the origin: found unless given.
+
+    columns: the stamps; or seconds, and nanoseconds to be added. factor: seconds per number of the first one
+    """
+    column = columns[0]
+    factor = column.table.seconds.get(column.number, factor)
+    values, start = column.table.values[:, column.number], column.table.starts.get(column.number, 0)
+    origin = origin or _origin(values, start, factor)
+    t = (values - origin.first + (start - origin.start)) * factor
+    return np.asarray(t + columns[1].values * 1e-9 if len(columns) > 1 else t), origin
+
+
+def _origin(values: Array, start: int, factor: float) -> Origin:
+    """The first plausible stamp if it is beyond LARGEST_TIME, else zero."""
     seconds = (start + values) * factor
     plausible = np.flatnonzero(np.abs(seconds) <= TIME.value)
     if not plausible.size or abs(seconds[plausible[0]]) <= LARGEST_TIME:
         return Origin()
     return Origin(start, float(values[plausible[0]]), float(seconds[plausible[0]]))
-
-
-def times(table: RecordedTable, number: int, factor: float, origin: Origin) -> Array:
-    """Time of the rows since the origin (N,) [s]."""
-    values = table.values[:, number] - origin.first
-    return np.asarray((values + (table.starts.get(number, 0) - origin.start)) * table.seconds.get(number, factor))

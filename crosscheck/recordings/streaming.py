@@ -24,7 +24,7 @@ from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.resampling import EVEN
 from crosscheck.recordings.row_filters import BORDERS, torque_filter
-from crosscheck.recordings.stamps import Origin, origin_of, times
+from crosscheck.recordings.stamps import Origin, times
 from graphdyn import InvalidInput
 from graphdyn.identification import RowFilter, Samples
 
@@ -101,9 +101,7 @@ class StreamedRecording:
             columns = mapped_columns([table], mapping)
             rows = np.arange(count, count + len(table.values))
             if mapping.time:
-                place = (table, columns["time"][0].number, mapping.time.factor)
-                origin = origin or origin_of(*place)
-                t = times(*place, origin)
+                t, origin = times(columns["time"], mapping.time.factor, origin)
             else:
                 t = rows / (mapping.rate or 1.0)
             channels = joint_channels(columns, mapping)
