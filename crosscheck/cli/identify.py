@@ -19,7 +19,6 @@ from crosscheck.cli.options import (
     HtmlOption,
     JsonOption,
     LockOption,
-    SeedOption,
     check_writable,
     locked_joints,
 )
@@ -50,7 +49,7 @@ def run(
     min_speed: options.MinSpeedOption = "0",
     terms: options.TermsOption = "viscous,coulomb,offset",
     width: options.WidthOption = None,
-    stribeck_velocity: options.StribeckOption = 0.1,
+    stribeck_velocity: options.StribeckOption = None,
     term: options.TermOption = None,
     known_torque: options.KnownTorqueOption = None,
     known_bodies: options.KnownBodiesOption = False,
@@ -63,8 +62,8 @@ def run(
     folds: options.FoldsOption = None,
     choose: options.ChooseOption = None,
     poses: options.PosesOption = 10_000,
-    seconds: options.SecondsOption = 20.0,
-    seed: SeedOption = 0,
+    seconds: options.SecondsOption = None,
+    seed: options.SimulationSeedOption = None,
     lock: LockOption = None,
     chain: ChainOption = None,
     gravity: options.GravityOption = None,
@@ -91,6 +90,7 @@ def run(
     from crosscheck.report.commands.identify import identify_report
 
     if logs:
+        options.refuse_with_log(seconds=seconds, seed=seed)
         load, known_load = options.payload_of(payload, payload_on)
         bodies, known_links = options.links(known_bodies)
         with warnings_shown():
@@ -117,7 +117,10 @@ def run(
             known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on,
         )  # fmt: skip
         with warnings_shown():
-            found = simulated(robot, drives, frozen, seconds, seed, methods=ways, preparation=preparation, poses=poses)
+            how_long, which = 20.0 if seconds is None else seconds, seed or 0
+            found = simulated(
+                robot, drives, frozen, how_long, which, methods=ways, preparation=preparation, poses=poses
+            )
     shown = found.shown(None if choose is None else options.method_shown(choose))
     deliver(identify_report(found, shown), html_file, json_file)
     if urdf_file is not None:

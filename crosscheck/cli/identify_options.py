@@ -63,7 +63,10 @@ TermsOption = Annotated[
 WidthOption = Annotated[
     float | None, typer.Option(metavar="X", help="tanh(v/X) in place of the sign of v in friction [rad/s or m/s].")
 ]
-StribeckOption = Annotated[float, typer.Option(metavar="X", help="Speed at which Stribeck friction fades.")]
+StribeckOption = Annotated[
+    float | None,
+    typer.Option(metavar="X", help="Speed at which Stribeck friction fades [rad/s or m/s], 0.1 if left out."),
+]
 TermOption = Annotated[
     list[str] | None,
     typer.Option(metavar=FUNCTION, help="A further term: a function without arguments that returns one. Repeatable."),
@@ -113,7 +116,12 @@ GravityOption = Annotated[
 ]
 UrdfOption = Annotated[Path | None, typer.Option("--urdf", metavar="OUT", help="Write the robot with new inertials.")]
 PosesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random poses to test the mass matrix in.")]
-SecondsOption = Annotated[float, typer.Option(metavar="S", help="Length of the simulated recording.")]
+SecondsOption = Annotated[
+    float | None, typer.Option(metavar="S", help="Length of the simulated recording [s], 20 if left out.")
+]
+SimulationSeedOption = Annotated[
+    int | None, typer.Option("--seed", min=0, metavar="N", help="Seed of the simulated recording, 0 if left out.")
+]
 
 
 def cutoff_of(text: str) -> Cutoff:
@@ -123,7 +131,11 @@ def cutoff_of(text: str) -> Cutoff:
     try:
         if "=" not in text:
             return float(text)
-        return {name.strip(): float(value) for name, _, value in (part.partition("=") for part in text.split(","))}
+        parts = [part.partition("=") for part in text.split(",")]
+        cutoffs = {name.strip(): float(value) for name, _, value in parts}
+        if len(cutoffs) < len(parts):
+            raise typer.BadParameter(f"--cutoff {text}: a channel is given twice; give each once")
+        return cutoffs
     except ValueError:
         raise typer.BadParameter(f"--cutoff {text}: give Hz, CHANNEL=HZ,…, residual or none") from None
 
@@ -202,7 +214,7 @@ def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[Kno
     return [], [KnownPayload(parameters_from_inertia(kilograms, np.array(center), np.zeros((3, 3))), link)]
 
 
-def terms_of(names: str, width: float | None, stribeck: float, further: list[str] | None) -> tuple[Term, ...]:
+def terms_of(names: str, width: float | None, stribeck: float | None, further: list[str] | None) -> tuple[Term, ...]:
     """What the drives add. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
     from crosscheck.identifying import friction_terms
 
@@ -230,6 +242,13 @@ def refuse_without_log(**given: object) -> None:
     for name, value in given.items():
         if value:
             raise typer.BadParameter(f"--{name.replace('_', '-')} needs a LOG; without one the robot is simulated")
+
+
+def refuse_with_log(**given: object) -> None:
+    """Raises typer.BadParameter for an option of the simulation."""
+    for name, value in given.items():
+        if value is not None:
+            raise typer.BadParameter(f"--{name} is for the simulated robot; leave it out with a LOG")
 
 
 def method_shown(text: str) -> str:
@@ -275,6 +294,12 @@ def recordings(
             f"{option}: {len(logs)} files, but {mapping} makes each recording of {together}; give them in a row"
         )
     groups = [logs[k : k + together] for k in range(0, len(logs), together)]
+    places = [tuple(sorted(str(path.resolve()) for path in group)) for group in groups]
+    twice = next((group[0] for group, place in zip(groups, places, strict=True) if places.count(place) > 1), None)
+    if twice is not None:
+        raise typer.BadParameter(
+            f"{option}: {twice} is given twice; rows that count twice look more certain than they are"
+        )
     codes = DROPPABLE if "all" in drop else drop
     recordings = []
     for group in groups:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -85,6 +86,11 @@ class OtherRecordings:
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
         fit, test = concatenated(recordings), concatenated(self.recordings)
+        fitted = _rows_of_files(fit)
+        for file, rows in _rows_of_files(test).items():
+            shared = rows & fitted.get(file, set())
+            if shared:
+                raise InvalidInput(f"{file}: {len(shared)} rows are fitted and predicted; predict another recording")
         return Division(fit, [Split(fit, test)], f"all of {', '.join(test.provenance.files)}")
 
 
@@ -120,6 +126,13 @@ class Folds:
         return Division(
             recording, time_folds(recording, self.folds, GUARD), f"{self.folds} consecutive folds, each from the others"
         )
+
+
+def _rows_of_files(recording: Recording) -> dict[Path, set[int]]:
+    """The rows of every file; where several files have the same rows, of the first one."""
+    files = [Path(name).resolve() for name in recording.provenance.files]
+    numbers = np.unique(recording.file).tolist() if files else []
+    return {files[number]: set(recording.rows[recording.file == number].tolist()) for number in numbers}
 
 
 def _only(recordings: Sequence[Recording], what: str) -> Recording:

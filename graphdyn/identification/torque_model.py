@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel
+from graphdyn.identification.motion import Motion
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms import Column, Coulomb, KnownTerm, Offset, RigidBodies, Term, Viscous
 from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
@@ -54,17 +55,19 @@ class TorqueModel:
         """The regressor W (N, n, p) of a short piece, or these columns of it in ascending order."""
         chosen = np.arange(len(self.columns)) if columns is None else columns
         w = np.empty((*samples.q.shape, len(chosen)))
+        motion = Motion(samples)
         for term, part in self._parts:
             first, last = np.searchsorted(chosen, (part.start, part.stop))
             if last - first == part.stop - part.start:
-                w[..., first:last] = term.rows(self.model, samples)
+                w[..., first:last] = term.rows(self.model, motion)
             elif first < last:
-                w[..., first:last] = term.rows(self.model, samples)[..., chosen[first:last] - part.start]
+                w[..., first:last] = term.rows(self.model, motion)[..., chosen[first:last] - part.start]
         return w
 
     def known_torque(self, samples: Samples) -> Array:
         """(N, n) [N m or N]."""
-        parts = (term.torque(self.model, samples) for term in self.known)
+        motion = Motion(samples)
+        parts = (term.torque(self.model, motion) for term in self.known)
         return np.asarray(sum(parts, start=np.zeros(samples.q.shape)))
 
     def torque(self, samples: Samples, x: Array) -> Array:

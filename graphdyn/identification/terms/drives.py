@@ -9,6 +9,7 @@ import numpy as np
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel
 from graphdyn.identification.samples import Samples
+from graphdyn.identification.terms.friction import smooth_sign
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 
@@ -53,8 +54,7 @@ class CoupledWrist:
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         j, k = self._numbers(model)
         rows = np.zeros((*samples.v.shape, 3))
-        speed = samples.v[:, j] + samples.v[:, k]
-        friction = np.sign(speed) if self.width is None else np.tanh(speed / self.width)
+        friction = smooth_sign(samples.v[:, [j]] + samples.v[:, [k]], self.width)[:, 0]
         for here, other in ((j, k), (k, j)):
             rows[:, here, 0] = samples.a[:, other]
             rows[:, here, 1] = samples.v[:, other]

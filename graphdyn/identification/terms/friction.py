@@ -68,17 +68,20 @@ class Stribeck:
         return per_joint_rows(smooth_sign(samples.v, self.width) * falling)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AsymmetricCoulomb:
-    """One Coulomb friction for v > 0 and one for v < 0; both act against the motion."""
+    """One Coulomb friction for v > 0 and one for v < 0; both act against the motion. width: as in Coulomb."""
+
+    width: ArrayLike | None = None
 
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
         forth = per_joint_columns(model, "Coulomb friction forth", "FC+", *TORQUE)
         return forth + per_joint_columns(model, "Coulomb friction back", "FC-", *TORQUE)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        forth, back = samples.v > 0, samples.v < 0
-        return np.concatenate([per_joint_rows(forth.astype(float)), per_joint_rows(-back.astype(float))], axis=-1)
+        sign = smooth_sign(samples.v, self.width)
+        forth, back = np.maximum(sign, 0.0), np.minimum(sign, 0.0)
+        return np.concatenate([per_joint_rows(forth), per_joint_rows(back)], axis=-1)
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ class Term(Protocol):
         ...
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        """W (N, n, k): its torque is W x. The torque of the samples is not read."""
+        """W (N, n, k): its torque is W x. Reading samples.tau raises InvalidInput."""
         ...
 
 
@@ -42,7 +42,7 @@ class KnownTerm(Protocol):
     """A part of the torque without unknowns; it is subtracted from the measured torque."""
 
     def torque(self, model: RobotModel, samples: Samples) -> Array:
-        """(N, n) [N m or N]."""
+        """(N, n) [N m or N]. Reading samples.tau raises InvalidInput."""
         ...
 
 
