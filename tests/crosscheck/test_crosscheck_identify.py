@@ -34,12 +34,13 @@ from crosscheck.identifying import (
 from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
 from crosscheck.identifying.pooling import pooled_sizes
 from crosscheck.identifying.recommending import joint_errors, mean_error
+from crosscheck.identifying.torque_terms import WITH_VELOCITY, WITH_WIDTH
 from crosscheck.recordings import Recording, concatenated
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.report.json import plain
 from crosscheck.report.records.identify import record
 from graphdyn import EstimationFailed, InvalidInput, mass_matrix
-from graphdyn.identification import Plausibility, ResidualSizes, WeightedLeastSquares
+from graphdyn.identification import Plausibility, ResidualSizes, Samples, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
 
 SAME = 1e-10
@@ -411,6 +412,21 @@ class TestNames:
         with pytest.raises(InvalidInput, match="the term 'offset' is given twice"):
             friction_terms(["offset", "offset"])
 
+    @pytest.mark.parametrize("option", ["width", "stribeck_velocity"])
+    def test_no_term_ignores_an_option(self, option):
+        """A term either changes with it, or it is refused."""
+        model = graphdyn.kr500()
+        q, v = model.random_state(np.random.default_rng(0), 10)
+        samples = Samples(q, v, np.ones_like(q), np.zeros_like(q))
+        for name in TERMS:
+            (plain,) = friction_terms([name])
+            if name in {"width": WITH_WIDTH, "stribeck_velocity": WITH_VELOCITY}[option]:
+                (other,) = friction_terms([name], **{option: 0.7})
+                assert not np.array_equal(plain.rows(model, samples), other.rows(model, samples)), name
+            else:
+                with pytest.raises(InvalidInput, match=rf"is given, but none of the terms \({name}\) has one"):
+                    friction_terms([name], **{option: 0.7})
+
     def test_a_method_of_ones_own_stands_beside_the_others(self):
         class Half:
             name, reference, assumptions, needs = "half", "none", "none", "nothing"
@@ -421,6 +437,15 @@ class TestNames:
         found = identified(["wls", Half()])
         assert found.comparison.of("half").failure is None
         assert found.recommendation.name in (None, "half")
+
+
+def test_rows_that_are_fitted_are_not_predicted():
+    recording = virtual().fitted
+    with pytest.raises(InvalidInput, match=rf"{len(recording.t)} rows are fitted and predicted; predict another"):
+        OtherRecordings((recording,)).divide([recording])
+    half = len(recording.t) // 2
+    first, second = recording.take(slice(0, half)), recording.take(slice(half, None))
+    assert len(OtherRecordings((second,)).divide([first]).fit.t) == half
 
 
 def test_other_records_are_prepared_alike():

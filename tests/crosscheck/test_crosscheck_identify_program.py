@@ -42,6 +42,10 @@ class Prior:
 
 def empty():
     return object()
+
+class Borrowed(Offset):
+    def rows(self, model, samples):
+        return super().rows(model, samples) * samples.tau[:, :, None]
 """
 
 
@@ -208,6 +212,11 @@ class TestSimulated:
             assert code == 2
             assert f"{option} needs a LOG; without one the robot is simulated" in said
 
+    def test_a_term_that_reads_the_torque(self, program, arm):
+        code, said = program("--robot", "kr500", "--terms", "none", "--term", f"{arm / 'own.py'}:Borrowed", *QUICK)
+        assert code == 2
+        assert "a term reads samples.tau, the torque it is to explain" in said
+
 
 class TestOptions:
     def test_own_code(self, program, two_files, arm):
@@ -288,6 +297,15 @@ class TestOptions:
             (["--choose", "magic", "--methods", "wls", "--cutoff", "10"], "there is no method 'magic'; known: WLS"),
             (["--drop", "magic"], "drop has 'magic'; rows can be dropped for"),
             (["--validate", "pos_two.csv"], "--validate: 1 files, but"),
+            (["--terms", "viscous", "--width", "0.1"], "a width is given, but none of the terms (viscous) has one"),
+            (["--terms", "none", "--width", "0.1"], "a width is given, but none of the terms (none) has one"),
+            (["--stribeck-velocity", "0.2"], "a Stribeck velocity is given, but none of the terms (viscous, coulomb"),
+            (["--seed", "0"], "--seed is for the simulated robot; leave it out with a LOG"),
+            (["--seconds", "20"], "--seconds is for the simulated robot; leave it out with a LOG"),
+            (["--cutoff", "q=5,q=10"], "--cutoff q=5,q=10: a channel is given twice; give each once"),
+            (["--validate", "pos_one.csv", "--validate", "cur_one.csv", "--cutoff", "10"], "rows are fitted and pred"),
+            (["pos_one.csv", "cur_one.csv"], "is given twice; rows that count twice look more certain than they are"),
+            (["--term", "own.py:Borrowed", "--terms", "none"], "a term reads samples.tau, the torque it is to explain"),
         ],
     )
     def test_bad_input(self, two_files, arm, monkeypatch, options, message):

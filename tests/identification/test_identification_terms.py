@@ -7,7 +7,7 @@ import torque_data
 import graphdyn
 from graphdyn import InvalidInput, Joint, Placement, RobotModel
 from graphdyn._inertia import parameters_from_inertia
-from graphdyn.identification import Samples, TorqueModel
+from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,
@@ -96,7 +96,12 @@ def test_units_of_a_slide():
 
 
 @pytest.mark.parametrize(
-    ("asymmetric", "symmetric"), [(AsymmetricCoulomb(), Coulomb()), (AsymmetricViscous(), Viscous())]
+    ("asymmetric", "symmetric"),
+    [
+        (AsymmetricCoulomb(), Coulomb()),
+        (AsymmetricCoulomb(width=0.3), Coulomb(width=0.3)),
+        (AsymmetricViscous(), Viscous()),
+    ],
 )
 def test_asymmetric_friction(asymmetric, symmetric, samples):
     """Equal parameters forth and back are the symmetric friction; either alone acts in one direction."""
@@ -219,11 +224,53 @@ class TestTorqueModel:
             TorqueModel(MODEL, [])
 
 
+class ReadsTorque:
+    """A term, known and unknown, that computes its torque from the measured one."""
+
+    def __init__(self, read):
+        self.read = read
+
+    def columns(self, model):
+        return Offset().columns(model)
+
+    def rows(self, model, samples):
+        return Offset().rows(model, samples) * self.read(samples).sum()
+
+    def torque(self, model, samples):
+        return self.read(samples)
+
+
+@pytest.mark.parametrize(
+    "read",
+    [
+        lambda samples: samples.tau,
+        lambda samples: samples[2:4].tau,
+        lambda samples: next(samples.pieces(5)).tau,
+        lambda samples: getattr(samples, "tau", samples.v),
+    ],
+)
+def test_a_term_does_not_see_the_torque(read, samples):
+    term = ReadsTorque(read)
+    message = "a term reads samples.tau, the torque it is to explain; compute it from q, v and a alone"
+    for model in (TorqueModel(MODEL, [Viscous(), term]), TorqueModel(MODEL, [Viscous()], [term])):
+        with pytest.raises(InvalidInput, match=message):
+            model.torque(samples, np.zeros(len(model.columns)))
+        with pytest.raises(InvalidInput, match=message):
+            Problem(model, samples).equations  # noqa: B018
+    motion = TorqueModel(MODEL, [ReadsTorque(lambda samples: samples[:3].v)]).rows(samples)
+    assert motion.shape == (20, 6, 6)
+    assert np.all(motion[0] == samples.v[:3].sum() * np.eye(6))
+
+
 class TestRefusals:
     @pytest.mark.parametrize("width", [0.0, -1.0, np.nan, [1.0, 2.0]])
     def test_widths(self, width, samples):
         with pytest.raises(InvalidInput, match=r"width is .*; give one positive number, or 6"):
             Coulomb(width=width).rows(MODEL, samples)
+
+    def test_width_of_a_wrist(self, samples):
+        with pytest.raises(InvalidInput, match=r"width is -1.*; give one positive number"):
+            CoupledWrist(width=-1.0).rows(MODEL, samples)
 
     def test_stribeck(self, samples):
         with pytest.raises(InvalidInput, match="Stribeck velocity is 0"):
