@@ -23,6 +23,10 @@ NO_NUMBERS, TRUTH = "it holds no numbers", "it holds truth values, no numbers"
 COMPLEX = "it holds complex numbers; save their real parts"
 
 
+DURATION = r"^-?(\d+\.?\d*|\.\d+)(e[-+]?\d+)? sec$"
+"""A duration as MATLAB's writetimetable writes it."""
+
+
 class Cells(NamedTuple):
     """A column: start + values, NaN where a cell is not a number.
 
@@ -64,6 +68,9 @@ def cells_of_column(column: Any) -> Cells | str:
         return TRUTH if pa.types.is_boolean(kind) else NO_NUMBERS
     text = compute.replace_substring_regex(compute.utf8_trim_whitespace(column), r"^\+", "")
     nothing = pa.scalar(None, text.type)
+    if compute.all(compute.match_substring_regex(text, DURATION)).as_py():
+        text = compute.replace_substring(text, " sec", "")
+        return Cells(np.array(text.cast(pa.float64()), dtype=float), seconds=1.0)
     text = compute.if_else(compute.match_substring_regex(text, NUMBER), text, nothing)
     if compute.any(compute.match_substring_regex(text, LONG_INTEGER)).as_py():
         for integer in (pa.int64(), pa.uint64()):

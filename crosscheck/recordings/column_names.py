@@ -15,7 +15,7 @@ RECEIVED = "__time"
 """PlotJuggler's name of the time, which is that of receiving or of the stamps, as its user chose."""
 
 WORDS = {
-    "time": ("t", "time", "stamp", "timestamp", "timestamps", "times", "bag_t", "header_stamp", RECEIVED),
+    "time": ("t", "time", "stamp", "timestamp", "timestamps", "times", "bag_t", "header_stamp", "rowtimes", RECEIVED),
     "q": ("q", "pos", "position", "positions", "angle", "joint_position", "joint_positions", "actual_q"),
     "v": ("v", "qd", "dq", "qdot", "vel", "velocity", "velocities", "joint_velocity", "joint_velocities", "actual_qd"),
     "a": ("a", "qdd", "ddq", "qddot", "acc", "acceleration", "accelerations", "joint_acceleration"),
@@ -43,7 +43,7 @@ STAMP = re.compile(r"(?i)(|.*[/.])header[/.]stamp|(.*[/.])(t|time|timestamp)")
 """Stamp of a message, or the time of a structure."""
 
 SECONDS_PART = re.compile(r"(?i)(|.*[/._])secs?(onds)?")
-NANOSECONDS_PART = r"(?i)(nsecs?|nanosecs?|nanoseconds)"
+NANOSECONDS_PART = re.compile(r"(?i)n(ano)?secs?|nanoseconds")
 """The two columns of a ROS stamp: header.stamp.sec and header.stamp.nanosec."""
 
 ALL_WORDS = "|".join(sorted((word for words in WORDS.values() for word in words), key=len, reverse=True))

@@ -11,7 +11,7 @@ import numpy as np
 from crosscheck.recordings.cells import LARGEST_EXACT, Cells, cells_of_column
 from crosscheck.recordings.csv_layout import HEAD, Layout, layout_of
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.findings import RecordingFinding, noted
 from crosscheck.recordings.table import RecordedTable
 from crosscheck.recordings.text_files import text_of
 
@@ -54,16 +54,18 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
         last = columns[-1].values
         cut = bool(np.isnan(last[-1])) and not np.isnan(last[-2:-1]).any()
         findings.append(_last_line(path, count - 1, lines, cut))
+    if any(re.fullmatch(r"-?\d+\.\d+", name) for name in layout.names):
+        message, remedy = (
+            "the first line is taken for names, though it has decimals",
+            "if it is a row, write names above",
+        )
+        findings.append(RecordingFinding("header-of-numbers", "warning", str(path), None, (), message, remedy))
     if not any(layout.names):
         message = "the first line holds numbers, so the columns have no names"
-        findings.append(_note(path, "no-header", message, "they can be mapped by number only"))
+        findings.append(noted(str(path), "no-header", message, "they can be mapped by number only"))
     if layout.decimal_comma:
-        findings.append(_note(path, "decimal-comma", "the numbers have decimal commas", "they are read with them"))
+        findings.append(noted(str(path), "decimal-comma", "the numbers have decimal commas", "they are read with them"))
     return RecordedTable.of(path, layout.names, columns, texts=texts, lines=lines, findings=tuple(findings))
-
-
-def _note(path: Path, code: str, message: str, remedy: str) -> RecordingFinding:
-    return RecordingFinding(code, "note", str(path), None, (), message, remedy)
 
 
 def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:

@@ -68,6 +68,11 @@ class RecordingFinding:
         return f"{where} (line{'s' if len(lines) > 1 else ''} {spans(lines)})"
 
 
+def noted(file: str, code: str, message: str, remedy: str) -> RecordingFinding:
+    """A note about a whole file."""
+    return RecordingFinding(code, "note", file, None, (), message, remedy)
+
+
 def spans(rows: Iterable[int]) -> str:
     """ "3, 7–9, 12" of increasing rows, the first few runs of them."""
     rows = np.fromiter(rows, dtype=int)

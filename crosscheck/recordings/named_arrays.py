@@ -11,7 +11,7 @@ import numpy as np
 
 from crosscheck.recordings.cells import Cells, cells_of_array
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.findings import RecordingFinding, noted
 from crosscheck.recordings.table import RecordedTable, in_words
 
 
@@ -58,7 +58,7 @@ def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
     if turned:
         message = f"{in_words(turned)}: one column per time"
         remedy = "transposed, so that each row is a time"
-        findings += (RecordingFinding("turned-array", "note", str(path), None, (), message, remedy),)
+        findings += (noted(str(path), "turned-array", message, remedy),)
     return RecordedTable.of(path, names, columns, left_out=left_out, findings=findings)
 
 
@@ -67,4 +67,4 @@ def left_out_findings(path: Path, left_out: Mapping[str, str]) -> tuple[Recordin
     if not left_out:
         return ()
     message = f"not read: {in_words(f'{name} ({reason})' for name, reason in left_out.items())}"
-    return (RecordingFinding("left-out", "note", str(path), None, (), message, "save columns of numbers"),)
+    return (noted(str(path), "left-out", message, "save columns of numbers"),)

@@ -9,6 +9,7 @@ from pathlib import Path
 from crosscheck.recordings.array_files import read_npz, read_parquet
 from crosscheck.recordings.bag_files import read_bag
 from crosscheck.recordings.csv_files import read_csv
+from crosscheck.recordings.echoed_messages import named
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.mapping import ColumnMapping
 from crosscheck.recordings.matlab_files import read_mat
@@ -33,7 +34,8 @@ def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...
     if suffix in BAGS or path.is_dir():
         return read_bag(path, mapping.topic if mapping else None, (mapping and mapping.joints) or joints)
     if suffix.removesuffix(".gz") in TEXT:
-        return read_csv(path, mapping.delimiter if mapping else None)
+        table = read_csv(path, mapping.delimiter if mapping else None)
+        return table if table.has_names or mapping else named(table)
     if suffix in ARRAYS:
         return ARRAYS[suffix](path)
     known = ", ".join(SUFFIXES)
