@@ -24,17 +24,19 @@ def read_parquet(path: Path) -> RecordedTable:
 
     try:
         file = parquet.ParquetFile(pa.BufferReader(path.read_bytes()))
-        check_expanded(path, 8 * _count(file.metadata))
-        table = file.read()
-    except (pa.ArrowException, OSError) as error:
+        batches, size = [], 0
+        check_expanded(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
+        for batch in file.iter_batches():  # lists may have any number of elements per row
+            batches.append(batch)
+            size += batch.nbytes
+            check_expanded(path, size)
+        table = pa.Table.from_batches(batches, file.schema_arrow)
+        names = table.schema.names
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged file makes Arrow raise
         raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error
-    return table_of_columns(path, table.schema.names, table.columns)
-
-
-def _count(metadata: Any) -> int:
-    """Number of cells, of lists as well."""
-    groups = [metadata.row_group(k) for k in range(metadata.num_row_groups)]
-    return sum(group.column(k).num_values for group in groups for k in range(group.num_columns))
+    return table_of_columns(path, names, table.columns)
 
 
 def table_of_columns(path: Path, headers: Sequence[str], arrays: Sequence[Any]) -> RecordedTable:

@@ -21,7 +21,7 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
     joints: read only the messages that have all of these. Raises BadRecordingFile, AmbiguousColumns.
     """
     try:
-        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
         raise BadRecordingFile(
@@ -36,7 +36,9 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
                 (received, reader.deserialize(raw, connection.msgtype))
                 for connection, received, raw in reader.messages(wanted)
             ]
-    except AnyReaderError as error:
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged bag makes rosbags and its storages raise
         raise BadRecordingFile(
             f"{path}: not a readable bag ({error}); record it again, or give the whole folder"
         ) from error

@@ -41,7 +41,7 @@ def tables(path: Path, delimiter: str | None, rows: int) -> Iterator[RecordedTab
             yield table_of_columns(
                 path, names, pa.table(batch.columns, names=[str(k) for k in range(len(names))]).columns
             )
-    except (pa.ArrowException, OSError, EOFError, zlib.error) as error:
+    except (pa.ArrowException, OSError, EOFError, UnicodeDecodeError, zlib.error) as error:
         raise BadRecordingFile(f"{path}: {error}; load_recording gives details, or repair the file") from error
 
 
