@@ -16,7 +16,7 @@ from crosscheck.recordings import (
     save_virtual_recording,
 )
 from crosscheck.recordings.column_names import meaning
-from crosscheck.recordings.units import SLIDING_UNITS, TIME_UNITS, TURNING_UNITS, unit_of
+from crosscheck.recordings.units import DRIVE_UNITS, SLIDING_UNITS, TIME_UNITS, TURNING_UNITS, unit_of
 from graphdyn import InvalidInput
 
 ROWS = np.random.default_rng(0).uniform(-1, 1, (30, 12)).cumsum(axis=0) / 10
@@ -373,9 +373,66 @@ def test_spellings_of_units(quantity, name, factor):
     assert unit_of(quantity, name).factor == pytest.approx(factor, rel=1e-15)
 
 
-def test_no_unit_is_spelled_like_another():
+IN_SI = {
+    "time": {"s": 1.0, "ms": 0.001, "us": 0.000001, "ns": 0.000000001, "min": 60.0},
+    "q": {
+        "rad": 1.0,
+        "mrad": 0.001,
+        "deg": 0.017453292519943295,
+        "rev": 6.283185307179586,
+        "m": 1.0,
+        "cm": 0.01,
+        "mm": 0.001,
+    },
+    "v": {
+        "rad/s": 1.0,
+        "deg/s": 0.017453292519943295,
+        "rev/s": 6.283185307179586,
+        "rpm": 0.10471975511965977,
+        "m/s": 1.0,
+        "cm/s": 0.01,
+        "mm/s": 0.001,
+    },
+    "a": {
+        "rad/s^2": 1.0,
+        "deg/s^2": 0.017453292519943295,
+        "rev/s^2": 6.283185307179586,
+        "m/s^2": 1.0,
+        "cm/s^2": 0.01,
+        "mm/s^2": 0.001,
+    },
+    "tau": {
+        "N m": 1.0,
+        "N mm": 0.001,
+        "N cm": 0.01,
+        "kN m": 1000.0,
+        "mN m": 0.001,
+        "N": 1.0,
+        "kN": 1000.0,
+        "A": 1.0,
+        "mA": 0.001,
+        "%": 1.0,
+    },
+}
+"""Every unit, written out once more."""
+SLIDING = {"m", "cm", "mm", "m/s", "cm/s", "mm/s", "m/s^2", "cm/s^2", "mm/s^2", "N", "kN"}
+
+
+def test_every_unit_against_its_literal_factor():
+    assert TIME_UNITS.keys() == IN_SI["time"].keys()
     for quantity in ("q", "v", "a", "tau"):
-        for table, slides in ((TURNING_UNITS, False), (SLIDING_UNITS, True)):
-            for name, factor in table[quantity].items():
-                assert unit_of(quantity, name)[:2] == (factor, slides)
-    assert all(unit_of("time", name).factor == factor for name, factor in TIME_UNITS.items())
+        known = {**TURNING_UNITS[quantity], **SLIDING_UNITS[quantity], **(DRIVE_UNITS if quantity == "tau" else {})}
+        assert known.keys() == IN_SI[quantity].keys()
+    for quantity, units in IN_SI.items():
+        for name, factor in units.items():
+            unit = unit_of(quantity, name)
+            assert unit.factor == pytest.approx(factor, rel=1e-15), name
+            both = quantity == "time" or name in ("A", "mA", "%")
+            assert unit.slides is (None if both else name in SLIDING), name
+            assert unit.needs_gain is (name in ("A", "mA", "%")), name
+
+
+@pytest.mark.parametrize(("name", "torque"), [("N cm", 0.25), ("N mm", 0.025), ("kN m", 25_000.0)])
+def test_a_torque_in_its_unit(tmp_path, name, torque):
+    (tmp_path / "r.csv").write_text(f"t_s,q_1 [rad],tau_1 [{name}]\n0,0,25\n1,0.1,25\n")
+    assert load_recording(tmp_path / "r.csv").tau[0, 0] == pytest.approx(torque, rel=1e-15)
