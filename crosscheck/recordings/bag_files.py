@@ -9,7 +9,7 @@ import numpy as np
 
 from crosscheck.recordings.errors import AmbiguousColumns, BadRecordingFile
 from crosscheck.recordings.findings import RecordingFinding
-from crosscheck.recordings.table import RecordedTable
+from crosscheck.recordings.table import RecordedTable, in_words
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FIELDS = ("position", "velocity", "effort")
@@ -48,11 +48,11 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
 
 
 def _topic(path: Path, topics: list[str], wanted: str | None) -> str:
-    listed = ", ".join(topics)
+    listed = in_words(topics)
     if not topics:
         raise BadRecordingFile(f"{path}: no topic of type {JOINT_STATE}; record the joint states")
     if wanted is not None and wanted not in topics:
-        raise BadRecordingFile(f"{path}: no {JOINT_STATE} on the topic '{wanted}'; there are: {listed}")
+        raise BadRecordingFile(f"{path}: no {JOINT_STATE} on the topic {wanted!r}; there are: {listed}")
     if wanted is None and len(topics) > 1:
         raise AmbiguousColumns(
             f"{path}: joint states on {len(topics)} topics: {listed}; name one in a mapping: topic = …"
@@ -65,17 +65,17 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tupl
     sets = dict.fromkeys(frozenset(message.name) for _, message in messages)
     if joints is None:
         if len(sets) > 1:
-            listed = "; ".join(", ".join(sorted(names)) for names in sets)
+            listed = "; ".join(in_words(sorted(names)) for names in sets)
             raise AmbiguousColumns(
                 f"{path}: messages on {topic} name different joints: {listed}; say which: joints = […]"
             )
         joints = tuple(messages[0][1].name)
     have = [set(joints) <= set(message.name) for _, message in messages]
     if not any(have):
-        listed = ", ".join(sorted(frozenset.union(*sets)))
-        raise BadRecordingFile(f"{path}: no message on {topic} has all of {', '.join(joints)}; there are: {listed}")
+        listed = in_words(sorted(frozenset.union(*sets)))
+        raise BadRecordingFile(f"{path}: no message on {topic} has all of {in_words(joints)}; there are: {listed}")
     if not all(have):
-        text = f"{have.count(False)} messages on {topic} without all of {', '.join(joints)}"
+        text = f"{have.count(False)} messages on {topic} without all of {in_words(joints)}"
         findings.append(RecordingFinding("other-joints", "note", str(path), None, (), text, "they are left out"))
         messages = [message for message, has in zip(messages, have, strict=True) if has]
     stamps = np.array([m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for _, m in messages], dtype=np.int64)

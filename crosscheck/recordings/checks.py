@@ -49,7 +49,7 @@ def value_findings(
             rows = tuple(np.flatnonzero((size > limit.value) & np.isfinite(size)).tolist())
             if rows:
                 message = (
-                    f"|{name}| of '{joint}' up to {size[list(rows)].max():.3g}, beyond {limit.value:g} ({limit.why})"
+                    f"|{name}| of {joint!r} up to {size[list(rows)].max():.3g}, beyond {limit.value:g} ({limit.why})"
                 )
                 remedy = "check units and gains; drop the rows if lines of the file are broken"
                 findings.append(
@@ -57,7 +57,7 @@ def value_findings(
                 )
             sane = size[size <= limit.value]
             if name == "q" and not sliding and sane.size and sane.max() > limits.MANY_TURNS:
-                message = f"q of '{joint}' reaches {sane.max():.4g} rad"
+                message = f"q of {joint!r} reaches {sane.max():.4g} rad"
                 remedy = "if these are degrees, or motor angles in front of the gears, say so in a mapping"
                 findings.append(RecordingFinding("many-turns", "warning", file, None, (), message, remedy))
     return findings
@@ -104,7 +104,7 @@ def motion_findings(
         way = float(np.linalg.norm(from_q[:, j]))
         error = float(np.linalg.norm(from_v[:, j] - from_q[:, j]))
         if max(way, float(np.linalg.norm(from_v[:, j]))) > TRAVEL and error > SAME_MOTION * way:
-            message = f"v of '{joint}' is not the rate of its q: its integral is off by {error / (way or 1):.0%}"
+            message = f"v of {joint!r} is not the rate of its q: its integral is off by {error / (way or 1):.0%}"
             remedy = "check units, signs and order of the columns, or leave v out of the mapping and derive it"
             findings.append(RecordingFinding("velocity-mismatch", "warning", file, None, (), message, remedy))
     return findings

@@ -86,7 +86,7 @@ def sliding_joints(mapping: ColumnMapping) -> tuple[bool, ...]:
             if unit_slides is not None and unit_slides != joint_slides:
                 kinds = ("turns", "slides")
                 raise BadMapping(
-                    f"{mapping.source}, [{name}]: '{joint}' {kinds[joint_slides]}, its unit is one of a joint that "
+                    f"{mapping.source}, [{name}]: {joint!r} {kinds[joint_slides]}, its unit is one of a joint that "
                     f"{kinds[unit_slides]}; correct the unit, or prismatic"
                 )
     return tuple(slides)

@@ -111,7 +111,7 @@ def _cutoffs(recording: Recording, cutoff: Cutoff, recorded: list[str]) -> dict[
     if isinstance(cutoff, Mapping):
         unknown = [name for name in cutoff if name not in recorded]
         if unknown:
-            raise InvalidInput(f"cutoff of '{unknown[0]}', which is not recorded; there are {', '.join(recorded)}")
+            raise InvalidInput(f"cutoff of {unknown[0]!r}, which is not recorded; there are {', '.join(recorded)}")
         return dict(cutoff)
     if isinstance(cutoff, str):
         if cutoff != "residual":

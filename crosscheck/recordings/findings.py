@@ -52,7 +52,7 @@ class RecordingFinding:
         """File, column, rows, message and remedy, in one line."""
         place = [
             self.file,
-            *([f"column '{self.column}'"] if self.column else []),
+            *([f"column {self.column!r}"] if self.column else []),
             *([where] if (where := self._where) else []),
         ]
         return f"{', '.join(place)}: {self.message}; {self.remedy} [{self.code}]"

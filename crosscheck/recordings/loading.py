@@ -21,6 +21,7 @@ from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.readers import read_table
 from crosscheck.recordings.recording import Provenance, Recording
 from crosscheck.recordings.stamps import Origin, times
+from crosscheck.recordings.table import in_words
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
@@ -57,12 +58,14 @@ def load_recording(
     rate: samples per second, where no column holds the time
     drop: codes of findings whose rows are dropped ("repeated-stamp", …; all of them: DROPPABLE)
 
+    t is that of the file; stamps since 1970 are counted from the first row, which the provenance states.
+
     Raises DirtyRecording, with all findings, for faulty rows that are not to be dropped; BadRecordingFile,
     AmbiguousColumns, BadMapping, InvalidInput; OSError for an unreadable file.
     """
     unknown = [code for code in drop if code not in DROPPABLE]
     if unknown:
-        raise InvalidInput(f"drop has '{unknown[0]}'; rows can be dropped for: {', '.join(DROPPABLE)}")
+        raise InvalidInput(f"drop has {unknown[0]!r}; rows can be dropped for: {', '.join(DROPPABLE)}")
     content = _read(paths, mapping, joints, rate)
     remaining = [f for f in content.findings if f.severity == "error" and f.code not in drop]
     if remaining:
@@ -162,7 +165,7 @@ def reordered(recording: Recording, joints: Sequence[str]) -> Recording:
     missing = [joint for joint in joints if joint not in recording.joint_names]
     if missing:
         raise BadMapping(
-            f"{recording.provenance.mapping}: no joint '{missing[0]}' among {', '.join(recording.joint_names)}; "
+            f"{recording.provenance.mapping}: no joint {missing[0]!r} among {in_words(recording.joint_names)}; "
             "name the joints as the robot does"
         )
     order = [recording.joint_names.index(joint) for joint in joints]

@@ -24,12 +24,14 @@ def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
     left_out = {}
     for name, value in arrays.items():
         array = np.asarray(value)
-        if array.ndim == 0 and array.dtype.kind != "U":  # a parameter, no column
+        numeric = array.dtype.kind in "biufcmM"
+        if numeric and array.ndim == 0:  # a parameter, no column
             continue
         if array.ndim == 2 and 1 in array.shape:  # MATLAB has no arrays of one dimension
             array = array.ravel()
-        shape = f"its shape is {array.shape}, where (N,) or (N, n) is needed"
-        cells = cells_of_array(array) if array.ndim in (1, 2) and array.size else shape
+        cells: Cells | str = f"its shape is {array.shape}, where (N,) or (N, n) is needed"
+        if not numeric or (array.ndim in (1, 2) and array.size):
+            cells = cells_of_array(array)
         if isinstance(cells, str):
             left_out[name] = cells
         else:

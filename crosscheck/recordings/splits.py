@@ -40,7 +40,7 @@ def split_by_file(recording: Recording, test: Sequence[str]) -> Split:
     files = recording.provenance.files
     unknown = [name for name in test if name not in files]
     if unknown or not test:
-        named = f"'{unknown[0]}' is not a file of the recording" if unknown else "no file is named"
+        named = f"{unknown[0]!r} is not a file of the recording" if unknown else "no file is named"
         raise InvalidInput(f"{named}; it has {', '.join(files)}")
     mask = np.isin(recording.file, [number for number, name in enumerate(files) if name in test])
     if mask.all():

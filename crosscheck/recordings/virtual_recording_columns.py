@@ -94,18 +94,18 @@ def check_headers(path: Path, headers: list[str], expected: Iterable[VirtualColu
     seen = set()
     for number, header in enumerate(headers, start=1):
         label, unit = _split(header)
-        where = f"{path}, header, column {number} '{header}'"
+        where = f"{path}, header, column {number} {header!r}"
         if label not in units:
             raise BadRecordingFile(f"{where}: not a column of a recording; remove it")
         if label in seen:
-            raise BadRecordingFile(f"{where}: '{label}' occurs twice; keep one")
+            raise BadRecordingFile(f"{where}: {label!r} occurs twice; keep one")
         if unit != units[label]:
             needed = f"[{units[label]}]" if units[label] else "none"
             raise BadRecordingFile(f"{where}: the unit must be {needed}; convert the numbers and rename the column")
         seen.add(label)
     missing = [f"{label} [{unit}]" if unit else label for label, unit in units.items() if label not in seen]
     if missing:
-        names = f"column '{missing[0]}'" + (f" and {len(missing) - 1} more" if len(missing) > 1 else "")
+        names = f"column {missing[0]!r}" + (f" and {len(missing) - 1} more" if len(missing) > 1 else "")
         raise BadRecordingFile(f"{path}, header: without {names}; record every channel of every joint and body")
 
 

@@ -72,7 +72,7 @@ def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:
         raise BadRecordingFile(f"{path}: no {kind} below the header; record at least one time")
 
     def place(row: int, header: str) -> str:
-        return f"{path}, {kind} {first + row}, column {headers.index(header) + 1} '{header}'"
+        return f"{path}, {kind} {first + row}, column {headers.index(header) + 1} {header!r}"
 
     def numbers(header: str) -> Array:
         cells = cells_of_column(table.column(headers.index(header)))
