@@ -57,8 +57,8 @@ def table_of_columns(path: Path, headers: Sequence[str], arrays: Sequence[Any]) 
             left_out[name] = elements
         elif isinstance(elements, Cells):
             if pa.types.is_string(kind) or pa.types.is_large_string(kind):
-                rows = np.flatnonzero(np.isnan(elements.values))
-                texts[len(names)] = {int(row): column[int(row)].as_py() or "" for row in rows}
+                cells = column.to_pylist()
+                texts[len(names)] = {int(row): cells[row] or "" for row in np.flatnonzero(np.isnan(elements.values))}
             names.append(name)
             columns.append(elements)
         else:

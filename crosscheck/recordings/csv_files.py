@@ -13,12 +13,12 @@ from crosscheck.recordings.csv_layout import HEAD, Layout, layout_of
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.findings import RecordingFinding, noted
 from crosscheck.recordings.table import RecordedTable
-from crosscheck.recordings.text_files import text_of
+from crosscheck.recordings.text_files import content_of
 
 
 def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     """Read delimited text. Raises BadRecordingFile where it is not a table of numbers, and OSError."""
-    content = text_of(path)
+    content = content_of(path)
     head = content[:HEAD].decode(errors="ignore")  # the last character may be cut off
     layout = layout_of(path, head, delimiter)
     body = memoryview(content)[len(head[: layout.length].encode()) :]

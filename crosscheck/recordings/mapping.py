@@ -26,7 +26,6 @@ torque_matrix = [[100, 20], [0, -80]]  # R_tau, the transpose of R (equal power)
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -37,6 +36,15 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadMapping
+from crosscheck.recordings.mapping_values import (
+    is_number,
+    refuse_unknown,
+    toml_column,
+    toml_numbers,
+    toml_square,
+    toml_table,
+    toml_text,
+)
 from crosscheck.recordings.units import Unit, known_unit
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
@@ -121,7 +129,7 @@ def load_mapping(path: str | PathLike[str]) -> ColumnMapping:
 
 def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
     """The mapping that a parsed TOML document describes. Raises BadMapping."""
-    _refuse_unknown(document, _TOP, source)
+    refuse_unknown(document, _TOP, source)
     joints = document.get("joints")
     if not isinstance(joints, list) or not joints or not all(isinstance(name, str) for name in joints):
         raise BadMapping(f'{source}: joints is missing or not a list of names; write joints = ["joint_1", …]')
@@ -130,7 +138,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
     if "q" not in document:
         raise BadMapping(f"{source}: without [q]; say which columns hold the joint positions")
     rate, prismatic = document.get("rate"), document.get("prismatic")
-    if rate is not None and not (_is_number(rate) and rate > 0):
+    if rate is not None and not (is_number(rate) and rate > 0):
         raise BadMapping(f"{source}: rate is {rate!r}; give samples per second")
     if rate is None and "time" not in document:
         raise BadMapping(f"{source}: without [time]; name its column, or give the rate in samples per second")
@@ -139,35 +147,37 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
     ):
         raise BadMapping(f"{source}: prismatic is {prismatic!r}; give true or false for each of {len(joints)} joints")
     channels = {
-        name: _channel(name, _table(document, name, source), tuple(joints), f"{source}, [{name}]")
+        name: _channel(name, toml_table(document, name, source), tuple(joints), f"{source}, [{name}]")
         for name in QUANTITIES
         if name in document
     }
     transmission = None
     if "transmission" in document:
-        transmission = _transmission(_table(document, "transmission", source), len(joints), f"{source}, [transmission]")
+        transmission = _transmission(
+            toml_table(document, "transmission", source), len(joints), f"{source}, [transmission]"
+        )
     elif any(channel.motor for channel in channels.values()):
         raise BadMapping(f'{source}: side = "motor" without [transmission]; give its ratio or matrix')
     if transmission is not None and not any(channel.motor for channel in channels.values()):
         raise BadMapping(f'{source}: [transmission] without side = "motor"; say which columns are in front of it')
-    delimiter = _text(document, "delimiter", source)
+    delimiter = toml_text(document, "delimiter", source)
     if delimiter is not None and (len(delimiter) != 1 or delimiter in '\r\n"'):
         raise BadMapping(f"{source}: delimiter is {delimiter!r}; give the one character between two cells")
     return ColumnMapping(
         source,
         tuple(joints),
         channels,
-        time=_time(_table(document, "time", source), f"{source}, [time]") if "time" in document else None,
+        time=_time(toml_table(document, "time", source), f"{source}, [time]") if "time" in document else None,
         rate=None if rate is None else float(rate),
         transmission=transmission,
         prismatic=None if prismatic is None else tuple(prismatic),
         delimiter=delimiter,
-        topic=_text(document, "topic", source),
+        topic=toml_text(document, "topic", source),
     )
 
 
 def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where: str) -> Channel:
-    _refuse_unknown(table, (*_CHANNEL, *_ONLY_IN.get(name, ())), where)
+    refuse_unknown(table, (*_CHANNEL, *_ONLY_IN.get(name, ())), where)
     n = len(joints)
     columns = table.get("columns")
     if isinstance(columns, str) and ("{number}" in columns or "{joint}" in columns):
@@ -189,87 +199,41 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
     side = table.get("side", "joint")
     if side not in ("joint", "motor"):
         raise BadMapping(f'{where}: side is {side!r}; use "joint" or "motor"')
-    sign = _numbers(table, "sign", n, 1.0, where)
+    sign = toml_numbers(table, "sign", n, 1.0, where)
     if np.any(np.abs(sign) != 1):
         raise BadMapping(f"{where}: sign is {table['sign']!r}; use 1 and -1")
     offset_unit = known_unit(name, table.get("offset_unit", SI_UNITS[name]), f"{where}: offset_unit")
     return Channel(
         tuple(columns),
-        np.array([unit.factor for unit in known]) * sign * _numbers(table, "gain", n, 1.0, where),
-        _numbers(table, "offset", n, 0.0, where) * offset_unit.factor,
+        np.array([unit.factor for unit in known]) * sign * toml_numbers(table, "gain", n, 1.0, where),
+        toml_numbers(table, "offset", n, 0.0, where) * offset_unit.factor,
         tuple(unit.slides for unit in known),
-        file=_text(table, "file", where) or "*",
+        file=toml_text(table, "file", where) or "*",
         motor=side == "motor",
     )
 
 
 def _time(table: Mapping[str, Any], where: str) -> TimeColumn:
-    _refuse_unknown(table, ("column", "unit", "file", "nanoseconds"), where)
-    column = _column(table, "column", where)
-    nanoseconds = _column(table, "nanoseconds", where) if "nanoseconds" in table else None
-    unit = _text(table, "unit", where) or "s"
+    refuse_unknown(table, ("column", "unit", "file", "nanoseconds"), where)
+    column = toml_column(table, "column", where)
+    nanoseconds = toml_column(table, "nanoseconds", where) if "nanoseconds" in table else None
+    unit = toml_text(table, "unit", where) or "s"
     if nanoseconds is not None and unit != "s":
         raise BadMapping(f"{where}: unit is {unit!r}, but beside nanoseconds the column holds seconds; leave it out")
-    return TimeColumn(column, known_unit("time", unit, where).factor, _text(table, "file", where) or "*", nanoseconds)
-
-
-def _column(table: Mapping[str, Any], key: str, where: str) -> str | int:
-    value = table.get(key)
-    if not isinstance(value, str | int) or isinstance(value, bool):
-        raise BadMapping(f"{where}: {key} is {value!r}; give its name, or its number from 1")
-    return value
+    return TimeColumn(
+        column, known_unit("time", unit, where).factor, toml_text(table, "file", where) or "*", nanoseconds
+    )
 
 
 def _transmission(table: Mapping[str, Any], n: int, where: str) -> Transmission:
-    _refuse_unknown(table, ("ratio", "matrix", "torque_matrix"), where)
+    refuse_unknown(table, ("ratio", "matrix", "torque_matrix"), where)
     if ("ratio" in table) == ("matrix" in table):
         raise BadMapping(f"{where}: give either ratio or matrix")
     if "ratio" in table:
-        matrix = np.diag(_numbers(table, "ratio", n, 1.0, where))
+        matrix = np.diag(toml_numbers(table, "ratio", n, 1.0, where))
     else:
-        matrix = _square(table, "matrix", n, where)
+        matrix = toml_square(table, "matrix", n, where)
     if np.linalg.matrix_rank(matrix) < n:
         raise BadMapping(f"{where}: the matrix is singular, so motors do not determine joints; check its entries")
-    torque_matrix = _square(table, "torque_matrix", n, where) if "torque_matrix" in table else matrix.T
+    torque_matrix = toml_square(table, "torque_matrix", n, where) if "torque_matrix" in table else matrix.T
     return Transmission(matrix, torque_matrix)
-
-
-def _square(table: Mapping[str, Any], key: str, n: int, where: str) -> Array:
-    rows = table[key]
-    if not isinstance(rows, list) or len(rows) != n:
-        raise BadMapping(f"{where}: {key} needs {n} rows of {n} numbers")
-    return np.array([_numbers({key: row}, key, n, 0.0, where) for row in rows])
-
-
-def _numbers(table: Mapping[str, Any], key: str, n: int, default: float, where: str) -> Array:
-    """n finite numbers; a single number is used n times."""
-    value = table.get(key, default)
-    values = [value] * n if _is_number(value) else value
-    if not isinstance(values, list) or len(values) != n or not all(map(_is_number, values)):
-        raise BadMapping(f"{where}: {key} is {value!r}; give {n} numbers")
-    return np.array(values, dtype=float)
-
-
-def _is_number(value: Any) -> bool:
-    """Whether a double can hold it: integers of TOML have any number of digits."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and abs(value) <= sys.float_info.max
-
-
-def _text(table: Mapping[str, Any], key: str, where: str) -> str | None:
-    value = table.get(key)
-    if value is not None and not isinstance(value, str):
-        raise BadMapping(f"{where}: {key} is {value!r}; give a text in quotes")
-    return value
-
-
-def _table(document: Mapping[str, Any], key: str, source: str) -> Mapping[str, Any]:
-    if not isinstance(document[key], dict):
-        raise BadMapping(f"{source}: {key} is {document[key]!r}; make it a table: [{key}]")
-    return dict(document[key])
-
-
-def _refuse_unknown(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> None:
-    unknown = [key for key in table if key not in known]
-    if unknown:
-        raise BadMapping(f"{where}: unknown key {unknown[0]!r}; known are {', '.join(known)}")

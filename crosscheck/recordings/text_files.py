@@ -12,7 +12,7 @@ from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.sizes import LARGEST_EXPANDED, check_expanded
 
 
-def text_of(path: Path) -> bytes:
+def content_of(path: Path) -> bytes:
     """The file with line feeds at line ends, without byte order mark. Raises BadRecordingFile if it is not text."""
     content = _expanded(path) if path.suffix.lower() == ".gz" else path.read_bytes()
     try:

@@ -154,5 +154,5 @@ def _read_parquet(path: Path) -> Any:
 
     try:
         return parquet.read_table(pa.BufferReader(path.read_bytes()))
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error

@@ -23,5 +23,8 @@ class Motion(Samples):
         """Raises InvalidInput."""
         raise InvalidInput("a term reads samples.tau, the torque it is to explain; compute it from q, v and a alone")
 
+    def __repr__(self) -> str:
+        return f"Motion(q={self.q!r}, v={self.v!r}, a={self.a!r}, base={self.base!r})"
+
     def __getitem__(self, rows: slice) -> Motion:
         return Motion(self.__dict__["_samples"][rows])

@@ -8,6 +8,7 @@ import graphdyn
 from graphdyn import InvalidInput, Joint, Placement, RobotModel
 from graphdyn._inertia import parameters_from_inertia
 from graphdyn.identification import Problem, Samples, TorqueModel
+from graphdyn.identification.motion import Motion
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,
@@ -259,6 +260,7 @@ def test_a_term_does_not_see_the_torque(read, samples):
             Problem(model, samples).equations  # noqa: B018
     motion = TorqueModel(MODEL, [ReadsTorque(lambda samples: samples[:3].v)]).rows(samples)
     assert motion.shape == (20, 6, 6)
+    assert repr(Motion(samples)).startswith("Motion(q=array(")
     assert np.all(motion[0] == samples.v[:3].sum() * np.eye(6))
 
 
