@@ -185,6 +185,15 @@ def test_times_are_no_positions(tmp_path):
         load_recording(tmp_path / "r.csv")
 
 
+@pytest.mark.parametrize(
+    ("unit", "seconds"),
+    [("ns", 1e-9), ("us", 1e-6), ("ms", 1e-3), ("s", 1), ("m", 60), ("h", 3600), ("D", 86400), ("10ms", 0.01)],
+)
+def test_units_of_numpy_times(tmp_path, unit, seconds):
+    np.savez(tmp_path / "r.npz", time=np.array([0, 1, 2], dtype=f"m8[{unit}]"), q=np.ones((3, 2)))
+    np.testing.assert_allclose(load_recording(tmp_path / "r.npz").t, [0, seconds, 2 * seconds], rtol=1e-15)
+
+
 def test_numpy_times_in_months_are_refused(tmp_path):
     np.savez(tmp_path / "r.npz", time=np.arange(3).astype("M8[M]"), q=np.ones((3, 2)))
     with pytest.raises(BadMapping, match=r"'time' is time by its name, but not read: it holds times in the unit 'M'"):
