@@ -38,9 +38,9 @@ def times(columns: Sequence[RecordedColumn], factor: float, origin: Origin | Non
 
 
 def _origin(values: Array, start: int, factor: float) -> Origin:
-    """The first plausible stamp if it is beyond LARGEST_TIME, else zero."""
+    """The first plausible stamp if it is beyond LARGEST_TIME, or beyond what doubles hold; else zero."""
     seconds = (start + values) * factor
     plausible = np.flatnonzero(np.abs(seconds) <= TIME.value)
-    if not plausible.size or abs(seconds[plausible[0]]) <= LARGEST_TIME:
+    if not plausible.size or (abs(seconds[plausible[0]]) <= LARGEST_TIME and not start):
         return Origin()
     return Origin(start, float(values[plausible[0]]), float(seconds[plausible[0]]))

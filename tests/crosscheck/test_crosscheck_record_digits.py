@@ -72,6 +72,17 @@ def test_stamps_since_1970_in_other_units(tmp_path, unit, factor):
     assert np.array_equal(load_recording(tmp_path / "r.csv").t, np.arange(N) * factor)
 
 
+@pytest.mark.parametrize("start", [2**53 + 1, 2**54 + 1])
+def test_integers_just_beyond_doubles(tmp_path, start):
+    csv(tmp_path / "r.csv", [start + k for k in range(N)])
+    assert np.array_equal(load_recording(tmp_path / "r.csv").t, np.arange(N) * 1e-9)
+
+
+def test_a_single_row(tmp_path):
+    (tmp_path / "r.csv").write_text(f"time_ns,q_1\n{EPOCH},1\n")
+    assert load_recording(tmp_path / "r.csv").t.tolist() == [0.0]
+
+
 def test_small_times_stay_as_they_are(tmp_path):
     csv(tmp_path / "r.csv", 5_000_000_000 + STEPS)
     recording = load_recording(tmp_path / "r.csv")

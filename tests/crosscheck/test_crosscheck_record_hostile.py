@@ -20,6 +20,7 @@ from crosscheck.recordings import (
     load_mapping,
     load_recording,
     mapping_of,
+    sizes,
 )
 from graphdyn import InvalidInput
 
@@ -33,6 +34,10 @@ def small_bound(monkeypatch):
     """The bound on expanded files, at a size that a test can exceed."""
     for module in ("sizes", "text_files", "matlab_files"):
         monkeypatch.setattr(f"crosscheck.recordings.{module}.LARGEST_EXPANDED", LARGEST)
+
+
+def test_the_bound_that_is_documented():
+    assert sizes.LARGEST_EXPANDED == 1_073_741_824
 
 
 def npy(shape, body=b"", kind="<f8"):
