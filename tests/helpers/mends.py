@@ -14,20 +14,21 @@ from urdf._source import describe, tag_of
 
 NEW_NAME = "renamed"
 UNLIMITED = {"effort": "1e6", "velocity": "1e6"}
+UNBOUNDED = {"lower": "-1e6", "upper": "1e6"}
 
 
 def mended(content: bytes, findings: Iterable[urdf.Finding]) -> bytes | None:
     """The file with every place mended that one of these findings names; None where none of them can be."""
     tree = etree.fromstring(content).getroottree()
-    places = [
-        (finding, element)
+    places = dict.fromkeys(  # two findings of one code may name the same place
+        (finding.code, element)
         for finding in findings
         if finding.code in MENDS
         for element in tree.getroot().iter(etree.Element)
         if finding.element is None or (finding.line, finding.element) == (element.sourceline, describe(element))
-    ]
-    for finding, element in places:
-        MENDS[finding.code](element)
+    )
+    for code, element in places:
+        MENDS[code](element)
     return etree.tostring(tree.getroot(), encoding="UTF-8") if places else None
 
 
@@ -41,11 +42,14 @@ def _remove(element: etree._Element) -> None:
 
 
 def _limit(element: etree._Element) -> None:
-    """A joint without <limit>, or a <limit> without or with negative numbers."""
-    limit = etree.SubElement(element, "limit") if tag_of(element) == "joint" else element
+    """A joint without <limit>, or a <limit> without numbers, or with a negative effort or velocity."""
+    alone = tag_of(element) == "joint"
+    joint, limit = (element, etree.SubElement(element, "limit")) if alone else (element.getparent(), element)
     for name, value in UNLIMITED.items():
         if not limit.get(name) or float(limit.get(name, "0")) < 0:
             limit.set(name, value)
+    for name, value in UNBOUNDED.items() if joint.get("type") != "continuous" else ():
+        limit.set(name, limit.get(name, value))
 
 
 def _no_friction(element: etree._Element) -> None:

@@ -32,7 +32,7 @@ ELSEWHERE = {
     "joint-order": "Pinocchio sorts siblings by name: compare joints by name",
     "limits-crossed": _BOTH_LOAD,
     "limits-missing": "Pinocchio refuses a revolute or prismatic joint without <limit>, and a <limit> without effort "
-    "or velocity, and takes a missing lower or upper as 0",
+    'or velocity, and takes a missing lower or upper as 0 (in a file with version="1.2" it refuses that too)',
     "mimic-joint": "Pinocchio and yourdfpy load it as an independent joint too, unless asked otherwise",
     "missing-inertia": "Pinocchio gives the link a tensor of zero, yourdfpy takes 1 for ixx, iyy, izz and 0 for the "
     "others",
