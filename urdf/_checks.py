@@ -12,10 +12,11 @@ from collections.abc import Iterator
 
 from lxml import etree
 
+from urdf._elements import line_of, name_of
 from urdf._errors import DuplicateEntry, InvalidNumber, InvalidRobot, MissingEntry, UnsupportedJoint, URDFError
 from urdf._numerals import BadNumber, numbers
 from urdf._repairing import crossed_limits
-from urdf._source import Source, line_of, name_of
+from urdf._source import Source
 from urdf._wording import shortened
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
@@ -142,6 +143,9 @@ def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFE
             problem = f"attribute '{name}' is missing"
             remedy = "write it; nothing is assumed for it"
             yield source.error(MissingEntry, f"missing-{element.tag}", element, problem, remedy)
+    if element.get("quat_xyzw") is not None and element.tag == "origin":
+        problem, remedy = "attribute 'quat_xyzw' is not read", "give the rotation as rpy"
+        yield source.error(InvalidRobot, "quaternion-origin", element, problem, remedy)
     for name, count in _NUMBERS.get(element.tag, {}).items():
         text = element.get(name)
         found = None if text is None else numbers(text, count, f'{name}="{shortened(text)}"')

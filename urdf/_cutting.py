@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from urdf._elements import name_of
 from urdf._errors import InvalidChain, URDFError
-from urdf._source import Source, name_of
+from urdf._source import Source
 from urdf._tree import end, joints_by, walk
 from urdf._wording import listed, shortened
 

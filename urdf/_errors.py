@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from graphdyn import GraphDynError
+from urdf._wording import one_line
 
 
 class URDFError(GraphDynError, ValueError):
@@ -27,11 +28,12 @@ class URDFError(GraphDynError, ValueError):
         line: int | None = None,
         element: str | None = None,
     ):
-        self.problem, self.remedy = problem, remedy
+        self.problem, self.remedy = one_line(problem), one_line(remedy)
         self.code = code or self.default_code
         self.path, self.line, self.element = path, line, element
-        place = "" if path is None else str(path) if line is None else f"{path}:{line}"
-        super().__init__(": ".join(part for part in (place, element, f"{problem}; {remedy}") if part))
+        file = "" if path is None else one_line(str(path))
+        place = file if line is None else f"{file}:{line}"
+        super().__init__(": ".join(part for part in (place, element, f"{self.problem}; {self.remedy}") if part))
 
 
 class RobotNotFound(URDFError):
@@ -66,6 +68,12 @@ class InvalidNumber(URDFError):
 
 class UnsupportedJoint(URDFError):
     """A joint type other than revolute, continuous, prismatic and fixed."""
+
+
+class UnsupportedConstraint(URDFError):
+    """An element that closes a kinematic loop, couples joints or joins links: only trees are modelled."""
+
+    default_code = "unsupported-constraint"
 
 
 class NotATree(URDFError):
@@ -134,6 +142,10 @@ class RepairWarning(URDFWarning):
 
 class MimicJointWarning(URDFWarning):
     """Mimic joints, loaded as independent joints."""
+
+
+class UnreadWarning(URDFWarning):
+    """Elements or attributes that are not read and that change the dynamics elsewhere, or that URDF does not know."""
 
 
 class GravityNotSavedWarning(URDFWarning):

@@ -17,10 +17,11 @@ from urdf._assembly import Assembly, assemble
 from urdf._checks import check
 from urdf._cutting import Chain, Cut, cut
 from urdf._errors import InvalidRobot
+from urdf._extensions import Unread, closure_faults
 from urdf._locking import Lock, locked_values
 from urdf._repairing import repair as mend
 from urdf._source import Source
-from urdf._tree import check_tree, joints_in_order
+from urdf._tree import carriers, check_tree, joints_in_order
 
 if TYPE_CHECKING:
     import yourdfpy
@@ -31,7 +32,7 @@ class Parsed:
     """A file as yourdfpy reads it, and the bodies, joints and frames made of it.
 
     locked: value per locked joint [rad or m]; stated: those of them that the caller named
-    changes: the repairs, in words
+    changes: the repairs, in words; unread: what of the file is not read and should be known
     """
 
     path: Path
@@ -41,6 +42,7 @@ class Parsed:
     locked: Mapping[str, float]
     stated: frozenset[str]
     changes: tuple[str, ...]
+    unread: tuple[Unread, ...]
     assembly: Assembly
 
 
@@ -56,6 +58,8 @@ def parse(source: Source, *, chain: Chain = None, lock: Lock = None, repair: Ite
     movable = [joint.name for joint in robot.joints if joint.type != "fixed"]
     stated = locked_values(lock, movable, path)
     locked = dict.fromkeys(beside.held, 0.0) | stated
+    for fault in closure_faults(source.extensions.closures, carriers(source, locked), path):
+        raise fault
     if not set(movable) - set(locked):
         raise InvalidRobot(
             "no moving body: every joint is fixed or locked", "leave a joint free", code="no-moving-joint", path=path
@@ -64,7 +68,9 @@ def parse(source: Source, *, chain: Chain = None, lock: Lock = None, repair: Ite
         assembly = assemble(robot, root, order, locked)
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=path) from error
-    return Parsed(path, robot, root, beside, locked, frozenset(stated), tuple(changes), assembly)
+    return Parsed(
+        path, robot, root, beside, locked, frozenset(stated), tuple(changes), source.extensions.unread, assembly
+    )
 
 
 def build(parsed: Parsed, gravity: ArrayLike) -> RobotModel:

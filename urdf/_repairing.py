@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterable, Iterator
 
 from lxml import etree
 
+from urdf._elements import describe, line_of
 from urdf._errors import InvalidRepair
 from urdf._limits import ENDLESS
 from urdf._numerals import UNIT_LENGTH, values
-from urdf._source import Source, describe, line_of
+from urdf._source import Source
 
 ROUNDED = 1e-3
 """Difference from 1 below which the length of an axis is 1, written with few digits."""

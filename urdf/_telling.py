@@ -16,12 +16,15 @@ from urdf._errors import (
     MimicJointWarning,
     MissingInertialWarning,
     RepairWarning,
+    UnreadWarning,
     URDFWarning,
     XacroWarning,
 )
+from urdf._extensions import Unread
 from urdf._numerals import UNIT_LENGTH, values
 from urdf._parsing import Parsed
 from urdf._rpy import rotation_from_rpy
+from urdf._wording import MOST, one_line
 
 TILTED = 1e-9
 """Relative difference of gravity between the axes of the base link and of the root beyond which the base is tilted."""
@@ -33,6 +36,9 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     gravity: of the model, None where the caller gave it (3,) [m/s²]; complaints: warnings of the expander of .xacro
     """
     _tell(XacroWarning, parsed, "expanding the file: ", complaints)
+    unread = [_at(unread) for unread in parsed.unread[:MOST]]
+    more = f" and {len(parsed.unread) - MOST} more" if len(parsed.unread) > MOST else ""
+    _tell(UnreadWarning, parsed, "not read: ", unread, more)
     joints, cut, assembly = parsed.robot.joints, parsed.cut, parsed.assembly
     _tell(RepairWarning, parsed, "repaired: ", parsed.changes)
     held = [f"'{name}'" for name in cut.held if name not in parsed.stated]
@@ -53,6 +59,10 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     _tell(MissingInertialWarning, parsed, "moving links without <inertial>: ", massless, after)
 
 
+def _at(unread: Unread) -> str:
+    return unread.problem if unread.line is None else f"line {unread.line}: {unread.problem}"
+
+
 def _tilt(cut: Cut, base: str, gravity: Array) -> list[str]:
     """Gravity in the axes of the base link, if the link is tilted in the whole robot with all joints at 0."""
     rotation = np.eye(3)
@@ -71,4 +81,4 @@ def _tilt(cut: Cut, base: str, gravity: Array) -> list[str]:
 def _tell(kind: type[URDFWarning], parsed: Parsed, before: str, items: Sequence[str], after: str = "") -> None:
     """One warning with all items; none where there are no items."""
     if items:
-        warnings.warn(f"{parsed.path}: {before}{', '.join(items)}{after}", kind, stacklevel=4)
+        warnings.warn(one_line(f"{parsed.path}: {before}{', '.join(items)}{after}"), kind, stacklevel=4)

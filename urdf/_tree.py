@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 from lxml import etree
 
+from urdf._elements import name_of
 from urdf._errors import NotATree, URDFError
-from urdf._source import Source, name_of
+from urdf._source import Source
 from urdf._wording import listed, shortened
 
 Joints = Mapping[str, Sequence[etree._Element]]
@@ -71,6 +72,21 @@ def joints_by(source: Source, side: str) -> dict[str, list[etree._Element]]:
         name = end(joint, side)
         if name is not None:
             found.setdefault(name, []).append(joint)
+    return found
+
+
+def carriers(source: Source, locked: Container[str] = ()) -> dict[str, str | None]:
+    """Per link that a root reaches: the first link of the body that carries it, None where it never moves.
+
+    locked: names of joints that are held still
+    """
+    roots = root_links(source)
+    found: dict[str, str | None] = dict.fromkeys(roots)
+    for joint in walk(joints_by(source, "parent"), roots):
+        parent, child = end(joint, "parent"), end(joint, "child")
+        if parent is not None and child is not None:
+            still = joint.get("type") == "fixed" or name_of(joint) in locked
+            found.setdefault(child, found.get(parent) if still else child)
     return found
 
 

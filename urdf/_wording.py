@@ -12,9 +12,15 @@ MOST = 20
 
 
 def shortened(text: str) -> str:
-    """The text; beyond LONGEST characters, without its middle."""
+    """The text on one line; beyond LONGEST characters, without its middle."""
+    text = one_line(text)
     half = LONGEST // 2
     return text if len(text) <= LONGEST else f"{text[:half]} … {text[-half:]}"
+
+
+def one_line(text: str) -> str:
+    """The text on one line: characters that do not print, such as line breaks, as in a Python string: \\n, \\x1b."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def listed(names: Iterable[str]) -> str:

@@ -102,6 +102,38 @@ CASES = {
         "type 'floating' is not supported. Pinocchio knows floating and planar joints, yourdfpy loads any type",
         "use one of revolute, continuous, prismatic, fixed, or replace it by several of them",
     ),
+    "unsupported-constraint": Case(
+        ("</robot>", '<loop name="l"><predecessor link="base"/><successor link="fore"/></loop></robot>'),
+        "error", "<loop> of robot 'arm'", 37,
+        "'l' closes a kinematic loop (URDF+), and only trees of links are modelled. Pinocchio and yourdfpy load the "
+        "tree without it",
+        "remove it to load the tree without it, or let one body carry the links that it joins (chain=, lock=)",
+    ),
+    "quaternion-origin": Case(
+        ('xyz="0.3 0 0" rpy="0 0 0"', 'xyz="0.3 0 0" quat_xyzw="0 0 0 1"'),
+        "error", "<origin> of joint 'elbow'", 26,
+        "attribute 'quat_xyzw' is not read. Pinocchio reads it in files of version 1.1 and later, yourdfpy does not",
+        "give the rotation as rpy",
+    ),
+    "unread-dynamics": Case(
+        ("</robot>", '<gazebo reference="fore"><turnGravityOff>true</turnGravityOff></gazebo></robot>'),
+        "warning", "<turnGravityOff> of robot 'arm'", 37,
+        "<turnGravityOff> in <gazebo> turns gravity off for a link: not read. Pinocchio and yourdfpy do not read it "
+        "either",
+        "change the model after loading it, if that matters",
+    ),
+    "unknown-element": Case(
+        (TOOL, f'<link name="tool"><innertial>{MASS}</innertial></link>'),
+        "warning", "<innertial> of link 'tool'", 17,
+        "URDF knows no <innertial> in <link>: not read. Pinocchio and yourdfpy do not read it either",
+        "correct its name, or remove it",
+    ),
+    "unknown-attribute": Case(
+        ('xyz="0.3 0 0" rpy', 'xzy="0.3 0 0" rpy'),
+        "warning", "<origin> of joint 'elbow'", 26,
+        "URDF knows no attribute 'xzy' of <origin>: not read. Pinocchio and yourdfpy do not read it either",
+        "correct its name, or remove it",
+    ),
     "missing-mass": Case(
         (MASS, "<mass/>"),
         "error", "<mass> of link 'upper'", 6,
@@ -439,7 +471,8 @@ CASES = {
         (LIMIT, '<limit lower="-1" effort="30" velocity="3"/>'),
         "warning", "<limit> of joint 'shoulder'", 23,
         "without upper: there is no such limit. Pinocchio refuses a revolute or prismatic joint without <limit>, "
-        "and a <limit> without effort or velocity, and takes a missing lower or upper as 0",
+        "and a <limit> without effort or velocity, and takes a missing lower or upper as 0 (in a file with "
+        'version="1.2" it refuses that too)',
         "write it",
     ),
     "limits-zero": Case(
@@ -479,6 +512,12 @@ CASES = {
         "and leaves them out of rnea",
         "add it to the torques, if it matters",
     ),
+    "unknown-joint-dynamics": Case(
+        (AXIS, '<axis xyz="0 0 1"/><dynamics damping="0.5" mu_viscous="16"/>'),
+        "note", "<dynamics> of joint 'shoulder'", 22,
+        "URDF knows no attributes 'mu_viscous' of <dynamics>: not read",
+        "correct their names, or give damping and friction",
+    ),
     "rotor-inertia": Case(
         (),
         "note", None, None,
@@ -516,6 +555,12 @@ CASES = {
         "warning", None, 17,
         "processing instructions <?…?> within the document: 1. Pinocchio refuses the file, yourdfpy loads it",
         "remove them",
+    ),
+    "name-spacing": Case(
+        ('<child link="tool"/>', '<child link="\ntool"/>', 'name="tool"', 'name=" tool"'),
+        "warning", "<child> of joint 'flange'", 36,
+        "tabs or line breaks in link: an XML parser reads blanks. Pinocchio reads another name",
+        "write blanks, or none",
     ),
     "number-spacing": Case(
         ('value="2.5"', 'value="2.5 "'),

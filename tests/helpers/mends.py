@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from lxml import etree
 
 import urdf
-from urdf._source import describe, tag_of
+from urdf._elements import describe, tag_of
 
 NEW_NAME = "renamed"
 UNLIMITED = {"effort": "1e6", "velocity": "1e6"}
@@ -38,7 +38,10 @@ def _space_evenly(element: etree._Element) -> None:
 
 
 def _remove(element: etree._Element) -> None:
-    element.getparent().remove(element)
+    """With its repetitions: urdfdom reads the first that is left."""
+    parent = element.getparent()
+    for same in () if parent is None else parent.findall(element.tag):
+        parent.remove(same)
 
 
 def _limit(element: etree._Element) -> None:
@@ -87,5 +90,6 @@ MENDS: dict[str, Callable[[etree._Element], None]] = {
     "duplicate-material": _rename_material,
     "urdf-version": _drop_version,
     "reserved-name": _rename,
+    "name-spacing": lambda element: None,  # writing it anew is all
     "other-encoding": lambda element: None,  # writing it anew is all
 }

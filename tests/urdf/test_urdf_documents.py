@@ -12,7 +12,7 @@ def test_what_says_nothing_of_dynamics_is_ignored(arm):
     )
     path = arm(
         '<link name="tool"/>', f'<!-- comment --><link name="tool">{odd}</link><material/><transmission/>',
-        "</robot>", '<x:property xmlns:x="http://www.ros.org/wiki/xacro"/><gazebo><link/></gazebo></robot>',
+        "</robot>", '<x:property xmlns:x="http://www.ros.org/wiki/xacro"/><gazebo><plugin><loop>true</loop></plugin></gazebo></robot>',
     )  # fmt: skip
     assert urdf.load(path).joint_names == ("shoulder", "slide")
 

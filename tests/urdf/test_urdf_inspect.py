@@ -22,7 +22,7 @@ from urdf_text import joint, link, robot_text
 
 import urdf
 from urdf import _errors as errors
-from urdf.inspection import inspecting
+from urdf.inspection import inspecting, unread_rules
 from urdf.inspection.findings import SEVERITIES
 from urdf.inspection.telling import ELSEWHERE
 
@@ -304,6 +304,7 @@ def test_every_code_has_a_case():
     strict = "".join((package / f"_{name}.py").read_text(encoding="utf-8") for name in ("checks", "tree", "numerals"))
     written |= set(re.findall(r'(?:[A-Z]\w+,|BadNumber\()\s*"([a-z]+(?:-[a-z]+)+|cycle)"', strict))
     written |= {f"missing-{tag}" for tag in ("mass", "inertia", "parent", "child", "axis")}
+    written |= set(unread_rules.REMEDIES)
     written |= {getattr(kind, "default_code", "") for kind in vars(errors).values()} - {""}
     elsewhere = {
         "byte-order-mark",

@@ -10,10 +10,10 @@ import mutant_run
 import mutant_trial
 import numpy as np
 import pytest
-from inspection_cases import CLEAN, changed
+from inspection_cases import CLEAN, LIMIT, changed
 from mutant_run import Result, run, table, unexpected
 from mutant_trial import Trial, trial
-from mutants import mutant
+from mutants import mutant, original
 
 import urdf
 from urdf.inspection import inspecting
@@ -112,6 +112,41 @@ class TestTheTrialCanFail:
         claims = type(finding)(finding.code, "error", finding.element, finding.line, mutant_trial.CLAIMS[0], "")
         monkeypatch.setattr(urdf, "inspect", lambda path: type(report)("", "", (claims,)))
         self.expect(path, "Pinocchio loads the file, though")
+
+
+class TestExplained:
+    """Where two readers differ and a finding says why, the mended file shows that nothing else differs."""
+
+    def test_position_limits_of_version_1_2(self, written):
+        versioned = ('name="arm"', 'name="arm" version="1.2"')
+        for limits in ('upper="2" ', 'lower="-1" upper="2" '):
+            path = written(changed(*versioned, limits, ""))
+            assert trial(path) == Trial("explained", ("limits-missing",))
+        path = written(changed(*versioned, LIMIT, ""))
+        assert trial(path) == Trial("explained", ("limits-missing",))
+
+    @pytest.mark.parametrize("between", ["", "\n"])
+    def test_a_part_with_two_faults_twice(self, written, between):
+        part = '<safety_controller soft_lower_limit="1 2" k_velocity="x"/>'
+        path = written(changed(LIMIT, LIMIT + part + between + part))
+        assert trial(path) == Trial("explained", ("incomplete-joint-part",))
+
+    def test_names_with_line_breaks(self, written):
+        path = written(changed('name="elbow"', 'name="el\nbow"'))
+        assert trial(path) == Trial("explained", ("name-spacing",))
+
+    @pytest.mark.parametrize(
+        ("robot", "old", "new", "code"),
+        [
+            ("kr500", '"0.5225 0.0 0.0"', '"522499999999.99994 0.0 0.0"', "far-center-of-mass"),
+            ("rich", '"0.3 0 0" rpy="1.57', '"300000000000.0 0 0" rpy="1.57', "suspicious-lengths"),
+        ],
+    )
+    def test_digits_lost_in_computing(self, written, robot, old, new, code):
+        """Long levers that cancel: Pinocchio's two routes differ by 2e-5 too, though their models are the same."""
+        text = original(robot).decode()
+        assert old in text
+        assert trial(written(text.replace(old, new, 1))) == Trial("explained", (code,))
 
 
 def test_a_process_that_ends_is_unexpected_and_the_rest_goes_on(monkeypatch):

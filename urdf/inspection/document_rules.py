@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from lxml import etree
 
 from urdf._document import Document
+from urdf._elements import line_of, name_of
 from urdf._numerals import UNEXPANDED
-from urdf._source import line_of, name_of
 from urdf._wording import listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.telling import of_file

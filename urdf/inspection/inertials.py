@@ -9,8 +9,9 @@ import numpy as np
 from lxml import etree
 
 from graphdyn.layout import Array
+from urdf._elements import name_of
 from urdf._numerals import values
-from urdf._source import Source, name_of
+from urdf._source import Source
 
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

@@ -10,10 +10,11 @@ import numpy as np
 from graphdyn._model import STANDARD_GRAVITY
 from urdf._checks import faults
 from urdf._errors import URDFError
+from urdf._extensions import closure_faults
 from urdf._opening import Given, Opened, Xacro, open_document, path_of, said
 from urdf._parsing import build, parse
 from urdf._source import Source, reduced
-from urdf._tree import tree_faults
+from urdf._tree import carriers, tree_faults
 from urdf.inspection.document_rules import document_findings
 from urdf.inspection.findings import Finding, Inspection, report
 from urdf.inspection.joint_rules import joint_findings
@@ -23,6 +24,7 @@ from urdf.inspection.name_rules import name_findings
 from urdf.inspection.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import of_file, refusal
+from urdf.inspection.unread_rules import unread_findings
 
 MOST_FINDINGS = 1000
 """Largest number of findings that a stage reports."""
@@ -64,7 +66,7 @@ def _findings(opened: Opened) -> Iterator[Finding]:
     refusals = [refusal(error) for error in islice(_refusals(source), MOST_FINDINGS + 1)]
     structure = Structure.of(source)
     found = [*_limited(iter(refusals))]
-    for rules in (name_findings, link_findings, joint_findings):
+    for rules in (unread_findings, name_findings, link_findings, joint_findings):
         found += _limited(rules(structure))
     yield from found
     if not any(finding.severity == "error" for finding in found):
@@ -94,6 +96,7 @@ def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
 def _refusals(source: Source) -> Iterator[URDFError]:
     yield from faults(source)
     yield from tree_faults(source)
+    yield from closure_faults(source.extensions.closures, carriers(source), source.path)
 
 
 def _of_the_model(source: Source, structure: Structure) -> Iterator[Finding]:

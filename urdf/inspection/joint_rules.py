@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from lxml import etree
 
 from urdf._numerals import UNIT_LENGTH, values
-from urdf._wording import shortened
+from urdf._wording import listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
@@ -176,6 +176,15 @@ def _dynamics(joint: etree._Element) -> Iterator[Finding]:
     if element is not None and friction is not None and friction[0] < 0:
         yield about(
             "friction-negative", "warning", element, f"the friction {friction[0]:g} is negative", "write the friction"
+        )
+    others = [] if element is None else [name for name in element.attrib if name not in ("damping", "friction")]
+    if element is not None and others:
+        yield about(
+            "unknown-joint-dynamics",
+            "note",
+            element,
+            f"URDF knows no attributes {listed(map(str, others))} of <dynamics>: not read",
+            "correct their names, or give damping and friction",
         )
     stated = {name: values(element, name, 1) or [0.0] for name in ("damping", "friction")}
     if element is not None and any(value[0] for value in stated.values()):

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from graphdyn._inertia import CONSISTENCY
+from urdf._elements import name_of
 from urdf._numerals import values
-from urdf._source import name_of
 from urdf._wording import shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.inertials import LinkInertial

@@ -8,7 +8,7 @@ import numpy as np
 
 from graphdyn import RobotModel, mass_matrix
 from graphdyn.layout import Array
-from urdf._source import name_of
+from urdf._elements import name_of
 from urdf._wording import listed
 from urdf.inspection.findings import Finding
 from urdf.inspection.structure import Structure

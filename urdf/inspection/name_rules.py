@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdf._source import line_of, name_of
+from urdf._elements import line_of, name_of
 from urdf._tree import end
 from urdf._wording import shortened
 from urdf.inspection.findings import Finding

@@ -1,7 +1,8 @@
 """Where Pinocchio's reader (urdfdom on TinyXML-2) reads a file differently from urdf.load, or refuses it.
 
-TinyXML-2 knows no encoding but UTF-8 and leaves tabs and line breaks in attributes as they are. urdfdom accepts blanks
-between numbers, and nothing after a single number; it demands parts of a joint that do not affect dynamics.
+TinyXML-2 knows no encoding but UTF-8 and leaves tabs and line breaks in attributes as they are, in names too. urdfdom
+accepts blanks between numbers, and nothing after a single number; it demands parts of a joint that do not affect
+dynamics.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ from itertools import dropwhile
 from lxml import etree
 
 from urdf._document import Document
+from urdf._elements import line_of, tag_of
 from urdf._numerals import BadNumber, numbers
-from urdf._source import line_of, tag_of
 from urdf._wording import shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.telling import about, of_file
@@ -41,6 +42,7 @@ _JOINT_NUMBERS = {
     "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
     "calibration": ("rising", "falling", "reference_position"),
 }
+_NAMES = {"link": ("name",), "joint": ("name",), "parent": ("link",), "child": ("link",)}
 _NEEDED = {
     "limit": ("effort", "velocity"),
     "mimic": ("joint",),
@@ -66,6 +68,8 @@ def reader_findings(document: Document) -> Iterator[Finding]:
         )
     verbatim = _verbatim(document)
     for element, written in zip(document.robot, verbatim, strict=True):
+        if tag_of(element) in ("link", "joint"):
+            yield from _names(element, written)
         if tag_of(element) == "link":
             for part, as_written in _parts(element, written):
                 if tag_of(part) == "inertial":
@@ -133,6 +137,20 @@ def _parts(element: etree._Element, written: etree._Element) -> Iterator[tuple[e
         if tag_of(part) not in seen:
             seen.add(tag_of(part))
             yield part, as_written
+
+
+def _names(element: etree._Element, written: etree._Element) -> Iterator[Finding]:
+    """Names in a link or joint that an XML parser reads with blanks in the place of tabs and line breaks."""
+    for part, as_written in ((element, written), *_parts(element, written)):
+        for name in _NAMES.get(tag_of(part), ()):
+            if part.get(name) != as_written.get(name):
+                yield about(
+                    "name-spacing",
+                    "warning",
+                    part,
+                    f"tabs or line breaks in {name}: an XML parser reads blanks. Pinocchio reads another name",
+                    "write blanks, or none",
+                )
 
 
 def _spacing(element: etree._Element, written: etree._Element, known: dict[str, tuple[str, ...]]) -> Iterator[Finding]:

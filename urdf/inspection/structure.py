@@ -8,7 +8,7 @@ from functools import cached_property
 from lxml import etree
 
 from urdf._source import Source
-from urdf._tree import end, joints_by, root_links, walk
+from urdf._tree import carriers, joints_by, root_links
 from urdf.inspection.inertials import LinkInertial, inertials
 
 
@@ -32,14 +32,9 @@ class Structure:
     @classmethod
     def of(cls, source: Source) -> Structure:
         joints_from = joints_by(source, "parent")
-        roots = root_links(source)
-        carrier: dict[str, str | None] = dict.fromkeys(roots)
-        for joint in walk(joints_from, roots):
-            parent, child = end(joint, "parent"), end(joint, "child")
-            if parent is not None and child is not None:
-                carrier.setdefault(child, carrier.get(parent) if joint.get("type") == "fixed" else child)
         into = {child: joints[0] for child, joints in joints_by(source, "child").items()}
-        return cls(source, len(roots) == 1, carrier, into, joints_from, tuple(inertials(source)))
+        rooted = len(root_links(source)) == 1
+        return cls(source, rooted, carriers(source), into, joints_from, tuple(inertials(source)))
 
     def moving(self, link: str) -> bool:
         return self.carrier.get(link) is not None

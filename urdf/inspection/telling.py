@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from lxml import etree
 
+from urdf._elements import describe, line_of
 from urdf._errors import URDFError
-from urdf._source import describe, line_of
+from urdf._wording import one_line
 from urdf.inspection.findings import Finding, Severity
 
 _BOTH_LOAD = "Pinocchio and yourdfpy load it as it stands"
@@ -56,6 +57,11 @@ ELSEWHERE = {
     "triangle-inequality": _BOTH_LOAD,
     "two-parents": _BOTH_LOAD,
     "unexpanded-number": f"{_UNREADABLE}, yourdfpy refuses the file",
+    "quaternion-origin": "Pinocchio reads it in files of version 1.1 and later, yourdfpy does not",
+    "unknown-attribute": "Pinocchio and yourdfpy do not read it either",
+    "unknown-element": "Pinocchio and yourdfpy do not read it either",
+    "unread-dynamics": "Pinocchio and yourdfpy do not read it either",
+    "unsupported-constraint": "Pinocchio and yourdfpy load the tree without it",
     "unsupported-joint": "Pinocchio knows floating and planar joints, yourdfpy loads any type",
     "urdf-version": _PINOCCHIO_REFUSES,
     "velocity-negative": _PINOCCHIO_REFUSES,
@@ -71,19 +77,20 @@ ELSEWHERE = {
 
 def about(code: str, severity: Severity, element: etree._Element, problem: str, remedy: str) -> Finding:
     """A finding about an element."""
-    return Finding(code, severity, describe(element), line_of(element), _told(code, problem), remedy)
+    return Finding(code, severity, describe(element), line_of(element), told(code, problem), remedy)
 
 
 def of_file(code: str, severity: Severity, line: int | None, problem: str, remedy: str) -> Finding:
     """A finding about the file as a whole; line: the first place."""
-    return Finding(code, severity, None, line, _told(code, problem), remedy)
+    return Finding(code, severity, None, line, told(code, problem), remedy)
 
 
 def refusal(error: URDFError) -> Finding:
     """What urdf.load raises, as a finding."""
-    return Finding(error.code, "error", error.element, error.line, _told(error.code, error.problem), error.remedy)
+    return Finding(error.code, "error", error.element, error.line, told(error.code, error.problem), error.remedy)
 
 
-def _told(code: str, problem: str) -> str:
-    """The problem, and what Pinocchio and yourdfpy do."""
+def told(code: str, problem: str) -> str:
+    """The problem on one line, and what Pinocchio and yourdfpy do."""
+    problem = one_line(problem)
     return f"{problem}. {ELSEWHERE[code]}" if code in ELSEWHERE else problem
