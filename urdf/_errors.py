@@ -30,10 +30,11 @@ class URDFError(GraphDynError, ValueError):
     ):
         self.problem, self.remedy = one_line(problem), one_line(remedy)
         self.code = code or self.default_code
-        self.path, self.line, self.element = path, line, element
+        self.path, self.line = path, line
+        self.element = None if element is None else one_line(element)
         file = "" if path is None else one_line(str(path))
         place = file if line is None else f"{file}:{line}"
-        super().__init__(": ".join(part for part in (place, element, f"{self.problem}; {self.remedy}") if part))
+        super().__init__(": ".join(part for part in (place, self.element, f"{self.problem}; {self.remedy}") if part))
 
 
 class RobotNotFound(URDFError):

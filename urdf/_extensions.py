@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from lxml import etree
@@ -32,7 +33,7 @@ class Unread:
     element: str
     line: int | None
     problem: str
-    places: int = 1
+    places: int
 
 
 @dataclass(frozen=True)
@@ -90,37 +91,35 @@ def _quoted(element: etree._Element) -> frozenset[str]:
 
 def _unread(robot: etree._Element) -> Iterator[Unread]:
     """One per problem, in the order of the file."""
-    found: dict[str, list[Unread]] = {}
-    for unread in _places(robot):
-        found.setdefault(unread.problem, []).append(unread)
-    for same in found.values():
-        yield replace(same[0], places=len(same))
+    first: dict[tuple[str, str], etree._Element] = {}
+    places: Counter[tuple[str, str]] = Counter()
+    for code, problem, element in _places(robot):
+        first.setdefault((code, problem), element)
+        places[code, problem] += 1
+    for (code, problem), element in first.items():
+        yield Unread(code, describe(element), line_of(element), problem, places[code, problem])
 
 
 _ON_THE_WAY = {**READ, "robot": (*READ["robot"], "gazebo", "mujoco", "transmission"), "transmission": ("actuator",)}
 """Per element, its children whose children are looked at."""
 
 
-def _places(parent: etree._Element) -> Iterator[Unread]:
-    """What is not read in this element and below, one for each place."""
+def _places(parent: etree._Element) -> Iterator[tuple[str, str, etree._Element]]:
+    """What is not read in this element and below: code, problem and place."""
     kind = tag_of(parent)
     for name in map(str, parent.attrib if kind in ATTRIBUTES else ()):
         if "}" not in name and name not in ATTRIBUTES[kind]:
-            yield _of("unknown-attribute", parent, f"URDF knows no attribute '{shortened(name)}' of <{kind}>")
+            yield "unknown-attribute", f"URDF knows no attribute '{shortened(name)}' of <{kind}>", parent
     fixed = kind == "joint" and parent.get("type") == "fixed"
     for element in parent.iterchildren(etree.Element):
         tag = written_tag(element)
         meaning, applies = CHANGES.get(kind, {}).get(tag, ("", None))
         if applies is not None and applies(element):
-            yield _of("unread-dynamics", element, f"<{tag}> in <{kind}> {meaning}")
+            yield "unread-dynamics", f"<{tag}> in <{kind}> {meaning}", element
         elif kind in READ and not _is_known(kind, tag, element):
-            yield _of("unknown-element", element, f"URDF knows no <{shortened(tag)}> in <{kind}>")
+            yield "unknown-element", f"URDF knows no <{shortened(tag)}> in <{kind}>", element
         if tag in (RIGID if fixed else _ON_THE_WAY.get(kind, ())):
             yield from _places(element)
-
-
-def _of(code: str, element: etree._Element, problem: str) -> Unread:
-    return Unread(code, describe(element), line_of(element), problem)
 
 
 def _is_known(kind: str, tag: str, element: etree._Element) -> bool:

@@ -18,6 +18,7 @@ from graphdyn import RobotModel
 from graphdyn._model import STANDARD_GRAVITY
 from urdf._errors import GravityNotSavedWarning
 from urdf._files import write_whole
+from urdf._wording import one_line
 from urdf._writing import robot_element
 
 
@@ -36,8 +37,6 @@ def save(model: RobotModel, path: str | PathLike[str]) -> None:
     document = etree.tostring(robot_element(model), xml_declaration=True, encoding="UTF-8", pretty_print=True)
     write_whole(path, document)
     if not np.array_equal(model.gravity, STANDARD_GRAVITY):
-        warnings.warn(
-            f"{path}: a URDF file cannot state gravity; reload with urdf.load(..., gravity={model.gravity.tolist()})",
-            GravityNotSavedWarning,
-            stacklevel=2,
-        )
+        reload = f"reload with urdf.load(..., gravity={model.gravity.tolist()})"
+        message = f"{one_line(str(path))}: a URDF file cannot state gravity; {reload}"
+        warnings.warn(message, GravityNotSavedWarning, stacklevel=2)

@@ -20,6 +20,7 @@ from urdf._files import write_whole
 from urdf._inertial_spans import Span, inertial_spans
 from urdf._loading import fused_links, load
 from urdf._locking import Lock
+from urdf._wording import one_line
 from urdf._writing import inertial_element
 
 _OTHER_ENCODINGS = (b"\xff\xfe", b"\xfe\xff")
@@ -88,9 +89,8 @@ def update(
         changed.append(old.name)
         if carried:
             names = ", ".join(f"'{name}' ({share[0]:.6g} kg)" for name, share in carried.items())
-            notes.append(
-                f"link '{old.name}' gets {rest.mass:.6g} kg: its fixed links {names} keep their own <inertial>"
-            )
+            note = f"link '{old.name}' gets {rest.mass:.6g} kg: its fixed links {names} keep their own <inertial>"
+            notes.append(one_line(note))
     write_whole(Path(destination), _edited(data, edits))
     kept = tuple(name for name in model.body_names if name not in changed)
     return Update(Path(destination), tuple(changed), kept, tuple(notes))

@@ -85,6 +85,7 @@ def expanded(task: Mapping[str, Any]) -> str:
     limit(task["cpu_seconds"], task["megabytes"])
     sys.addaudithook(fence([os.path.dirname(task["path"]), *task["packages"].values()]))
     xacro.init_stacks(task["path"])
+    offer_folder(xacro)
     document = xacro.parse(io.BytesIO(task["content"].encode("latin-1")))
     xacro.process_doc(document, mappings=task["arguments"])
     return str(document.toxml())
@@ -108,6 +109,12 @@ def offer_packages(packages: Mapping[str, str]) -> None:
     index.get_package_share_directory = get_package_share_directory  # type: ignore[attr-defined]
     sys.modules["ament_index_python"] = types.ModuleType("ament_index_python")
     sys.modules["ament_index_python.packages"] = index
+
+
+def offer_folder(xacro: Any) -> None:
+    """Answer $(dirname), the folder of the file that it stands in: xacro alone never knows it."""
+    substitution: Any = importlib.import_module("xacro.substitution_args")
+    substitution._eval_dirname = lambda _filename: os.path.dirname(xacro.filestack[-1])
 
 
 def guard_expressions(xacro: Any) -> None:

@@ -482,7 +482,7 @@ class TestPage:
                    f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=5000", "--dump-dom"]  # fmt: skip
         dumped = subprocess.run(
             [CHROMIUM, *options, (tmp_path / "probe.html").as_uri()],
-            capture_output=True, text=True, timeout=60, check=True, encoding="utf-8",
+            capture_output=True, text=True, timeout=300, check=True, encoding="utf-8",
         ).stdout  # fmt: skip
         (measured,) = re.findall(r'data-measured="([^"]*)"', dumped)
         widths = [tuple(map(int, pair.split("/"))) for pair in measured.split()]

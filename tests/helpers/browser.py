@@ -16,7 +16,7 @@ def document(address, profile):
     """The page at an address as it stands after its scripts have run. Fails if one of them complains."""
     shown = subprocess.run(
         [CHROMIUM, *OPTIONS, f"--user-data-dir={profile}", address],
-        capture_output=True, text=True, timeout=60, check=True, encoding="utf-8",
+        capture_output=True, text=True, timeout=300, check=True, encoding="utf-8",
     )  # fmt: skip
     assert [line for line in shown.stderr.splitlines() if "CONSOLE" in line] == []
     return shown.stdout

@@ -90,7 +90,7 @@ def run_alone(code, **environment):
     """A program in a process of its own, warnings as errors."""
     command = [sys.executable, "-W", "error", "-c", textwrap.dedent(code)]
     done = subprocess.run(
-        command, capture_output=True, text=True, timeout=60, env={**os.environ, **environment}, check=False
+        command, capture_output=True, text=True, timeout=300, env={**os.environ, **environment}, check=False
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
