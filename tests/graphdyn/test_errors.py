@@ -24,6 +24,7 @@ from graphdyn import (
     SingularMassMatrix,
     UnknownFrame,
 )
+from graphdyn._inertia import consistency_problems
 
 ROBOT = NAMED["branched"]
 """Six joints, called joint1 … joint6."""
@@ -203,6 +204,18 @@ def test_placement_is_refused(arguments, message):
 # Physical consistency reports and refuses nothing
 
 
+def test_a_trillionth_of_the_trace_is_rounding():
+    """The trace is 4 kg m²."""
+
+    def problems(moments):
+        return len(consistency_problems(1.0, np.diag(moments)))
+
+    assert problems([1.0, 1.0, 2 + 3.9e-12]) == 0
+    assert problems([1.0, 1.0, 2 + 4.1e-12]) == 1
+    assert problems([4.1e-12, 2.0, 2.0]) == 0
+    assert problems([3.9e-12, 2.0, 2.0]) == 1
+
+
 @pytest.mark.parametrize(
     ("mass", "moments", "problems"),
     [
@@ -211,6 +224,7 @@ def test_placement_is_refused(arguments, message):
         (0.0, (0.0, 0.0, 0.0), ("mass is zero",)),
         (0.0, (1.0, 1.0, 1.0), ("mass is zero but the inertia tensor is not",)),
         (1.0, (0.0, 0.0, 0.0), ("inertia tensor is zero: a point mass",)),
+        (1.0, (1.0, 1.0, 2.02), ("triangle inequality violated: principal moment 2.02 exceeds the sum 2 kg m²",)),
         (1.0, (1.0, 1.0, 2.5), ("triangle inequality violated: principal moment 2.5 exceeds the sum 2 kg m²",)),
         (
             1.0,

@@ -342,6 +342,8 @@ SHARE = 0.01
         ("revolute", {"lower": 4.0}, (4.0, 4.0 + 2 * np.pi, np.pi)),
         ("revolute", {"upper": -1.0}, (-1.0 - 2 * np.pi, -1.0, np.pi)),
         ("revolute", {"lower": -1e16, "upper": 1e16, "velocity": 1e308}, (-np.pi, np.pi, np.pi)),
+        ("revolute", {"lower": -1e6, "upper": 1e6, "velocity": 1e6}, (-1e6, 1e6, 1e6)),
+        ("revolute", {"lower": -1.01e6, "upper": 1.01e6, "velocity": 1.01e6}, (-np.pi, np.pi, np.pi)),
         ("revolute", {"lower": 0.3, "upper": 0.3}, (0.3, 0.3, np.pi)),
         ("continuous", {"lower": -0.1, "upper": 0.1, "velocity": 2.0}, (-np.pi, np.pi, 2.0)),
         ("prismatic", {"lower": 0.1, "upper": 0.4, "velocity": 0.2}, (0.1, 0.4, 0.2)),

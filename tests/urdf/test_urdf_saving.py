@@ -87,6 +87,21 @@ def test_body_without_mass_comes_back_with_the_warning(tmp_path):
         assert reload(model, tmp_path).bodies[0].mass == 0
 
 
+def test_body_without_mass_keeps_its_tensor(tmp_path):
+    joint = Joint("joint", "revolute", 0, Placement(), E3)
+    heavy_to_turn = Body("b", 0.0, np.zeros(3), np.diag([0.1, 0.2, 0.25]))
+    (body,) = reload(RobotModel("r", (heavy_to_turn,), (joint,)), tmp_path).bodies
+    assert body.mass == 0
+    assert_array_equal(body.inertia, np.diag([0.1, 0.2, 0.25]))
+
+
+def test_body_without_tensor_keeps_its_mass(tmp_path):
+    joint = Joint("joint", "revolute", 0, Placement(), E3)
+    (body,) = reload(RobotModel("r", (Body("b", 2.5, E1, np.zeros((3, 3))),), (joint,)), tmp_path).bodies
+    assert body.mass == 2.5
+    assert_array_equal(body.center_of_mass, E1)
+
+
 def test_gravity_is_not_saved(tmp_path):
     path = tmp_path / "saved.urdf"
     with pytest.warns(
