@@ -44,12 +44,15 @@ def load(
     default. The inertia of the root link, which never moves, is dropped. An effort or velocity limit that is the
     largest double means "none" (urdf.save writes it).
 
+    Elements that close loops, couple joints or join links are refused unless they constrain nothing: all links that
+    they name are carried by one body, or left out by chain.
+
     Raises URDFError (RobotNotFound, MalformedXML, TooLarge, MissingEntry, DuplicateEntry, InvalidNumber,
-    UnsupportedJoint, NotATree, InvalidChain, InvalidLock, InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled)
-    with file, line and element, also for every value that would have to be guessed, and InvalidModel for a gravity that
-    is not three finite numbers.
-    Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning, ChainWarning, RepairWarning,
-    XacroWarning.
+    UnsupportedJoint, UnsupportedConstraint, NotATree, InvalidChain, InvalidLock, InvalidRepair, InvalidRobot,
+    InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that would have to be guessed,
+    and InvalidModel for a gravity that is not three finite numbers.
+    Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning, ChainWarning,
+    RepairWarning, XacroWarning.
     """
     opened = open_document(source, xacro)
     parsed = parse(reduced(opened.document), chain=chain, lock=lock, repair=repair)

@@ -18,6 +18,7 @@ from inspection_cases import (
     TOOL,
     changed,
 )
+from shared_data import REPOSITORY
 from urdf_text import joint, link, robot_text
 
 import urdf
@@ -326,3 +327,7 @@ def test_every_code_has_a_case():
     assert written <= {*CASES, *DOCUMENTS, *elsewhere}
     assert len(written) > 70
     assert set(ELSEWHERE) <= {*CASES, *DOCUMENTS, *elsewhere}
+    page = (REPOSITORY / "docs" / "loading.md").read_text(encoding="utf-8")
+    assert {*CASES, *DOCUMENTS, *elsewhere} == set(
+        re.findall(r"`([a-z]+(?:-[a-z0-9]+)*)`", page.split("| severity |")[1])
+    )

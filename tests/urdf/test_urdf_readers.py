@@ -99,7 +99,7 @@ class TestSpacing:
     def test_other_blanks_are_no_blanks(self, written):
         """Python takes a no-break space for a blank, XML and everyone else do not."""
         path = written(changed('value="2.5"', 'value="2.5\u00a0"'))
-        with pytest.raises(urdf.InvalidNumber, match=r"value=\"2.5\u00a0\": '2.5\u00a0' is not a number"):
+        with pytest.raises(urdf.InvalidNumber, match=r"value=\"2\.5\\xa0\": '2\.5\\xa0' is not a number"):
             urdf.load(path)
 
 
