@@ -23,8 +23,9 @@ from mutants import mutant
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
-SECONDS = 20
-"""One mutant takes some 10 milliseconds; a process that works on one for so long is stopped."""
+SECONDS = 120
+"""One mutant takes some 10 milliseconds, the first of a process seconds; a process that works on one for so long is
+stopped."""
 
 
 @dataclass(frozen=True)

@@ -157,6 +157,10 @@ class TestConstraintsWithinOneBody:
             urdf.load(path)
 
 
+def in_robot(text):
+    return ("</robot>", f"{text}</robot>")
+
+
 def on_a_link(text):
     return (TOOL, f'<link name="tool">{text}</link>')
 
@@ -257,6 +261,22 @@ class TestWhatIsNotRead:
     def test_unknown(self, written, changes, message):
         with pytest.warns(urdf.UnreadWarning, match=f"not read: {message}$"):
             urdf.load(written(changed(*changes)))
+
+    @pytest.mark.parametrize(
+        ("where", "tags"),
+        [
+            (in_robot, "material transmission gazebo ros2_control mujoco sensor frame "
+             "plugin group group_state end_effector virtual_joint disable_collisions author license capsule"),
+            (on_a_link, "visual collision contact surface sensor origin material self_filter self_collision_checking "
+             "collision_checking gravity kinematic"),
+            (on_a_joint, "axis limit dynamics mimic calibration safety_controller joint_properties hardwareInterface"),
+        ],
+        ids=["robot", "link", "joint"],
+    )  # fmt: skip
+    def test_harmless(self, written, where, tags):
+        path = written(changed(*where("".join(f"<{tag}/>" for tag in tags.split()))))
+        assert urdf.load(path).n_bodies == 2
+        assert {"unread-dynamics", "unknown-element"}.isdisjoint(urdf.inspect(path).codes)
 
     @pytest.mark.parametrize(
         "changes",

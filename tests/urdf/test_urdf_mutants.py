@@ -154,7 +154,7 @@ def test_a_process_that_ends_is_unexpected_and_the_rest_goes_on(monkeypatch):
     results = run(0, range(4), 1)
     assert [result.number for result in results] == [0, 1, 2, 3]
     assert unexpected(results) == [
-        f"mutant 2 ({', '.join(mutant(0, 2).kinds)}): its process ended, or it took longer than 20 s"
+        f"mutant 2 ({', '.join(mutant(0, 2).kinds)}): its process ended, or it took longer than 120 s"
     ]
 
 
