@@ -20,15 +20,15 @@ UNBOUNDED = {"lower": "-1e6", "upper": "1e6"}
 def mended(content: bytes, findings: Iterable[urdf.Finding]) -> bytes | None:
     """The file with every place mended that one of these findings names; None where none of them can be."""
     tree = etree.fromstring(content).getroottree()
-    places = dict.fromkeys(  # two findings of one code may name the same place
-        (finding.code, element)
+    places = [
+        (finding, element)
         for finding in findings
         if finding.code in MENDS
         for element in tree.getroot().iter(etree.Element)
         if finding.element is None or (finding.line, finding.element) == (element.sourceline, describe(element))
-    )
-    for code, element in places:
-        MENDS[code](element)
+    ]
+    for finding, element in places:
+        MENDS[finding.code](element)
     return etree.tostring(tree.getroot(), encoding="UTF-8") if places else None
 
 
@@ -38,7 +38,7 @@ def _space_evenly(element: etree._Element) -> None:
 
 
 def _remove(element: etree._Element) -> None:
-    """With its repetitions: urdfdom reads the first that is left."""
+    """With its repetitions: urdfdom reads the first that is left. A second finding may name a place that is gone."""
     parent = element.getparent()
     for same in () if parent is None else parent.findall(element.tag):
         parent.remove(same)

@@ -9,6 +9,7 @@ from urdf_text import joint, link, robot_text
 
 import urdf
 from urdf._wording import one_line
+from urdf.inspection.telling import of_file
 
 ODD = "a\nb\r\x1b[31m\x9bc\u2028d"
 SAID = r"a\nb\r\x1b[31m\x9bc\u2028d"
@@ -24,6 +25,10 @@ def is_one_line(text):
 def test_one_line():
     assert one_line(ODD) == SAID
     assert one_line("Gelenk ä, 工具 🤖: ½ m²") == "Gelenk ä, 工具 🤖: ½ m²"
+
+
+def test_every_finding():
+    assert of_file("crlf", "note", 1, f"found {ODD}", "").message == f"found {SAID}"
 
 
 @pytest.fixture
