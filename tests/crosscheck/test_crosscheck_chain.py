@@ -25,7 +25,9 @@ from urdf._catalogue import locate
 SAMPLES = 10
 TORSO = ("torso_2_link", "gripper_left_base_link")
 
-pytestmark = pytest.mark.filterwarnings("ignore::urdf.ChainWarning", "ignore::urdf.MimicJointWarning")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::urdf.ChainWarning", "ignore::urdf.MimicJointWarning", "ignore::urdf.UnreadWarning"
+)
 
 
 @pytest.mark.parametrize(

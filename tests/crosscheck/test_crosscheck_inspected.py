@@ -24,7 +24,7 @@ READ_OTHERWISE = {"number-spacing"}
 NOT_BY_PINOCCHIO = {"reserved-name"}
 """It cannot have a robot with such a name, and the finding says why."""
 
-OTHER_NAMES = {"other-encoding"}
+OTHER_NAMES = {"other-encoding", "name-spacing"}
 """Pinocchio reads other names than stand there, and the finding says so; it does not know the links by ours."""
 
 ARMS_REFUSED = {"aubo_i5", "mk3"}
