@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn.layout import BODY_FREEDOMS, Array
 
 
@@ -29,6 +29,7 @@ def joint_arrays(
     Raises InvalidInput, naming the argument, its shape and the first offending row, where an argument is not numeric,
     has the wrong trailing shape, does not broadcast with the others, or contains NaN or infinity.
     """
+    check_model(model)
     n = model.n_bodies
     arrays, leading = {}, {}
     for name, value in arguments.items():

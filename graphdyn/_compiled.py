@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn._dynamics import VERBS
 from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn.kernels.programs import Request
 from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared
@@ -82,6 +82,7 @@ class CompiledModel:
     """
 
     def __init__(self, model: RobotModel) -> None:
+        check_model(model)
         self.model = model
 
     def __getattr__(self, name: str) -> SingleState:

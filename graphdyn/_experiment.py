@@ -16,7 +16,7 @@ from graphdyn._base_motion import BaseMotion
 from graphdyn._dynamics import inverse_dynamics
 from graphdyn._errors import InvalidInput
 from graphdyn._kinematics import maximal_state
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn._rotation import rotation_about
 from graphdyn._virtual_recording import VirtualRecording
 from graphdyn.layout import ANGULAR, LINEAR, Array
@@ -41,6 +41,7 @@ def record(
 
     Raises InvalidInput for unknown joints, laws that answer anything but three finite arrays (N,), wrong times.
     """
+    check_model(model)
     times = np.atleast_1d(as_floats("times", times))
     if times.ndim != 1 or not np.all(np.isfinite(times)):
         raise InvalidInput(f"times must be finite numbers of shape (N,); they have shape {times.shape}")

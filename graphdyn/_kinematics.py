@@ -17,7 +17,7 @@ from graphdyn._base_motion import BaseMotion, Ground, ground
 from graphdyn._errors import InconsistentState, InvalidInput
 from graphdyn._linear import cross, solve
 from graphdyn._methods import Method, is_recursive, with_keywords
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn._rotation import cardano_angles, cardano_rate_matrix, rotation_about
 from graphdyn._vertices import Vertices, constraint_values
 from graphdyn.kernels.batch import Options, evaluate
@@ -48,6 +48,7 @@ class MaximalState:
     ground: Ground | None = None
 
     def __post_init__(self) -> None:
+        check_model(self.model)
         n = self.model.n_bodies
         shapes = {"position": (n, 3), "rotation": (n, 3, 3), "velocity": (n, 6), "acceleration": (n, 6)}
         for name, trailing in shapes.items():
@@ -111,6 +112,7 @@ def maximal_state(
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
     """
+    check_model(model)
     rest = np.zeros(model.n_bodies)
     x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
     if is_recursive(method, x):
@@ -211,6 +213,7 @@ def frame_placement(
 
     Raises UnknownFrame for an unknown name, InvalidInput for wrong shapes, NaN or infinity.
     """
+    check_model(model)
     frame = model.frame(name)
     state = maximal_state(model, q, base=base)
     vertices = state.vertices
@@ -252,6 +255,7 @@ def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
     Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
     (CLOSURE); InvalidInput for a state of another number of bodies.
     """
+    check_model(model)
     state = replace(state, model=model)
     residual = np.abs(state.constraint_residual())
     if residual.size and residual.max() > CLOSURE:
@@ -290,6 +294,7 @@ def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
 
     Raises InconsistentState as joint_state does; InvalidInput where the state has no acceleration.
     """
+    check_model(model)
     if state.acceleration is None:
         raise InvalidInput("the maximal state has no acceleration; call maximal_state with a, or set it")
     q, v = joint_state(model, state)

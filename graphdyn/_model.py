@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._errors import InvalidModel, UnknownFrame
+from graphdyn._errors import InvalidInput, InvalidModel, UnknownFrame
 from graphdyn._graph import Graph
 from graphdyn._inertia import (
     Consistency,
@@ -336,6 +337,15 @@ class RobotModel:
                 consistency_problems(body.mass, body.inertia),
             )
             for body in self.bodies
+        )
+
+
+def check_model(model: object) -> None:
+    """Raise InvalidInput for anything but a RobotModel, such as the name of a robot."""
+    if not isinstance(model, RobotModel):
+        raise InvalidInput(
+            f"the model is {reprlib.repr(model)}, of type {type(model).__name__}; give a RobotModel, into which a "
+            "robot's name or file is loaded first"
         )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import RobotModel
-from graphdyn._model import STANDARD_GRAVITY
+from graphdyn._model import STANDARD_GRAVITY, check_model
 from urdf._errors import GravityNotSavedWarning
 from urdf._files import write_whole
 from urdf._wording import one_line
@@ -33,6 +33,7 @@ def save(model: RobotModel, path: str | PathLike[str]) -> None:
     The file appears complete or not at all. Raises CannotSave for a name that is empty or cannot stand in XML.
     Warns GravityNotSavedWarning where gravity is not (0, 0, -9.81): URDF has no place for it.
     """
+    check_model(model)
     path = Path(path)
     document = etree.tostring(robot_element(model), xml_declaration=True, encoding="UTF-8", pretty_print=True)
     write_whole(path, document)

@@ -41,7 +41,7 @@ class Subject:
 def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = None) -> Subject:
     """Load a name or path; take a RobotModel as it is.
 
-    Raises InvalidInput for lock, gravity or chain with a RobotModel, and for XML in place of a name or path.
+    Raises InvalidInput for lock, gravity or chain with a RobotModel, and for XML or another type.
     """
     if isinstance(robot, RobotModel):
         if lock is not None or gravity is not None or chain is not None:
@@ -49,6 +49,8 @@ def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = 
                 "lock, chain and gravity apply to names and files; a RobotModel already has its joints and gravity"
             )
         return Subject(robot.name, robot, None, None, {}, None)
+    if not isinstance(robot, str | PathLike):
+        raise InvalidInput(f"the robot is of type {type(robot).__name__}; give a name, a path or a RobotModel")
     if path_of(robot) in UNNAMED:
         raise InvalidInput("XML is given in place of a name or path; give the file, or urdf.load(…) of the XML")
     lock = lock if isinstance(lock, Mapping | str) else list(lock or ())

@@ -9,7 +9,7 @@ import numpy as np
 from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
 from graphdyn._linear import cross
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn.layout import Array
 
 _TRAILING = {
@@ -83,6 +83,7 @@ def link_wrenches(model: RobotModel, data: WrenchData) -> Array:
 
     No center of mass is read, of the model or of the data. Raises InvalidInput as body_wrenches does.
     """
+    check_model(model)
     force, moment = body_wrenches(model.skeleton, data)
     in_link_axes = np.einsum("...iba,...ib->...ia", data.rotation, force)
     return np.concatenate([in_link_axes, moment], axis=-1)
@@ -93,6 +94,7 @@ def fitting_data(model: RobotModel, data: WrenchData, *names: str) -> dict[str, 
 
     Raises InvalidInput, naming array, sample and body, for other joints, wrong shapes, NaN or infinity, no sample.
     """
+    check_model(model)
     if tuple(data.joint_names) != model.joint_names:
         raise InvalidInput(
             f"the data have joints {', '.join(data.joint_names)}, robot '{model.name}' has "

@@ -18,7 +18,7 @@ from graphdyn._errors import InvalidInput
 from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn._kinematics import link_origins, maximal_state
 from graphdyn._linear import apply
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn.identification.body_wrenches import WrenchData, fitting_data, link_wrenches
 from graphdyn.identification.identified_bodies import IdentifiedBodies
 from graphdyn.identification.wrench_equations import WrenchEquations
@@ -74,6 +74,7 @@ def identify_inertial_parameters_together(
 
     Raises InvalidInput for an unknown joint, and where the data do not fit the model, or are not finite.
     """
+    check_model(model)
     names = model.joint_names if measured_joints is None else tuple(measured_joints)
     unknown = [name for name in names if name not in model.joint_names]
     if unknown or not names:

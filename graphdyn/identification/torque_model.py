@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn.identification.motion import Motion
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms import Column, Coulomb, KnownTerm, Offset, RigidBodies, Term, Viscous
@@ -39,6 +39,7 @@ class TorqueModel:
     known: Sequence[KnownTerm] = ()
 
     def __post_init__(self) -> None:
+        check_model(self.model)
         names = [column.name for column in self.columns]
         if not names:
             raise InvalidInput("the torque model has no parameter; give terms such as RigidBodies()")

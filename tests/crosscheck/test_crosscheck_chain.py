@@ -148,6 +148,11 @@ def test_xml_is_refused():
         crosscheck.compare(TILTED)
 
 
+def test_what_is_no_robot_is_refused():
+    with pytest.raises(InvalidInput, match="the robot is of type float; give a name, a path or a RobotModel"):
+        crosscheck.compare(3.5)
+
+
 def test_the_whole_robot_needs_no_chain():
     """Cutting from the root to the tip of a serial arm changes nothing."""
     path, _ = locate("ur5")
