@@ -30,7 +30,9 @@ def same(model):
     assert_array_equal(model.gravity, [0, 0, -9.81])
 
 
-@pytest.mark.parametrize("name", ["two words.urdf", "Ärmchen 机器人.urdf", "ordner é/a b.urdf", "a#b?.urdf", "arm.xml"])
+@pytest.mark.parametrize(
+    "name", ["two words.urdf", "Ärmchen 机器人.urdf", "ordner é/a b.urdf", "a#b?.urdf", "a\nb.urdf", "arm.xml"]
+)
 def test_paths(written, name):
     path = written(name, CLEAN)
     same(urdf.load(path))
