@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -46,10 +47,13 @@ class ForeignFunction:
     def _one(self, row: Sequence[Array]) -> Array:
         arguments = self.foreign_arguments(row)
         try:
-            answer = np.asarray(self.function(*arguments.values()), dtype=float)
-        except Exception as error:  # foreign code may raise anything
+            returned = self.function(*arguments.values())
+        except (Exception, SystemExit) as error:  # foreign code may raise anything
             where = ", ".join(f"{name} = {x.tolist()}" for name, x in arguments.items())
-            raise ForeignFailure(f"{self.name} raised {type(error).__name__}: {error}; at {where}") from error
+            raise ForeignFailure(
+                f"{self.name} raised {type(error).__name__}: {error}{_line(error)}; at {where}"
+            ) from error
+        answer = self._real(returned)
         n = len(self.order)
         expected = {"mass_matrix": (n, n), "regressor": (n, BODY_PARAMETERS * n)}.get(self.name, (n,))
         if answer.shape != expected:
@@ -58,6 +62,19 @@ class ForeignFunction:
                 f"time, arrays of shape ({n},)"
             )
         return self._in_our_order(answer)
+
+    def _real(self, returned: object) -> Array:
+        try:
+            if returned is None:
+                raise TypeError("a return is missing")
+            answer = np.asarray(returned)
+            if np.iscomplexobj(answer):
+                raise TypeError("it has imaginary parts")
+            return answer.astype(float)
+        except (TypeError, ValueError) as error:
+            raise ForeignFailure(
+                f"{self.name} returned {type(returned).__name__}, which is no array of real numbers: {error}"
+            ) from error
 
     def _in_our_order(self, answer: Array) -> Array:
         ours = np.empty_like(answer)
@@ -69,6 +86,13 @@ class ForeignFunction:
         else:
             ours[self.order] = answer
         return ours
+
+
+def _line(error: BaseException) -> str:
+    """Where in the file of the function an exception was raised, or the call that led to it; "" for compiled ones."""
+    frames = traceback.extract_tb(error.__traceback__)[1:]  # the first one is ours
+    own = [frame for frame in frames if frame.filename == frames[0].filename]
+    return f" ({own[-1].filename}, line {own[-1].lineno}, in {own[-1].name})" if own else ""
 
 
 def joint_order(model: RobotModel, names: Sequence[str] | None) -> NDArray[np.intp]:

@@ -28,14 +28,14 @@ class JudgedStates:
 
     @classmethod
     def draw(cls, model: RobotModel, samples: int, seed: int, *, needs_tau: bool) -> JudgedStates:
-        """Random states, some with whole turns added, and the zero pose."""
+        """Random states, some with whole turns added, and the pose within the limits that is nearest to zero."""
         rng = np.random.default_rng(seed)
         q, v = model.random_state(rng, samples + TURNED + 1)
         endless = np.array([_turns_without_end(joint) for joint in model.joints])
         turn = 2 * np.pi * endless * rng.integers(-TURNS, TURNS + 1, q.shape)
         turn[:samples] = 0
         q = q + turn
-        q[-1] = 0  # the zero pose
+        q[-1] = [_nearest_to_zero(joint) for joint in model.joints]
         a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
         tau = graphdyn.inverse_dynamics(model, q, v, a).tau * rng.uniform(0.5, 1.5, q.shape) if needs_tau else 0 * a
         return cls(model, q, v, a, tau, turn)
@@ -60,3 +60,8 @@ class JudgedStates:
 def _turns_without_end(joint: graphdyn.Joint) -> bool:
     limits = joint.limits
     return joint.kind == "continuous" or (joint.kind == "revolute" and limits.lower is None and limits.upper is None)
+
+
+def _nearest_to_zero(joint: graphdyn.Joint) -> float:
+    lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0
+    return 0.0 if joint.kind == "continuous" else max(lower, 0.0) + min(upper, 0.0)

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import math
+import operator
 import re
 import subprocess
 import sys
@@ -196,8 +197,11 @@ class TestVerdict:
         (diagnosis,) = crosscheck.judge(model, inverse_dynamics=cut, samples=SAMPLES).diagnoses
         assert diagnosis.kind == "continuous_joint"
 
-    def test_limits_are_kept(self, small_arm):
-        """The second joint has limits: foreign code may refuse what lies beyond."""
+    @pytest.mark.parametrize("limits", ['lower="-1" upper="2"', 'lower="0.5" upper="2"', 'lower="-1" upper="-0.5"'])
+    def test_limits_are_kept(self, small_arm, limits):
+        """The second joint has limits, perhaps without zero: foreign code may refuse what lies beyond."""
+        text = small_arm.read_text(encoding="utf-8")
+        small_arm.write_text(text.replace('lower="-1" upper="2"', limits), encoding="utf-8")
         model = urdf.load(small_arm)
         lower, upper = model.joints[1].limits.lower, model.joints[1].limits.upper
 
@@ -378,9 +382,51 @@ class TestInput:
         def broken(q):
             raise KeyError("wrist")
 
-        with pytest.raises(ForeignFailure, match=r"mass_matrix raised KeyError: 'wrist'; at q = \[") as caught:
+        line = broken.__code__.co_firstlineno + 1
+        words = rf"mass_matrix raised KeyError: 'wrist' \({re.escape(__file__)}, line {line}, in broken\); at q = \["
+        with pytest.raises(ForeignFailure, match=words) as caught:
             crosscheck.judge("ur5", mass_matrix=broken)
         assert isinstance(caught.value.__cause__, KeyError)
+
+    def test_the_line_is_that_of_the_file_of_the_function(self):
+        """Not of NumPy, which it called."""
+
+        def broken(q):
+            return np.linalg.inv(np.zeros((6, 6)))
+
+        words = rf"LinAlgError: Singular matrix \({re.escape(__file__)}, line \d+, in broken\)"
+        with pytest.raises(ForeignFailure, match=words):
+            crosscheck.judge("ur5", mass_matrix=broken)
+
+    def test_a_compiled_function_has_no_line(self):
+        with pytest.raises(ForeignFailure, match=r"mass_matrix raised TypeError: [^(]*; at q = \["):
+            crosscheck.judge("ur5", mass_matrix=operator.index)
+
+    def test_foreign_exit(self):
+        """It would end the caller's program with the exit code of an agreement."""
+        with pytest.raises(ForeignFailure, match="mass_matrix raised SystemExit: 0"):
+            crosscheck.judge("ur5", mass_matrix=lambda q: sys.exit(0))
+
+    @pytest.mark.parametrize("error", [KeyboardInterrupt, pytest.skip.Exception])
+    def test_what_ends_more_than_the_function_passes(self, error):
+        def interrupted(q):
+            raise error
+
+        with pytest.raises(error):
+            crosscheck.judge("ur5", mass_matrix=interrupted)
+
+    @pytest.mark.parametrize(
+        ("returned", "words"),
+        [
+            (None, "NoneType, which is no array of real numbers: a return is missing"),
+            (np.eye(6) + 0j, "ndarray, which is no array of real numbers: it has imaginary parts"),
+            ([[1.0], [1.0, 2.0]], "list, which is no array of real numbers"),
+            ("heavy", "str, which is no array of real numbers"),
+        ],
+    )
+    def test_no_numbers(self, returned, words):
+        with pytest.raises(ForeignFailure, match=f"mass_matrix returned {words}"):
+            crosscheck.judge("ur5", mass_matrix=lambda q: returned)
 
     def test_no_forward_dynamics(self):
         massless = kr500().with_inertial_parameters(np.zeros(60))
