@@ -16,7 +16,7 @@ from urdf._errors import InvalidXacro, MalformedXML, RobotNotFound
 from urdf._xacro_files import expand
 
 Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]
-"""A string is XML if it begins with "<" or has several lines and is no file, else a name of the catalogue or a path."""
+"""A string is XML if it begins with "<", or has one and several lines and is no file; else it is a name or a path."""
 
 TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
 """Path in messages about a source that has none."""
@@ -116,7 +116,7 @@ def _read(given: Given) -> tuple[Path, str | bytes, tuple[float, float, float]]:
 
 
 def _is_xml(text: str) -> bool:
-    return text.lstrip("\ufeff \t\r\n").startswith("<") or ("\n" in text and not isfile(text))
+    return text.lstrip("\ufeff \t\r\n").startswith("<") or ("\n" in text and "<" in text and not isfile(text))
 
 
 def _encoded(text: str, path: Path) -> bytes:

@@ -17,6 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from crosscheck.report.pictures.plot import plot_data, plot_picture, points_per_curve, samples_per_curve
+from crosscheck.report.plain_text import printable
 from crosscheck.report.report import (
     SYMBOLS,
     Block,
@@ -34,7 +35,6 @@ from crosscheck.report.report import (
     shown,
 )
 from crosscheck.report.report import Group as BlockGroup
-from urdf._files import write_whole
 
 LONG_NOTE = 240
 """Characters from which a note is folded."""
@@ -79,11 +79,6 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
             points=points_per_curve(plots),
         )
     )
-
-
-def write_page(path: Path, html: str) -> None:
-    """Write the page as a whole file or not at all. Raises OSError."""
-    write_whole(path, html.encode())
 
 
 def _all(blocks: Sequence[Block]) -> Iterator[Block]:
@@ -152,11 +147,17 @@ def _width(block: Block) -> str:
             return "whole" if block.folded else "natural"
 
 
+def _shown(value: object) -> object:
+    """Every expression of the templates goes through here: it may hold names and messages of others."""
+    return printable(value, keep="\n\t") if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
 @cache
 def _environment() -> Environment:
     environment = Environment(
         loader=PackageLoader("crosscheck.report", "page"),
         autoescape=True,
+        finalize=_shown,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -16,17 +16,14 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.report.plain_text import UNSEEN
 from urdf._files import write_whole
 
 
-def write_json(path: Path, record: object) -> None:
-    """Write a record as a whole file or not at all. Raises OSError."""
-    write_whole(path, as_bytes(plain(record)))
-
-
 def as_bytes(data: Any) -> bytes:
-    """Plain data as the text of a JSON file."""
-    return (json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n").encode()
+    """Plain data as the text of a JSON file; characters that cannot be seen are escaped, as \\u202e."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return UNSEEN.sub(lambda found: found[0] if found[0] == "\n" else f"\\u{ord(found[0]):04x}", text).encode()
 
 
 def plain(value: Any) -> Any:

@@ -1,5 +1,6 @@
-"""Vectors, matrices of 0 and ±1 and powers of ten as text, the same on the terminal and on a page."""
+"""Names, vectors, matrices of 0 and ±1 and powers of ten as text, the same on the terminal and on a page."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,8 +11,25 @@ CELL = 3
 ROUNDING = 1e-12
 """What is smaller than this part of the largest component is written as 0."""
 
+UNSEEN = re.compile(
+    "[\x00-\x1f\x7f-\x9f\xad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ud800-\udfff]"
+)
+"""Characters that move the cursor, change its direction or cannot be seen, and bytes of file names that are no text."""
+
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SIGNS = {0: "·", 1: "1", -1: "−1"}
+
+
+def printable(text: str, keep: str = "") -> str:
+    """Text of others (names, paths, messages) as it may reach a terminal or a page: an escape character as \\x1b.
+
+    keep: characters that stay as they are, such as line breaks
+    """
+    return UNSEEN.sub(lambda found: found[0] if found[0] in keep else _escape(found[0]), text)
+
+
+def _escape(character: str) -> str:
+    return character.encode("unicode_escape").decode()
 
 
 def vector_text(values: Sequence[float]) -> str:

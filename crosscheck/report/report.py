@@ -140,10 +140,11 @@ class Facts(Block):
 
 @dataclass(frozen=True)
 class Prose(Block):
-    """One paragraph."""
+    """One paragraph. apart: an empty line above it on the terminal"""
 
     text: str
     soft: bool = False
+    apart: bool = False
 
 
 @dataclass(frozen=True)

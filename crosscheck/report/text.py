@@ -18,6 +18,7 @@ from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text
 
+from crosscheck.report.plain_text import printable
 from crosscheck.report.report import (
     Block,
     CharacterPicture,
@@ -70,9 +71,14 @@ def as_text(report: Report, width: int = MESSAGE_WIDTH) -> str:
     return buffer.getvalue()
 
 
+def _text(*lines: str, style: str = "") -> Text:
+    """Every text of a report goes through here: it may hold names and messages of others."""
+    return Text("\n".join(map(printable, lines)), style=style)
+
+
 def _headline(title: str, verdict: Verdict) -> Text:
-    line = Text(f"{title}: ").append(verdict.words, style=f"bold {COLOURS[verdict.state]}")
-    return line.append(f"\n{verdict.reason}") if verdict.reason else line
+    line = _text(f"{title}: ").append_text(_text(verdict.words, style=f"bold {COLOURS[verdict.state]}"))
+    return line.append_text(_text("", verdict.reason)) if verdict.reason else line
 
 
 def _section(section: Section, width: int) -> Iterator[RenderableType]:
@@ -82,7 +88,7 @@ def _section(section: Section, width: int) -> Iterator[RenderableType]:
     if section.verdict is not None:
         yield Padding(_headline(section.title, section.verdict), (1, 0, 0, 0))
     elif section.title:
-        yield Text(f"\n{section.title}", style="bold")
+        yield _text("", section.title, style="bold")
     yield from blocks
 
 
@@ -111,25 +117,28 @@ def _block(block: Block, width: int) -> Iterator[RenderableType]:
         case CharacterPicture():
             yield from _title(block)
             lines = block.draw(width)
-            yield Text("\n".join(lines) if lines else f"too wide for {width} characters; --json and --html have it")
+            yield _text(*(lines or [f"too wide for {width} characters; --json and --html have it"]))
             if lines and block.caption:
-                yield Text(block.caption)
-        case Code() | Prose():
+                yield _text(block.caption)
+        case Code():
             yield from _title(block)
-            yield Text(block.text)
+            yield _text(*block.text.split("\n"))
+        case Prose():
+            yield from _title(block)
+            yield _text(*([""] if block.apart else []), block.text)
         case _:  # pictures and plots are for the page
             return
 
 
 def _title(block: Block) -> Iterator[Text]:
     if block.title:
-        yield Text(f"\n{block.title}", style="bold")
+        yield _text("", block.title, style="bold")
 
 
 def _note(note: Note) -> Text:
     where = f"{note.where}: " if note.where else ""
     code = f" [{note.code}]" if note.code else ""
-    return Text(f"{where}{note.text}{code}", style=COLOURS[note.state] if note.state != "agrees" else "")
+    return _text(f"{where}{note.text}{code}", style=COLOURS[note.state] if note.state != "agrees" else "")
 
 
 def _facts(block: Facts) -> RichTable:
@@ -137,7 +146,7 @@ def _facts(block: Facts) -> RichTable:
     grid.add_column(no_wrap=True, style="dim")
     grid.add_column(overflow="fold")
     for name, said in block.items:
-        grid.add_row(name, said)
+        grid.add_row(_text(name), _text(said))
     return grid
 
 
@@ -145,11 +154,11 @@ def _lines(blocks: Sequence[Lines], width: int) -> Iterator[RenderableType]:
     """Side by side where they fit; a sentence in place of those that are too wide."""
     fitting = [block for block in blocks if max(map(len, block.lines)) <= width]
     if fitting:
-        parts = [Text("\n".join([*([block.title] if block.title else []), *block.lines])) for block in fitting]
+        parts = [_text(*([block.title] if block.title else []), *block.lines) for block in fitting]
         yield Padding(Columns(parts, padding=(1, 3)), (1, 0, 0, 0))
     for block in blocks:
         if block not in fitting:
-            yield Text(f"{block.title}: too wide for {width} characters; --json and --html have it")
+            yield _text(f"{block.title}: too wide for {width} characters; --json and --html have it")
 
 
 def _tables(table: Table, width: int) -> Iterator[RenderableType]:
@@ -158,7 +167,7 @@ def _tables(table: Table, width: int) -> Iterator[RenderableType]:
     if table.compact and not table.title:
         yield Text()
     columns = [
-        _Column(column, [column.text(row.cells[k]) for row in table.rows], k)
+        _Column(column, [_cell(column, row, k).plain for row in table.rows], k)
         for k, column in enumerate(table.columns)
         if width >= column.from_width
     ]
@@ -168,7 +177,7 @@ def _tables(table: Table, width: int) -> Iterator[RenderableType]:
         yield _table(table, [*leading, *rest[:taken]], width)
         rest, first = rest[taken:], False
     if table.caption:
-        yield Text(table.caption)
+        yield _text(table.caption)
 
 
 @dataclass(frozen=True)
@@ -205,13 +214,13 @@ class _Column:
         """Characters beyond which nothing is gained when headings are folded."""
         return max(self.least, *map(cell_len, self.cells), 0) if self.wraps else self.least
 
-    def folded_heading(self) -> str:
+    def folded_heading(self) -> list[str]:
         lines = [""]
         for word in WORD.findall(self.column.heading):
             if cell_len((lines[-1] + word).rstrip()) > self.wanted:
                 lines.append("")
             lines[-1] += word
-        return "\n".join(line.rstrip() for line in lines)
+        return [line.rstrip() for line in lines]
 
 
 def _fitting(leading: Sequence[_Column], rest: Sequence[_Column], width: int, compact: bool) -> int:
@@ -238,7 +247,7 @@ def _table(table: Table, columns: Sequence[_Column], width: int) -> RichTable:
     rendered = RichTable(**(COMPACT if table.compact else {}))
     for column, characters in zip(columns, widths, strict=True):
         rendered.add_column(
-            column.folded_heading() if narrow else column.column.heading,
+            _text(*(column.folded_heading() if narrow else [column.column.heading])),
             justify="right" if column.column.kind == "number" else "left",
             no_wrap=not column.wraps,
             overflow="fold",
@@ -266,4 +275,4 @@ def _shared(columns: Sequence[_Column], room: int) -> list[int | None]:
 def _cell(column: Column, row: Row, k: int) -> Text:
     value = row.cells[k]
     style = COLOURS[value.state] if isinstance(value, Verdict) else ""
-    return Text(column.text(value), style=style)
+    return _text(*column.text(value).split("\n"), style=style)  # inside its frame a cell may have lines

@@ -30,7 +30,6 @@ from crosscheck.report.commands.crosscheck import crosscheck_report
 from crosscheck.report.commands.identify import identify_report
 from crosscheck.report.commands.judge import judge_report
 from crosscheck.report.html import page as page_of
-from crosscheck.report.html import write_page
 from crosscheck.report.json import plain
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT, pose, pose_text, stick_figure
@@ -315,11 +314,6 @@ class TestForm:
         assert "&lt;b&gt;" in text
         assert balanced(text)
 
-    def test_written_whole(self, tmp_path, page):
-        write_page(tmp_path / "page.html", page)
-        assert (tmp_path / "page.html").read_text(encoding="utf-8") == page
-        assert len(list(tmp_path.iterdir())) == 1
-
     def test_templates_are_installed(self):
         folder = Path(crosscheck.__file__).parent / "report"
         assert {"page.html", "blocks.html", "style.css", "page.js", "plots.js"} <= {
@@ -600,7 +594,7 @@ def test_in_a_browser(tmp_path, page, wrong, tree):
     }
     frames = ""
     for name, text in pages.items():
-        write_page(tmp_path / name, text)
+        (tmp_path / name).write_text(text, encoding="utf-8")
         for width in WIDTHS:
             frames += f'<iframe src="{name}" style="border:0;width:{width}px;height:800px"></iframe>\n'
     (tmp_path / "probe.html").write_text(PROBE.format(frames=frames), encoding="utf-8")

@@ -21,7 +21,6 @@ from crosscheck.report.commands.paper import paper_report
 from crosscheck.report.commands.paper_over_time import MARKED
 from crosscheck.report.commands.paper_texts import error_text, misprints, printed_text, value_text
 from crosscheck.report.html import page as html_page
-from crosscheck.report.html import write_page
 from crosscheck.report.json import plain
 from crosscheck.report.records.paper import record as record_of
 from crosscheck.report.report import Plot
@@ -467,7 +466,7 @@ class TestPage:
 
     @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
     def test_never_wider_than_its_window(self, tmp_path, page):
-        write_page(tmp_path / "page.html", page)
+        (tmp_path / "page.html").write_text(page, encoding="utf-8")
         frames = "".join(
             f'<iframe src="page.html" style="border:0;width:{width}px;height:800px"></iframe>' for width in (1280, 400)
         )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from browser import CHROMIUM, document
 
-from crosscheck.report.html import page, write_page
+from crosscheck.report.html import page
 from crosscheck.report.pictures.plot import (
     MOST_POINTS,
     MOST_SAMPLES,
@@ -87,7 +87,7 @@ class TestData:
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
 def test_in_a_browser(tmp_path):
     """The script draws every panel on a canvas in place of the static picture, without complaint."""
-    write_page(tmp_path / "plots.html", written(plot(500), plot(9000, wide=False)))
+    (tmp_path / "plots.html").write_text(written(plot(500), plot(9000, wide=False)), encoding="utf-8")
     shown = document((tmp_path / "plots.html").as_uri(), tmp_path / "profile")
     assert shown.count("<canvas") == 4
     assert shown.count('<div class="still scroll" hidden="">') == 2
@@ -116,7 +116,7 @@ def test_bound_keyboard_and_zoom(tmp_path):
     """A bound far above its curve is in view; Enter switches a curve; a zoom outlives another width of the window."""
     x = np.linspace(0, 100, 200)
     panel = Panel("error", (Series("torque", 1e-16 + 1e-17 * np.sin(x)),), log=True, level=1e-9)
-    write_page(tmp_path / "plots.html", written(Plot(x, "state", (panel,), "errors")))
+    (tmp_path / "plots.html").write_text(written(Plot(x, "state", (panel,), "errors")), encoding="utf-8")
     (tmp_path / "probe.html").write_text(PROBE, encoding="utf-8")
     shown = document((tmp_path / "probe.html").as_uri(), tmp_path / "profile")
     said = dict(re.findall(r'data-(\w+)="([^"]*)"', shown))

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import math
 import os
+import re
 import stat
 
 import pytest
@@ -13,12 +14,13 @@ from rich.cells import cell_len
 import crosscheck
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.report.commands.crosscheck import crosscheck_report
-from crosscheck.report.json import plain, write_json
+from crosscheck.report.json import as_bytes, plain
 from crosscheck.report.records.crosscheck import robot_record
 from crosscheck.report.report import ROOMY
 from crosscheck.report.text import as_text
 from crosscheck.report.versions import versions
 from graphdyn import Body
+from urdf._files import write_whole
 
 
 @pytest.fixture(scope="module")
@@ -141,25 +143,26 @@ class TestData:
 class TestWriting:
     def test_whole_file(self, tmp_path):
         path = tmp_path / "x.json"
-        write_json(path, {"q̈": [1.5, None]})
+        write_whole(path, as_bytes(plain({"q̈": [1.5, None]})))
         assert json.loads(path.read_text(encoding="utf-8")) == {"q̈": [1.5, None]}
         assert list(tmp_path.iterdir()) == [path]
 
     @pytest.mark.skipif(os.name != "posix", reason="permissions of POSIX files")
     def test_usual_permissions(self, tmp_path):
         """Not those of a temporary file, which only its owner may read."""
-        write_json(tmp_path / "x.json", {})
+        write_whole(tmp_path / "x.json", b"{}")
         (tmp_path / "y.json").write_text("{}")
         modes = {stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("x.json", "y.json")}
         assert len(modes) == 1
 
-    def test_failure_leaves_the_old_file_and_nothing_else(self, tmp_path):
-        path = tmp_path / "x.json"
-        write_json(path, {"old": 1})
-        with pytest.raises(TypeError):
-            write_json(path, {"new": object()})
-        assert json.loads(path.read_text(encoding="utf-8")) == {"old": 1}
-        assert list(tmp_path.iterdir()) == [path]
+    def test_characters_that_cannot_be_seen_are_escaped(self):
+        """As JSON may: whoever prints the file is safe, and whoever reads it gets the same characters."""
+        record = {"name\u202e": "a\x1b\x9b\n\u202e\udcff τ ẍ 中"}
+        written = as_bytes(record)
+        assert b"\\u009b" in written
+        assert "τ ẍ 中" in written.decode()
+        assert not re.search("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202e]", written.decode())
+        assert json.loads(written) == record
 
 
 def test_versions_name_every_library():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from crosscheck.referee.comparison import Comparison, QuantityResult
@@ -47,7 +48,7 @@ def robot_section(comparison: Comparison, key: str, *, detailed: bool) -> Sectio
             Group((_compared(comparison), joints_table(comparison.model)), on=("page",)),
             Group((_conditioning(comparison), _base_parameters(comparison)), on=("page",)),
             quantities_table(comparison, terminal=detailed),
-            Prose(_conditioning_line(comparison), on=("text",)),
+            *(Prose(line, on=("text",)) for line in _conditioning_lines(comparison)),
             Notes(notes, title="Notes"),
             *_distribution(comparison),
             *_worst_states(comparison),
@@ -95,19 +96,18 @@ def _conditioning(comparison: Comparison) -> Table:
     )
 
 
-def _conditioning_line(comparison: Comparison) -> str:
-    """The same, and the base parameters, in two lines of the terminal."""
+def _conditioning_lines(comparison: Comparison) -> Iterator[str]:
+    """The same, and the base parameters."""
     c, n = comparison.conditioning, comparison.n_bodies
     rows, size = JOINT_CONSTRAINTS * n, (BODY_FREEDOMS + JOINT_CONSTRAINTS) * n
-    line = (
+    yield (
         f"rank φ_q {span_text(c.constraint_rank)} of {rows}, cond {span_text(c.constraint_condition)}; "
         f"rank KKT {span_text(c.kkt_rank)} of {size}, cond {span_text(c.kkt_condition)}; "
         f"cond M {span_text(c.mass_matrix_condition)}"
     )
     if comparison.identification is not None:
         i = comparison.identification
-        line += f"\nbase parameters: {i.rank} (Pinocchio's regressor: {i.rank_there}), cond {i.condition_number:.3g}"
-    return line
+        yield f"base parameters: {i.rank} (Pinocchio's regressor: {i.rank_there}), cond {i.condition_number:.3g}"
 
 
 def _base_parameters(comparison: Comparison) -> Block:

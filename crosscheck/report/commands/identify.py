@@ -52,7 +52,7 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
             Section("methods", "Methods", _methods_blocks(found)),
             *model,
             Section("excitation", "What the motion excites", _excitation(found)),
-            Section("end", "", (Prose(f"\n{last_line}", on=("text",)),)),
+            Section("end", "", (Prose(last_line, apart=True, on=("text",)),)),
         ),
         record=partial(record, found, shown),
     )

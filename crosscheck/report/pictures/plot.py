@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
 from crosscheck.report.pictures.svg import picture
-from crosscheck.report.plain_text import superscript
+from crosscheck.report.plain_text import printable, superscript
 from crosscheck.report.report import Panel, Plot, Series
 from graphdyn.layout import Array
 
@@ -79,20 +79,20 @@ def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
         json.dumps(
             {
                 "x": b64encode(np.asarray(plot.x[rows], dtype="<f8").tobytes()).decode(),
-                "x_title": plot.x_title,
+                "x_title": printable(plot.x_title),
                 "log_x": plot.log_x,
                 "upright": plot.upright,
                 "panels": [
                     {
-                        "title": panel.title,
-                        "unit": panel.unit,
+                        "title": printable(panel.title),
+                        "unit": printable(panel.unit),
                         "log": panel.log,
                         "level": panel.level,
                         "prefixes": panel.prefixes,
                         "height": panel.height,
                         "series": [
                             {
-                                "name": one.name,
+                                "name": printable(one.name),
                                 "style": one.style,
                                 "color": one.color,
                                 "hidden": one.hidden,

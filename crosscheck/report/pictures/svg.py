@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from collections.abc import Callable, MutableMapping
 from typing import TYPE_CHECKING, cast
 
@@ -11,6 +12,7 @@ from lxml import etree
 from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import INK, VARIABLES
+from crosscheck.report.plain_text import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +35,8 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
     from matplotlib.figure import Figure
 
     written = io.BytesIO()
-    with matplotlib.rc_context():
+    with matplotlib.rc_context(), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")  # the page has fonts of its own
         matplotlib.rcdefaults()  # whatever the user has set: the same page everywhere
         matplotlib.rcParams["svg.fonttype"] = "none"
         matplotlib.rcParams["svg.hashsalt"] = "graphdyn"
@@ -41,7 +44,7 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
         figure = Figure(figsize=size)
         draw(figure.add_axes((0, 0, 1, 1)))
         figure.savefig(written, format="svg", transparent=True, metadata={"Date": None})
-    root = etree.fromstring(written.getvalue())
+    root = etree.fromstring(printable(written.getvalue().decode(), keep="\n\t").encode())
     etree.strip_tags(root, etree.Comment)
     for element in list(root.iter(*_UNWANTED)):
         parent = element.getparent()
@@ -51,7 +54,7 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
     for name in ("width", "height", "version"):
         root.attrib.pop(name)
     _follow_the_page(root)
-    root.attrib.update({"class": "picture", "role": "img", "aria-label": label})
+    root.attrib.update({"class": "picture", "role": "img", "aria-label": printable(label)})
     etree.cleanup_namespaces(root)
     return Markup(etree.tostring(root, encoding="unicode", with_tail=False))
 
