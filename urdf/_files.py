@@ -15,8 +15,8 @@ def write_whole(path: Path, content: bytes) -> None:
     target = path.resolve()
     part = target.with_name(f".{target.name}.{uuid.uuid4().hex}")
     try:
-        if target.exists() and not target.is_file():
-            target.write_bytes(content)
+        if path.exists() and not path.is_file():  # asked of the path: /dev/stdout may lead to a pipe without a name
+            path.write_bytes(content)
             return
         try:
             part.write_bytes(content)

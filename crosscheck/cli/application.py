@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from crosscheck.cli import bench, crosscheck, errata, identify, inspect, judge, paper, robots, show
-from crosscheck.cli.exits import AGREED, CommandGroup
+from crosscheck.cli.encodings import accept_all_characters
+from crosscheck.cli.ending_signals import ended_by_signals
+from crosscheck.cli.exits import AGREED, Command, CommandGroup
 
 COMMANDS = (
     (crosscheck.run, "crosscheck", crosscheck.EPILOG),
@@ -29,10 +31,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Constrained dynamics of robot arms as one linear system, checked number by number against Pinocchio.",
     epilog="`graphdyn COMMAND --help` explains a command and ends with examples. Exit codes: 0 agreed or done, "
-    "1 disagreement found, 2 bad input, 3 error of the program itself, 130 interrupted.",
+    "1 disagreement found, 2 bad input, 3 error of the program itself, 130 interrupted, 143 terminated.",
 )
 for function, name, epilog in COMMANDS:
-    app.command(name, epilog=epilog)(function)
+    app.command(name, cls=Command, epilog=epilog)(function)
 
 
 @app.callback(invoke_without_command=True)
@@ -50,4 +52,6 @@ def options(
 
 def main() -> None:
     """Entry point of the script. Errors are handled in crosscheck.cli.exits."""
-    app()
+    accept_all_characters()
+    with ended_by_signals():
+        app()

@@ -14,7 +14,6 @@ from crosscheck.cli.options import (
     HtmlOption,
     JsonOption,
     SeedOption,
-    check_writable,
     robot_names,
 )
 
@@ -54,7 +53,6 @@ def run(
     curves over batch, bodies and threads, beside what this machine could do at best. MuJoCo and CasADi take part where
     they are installed (pip install 'graphdyn[peers]').
     """
-    check_writable(json=json_file, html=html_file)
     import urdf
     from crosscheck.report.commands.bench import bench_report
     from crosscheck.studies.bench.benchmark import PARTS, benchmark

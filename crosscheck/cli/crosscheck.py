@@ -20,7 +20,6 @@ from crosscheck.cli.options import (
     RobotsArgument,
     SamplesOption,
     SeedOption,
-    check_writable,
     locked_joints,
 )
 from crosscheck.cli.robot_files import is_folder
@@ -76,9 +75,8 @@ def run(
         raise typer.BadParameter("--lock and --chain need exactly one robot, whose joints and links they name")
     if (jobs or resume) and not folder:
         raise typer.BadParameter("--jobs and --resume are for folders")
-    if resume and json_file is None:
+    if resume and (json_file is None or not json_file.is_regular):
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
-    check_writable(json=json_file, html=html_file)
     if folder:
         processes = jobs or cores()
         raise typer.Exit(compare_folder(context, robots or [], samples, seed, processes, resume, json_file, html_file))

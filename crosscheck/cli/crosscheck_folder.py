@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import typer
 
 from crosscheck.cli import processes
-from crosscheck.cli.console import complain, err, progress
+from crosscheck.cli.console import complain, progress, say
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import command_line
+from crosscheck.cli.output_files import OutputFile
 from crosscheck.cli.robot_files import files_below, is_folder
 from graphdyn import GraphDynError
 
@@ -23,8 +23,8 @@ def compare_folder(
     seed: int,
     jobs: int,
     resume: bool,
-    json_file: Path | None,
-    html_file: Path | None,
+    json_file: OutputFile | None,
+    html_file: OutputFile | None,
 ) -> int:
     """Compare all robots and files below folders, report, and return the exit code."""
     from crosscheck.cli.crosscheck_folder_file import SweepFile, taken_over
@@ -42,8 +42,8 @@ def compare_folder(
     robots = list(dict.fromkeys(robots))
     file = SweepFile(json_file, command_line(), robots, failures)
     if resume and json_file is not None:
-        file.records.update(taken_over(json_file, robots, samples, seed))
-        err.print(f"{len(file.records)} of {len(robots)} robots taken over from {json_file}", soft_wrap=True)
+        file.records.update(taken_over(json_file.path, robots, samples, seed))
+        say(f"{len(file.records)} of {len(robots)} robots taken over from {json_file.path}")
     details: Details = "none" if html_file is None else "all" if len(robots) <= FEW else "disagreeing"
     tasks = [Task(robot, samples, seed, details) for robot in robots if robot not in file.records]
     comparisons = {}

@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from crosscheck.cli.output_files import OutputFile
 from crosscheck.referee.subject import content_sha256
-from crosscheck.report.json import write_json
+from crosscheck.report.json import as_bytes, plain
 from crosscheck.report.records.crosscheck import CrosscheckRecord, sweep_record
 from crosscheck.report.versions import versions
 from graphdyn import InvalidInput
@@ -26,21 +27,29 @@ class SweepFile:
     """
 
     def __init__(
-        self, path: Path | None, command: Sequence[str], robots: Sequence[str], failures: Sequence[Mapping[str, str]]
+        self,
+        file: OutputFile | None,
+        command: Sequence[str],
+        robots: Sequence[str],
+        failures: Sequence[Mapping[str, str]],
     ):
         self.robots, self.records = robots, dict[str, dict[str, Any]]()
         self.failures = {failure["robot"]: failure for failure in failures}
-        self._path, self._command = path, command
+        self._file, self._command = file, command
         self._not_before = 0.0
 
     def write(self, finished: bool = False) -> None:
-        """Write everything known, unless too much time went into writing. finished: write always. Raises OSError."""
+        """Write everything known, unless too much time went into writing. Raises OSError.
+
+        finished: write in any case; a pipe or a device is written to only then
+        """
         start = time.monotonic()
-        if self._path is None or (start < self._not_before and not finished):
+        if self._file is None or (not finished and (start < self._not_before or not self._file.is_regular)):
             return
         unfinished = [robot for robot in self.robots if robot not in self.records and robot not in self.failures]
         records = [self.records[robot] for robot in self.robots if robot in self.records]
-        write_json(self._path, sweep_record(records, list(self.failures.values()), unfinished, self._command))
+        record = sweep_record(records, list(self.failures.values()), unfinished, self._command)
+        self._file.write(as_bytes(plain(record)))
         end = time.monotonic()
         self._not_before = end + (end - start) * (1 / SHARE - 1)
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from crosscheck.cli.console import out
 from crosscheck.cli.options import command_line
+from crosscheck.cli.output_files import OutputFile
 from crosscheck.report.report import Report
 
 
-def deliver(report: Report, html_file: Path | None = None, json_file: Path | None = None) -> None:
+def deliver(report: Report, html_file: OutputFile | None = None, json_file: OutputFile | None = None) -> None:
     """Print it; write the page and the JSON file, each whole or not at all, also where the output is closed early.
 
     Raises OSError.
@@ -23,13 +22,13 @@ def deliver(report: Report, html_file: Path | None = None, json_file: Path | Non
         _write(report, html_file, json_file)
 
 
-def _write(report: Report, html_file: Path | None, json_file: Path | None) -> None:
+def _write(report: Report, html_file: OutputFile | None, json_file: OutputFile | None) -> None:
     if html_file is not None:
-        from crosscheck.report.html import page, write_page
+        from crosscheck.report.html import page
         from crosscheck.report.versions import versions
 
-        write_page(html_file, page(report, command_line(), versions()))
+        html_file.write(page(report, command_line(), versions()).encode())
     if json_file is not None and report.record is not None:
-        from crosscheck.report.json import write_json
+        from crosscheck.report.json import as_bytes, plain
 
-        write_json(json_file, report.record(command_line()))
+        json_file.write(as_bytes(plain(report.record(command_line()))))

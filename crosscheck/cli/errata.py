@@ -8,7 +8,7 @@ import typer
 
 from crosscheck.cli.console import progress
 from crosscheck.cli.delivery import deliver
-from crosscheck.cli.options import EXAMPLES, JsonOption, SeedOption, check_writable
+from crosscheck.cli.options import EXAMPLES, JsonOption, SeedOption
 
 EPILOG = f"""{EXAMPLES}  graphdyn errata --samples 20
   graphdyn errata --json errata.json
@@ -24,7 +24,6 @@ def run(
 
     Each is put back alone into the correct model of two arms, and the result compared with Pinocchio.
     """
-    check_writable(json=json_file)
     from crosscheck.report.commands.errata import errata_report
     from crosscheck.studies.errata import EFFECTS, measure
 

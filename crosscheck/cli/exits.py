@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import os
-import sys
+import warnings
 from typing import Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
-from crosscheck.cli.console import complain, err, trace
+from crosscheck.cli.console import complain, out, say, trace, warn
+from crosscheck.cli.foreign import place_in_foreign_code
+from crosscheck.cli.output_files import OutputFile, refuse_harm
+from crosscheck.report.plain_text import printable
 from graphdyn import GraphDynError
 
 AGREED, DISAGREED, BAD_INPUT, INTERNAL_ERROR = 0, 1, 2, 3
@@ -19,22 +22,52 @@ BROKEN_PIPE = 141
 """Exit code where the reader of a pipe has closed it, as shells report it: 128 + SIGPIPE."""
 
 
+class Command(TyperCommand):
+    """A command; files that it would destroy are refused before it begins, and - leaves standard output to a file."""
+
+    def invoke(self, ctx: Any) -> Any:
+        refuse_harm(ctx)
+        out.quiet = any(isinstance(file, OutputFile) and file.is_standard_output for file in ctx.params.values())
+        return super().invoke(ctx)
+
+
 class CommandGroup(TyperGroup):
     """The commands; every error ends here, as one line and an exit code. Ctrl-C is typer's: quiet, 130."""
 
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        try:
+            return super().make_context(*arguments, **options)
+        except Exception as error:
+            raise _printable(error) from None
+
     def invoke(self, ctx: Any) -> Any:
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = warn  # type: ignore[assignment]
+                return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise
         except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python warns at its exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), out.file.fileno())  # or Python warns at its exit
             raise typer.Exit(BROKEN_PIPE) from None
         except (GraphDynError, OSError) as error:
             complain(error, ctx)
             raise typer.Exit(BAD_INPUT) from None
-        except Exception as error:
+        except BaseException as error:
             if hasattr(error, "exit_code"):  # typer's own: a usage error, or the end of a command
-                raise
+                raise _printable(error) from None
             trace(error, ctx)
             message = " ".join(f"{type(error).__name__}: {error}".split())
-            err.print(f"internal error: {message}; run with --debug and report it", style="red", soft_wrap=True)
+            place = place_in_foreign_code(error)
+            if place or isinstance(error, SystemExit):
+                say(f"error: {place or 'the code of another'} raised {message}", "red")
+                raise typer.Exit(BAD_INPUT) from None
+            say(f"internal error: {message}; run with --debug and report it", "red")
             raise typer.Exit(INTERNAL_ERROR) from None
+
+
+def _printable(error: Any) -> Any:
+    """The error, where it is typer's with a message: that may repeat what was typed."""
+    if hasattr(error, "message"):
+        error.message = printable(error.message, keep="\n")
+    return error

@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
+from rich.text import Text
 
 from crosscheck.cli import identify_options as options
-from crosscheck.cli.console import err, out, progress, warnings_shown
+from crosscheck.cli.console import out, progress, say, warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
 from crosscheck.cli.options import (
@@ -19,9 +20,9 @@ from crosscheck.cli.options import (
     HtmlOption,
     JsonOption,
     LockOption,
-    check_writable,
     locked_joints,
 )
+from crosscheck.report.plain_text import printable
 
 if TYPE_CHECKING:
     from crosscheck.identifying import Identified, Preparation
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from graphdyn import RobotModel
     from graphdyn.identification import Estimator, MethodResult
     from graphdyn.identification.terms import Term
+
+DEFAULT_ROBOT = "ur5"
+"""The robot that `graphdyn identify` without arguments simulates."""
 
 EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,graph
   graphdyn identify log.csv --robot arm.urdf --cutoff 8 --html found.html --urdf better.urdf
@@ -81,12 +85,20 @@ def run(
 
     Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
     """
-    if robot is None:
+    if robot is None and logs:
         raise typer.BadParameter("--robot is missing; give a name (`graphdyn robots`) or a URDF file")
-    check_writable(json=json_file, html=html_file, urdf=urdf_file)
+    robot = robot or DEFAULT_ROBOT
+    if urdf_file is not None and urdf_file.is_standard_output:
+        raise typer.BadParameter("--urdf: name a file; only --json and --html can go to standard output")
+    if not logs:
+        options.refuse_without_log(
+            validate=validate, split=split, split_rows=split_rows, folds=folds, mapping=mapping, rate=rate, drop=drop,
+            known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on,
+        )  # fmt: skip
     frozen = Frozen(locked_joints(lock) or None, chain, gravity)
-    preparation, ways = prepared_as(cutoff, derive_velocity, decimate, min_speed), options.methods_of(methods)
     drives = options.terms_of(terms, width, stribeck_velocity, term)
+    subtracted = options.known_torques(known_torque)
+    preparation, ways = prepared_as(cutoff, derive_velocity, decimate, min_speed), options.methods_of(methods)
     from crosscheck.report.commands.identify import identify_report
 
     if logs:
@@ -105,17 +117,13 @@ def run(
                 recordings,
                 frozen,
                 terms=(*bodies, *load, *drives),
-                known=(*known_links, *options.known_torques(known_torque), *known_load),
+                known=(*known_links, *subtracted, *known_load),
                 methods=ways,
                 preparation=preparation,
                 held_out=options.held_out_of(unseen, split, split_rows, folds),
                 poses=poses,
             )
     else:
-        options.refuse_without_log(
-            validate=validate, split=split, split_rows=split_rows, folds=folds, mapping=mapping, rate=rate, drop=drop,
-            known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on,
-        )  # fmt: skip
         with warnings_shown():
             how_long, which = 20.0 if seconds is None else seconds, seed or 0
             found = simulated(
@@ -124,7 +132,7 @@ def run(
     shown = found.shown(None if choose is None else options.method_shown(choose))
     deliver(identify_report(found, shown), html_file, json_file)
     if urdf_file is not None:
-        written = shown is not None and write_urdf(found, shown, robot, urdf_file, frozen)
+        written = shown is not None and write_urdf(found, shown, robot, urdf_file.path, frozen)
         if not written:
             raise typer.Exit(DISAGREED)
     raise typer.Exit(AGREED if found.usable else DISAGREED)
@@ -161,8 +169,7 @@ def show_findings(recordings: Sequence[Recording]) -> None:
     """What is odd in the files, one line each."""
     for recording in recordings:
         for finding in recording.findings:
-            style = "yellow" if finding.severity != "note" else None
-            err.print(f"{finding.severity}: {finding.text}", style=style, soft_wrap=True)
+            say(f"{finding.severity}: {finding.text}", "yellow" if finding.severity != "note" else None)
 
 
 def from_records(
@@ -222,10 +229,9 @@ def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, f
     from crosscheck.identifying.recommending import real
 
     if shown.name != found.recommendation.name and not real(shown):
-        err.print(f"{path} is not written: {shown.name} is not physically consistent", style="red", soft_wrap=True)
+        say(f"{path} is not written: {shown.name} is not physically consistent", "red")
         return False
     update = urdf.update(robot, path, found.body_parameters(shown), chain=frozen.chain, lock=frozen.lock)
-    out.print(f"{path}: {len(update.changed)} links with the inertials of {shown.name}")
-    for note in update.notes:
-        out.print(f"  {note}", soft_wrap=True)
+    for line in (f"{path}: {len(update.changed)} links with the inertials of {shown.name}", *update.notes):
+        out.print(Text(printable(line)), soft_wrap=True)
     return True

@@ -10,6 +10,7 @@ import typer
 
 from crosscheck.cli.foreign import foreign_function
 from crosscheck.cli.options import robot_names
+from crosscheck.cli.output_files import OutputFile
 
 if TYPE_CHECKING:
     from crosscheck.identifying import HeldOut
@@ -114,7 +115,10 @@ ChooseOption = Annotated[
 GravityOption = Annotated[
     tuple[float, float, float] | None, typer.Option(metavar="X Y Z", help="Gravity in world axes [m/s²].")
 ]
-UrdfOption = Annotated[Path | None, typer.Option("--urdf", metavar="OUT", help="Write the robot with new inertials.")]
+UrdfOption = Annotated[
+    OutputFile | None,
+    typer.Option("--urdf", metavar="OUT", parser=OutputFile.robot, help="Write the robot with new inertials."),
+]
 PosesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random poses to test the mass matrix in.")]
 SecondsOption = Annotated[
     float | None, typer.Option(metavar="S", help="Length of the simulated recording [s], 20 if left out.")

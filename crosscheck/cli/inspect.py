@@ -10,7 +10,7 @@ import typer
 from crosscheck.cli.console import complain, err, progress
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, check_writable, robot_names
+from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, robot_names
 from crosscheck.cli.robot_files import files_below
 from graphdyn import GraphDynError
 
@@ -38,7 +38,6 @@ def run(
     for dynamics. Several files are inspected in parallel. Exit code 0: all are fit for dynamics; 1: some file is
     refused or good for kinematics only; 2: a file or folder cannot be found or read.
     """
-    check_writable(json=json_file, html=html_file)
     from crosscheck.cli.inspect_many import inspect_files
     from crosscheck.report.commands.inspect import inspect_report
 

@@ -18,7 +18,6 @@ from crosscheck.cli.options import (
     RobotArgument,
     SamplesOption,
     SeedOption,
-    check_writable,
     locked_joints,
 )
 
@@ -72,7 +71,6 @@ def run(
     if not any(given.values()):
         options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
         raise typer.BadParameter(f"no function to judge; give at least one of {options}")
-    check_writable(json=json_file, html=html_file)
     functions = {
         name: foreign_function(f"--{name.replace('_', '-')}", text) for name, text in given.items() if text is not None
     }

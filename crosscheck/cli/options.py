@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from crosscheck.cli.output_files import OutputFile
 
 EXAMPLES = "\b\nExamples:\n"
 """Heading of the examples in the help of a command; \\b keeps the line breaks."""
@@ -42,8 +42,14 @@ ChainOption = Annotated[
 ]
 SamplesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random states per robot.")]
 SeedOption = Annotated[int, typer.Option(min=0, metavar="N", help="Seed of the random states.")]
-JsonOption = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Write all numbers to FILE.")]
-HtmlOption = Annotated[Path | None, typer.Option("--html", metavar="FILE", help="Write a self-contained page to FILE.")]
+JsonOption = Annotated[
+    OutputFile | None,
+    typer.Option("--json", metavar="FILE", parser=OutputFile, help="Write all numbers to FILE, - for standard output."),
+]
+HtmlOption = Annotated[
+    OutputFile | None,
+    typer.Option("--html", metavar="FILE", parser=OutputFile, help="Write a self-contained page to FILE."),
+]
 
 
 def locked_joints(texts: list[str] | None) -> dict[str, float]:
@@ -62,16 +68,3 @@ def _parse_lock(text: str) -> tuple[str, float]:
 def command_line() -> list[str]:
     """The command line with which the program was called."""
     return ["graphdyn", *sys.argv[1:]]
-
-
-def check_writable(**files: Path | None) -> None:
-    """Raise BadParameter now for files that could not be written later. files: by option, as json=…, html=…"""
-    for option, path in files.items():
-        if path is None:
-            continue
-        if path.is_dir():
-            raise typer.BadParameter(f"--{option} {path}: is a folder")
-        if not path.resolve().parent.is_dir():
-            raise typer.BadParameter(f"--{option} {path}: folder {path.resolve().parent} does not exist")
-        if not os.access(path if path.exists() else path.resolve().parent, os.W_OK):
-            raise typer.BadParameter(f"--{option} {path}: no permission to write there")

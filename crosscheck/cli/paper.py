@@ -14,7 +14,6 @@ from crosscheck.cli.options import (
     HtmlOption,
     JsonOption,
     SeedOption,
-    check_writable,
 )
 
 EPILOG = f"""{EXAMPLES}  graphdyn paper --samples 20
@@ -34,7 +33,6 @@ def run(
     Tables 2 to 4 and the multipliers of section 3.2, each beside what the corrected model gives and with the reason
     where they differ; then what the printed errors do. Pinocchio is the judge.
     """
-    check_writable(json=json_file, html=html_file)
     from crosscheck.report.commands.paper import paper_report
     from crosscheck.studies.errata import EFFECTS
     from crosscheck.studies.paper.reproduction import PARTS, reproduce

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar, cast
@@ -85,9 +87,22 @@ def _end(process: BaseProcess, ours: Connection) -> None:
     process.join()
 
 
+def end_with_parent() -> None:
+    """From now on this process ends as soon as the one that started it has ended, even if that was killed."""
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 def _work(function: Callable[[Item], Answer], theirs: Connection) -> None:
     """Answer until the pipe is closed. Ctrl-C is ignored: the main process ends its workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent()
     with suppress(EOFError, OSError):
         while True:
             theirs.send(function(theirs.recv()))

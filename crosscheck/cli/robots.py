@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from crosscheck.cli.delivery import deliver
-from crosscheck.cli.options import EXAMPLES, JsonOption, check_writable
+from crosscheck.cli.options import EXAMPLES, JsonOption
 
 EPILOG = f"""{EXAMPLES}  graphdyn robots
   graphdyn robots --json robots.json
@@ -12,7 +12,6 @@ EPILOG = f"""{EXAMPLES}  graphdyn robots
 
 def run(json_file: JsonOption = None) -> None:
     """List the robots known by name, with origin and licence."""
-    check_writable(json=json_file)
     import urdf
     from crosscheck.report.commands.robots import robots_report
 

@@ -10,7 +10,6 @@ from crosscheck.cli.options import (
     JsonOption,
     LockOption,
     RobotArgument,
-    check_writable,
     locked_joints,
 )
 
@@ -32,7 +31,6 @@ def run(
     of the graph, and where the matrix of Eq. (111) has its entries.
     """
     locked = locked_joints(lock)
-    check_writable(json=json_file, html=html_file)
     import urdf
     from crosscheck.report.commands.show import show_report
     from crosscheck.report.describing import describe

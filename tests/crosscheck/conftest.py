@@ -12,7 +12,7 @@ from planting import Plant, mixed_tree
 from urdf_text import joint, link, robot_text
 
 import urdf
-from crosscheck.cli import main
+from crosscheck.cli import main, own_process
 from crosscheck.referee import compare as comparing
 from crosscheck.studies import errata
 
@@ -110,7 +110,7 @@ def script(tmp_path):
     if path is None:
         pytest.skip("the program graphdyn is not installed; pip install -e .")
 
-    def run(*arguments, stdout=subprocess.PIPE, env=None):
+    def run(*arguments, stdout=subprocess.PIPE, env=None, encoding="utf-8"):
         finished = subprocess.run(
             [path, *map(str, arguments)],
             cwd=tmp_path,
@@ -118,7 +118,7 @@ def script(tmp_path):
             stderr=subprocess.PIPE,
             env={**os.environ, **(env or {})},
             check=False,
-            encoding="utf-8",
+            encoding=encoding,
         )
         return Outcome(finished.returncode, finished.stdout, finished.stderr)
 
@@ -151,8 +151,9 @@ def no_work(monkeypatch):
 
 @pytest.fixture
 def my_code(tmp_path, monkeypatch):
-    """A folder with foreign code, which is the working folder."""
+    """A folder with foreign code, which is the working folder; it runs in this process."""
     (tmp_path / "my_code.py").write_text(MY_CODE, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [*sys.path])
     monkeypatch.delitem(sys.modules, "my_code", raising=False)
+    monkeypatch.setattr(own_process, "tell", lambda _: None)  # this is the process of the command

@@ -9,7 +9,7 @@ import pytest
 from planting import Plant
 
 import urdf
-from crosscheck.cli import options
+from crosscheck.cli import output_files
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.quantities import BY_NAME
@@ -115,7 +115,7 @@ class TestJson:
         assert done.code == BAD_INPUT
 
     def test_a_file_that_may_not_be_written_is_refused_before_the_work(self, program, no_work, tmp_path, monkeypatch):
-        monkeypatch.setattr(options.os, "access", lambda *_: False)
+        monkeypatch.setattr(output_files.os, "access", lambda *_: False)
         done = program("crosscheck", "--json", tmp_path / "result.json")
         assert done.code == BAD_INPUT
         assert "no permission to write there" in done.err

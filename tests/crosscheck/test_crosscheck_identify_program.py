@@ -12,8 +12,9 @@ from planting import mixed_tree
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import app
+from crosscheck.cli import app, own_process
 from crosscheck.identifying import friction_terms, virtual_robot
+from graphdyn import InvalidInput
 
 SCHEMA = Path(__file__).parents[2] / "docs/schemas/identify-2.schema.json"
 
@@ -219,6 +220,11 @@ class TestSimulated:
 
 
 class TestOptions:
+    @pytest.fixture(autouse=True)
+    def here(self, monkeypatch):
+        """Own code runs in this process."""
+        monkeypatch.setattr(own_process, "tell", lambda _: None)
+
     def test_own_code(self, program, two_files, arm):
         own = arm / "own.py"
         code, said = program(
@@ -314,6 +320,13 @@ class TestOptions:
         said = " ".join(re.sub("[│╭╰─╮╯]", " ", done.output).split())
         assert done.exit_code == 2, said
         assert message in said
+
+    def test_nothing_given_simulates_the_ur5(self, program, monkeypatch):
+        def virtual_robot(robot, *_, **how):
+            raise InvalidInput(f"{robot} for {how['seconds']} s")
+
+        monkeypatch.setattr("crosscheck.identifying.virtual_robot", virtual_robot)
+        assert program() == (2, "error: ur5 for 20.0 s")
 
     def test_no_robot(self, program):
         code, said = program("x.csv")

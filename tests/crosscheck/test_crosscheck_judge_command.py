@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 
@@ -73,4 +74,6 @@ class TestJudge:
     def test_foreign_exception(self, program, my_code):
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:broken")
         assert done.code == BAD_INPUT
-        assert done.err.startswith("error: inverse_dynamics raised RuntimeError: out of ideas; at q = [")
+        line = Path("my_code.py").read_text(encoding="utf-8").splitlines().index("def broken(q, v, a):") + 2
+        raised = f"error: inverse_dynamics raised RuntimeError: out of ideas ({{}}, line {line}, in broken); at q = ["
+        assert done.err.startswith(raised.format(Path("my_code.py").resolve()))

@@ -18,6 +18,7 @@ from crosscheck.cli import crosscheck_worker as sweeping
 from crosscheck.cli import main, processes
 from crosscheck.cli.crosscheck_folder_file import SweepFile
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
+from crosscheck.cli.output_files import OutputFile
 from crosscheck.referee import compare as comparing
 from crosscheck.referee.comparison import part_of_bound
 from crosscheck.referee.subject import content_sha256
@@ -319,8 +320,8 @@ class TestResume:
         assert here == []
 
     def test_writing_takes_little_of_the_time(self, tmp_path, monkeypatch):
-        file, writes = SweepFile(tmp_path / "r.json", [], [], []), []
-        monkeypatch.setattr("crosscheck.cli.crosscheck_folder_file.write_json", lambda *_: writes.append(clock.pop()))
+        file, writes = SweepFile(OutputFile(str(tmp_path / "r.json")), [], [], []), []
+        monkeypatch.setattr(OutputFile, "write", lambda *_: writes.append(clock.pop()))
         clock = [1000.0, 11.0, 1.0]
         monkeypatch.setattr("crosscheck.cli.crosscheck_folder_file.time.monotonic", lambda: times.pop(0))
         times = [0.0, 1.0, 9.9, 10.1, 10.2, 10.3, 10.4]

@@ -1,0 +1,174 @@
+"""Foreign code runs in a process of its own: whatever it does to that process, there is a verdict or an error."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from crosscheck.cli import own_process
+from crosscheck.cli.exits import AGREED, BAD_INPUT
+
+CODE = """
+import ctypes, os, signal, sys
+import graphdyn, urdf
+
+class Own(BaseException):
+    pass
+
+def ends(q, v, a):
+    os._exit(0)
+
+def exits(q, v, a):
+    sys.exit(0)
+
+def is_killed(q, v, a):
+    os.kill(os.getpid(), signal.SIGTERM)
+
+def crashes(q, v, a):
+    ctypes.string_at(0)
+
+def closes(q, v, a):
+    os.closerange(3, 100)
+    os._exit(0)
+
+def talks(q, v, a):
+    print("printed")
+    os.write(1, b"written\\n")
+    return graphdyn.joint_torques(urdf.load("ur5"), q, v, a)
+
+def waits(q, v, a):
+    print("waiting", flush=True)
+    while True:
+        pass
+
+class Method:
+    name, reference, assumptions, needs = "own", "none", "none", "nothing"
+    def estimate(self, problem):
+        raise Own("no base")
+
+def method_that_divides():
+    return 1 / 0
+"""
+
+ENDS = "import os\nos._exit(0)\n"
+
+
+@pytest.fixture
+def judged(script, tmp_path):
+    """judged("ends"): what `graphdyn judge` says of a function of CODE."""
+    (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
+    return lambda name, *options: script(
+        "judge", "ur5", "--inverse-dynamics", f"own.py:{name}", "--samples", 1, *options
+    )
+
+
+class TestEnds:
+    """Each would be exit code 0, or a disagreement, of a program that runs the code itself."""
+
+    @pytest.mark.parametrize("name", ["ends", "closes"])
+    def test_at_once(self, judged, name):
+        done = judged(name)
+        assert (done.code, done.out) == (BAD_INPUT, "")
+        assert done.err == (
+            f"error: the process ended itself with exit code 0 while it ran --inverse-dynamics own.py:{name}; there is "
+            "no result: a function has to return, or to raise an exception\n"
+        )
+
+    @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+    def test_by_a_signal(self, judged):
+        done = judged("is_killed")
+        assert (done.code, done.out) == (BAD_INPUT, "")
+        assert f"the process was ended by signal {int(signal.SIGTERM)} (" in done.err
+        assert "while it ran --inverse-dynamics own.py:is_killed" in done.err
+
+    @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+    def test_by_a_fault_of_compiled_code(self, judged):
+        done = judged("crashes")
+        assert (done.code, done.out) == (BAD_INPUT, "")
+        line = CODE.splitlines().index("def crashes(q, v, a):") + 2
+        assert f'own.py", line {line} in crashes' in done.err
+        assert f"error: the process was ended by signal {int(signal.SIGSEGV)} (" in done.err.splitlines()[-1]
+
+    def test_by_an_exception_that_means_exit(self, judged):
+        done = judged("exits")
+        assert (done.code, done.out) == (BAD_INPUT, "")
+        assert done.err.startswith("error: inverse_dynamics raised SystemExit: 0 (")
+
+    @pytest.mark.parametrize("option", ["--term", "--known-torque", "--methods"])
+    def test_when_imported_for_an_identification(self, script, tmp_path, option):
+        (tmp_path / "own.py").write_text(ENDS, encoding="utf-8")
+        done = script("identify", "log.csv", "--robot", "ur5", option, "own.py:f")
+        assert (done.code, done.out) == (BAD_INPUT, "")
+        assert f"ended itself with exit code 0 while it ran {option} own.py:f" in done.err
+
+    def test_all_that_ran_is_named(self, script, tmp_path):
+        """The last one may not be the culprit."""
+        (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
+        done = script("judge", "ur5", "--inverse-dynamics", "own.py:ends", "--mass-matrix", "own.py:exits")
+        assert "while it ran --inverse-dynamics own.py:ends and --mass-matrix own.py:exits; " in done.err
+
+
+class TestOutput:
+    def test_what_the_code_prints_is_no_result(self, judged):
+        done = judged("talks", "--json", "-")
+        assert done.code == AGREED
+        assert json.loads(done.out)["verdict"] == "agrees"
+        assert done.err.count("printed\n") == done.err.count("written\n") > 1
+
+    def test_the_report(self, judged):
+        done = judged("talks")
+        assert done.out.startswith("Foreign functions for ur5: agrees\n")
+        assert "printed" not in done.out
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_the_program_is_ended(tmp_path, number, code):
+    """With the process of its command, which holds its output open as long as it lives."""
+    (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
+    program = subprocess.Popen(
+        [sys.executable, "-m", "crosscheck", "judge", "ur5", "--inverse-dynamics", "own.py:waits"],
+        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert program.stderr.readline() == "waiting\n"
+    program.send_signal(number)
+    assert program.communicate() == ("", "")
+    assert program.returncode == code
+
+
+class TestErrors:
+    """In this process."""
+
+    @pytest.fixture
+    def own(self, tmp_path, monkeypatch):
+        (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "path", [*sys.path])
+        monkeypatch.delitem(sys.modules, "own", raising=False)
+        monkeypatch.setattr(own_process, "tell", lambda _: None)
+        return tmp_path / "own.py"
+
+    @pytest.mark.parametrize(
+        ("name", "after", "words"),
+        [
+            ("method_that_divides", "def method_that_divides():", "in method_that_divides raised ZeroDivisionError"),
+            ("Method", "    def estimate(self, problem):", "in estimate raised Own: no base"),
+        ],
+    )
+    def test_they_are_not_errors_of_the_program(self, program, own, name, after, words):
+        """Nor, as of an exception that nobody catches, a disagreement."""
+        done = program("identify", "--methods", f"own.py:{name}", "--cutoff", 10, "--seconds", 10, "--poses", 1)
+        assert done.code == BAD_INPUT
+        line = CODE.splitlines().index(after) + 2
+        assert done.err.startswith(f"error: {own}, line {line}, {words}")
+
+    def test_of_an_import(self, program, own):
+        own.write_text("\n\n1 / 0\n", encoding="utf-8")
+        done = program("judge", "ur5", "--mass-matrix", "own.py:M")
+        assert done.code == BAD_INPUT
+        said = " ".join(done.err.split())
+        assert "importing own.py raised ZeroDivisionError: division by zero" in said
+        assert f"({own}, line 3, in <module>)" in said
