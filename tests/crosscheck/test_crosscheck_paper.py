@@ -435,8 +435,12 @@ class TestPage:
                 for line, marks in zip(panel.series[:3], panel.series[3:], strict=True):
                     assert np.array_equal(np.flatnonzero(~np.isnan(marks.y)), np.arange(0, len(plot.x), MARKED))
                     assert np.nanmax(np.abs(marks.y - line.y)) <= REFEREE * scale
-            assert np.array_equal(plot.panels[0].series[2].y, 1e-3 * motion.multipliers[:, j, 2])
-            assert np.array_equal(plot.panels[1].series[2].y, 1e-3 * motion.recording.tau[:, j])
+            expected = np.hstack(
+                [motion.multipliers[:, j], motion.recording.tau[:, j, None], motion.recording.joint_moments[:, j]]
+            )
+            lines = np.column_stack([one.y for panel in plot.panels for one in panel.series[:3]])
+            assert np.array_equal(lines, 1e-3 * expected)
+            assert [panel.unit for panel in plot.panels] == ["kN", "kN m", "kN m"]
 
     def test_well_formed(self, page):
         known = {"ERR_HTML_UNKNOWN_TAG", "HTML_UNKNOWN_TAG"}  # libxml2 knows no <svg>, <main>, <figure>

@@ -1,0 +1,188 @@
+"""Numbers as a reader sees them, in tables and pictures, beside numbers written here: units, signs, factors."""
+
+import dataclasses
+import re
+
+import identified_arm
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from crosscheck.identifying.parameters import BaseRow, base_rows
+from crosscheck.report.commands.identify import identify_report
+from crosscheck.report.pictures import method_errors, parameter_bars, plot, ratio_bars, spread
+from crosscheck.report.report import Panel, Plot, Series
+from crosscheck.report.text import as_text
+from crosscheck.studies.bench.contender import SpeedRatio
+from crosscheck.studies.bench.timing import Ratio
+
+RMS = (1.25, 3.5, 0.75)
+RELATIVE = (0.02, 0.05, 0.11)
+"""Of the joints: 6 % in the mean."""
+
+ALIKE = 0.1
+"""Difference of a torque that was low-passed, or predicted by a model that fits, from the recorded one, relative."""
+
+
+@pytest.fixture(scope="module")
+def found():
+    """An identification in which the errors of every method are RMS and RELATIVE, on all rows and moving ones."""
+    original = identified_arm.identified(("wls",))
+    results = []
+    for result in original.comparison.results:
+        sizes = dataclasses.replace(
+            result.held_out.everything, rms=np.array(RMS), relative=np.array(RELATIVE), count=np.full(3, 1000.0)
+        )
+        errors = dataclasses.replace(result.held_out, everything=sizes, moving=sizes)
+        results.append(
+            dataclasses.replace(
+                result,
+                held_out=errors,
+                training=errors,
+                seconds=0.25,
+                base_values=np.full_like(result.base_values, -2.0),
+                standard_deviations=np.full_like(result.base_values, 0.05),
+                block_deviations=np.full_like(result.base_values, 0.07),
+            )
+        )
+    return dataclasses.replace(
+        original, comparison=dataclasses.replace(original.comparison, results=tuple(results)), truth=None
+    )
+
+
+def cells(text, first):
+    """Cells of the first row of a table on the terminal that begins with these words."""
+    row = next(line for line in text.splitlines() if re.match(rf"│ {first} +│", line))
+    return [cell.strip() for cell in row.split("│")[1:-1]]
+
+
+class TestIdentifyText:
+    def test_held_out_error_in_percent(self, found):
+        text = as_text(identify_report(found, found.shown()), 200)
+        assert "held-out error [%]" in text
+        assert cells(text, "WLS")[2] == "6.00"
+        assert cells(text, "WLS")[-1] == "0.25"
+
+    def test_errors_of_joints(self, found):
+        text = as_text(identify_report(found, found.shown()), 200)
+        held_out = text[text.index("Errors, held out") :]
+        assert cells(held_out, "WLS")[1:] == ["1.25 / 2.0", "3.5 / 5.0", "0.75 / 11.0"]
+        assert "RMS of all rows [N m or N] / % of moving rows" in held_out
+
+    def test_standard_deviations(self, found):
+        (row, *_) = base_rows(found, found.shown())
+        assert (row.value, row.deviation, row.block_deviation) == (-2.0, 0.05, 0.07)
+        text = as_text(identify_report(found, found.shown()), 200)
+        shown = cells(text[text.index("Base parameters") :], re.escape(row.name))
+        assert shown[2:4] == ["-2", "0.05"]
+
+
+class TestTorques:
+    def test_what_is_plotted_was_recorded(self):
+        """Not minus that, nor in other units: the plots show the torques of the recording, low-passed."""
+        arm, found = identified_arm.virtual(), identified_arm.identified(("wls",))
+        (torques,) = (one for one in identify_report(found, found.shown()).sections if one.key == "torques")
+        plots = [block for block in torques.blocks if isinstance(block, Plot)]
+        for j in range(3):
+            for block, recording in zip(plots[2 * j : 2 * j + 2], (arm.fitted, arm.held_out), strict=True):
+                measured, predicted = block.panels[0].series
+                recorded = np.interp(block.x, recording.t, recording.tau[:, j])
+                for series in (measured, predicted):
+                    there = np.isfinite(series.y)
+                    difference = series.y[there] - recorded[there]
+                    assert np.linalg.norm(difference) < ALIKE * np.linalg.norm(recorded[there])
+                assert block.panels[0].unit == ("N" if found.torque_model.model.joints[j].is_prismatic else "N m")
+
+
+@pytest.fixture
+def drawn(monkeypatch):
+    """drawn(module, "function", …): the axes on which a function of crosscheck.report.pictures draws."""
+
+    def axes_of(module, function, *arguments):
+        kept = []
+
+        def picture(_key, _label, size, draw):
+            kept.append(Figure(figsize=size).add_axes((0, 0, 1, 1)))
+            draw(kept[0])
+            return ""
+
+        monkeypatch.setattr(module, "picture", picture)
+        getattr(module, function)("key", *arguments)
+        return kept[0]
+
+    return axes_of
+
+
+def curve(axes, label):
+    (line,) = (line for line in axes.lines if line.get_label() == label)
+    return line.get_xdata(), line.get_ydata()
+
+
+def upright_or_level(axes):
+    """Ends of every line that was drawn as one of several: error bars."""
+    return [segment for part in axes.collections if isinstance(part, LineCollection) for segment in part.get_segments()]
+
+
+class TestPictures:
+    def test_parameter_bars(self, drawn):
+        """Value 3 ± 0.25, CAD 2, truth 2.5 of a parameter that makes 2 N m at 1: a bar of 2 σ to either side."""
+        nothing = {field.name: np.nan for field in dataclasses.fields(BaseRow)}
+        numbers = {"value": 3.0, "cad": 2.0, "truth": 2.5, "deviation": 0.25}
+        row = BaseRow(**{**nothing, "name": "m", "unit": "kg", **numbers})
+        axes = drawn(parameter_bars, "parameter_bars", [row], np.array([2.0]))
+        assert curve(axes, "CAD")[0].tolist() == [4.0]
+        assert curve(axes, "truth")[0].tolist() == [5.0]
+        (bars,) = axes.containers
+        assert bars.get_label() == "identified ± 2 σ"
+        assert bars.lines[0].get_xdata().tolist() == [6.0]
+        ((left, right),) = bars.lines[2][0].get_segments()
+        assert (left[0], right[0]) == (5.0, 7.0)
+        assert "[N m]" in axes.get_xlabel()
+
+    def test_method_errors(self, drawn):
+        axes = drawn(method_errors, "method_errors", ["WLS"], ["a", "b"], np.array([[0.02, 0.06]]))
+        assert [curve(axes, name)[0].tolist() for name in ("a", "b", "mean")] == [[2.0], [6.0], [4.0]]
+        assert "[%]" in axes.get_xlabel()
+
+    def test_singular_values(self, drawn):
+        axes = drawn(method_errors, "singular_values", np.array([2.0, 0.5]))
+        assert [line.tolist() for line in axes.lines[0].get_data()] == [[1, 2], [2.0, 0.5]]
+
+    def test_ratio_bars(self, drawn):
+        """Three times as long, quartiles 2.5 and 4: the bar is as long as the number beside it says."""
+        comparison = SpeedRatio("ours", "theirs", 1, Ratio(median=3.0, fastest=2.0, spread=(2.5, 4.0)))
+        (inner,) = drawn(ratio_bars, "ratio_bars", [comparison]).child_axes
+        assert [bar.get_width() for bar in inner.patches] == [3.0]
+        assert inner.lines[0].get_xdata().tolist() == [2.5, 4.0]
+        assert list(inner.lines[1].get_xdata()) == [1, 1]
+        assert [text.get_text() for text in inner.texts] == ["3×"]
+        assert inner.texts[0].xy == (4.0, 0)
+
+    def test_spread(self, drawn):
+        """Errors of 10⁻¹² and 10⁻⁸ with a bound of 10⁻¹⁰: one bin on either side of the bound."""
+        row = spread.SpreadRow("torque", np.array([1e-12, 1e-12, 1e-8]), 1e-10)
+        axes = drawn(spread, "spread", [row])
+        _, bound, largest = axes.lines
+        assert list(bound.get_xdata()) == [-10.0, -10.0]
+        assert list(largest.get_xdata()) == [-8.0]
+        bars = {round(bar.get_x(), 6): bar for bar in axes.patches}
+        assert set(bars) == {-12.0, -8.0}
+        assert bars[-8.0].get_height() == pytest.approx(bars[-12.0].get_height() / 2)
+        assert bars[-12.0].get_facecolor() != bars[-8.0].get_facecolor()
+        assert axes.get_yticklabels()[0].get_text() == "✗ torque"
+
+    @pytest.mark.parametrize("style", ["line", "dashed", "marks"])
+    def test_plots(self, drawn, style):
+        """Curves at their values, with their signs; bars between their ends; bound and instant where they are."""
+        y, low, high = np.array([-1.0, 2.0]), np.array([-1.5, 1.0]), np.array([-0.5, 4.0])
+        panel = Panel("torque", (Series("measured", y, style, low=low, high=high),), "N m", level=3.0)
+        whole = Plot(np.array([0.0, 0.5]), "t [s]", (panel,), "label", upright=0.25)
+        (axes,) = drawn(plot, "plot_picture", whole).child_axes
+        assert [part.tolist() for part in curve(axes, "measured")] == [[0.0, 0.5], [-1.0, 2.0]]
+        bars = [segment.tolist() for segment in upright_or_level(axes)]
+        assert bars == [[[0.0, -1.5], [0.0, -0.5]], [[0.5, 1.0], [0.5, 4.0]]]
+        assert list(axes.lines[0].get_ydata()) == [3.0, 3.0]
+        assert list(axes.lines[1].get_xdata()) == [0.25, 0.25]
+        assert axes.get_title(loc="left") == "torque [N m]"
+        assert axes.get_xlabel() == "t [s]"
