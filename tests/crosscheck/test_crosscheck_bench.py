@@ -24,7 +24,7 @@ from crosscheck.cli import app
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.report.commands.bench import bench_report, facts
-from crosscheck.report.durations import ratio_text, time_text
+from crosscheck.report.durations import ratio_span_text, ratio_text, span_text, time_text
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
 from crosscheck.report.records.bench import record as record_of
@@ -38,7 +38,7 @@ from crosscheck.studies.bench.chains import chain
 from crosscheck.studies.bench.cold import in_fresh_process
 from crosscheck.studies.bench.contender import LEAST_SHARE, Entry, Measured
 from crosscheck.studies.bench.curves import Line
-from crosscheck.studies.bench.floor import REQUESTS, floating_point_operations, machine
+from crosscheck.studies.bench.floor import REQUESTS, Floor, Machine, floating_point_operations, machine
 from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
 from crosscheck.studies.bench.states import random_states
@@ -100,6 +100,43 @@ def program(found, monkeypatch):
 @pytest.fixture(scope="module")
 def states():
     return random_states(kr500(), SAMPLES, 1)
+
+
+def said(found):
+    """What a terminal of 200 characters shows, spaces and frames aside."""
+    return " ".join(re.sub("[│┃]", " ", as_text(bench_report(found), 200)).split())
+
+
+class TestShown:
+    """Beside numbers that are written here: units and factors."""
+
+    def test_spans(self):
+        assert span_text((2e-6, 1.5e-3)) == "0.002 … 1.5 ms"
+        assert ratio_span_text((2.5, 40.0)) == "2.5 … 40×"
+
+    def test_machine(self, found):
+        text = said(replace(found, machine=(Machine(lanes=4, threads=1, operations=4e10, bandwidth=1.2e10),)))
+        assert "machine, 1 thread 40 GFlop/s in vectors of 4, 12 GB/s at best" in text
+
+    def test_identification(self, found):
+        """Two microseconds per sample, of a million samples."""
+        (first, *others) = found.identification.entries
+        first = replace(
+            first, samples=10**6, times=Times((2e-6,) * len(first.times.seconds)), extra_bytes=250_000_000, error=3e-9
+        )
+        text = said(
+            replace(found, identification=replace(found.identification, samples=10**6, entries=(first, *others)))
+        )
+        assert f"{first.name} {first.threads} 2 s 250 MB 3.0e-09" in text
+
+    def test_at_best(self, found):
+        """Three times as long as the machine needs at least."""
+        (work, *others) = found.works
+        entries = tuple(replace(entry, times=Times((2e-7, 3e-7, 4e-7))) for entry in work.entries)
+        floor = Floor(operations=1000, bytes=200, seconds=1e-7)
+        works = (replace(work, entries=entries), *others)
+        html = page(bench_report(replace(found, works=works, floors={**found.floors, work.name: floor})), [], {})
+        assert "take at least 100 ns; measured 3× as much, at best 2×" in html
 
 
 def by_name(entries):

@@ -8,10 +8,14 @@ import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from planting import compared
 
 from crosscheck.identifying.parameters import BaseRow, base_rows
+from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.report.commands.errors import error_text, span_text
 from crosscheck.report.commands.identify import identify_report
 from crosscheck.report.pictures import method_errors, parameter_bars, plot, ratio_bars, spread
+from crosscheck.report.plain_text import vector_text
 from crosscheck.report.report import Panel, Plot, Series
 from crosscheck.report.text import as_text
 from crosscheck.studies.bench.contender import SpeedRatio
@@ -93,6 +97,24 @@ class TestTorques:
                     difference = series.y[there] - recorded[there]
                     assert np.linalg.norm(difference) < ALIKE * np.linalg.norm(recorded[there])
                 assert block.panels[0].unit == ("N" if found.torque_model.model.joints[j].is_prismatic else "N m")
+
+
+def test_texts_of_numbers():
+    assert (error_text(2.5e-9), error_text(np.inf)) == ("2.5e-09", "∞")
+    assert (span_text((1.5, 1.5)), span_text((2.0, np.inf))) == ("1.5", "2 … ∞")
+    assert vector_text([0.25, -1234.56, 1e-15]) == "0.25 -1235 0"
+
+
+def test_errors_as_part_of_their_bounds(tree):
+    """The curves of a cross-check: one is the bound, above it is a disagreement."""
+    comparison = compared(tree)
+    (section,) = (one for one in crosscheck_report([comparison]).sections if one.verdict)
+    (curves,) = (block for block in section.blocks if isinstance(block, Plot))
+    (panel,) = curves.panels
+    assert (panel.title, panel.level) == ("error as part of its bound", 1.0)
+    for series in panel.series:
+        result = comparison.quantities[series.name]
+        assert np.nanmax(series.y) == pytest.approx(result.max_relative_error / result.quantity.tolerance.bound)
 
 
 @pytest.fixture
