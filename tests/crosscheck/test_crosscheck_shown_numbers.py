@@ -11,15 +11,18 @@ from matplotlib.figure import Figure
 from planting import compared
 
 from crosscheck.identifying.parameters import BaseRow, base_rows
+from crosscheck.judging.judge import judge
 from crosscheck.report.commands.crosscheck import crosscheck_report
 from crosscheck.report.commands.errors import error_text, span_text
 from crosscheck.report.commands.identify import identify_report
+from crosscheck.report.commands.judge_function import function_section
 from crosscheck.report.pictures import method_errors, parameter_bars, plot, ratio_bars, spread
 from crosscheck.report.plain_text import vector_text
-from crosscheck.report.report import Panel, Plot, Series
+from crosscheck.report.report import Panel, Plot, Series, Table
 from crosscheck.report.text import as_text
 from crosscheck.studies.bench.contender import SpeedRatio
 from crosscheck.studies.bench.timing import Ratio
+from graphdyn import inverse_dynamics
 
 RMS = (1.25, 3.5, 0.75)
 RELATIVE = (0.02, 0.05, 0.11)
@@ -115,6 +118,22 @@ def test_errors_as_part_of_their_bounds(tree):
     for series in panel.series:
         result = comparison.quantities[series.name]
         assert np.nanmax(series.y) == pytest.approx(result.max_relative_error / result.quantity.tolerance.bound)
+
+
+def test_errors_of_a_judged_function(tree):
+    judgement = judge(tree, inverse_dynamics=lambda q, v, a: inverse_dynamics(tree, q, v, a).tau, samples=1)
+    (function,) = judgement.functions.values()
+    function = dataclasses.replace(
+        function,
+        errors={"graphdyn": np.array([3e-12, 1e-12, 4e-3, 2e-12])},
+        worst=dataclasses.replace(function.worst, expected=(1.0, -2.0, 3.0), answer=(1.0, 2.0, 2.5)),
+    )
+    tables = [block for block in function_section(judgement, function).blocks if isinstance(block, Table)]
+    against, worst = tables[0], tables[-1]
+    assert [column.title for column in against.columns[2:]] == ["median", "largest", "bound"]
+    assert against.rows[0].cells[2:] == (2e-12, 4e-3, 1e-9)
+    shown = [[column.text(value) for column, value in zip(worst.columns, row.cells, strict=True)] for row in worst.rows]
+    assert [list(map(float, cells[1:])) for cells in shown] == [[1.0, 1.0, 0.0], [-2.0, 2.0, 4.0], [3.0, 2.5, -0.5]]
 
 
 @pytest.fixture
