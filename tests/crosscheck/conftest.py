@@ -126,6 +126,29 @@ def script(tmp_path):
 
 
 @pytest.fixture
+def started(tmp_path):
+    """started("judge", …): the running program; it listens to signals even where who started us ignores them."""
+    code = (
+        "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "[signal.signal(number, signal.SIG_DFL) for number in (signal.SIGTERM, signal.SIGHUP)]; "
+        "from crosscheck.cli import main; main()"
+    )
+    running = []
+
+    def run(*arguments):
+        command = [sys.executable, "-c", code, *map(str, arguments)]
+        running.append(
+            subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        )
+        return running[-1]
+
+    yield run
+    for process in running:
+        process.kill()
+        process.communicate()
+
+
+@pytest.fixture
 def full_disk(monkeypatch):
     """The disk takes one byte of a file and no more."""
     original = Path.write_bytes

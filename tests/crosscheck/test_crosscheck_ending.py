@@ -3,8 +3,6 @@
 import os
 import shutil
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -29,14 +27,13 @@ def alive(process):
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="the processes of a program are found in /proc")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"])
-def test_a_sweep_ends_with_its_workers(tmp_path, small_arm, name):
+def test_a_sweep_ends_with_its_workers(started, tmp_path, small_arm, name):
     """Even if it is killed, and cannot end them."""
     folder, number = tmp_path / "robots", getattr(signal, name)
     folder.mkdir()
     (folder / "0.urdf").write_text("refused at once", encoding="utf-8")
     shutil.copy(small_arm, folder / "1.urdf")
-    command = [sys.executable, "-m", "crosscheck", "crosscheck", folder, "--samples", LONG, "--jobs", 1]
-    sweep = subprocess.Popen([*map(str, command), "--json", tmp_path / "r.json"], stderr=subprocess.PIPE, text=True)
+    sweep = started("crosscheck", folder, "--samples", LONG, "--jobs", 1, "--json", tmp_path / "r.json")
     while not (tmp_path / "r.json").exists():  # from then on a worker compares the second robot
         assert sweep.poll() is None
         time.sleep(0.01)
@@ -54,6 +51,14 @@ def test_a_sweep_ends_with_its_workers(tmp_path, small_arm, name):
 
 
 class TestSignals:
+    @pytest.fixture(autouse=True)
+    def usual(self):
+        """Whatever those who started us ignore."""
+        before = {number: signal.signal(number, signal.SIG_DFL) for number in ending_signals.SIGNALS}
+        yield
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
     def test_handlers_are_put_back(self):
         before = [signal.getsignal(number) for number in ending_signals.SIGNALS]
         with ending_signals.ended_by_signals():

@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import subprocess
 import sys
 
 import pytest
@@ -126,13 +125,10 @@ class TestOutput:
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
-def test_the_program_is_ended(tmp_path, number, code):
+def test_the_program_is_ended(started, tmp_path, number, code):
     """With the process of its command, which holds its output open as long as it lives."""
     (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
-    program = subprocess.Popen(
-        [sys.executable, "-m", "crosscheck", "judge", "ur5", "--inverse-dynamics", "own.py:waits"],
-        cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+    program = started("judge", "ur5", "--inverse-dynamics", "own.py:waits")
     assert program.stderr.readline() == "waiting\n"
     program.send_signal(number)
     assert program.communicate() == ("", "")
