@@ -50,6 +50,12 @@ class Borrowed(Offset):
 """
 
 
+@pytest.fixture(autouse=True)
+def here(monkeypatch):
+    """Own code runs in this process."""
+    monkeypatch.setattr(own_process, "tell", lambda _: None)
+
+
 @pytest.fixture
 def program(tmp_path, monkeypatch):
     """Runs the command in an empty folder; gives exit code and everything that was printed."""
@@ -220,11 +226,6 @@ class TestSimulated:
 
 
 class TestOptions:
-    @pytest.fixture(autouse=True)
-    def here(self, monkeypatch):
-        """Own code runs in this process."""
-        monkeypatch.setattr(own_process, "tell", lambda _: None)
-
     def test_own_code(self, program, two_files, arm):
         own = arm / "own.py"
         code, said = program(
