@@ -15,7 +15,7 @@ from shared_data import DATA, REPOSITORY, existing
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import app
+from crosscheck.cli import app, own_process
 
 DOCUMENT = REPOSITORY / "docs" / "identification.md"
 RECORDINGS = {"ur10": DATA / "data" / "ur10", "tx40": DATA / "data" / "tx40", "kr300": DATA / "data" / "kr300"}
@@ -82,6 +82,7 @@ def run(tmp_path, monkeypatch):
             (tmp_path / path.name).symlink_to(path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setattr(own_process, "tell", lambda _: None)  # foreign code runs in this process
 
     def identified(arguments, *more):
         done = CliRunner().invoke(app, [*arguments, *more, "--poses", str(POSES), "--json", "found.json"])
