@@ -70,6 +70,10 @@ class Recorder:
         self._inputs[name] = width
         return [self.operation("input", name, column) for column in range(width)]
 
+    def placeholders(self, count: int) -> list[Expression]:
+        """Inputs of no array: graphdyn.kernels.differentiation.substituted has to put others in their place."""
+        return [self.operation("input", "", column) for column in range(count)]
+
     def operation(self, kind: Operation, *operands: object) -> Expression:
         key = (kind, *operands)
         expression = self._known.get(key)
@@ -77,6 +81,11 @@ class Recorder:
             expression = self._known[key] = Expression(self, len(self.operations))
             self.operations.append(key)
         return expression
+
+    def scalar(self, number: int) -> Any:
+        """What an operation gives: a float where it is a constant."""
+        kind, *arguments = self.operations[number]
+        return arguments[0] if kind == "constant" else Expression(self, number)
 
     def number(self, scalar: object) -> int:
         """The operation that gives a scalar."""
