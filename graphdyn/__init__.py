@@ -10,22 +10,27 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from graphdyn import layout, motion_laws
-from graphdyn._answers import ForwardDynamics, InverseDynamics
+from graphdyn._answers import (
+    ForwardDynamics,
+    ForwardDynamicsDerivatives,
+    InverseDynamics,
+    InverseDynamicsDerivatives,
+    ReactionDerivatives,
+)
 from graphdyn._base_motion import BaseMotion
 from graphdyn._compiled import CompiledModel, compile
+from graphdyn._derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives, reaction_derivatives
 from graphdyn._dynamics import (
     bias_torque,
-    body_regressor,
     forward_dynamics,
     gravity_torque,
     inverse_dynamics,
     joint_accelerations,
-    joint_torque_regressor,
     joint_torques,
     kkt_system,
-    mass_matrix,
     solve_kkt,
 )
+from graphdyn._energies import kinetic_energy, potential_energy
 from graphdyn._errors import (
     EstimationFailed,
     GimbalLock,
@@ -43,6 +48,13 @@ from graphdyn._inertia import Consistency
 from graphdyn._kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
 from graphdyn._kkt import KKTSolution, KKTSystem
 from graphdyn._kr500 import kr500, kr500_experiment
+from graphdyn._matrices import (
+    body_regressor,
+    coriolis_matrix,
+    joint_torque_regressor,
+    mass_matrix,
+    mass_matrix_inverse,
+)
 from graphdyn._model import Body, Frame, Joint, JointLimits, RobotModel
 from graphdyn._placement import Placement
 from graphdyn._virtual_recording import VirtualRecording
@@ -67,6 +79,7 @@ __all__ = [
     "Consistency",
     "EstimationFailed",
     "ForwardDynamics",
+    "ForwardDynamicsDerivatives",
     "Frame",
     "GimbalLock",
     "Graph",
@@ -75,6 +88,7 @@ __all__ = [
     "InvalidInput",
     "InvalidModel",
     "InverseDynamics",
+    "InverseDynamicsDerivatives",
     "Joint",
     "JointLimits",
     "KKTSolution",
@@ -82,6 +96,7 @@ __all__ = [
     "MaximalState",
     "Placement",
     "RankDeficientConstraints",
+    "ReactionDerivatives",
     "RobotModel",
     "SingularMassMatrix",
     "UnknownFrame",
@@ -89,23 +104,30 @@ __all__ = [
     "bias_torque",
     "body_regressor",
     "compile",
+    "coriolis_matrix",
     "forward_dynamics",
+    "forward_dynamics_derivatives",
     "frame_placement",
     "gravity_torque",
     "identification",
     "inverse_dynamics",
+    "inverse_dynamics_derivatives",
     "joint_acceleration",
     "joint_accelerations",
     "joint_state",
     "joint_torque_regressor",
     "joint_torques",
+    "kinetic_energy",
     "kkt_system",
     "kr500",
     "kr500_experiment",
     "layout",
     "mass_matrix",
+    "mass_matrix_inverse",
     "maximal_state",
     "motion_laws",
+    "potential_energy",
+    "reaction_derivatives",
     "record",
     "solve_kkt",
 ]

@@ -35,3 +35,46 @@ class InverseDynamics:
     body_accelerations: Array
     multipliers: Array
     joint_wrenches: Array
+
+
+@dataclass(frozen=True, eq=False)
+class InverseDynamicsDerivatives:
+    """Answer of inverse_dynamics_derivatives; entry (…, i, k) is that of torque i and joint k.
+
+    dtau_dq: ∂τ/∂q                                          (…, n, n)  [N m, N, N/m]
+    dtau_dv: ∂τ/∂v                                          (…, n, n)  [N m s, N s, N s/m]
+    dtau_da: ∂τ/∂a, the mass matrix                         (…, n, n)  [kg m², kg m, kg]
+    """
+
+    dtau_dq: Array
+    dtau_dv: Array
+    dtau_da: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ForwardDynamicsDerivatives:
+    """Answer of forward_dynamics_derivatives; entry (…, i, k) is that of acceleration i and joint k.
+
+    da_dq: ∂a/∂q                                            (…, n, n)  [1/s², 1/(m s²), m/s²]
+    da_dv: ∂a/∂v                                            (…, n, n)  [1/s, 1/(m s), m/s]
+    da_dtau: ∂a/∂τ, the inverse of the mass matrix          (…, n, n)  [1/(kg m²), 1/(kg m), 1/kg]
+    """
+
+    da_dq: Array
+    da_dv: Array
+    da_dtau: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ReactionDerivatives:
+    """Answer of reaction_derivatives: of the multipliers (…, n, 5, n) and of the joint wrenches (…, n, 6, n).
+
+    The last index is the joint; units are those of a force or moment per unit of its q, v or a.
+    """
+
+    dmultipliers_dq: Array
+    dmultipliers_dv: Array
+    dmultipliers_da: Array
+    dwrenches_dq: Array
+    dwrenches_dv: Array
+    dwrenches_da: Array

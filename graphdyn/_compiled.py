@@ -8,9 +8,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._dynamics import VERBS
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel, check_model
+from graphdyn._verbs import VERBS
 from graphdyn.kernels.programs import Request
 from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared

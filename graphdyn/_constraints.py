@@ -19,8 +19,8 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
     """
     model, vertices = state.model, state.vertices
     n, batch = model.n_bodies, state.position.shape[:-2]
-    phi_q = np.zeros((*batch, JOINT_CONSTRAINTS * n, 6 * n))
-    zeta = np.zeros((*batch, JOINT_CONSTRAINTS * n))
+    phi_q = np.zeros((*batch, JOINT_CONSTRAINTS * n, 6 * n), dtype=state.position.dtype)
+    zeta = np.zeros((*batch, JOINT_CONSTRAINTS * n), dtype=state.velocity.dtype)
     for j, joint in enumerate(model.joints, start=1):
         i = joint.inside
         vectors = joint_vectors(model, vertices, j)
@@ -34,7 +34,7 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
             if body == 0:
                 zeta[..., joint_rows(j)] -= _prescribed(held, turn_of_held, normal, state.ground)
                 continue
-            block = np.zeros((*batch, JOINT_CONSTRAINTS, 6))
+            block = np.zeros((*batch, JOINT_CONSTRAINTS, 6), dtype=phi_q.dtype)
             k = held.shape[-2]
             to_body = vertices.rotation[..., body, :, :]
             block[..., :k, LINEAR] = sign * held

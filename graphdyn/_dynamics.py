@@ -1,16 +1,13 @@
-"""The public verbs of the dynamics, and the table that says how each is computed.
+"""The public verbs of the dynamics: torques and accelerations, alone or with all constraint forces.
 
 Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for wrong shapes, NaN and infinity.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 from numpy.typing import ArrayLike
 
 from graphdyn import _projected as projected
-from graphdyn import _regressors as regressors
 from graphdyn._answers import ForwardDynamics, InverseDynamics
 from graphdyn._arrays import one_state
 from graphdyn._base_motion import BaseMotion
@@ -19,28 +16,8 @@ from graphdyn._errors import InvalidInput
 from graphdyn._kkt import Coordinates, KKTSystem
 from graphdyn._methods import Method, with_keywords
 from graphdyn._model import RobotModel
-from graphdyn._verb import Verb
+from graphdyn._verbs import Verbs
 from graphdyn.layout import Array
-
-
-class Verbs:
-    """The table of verbs. Each has a function of its name below; graphdyn.compile takes those that answer one array."""
-
-    forward_dynamics = Verb(projected.forward_dynamics, answer=ForwardDynamics)
-    inverse_dynamics = Verb(projected.inverse_dynamics, answer=InverseDynamics)
-    solve_kkt = Verb[tuple[Array, Array]](
-        projected.forward_dynamics, "forward_dynamics", ("body_accelerations", "multipliers")
-    )
-    joint_torques = Verb[Array](projected.inverse_dynamics, "inverse_dynamics", ("tau",))
-    joint_accelerations = Verb[Array](projected.forward_dynamics, "forward_dynamics", ("a",))
-    mass_matrix = Verb[Array](projected.mass_matrix)
-    bias_torque = Verb[Array](projected.torque_at_zero("bias_torque", "a"))
-    gravity_torque = Verb[Array](projected.torque_at_zero("gravity_torque", "v", "a"))
-    joint_torque_regressor = Verb[Array](regressors.joint_torque_regressor)
-    body_regressor = Verb[Array](regressors.body_regressor)
-
-
-VERBS: dict[str, Verb[Any]] = {name: verb for name, verb in vars(Verbs).items() if isinstance(verb, Verb)}
 
 
 @with_keywords
@@ -155,26 +132,6 @@ def joint_accelerations(
 
 
 @with_keywords
-def mass_matrix(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
-    """M = NᵀAN (…, n, n) [kg m², kg m, kg].
-
-    q: joint positions (…, n) [rad or m]. The motion of a base does not change M; all verbs take the keyword.
-
-    Raises InvalidInput.
-    """
-    return Verbs.mass_matrix(model, (q,), base, method, threads, check, out)
-
-
-@with_keywords
 def bias_torque(
     model: RobotModel,
     q: ArrayLike,
@@ -214,55 +171,6 @@ def gravity_torque(
     """
     at_rest = base and BaseMotion(base.rotation, base.translation)
     return Verbs.gravity_torque(model, (q,), at_rest, method, threads, check, out)
-
-
-@with_keywords
-def joint_torque_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    a: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
-    """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
-
-    The body regressors projected onto the joints, as the null space projects the body wrenches. The method "dense" is
-    "projected" here.
-    q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
-
-    Raises InvalidInput.
-    """
-    return Verbs.joint_torque_regressor(model, (q, v, a), base, method, threads, check, out)
-
-
-@with_keywords
-def body_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    a: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
-    """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
-
-    The Newton-Euler equations (22), (23) moved from the center of mass to the link origin, where they are linear
-    in m, m c and I. The identification matrix of Eq. (49) is its counterpart with known centers of mass. The method
-    "dense" is "projected" here.
-    q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
-
-    Raises InvalidInput.
-    """
-    return Verbs.body_regressor(model, (q, v, a), base, method, threads, check, out)
 
 
 def kkt_system(

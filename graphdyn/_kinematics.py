@@ -93,6 +93,13 @@ class MaximalState:
         return Vertices(self.model, self.position, self.rotation, self.velocity, self.ground)
 
 
+class ComplexState(MaximalState):
+    """The state of a complex step (graphdyn._complex_steps), inside a specification: nothing is checked."""
+
+    def __post_init__(self) -> None:
+        pass
+
+
 @with_keywords
 def maximal_state(
     model: RobotModel,
@@ -123,10 +130,11 @@ def maximal_state(
 def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array | None) -> MaximalState:
     """maximal_state on a ground that is where it is: q, v, a and the ground's arrays have the same leading shape."""
     batch, n = q.shape[:-1], model.n_bodies
-    rotation = np.empty((*batch, n + 1, 3, 3))
+    number = np.result_type(q, v, *(() if a is None else (a,)))  # complex for graphdyn._complex_steps
+    rotation = np.empty((*batch, n + 1, 3, 3), dtype=number)
     # of the link origins, world axes; row 0 is the ground
-    origin, linear, angular = (np.zeros((*batch, n + 1, 3)) for _ in range(3))
-    linear_acc, angular_acc = (np.zeros((*batch, n + 1, 3)) for _ in range(2))
+    origin, linear, angular = (np.zeros((*batch, n + 1, 3), dtype=number) for _ in range(3))
+    linear_acc, angular_acc = (np.zeros((*batch, n + 1, 3), dtype=number) for _ in range(2))
     rotation[..., 0, :, :], origin[..., 0, :] = vertex_0.rotation, vertex_0.position
     linear[..., 0, :], angular[..., 0, :] = vertex_0.velocity[..., LINEAR], vertex_0.velocity[..., ANGULAR]
     linear_acc[..., 0, :], angular_acc[..., 0, :] = (
@@ -173,7 +181,8 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
     if a is not None:
         at_center = linear_acc[..., 1:, :] + cross(angular_acc, arms) + cross(angular, cross(angular, arms))
         acceleration = twist(at_center, angular_acc)
-    return MaximalState(model, origin + arms, rotation, velocity, acceleration, vertex_0)
+    kind = ComplexState if number.kind == "c" else MaximalState
+    return kind(model, origin + arms, rotation, velocity, acceleration, vertex_0)
 
 
 def _recursive_state(
@@ -311,7 +320,7 @@ def project_accelerations(state: MaximalState, acceleration: Array, bias: Array)
     at_ground = np.zeros_like(angular[..., :1, :])
     angular = np.concatenate([at_ground, angular], axis=-2)
     linear = np.concatenate([at_ground, relative[..., LINEAR]], axis=-2)
-    a = np.empty(relative.shape[:-1])
+    a = np.empty(relative.shape[:-1], dtype=relative.dtype)
     for j, joint in enumerate(model.joints, start=1):
         i, k = joint.inside, j - 1
         if joint.is_prismatic:

@@ -45,7 +45,8 @@ class KKTSystem:
         """The matrix of Eq. (111) (…, 11n, 11n)."""
         rows, columns = self.constraint_jacobian.shape[-2:]
         batch = np.broadcast_shapes(self.mass.shape[:-2], self.constraint_jacobian.shape[:-2])
-        matrix = np.zeros((*batch, rows + columns, rows + columns))
+        number = np.result_type(self.mass, self.constraint_jacobian)
+        matrix = np.zeros((*batch, rows + columns, rows + columns), dtype=number)
         matrix[..., :columns, :columns] = self.mass
         matrix[..., :columns, columns:] = np.swapaxes(self.constraint_jacobian, -1, -2)
         matrix[..., columns:, :columns] = self.constraint_jacobian

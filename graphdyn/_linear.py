@@ -1,5 +1,7 @@
 """Matrices and vectors with leading batch dimensions."""
 
+from typing import Any
+
 import numpy as np
 
 from graphdyn.layout import Array
@@ -23,4 +25,5 @@ def apply(matrix: Array, vector: Array) -> Array:
 
 def solve(matrix: Array, vector: Array) -> Array:
     """x with matrix x = vector, by LU factorisation. (…, k, k), (…, k) → (…, k)."""
-    return np.asarray(np.linalg.solve(matrix, vector[..., None])[..., 0], dtype=float)
+    x: Any = np.linalg.solve(matrix, vector[..., None])[..., 0]
+    return np.asarray(x)

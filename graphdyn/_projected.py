@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn._base_motion import BaseMotion, rooted_ground
+from graphdyn._base_motion import BaseMotion, ground, rooted_ground
 from graphdyn._constraints import constraints
 from graphdyn._errors import SingularMassMatrix
 from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations, state_on
@@ -32,7 +32,7 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     state = rooted_state(model, base, x["q"], x["v"])
     n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     mass = _projected_mass(state, n)
-    refuse_singular(model, mass)
+    refuse_singular(model, mass.real)
     if dense:
         solution = kkt(state, x["tau"], x["external_wrenches"]).solve_unchecked()
         accelerations = per_body(solution.acceleration)
@@ -70,8 +70,30 @@ def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
 
 def mass_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
     """M = NᵀAN (…, n, n) at x["q"]; Eq. (111) has no other form of it."""
-    state = rooted_state(model, base, x["q"], np.zeros_like(x["q"]))
+    state = rooted_state(model, base, x["q"], np.zeros(x["q"].shape))
     return {"mass_matrix": _projected_mass(state, null_space(state))}
+
+
+def mass_matrix_inverse(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
+) -> dict[str, Array]:
+    """M⁻¹ (…, n, n) at x["q"]. Raises SingularMassMatrix."""
+    mass = mass_matrix(model, x, base)["mass_matrix"]
+    refuse_singular(model, mass)
+    return {"mass_matrix_inverse": np.asarray(np.linalg.inv(mass), dtype=float)}
+
+
+def kinetic_energy(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """T = ½ ẋᵀ A ẋ (…) of the body velocities ẋ = (ṙ, ω) at x["q"], x["v"]."""
+    state = rooted_state(model, base, x["q"], x["v"])
+    return {"kinetic_energy": (state.velocity * _inertial_terms(state, state.velocity)).sum(axis=(-2, -1)) / 2}
+
+
+def potential_energy(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """U = -Σ m g·r (…) of the centers of mass at x["q"]."""
+    mass = np.array([body.mass for body in model.bodies])
+    position = state_on(ground(model, base, x["q"].shape[:-1]), model, x["q"], np.zeros(x["q"].shape), None).position
+    return {"potential_energy": -(position @ model.gravity) @ mass}
 
 
 def _reactions(state: MaximalState, accelerations: Array, multipliers: Array, wrenches: Array) -> dict[str, Array]:

@@ -33,7 +33,7 @@ def reaction_basis(state: MaximalState) -> Array:
     """
     model, vertices = state.model, state.vertices
     axes = joint_axes(state)
-    basis = np.zeros((*axes.shape[:-1], 6, 6))
+    basis = np.zeros((*axes.shape[:-1], 6, 6), dtype=axes.dtype)
     for k, joint in enumerate(model.joints):
         in_world = vertices.rotation[..., joint.inside, :, :] @ joint.placement.rotation
         t_1, t_2 = (in_world @ t for t in joint.axis_normals)

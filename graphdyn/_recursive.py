@@ -13,13 +13,14 @@ import numpy as np
 from graphdyn import _projected as projected
 from graphdyn._base_motion import BaseMotion
 from graphdyn._model import RobotModel
-from graphdyn._projected import Arguments, refuse_singular
+from graphdyn._projected import Arguments, Specification, refuse_singular
 from graphdyn.kernels.batch import Evaluation, Options, evaluate
 from graphdyn.layout import BODY_FREEDOMS, Array
 
 
 def answers(
     model: RobotModel,
+    specification: Specification,
     recursion: str,
     outputs: tuple[str, ...],
     x: Arguments,
@@ -27,14 +28,16 @@ def answers(
     options: Options,
     out: Mapping[str, Array] | None,
 ) -> dict[str, Array]:
-    """These outputs of a recursion. Raises SingularMassMatrix."""
+    """These outputs of a recursion, which agrees with the specification. Raises SingularMassMatrix."""
     answer = evaluate(model, recursion, outputs, x, base, options, out)
     if answer.suspects.size:
-        _decide(model, answer, x, base)
+        _decide(model, answer, specification, x, base)
     return answer.arrays
 
 
-def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotion | None) -> None:
+def _decide(
+    model: RobotModel, answer: Evaluation, specification: Specification, x: Arguments, base: BaseMotion | None
+) -> None:
     """Refuse samples with a singular mass matrix; solve those that merely have a small pivot by projection."""
     arrays, single = answer.arrays, x["q"].ndim == 1
     if single:  # as a batch of one
@@ -46,6 +49,6 @@ def _decide(model: RobotModel, answer: Evaluation, x: Arguments, base: BaseMotio
     chosen.setdefault("external_wrenches", np.zeros((len(rows), model.n_bodies, BODY_FREEDOMS)))
     there = None if base is None else base.at(batch, index)
     refuse_singular(model, projected.mass_matrix(model, chosen, there)["mass_matrix"], rows)
-    solved = projected.forward_dynamics(model, chosen, there)
+    solved = specification(model, chosen, there, False)
     for name, array in arrays.items():
         array[index] = solved[name]

@@ -20,7 +20,7 @@ def skew(a: ArrayLike) -> Array:
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     """Rotation by angle [rad] about a unit axis (Rodrigues). axis (3,), angle (…) → (…, 3, 3)."""
     axis = np.asarray(axis, dtype=float)
-    angle = np.asarray(angle, dtype=float)[..., None, None]
+    angle = np.asarray(angle)[..., None, None]
     c, s = np.cos(angle), np.sin(angle)
     rotation: Array = c * np.eye(3) + s * skew(axis) + (1.0 - c) * np.outer(axis, axis)
     return rotation

@@ -37,7 +37,8 @@ def passive_terms(state: MaximalState, external_wrenches: Array) -> Array:
     centers = np.stack([body.center_of_mass for body in model.bodies])
     omega = state.velocity[..., ANGULAR]
     force, moment = external_wrenches[..., LINEAR], external_wrenches[..., ANGULAR]
-    b = np.empty(np.broadcast_shapes(state.velocity.shape, external_wrenches.shape))
+    shape = np.broadcast_shapes(state.velocity.shape, external_wrenches.shape)
+    b = np.empty(shape, dtype=state.velocity.dtype)
     b[..., LINEAR] = mass[:, None] * model.gravity + np.einsum("...iab,...ib->...ia", state.rotation, force)
     momentum = np.einsum("iab,...ib->...ia", inertia, omega)
     b[..., ANGULAR] = -cross(omega, momentum) + moment - cross(centers, force)  # moved to the center of mass
@@ -53,7 +54,7 @@ def actuator_terms(state: MaximalState) -> Array:
     model, vertices = state.model, state.vertices
     s = model.graph.incidence()
     n = model.n_bodies
-    columns = np.zeros((*state.position.shape[:-1], 6, n))
+    columns = np.zeros((*state.position.shape[:-1], 6, n), dtype=state.position.dtype)
     for k, joint in enumerate(model.joints, start=1):
         vectors = joint_vectors(model, vertices, k)
         for i in (joint.inside, k):

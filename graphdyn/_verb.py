@@ -23,7 +23,7 @@ Answer = TypeVar("Answer")
 
 
 class Verb(Generic[Answer]):
-    """A row of the table of verbs (graphdyn._dynamics.Verbs), whose attribute names it.
+    """A row of the table of verbs (graphdyn._verbs.Verbs), whose attribute names it.
 
     specification: the answer as the equations read, which the recursion must agree with
     recursion: its name in graphdyn.kernels.recursions, where inputs, outputs, shapes and units are; that of the verb
@@ -74,13 +74,15 @@ class Verb(Generic[Answer]):
         if is_recursive(method, x, out):
             moving = base if RECURSIONS[self.recursion].on_moving_base else None
             options, memory = Options(threads, check), self._memory(out)
-            return self._packed(recursive.answers(model, self.recursion, self.outputs, x, moving, options, memory))
+            return self._packed(
+                recursive.answers(model, self.specification, self.recursion, self.outputs, x, moving, options, memory)
+            )
         refuse_non_finite(model, x)
         x.setdefault("external_wrenches", np.zeros((*x["q"].shape, BODY_FREEDOMS)))
         return self._packed(self.specification(model, x, base, method == "dense"))
 
     def _packed(self, arrays: dict[str, Array]) -> Answer:
-        found = [arrays[name] for name in self.outputs]
+        found = [np.asarray(arrays[name]) for name in self.outputs]  # a number of one state, too
         if self._answer is not None:
             return self._answer(*found)
         return cast(Answer, found[0] if len(found) == 1 else tuple(found))

@@ -21,8 +21,8 @@ from graphdyn import (
     mass_matrix,
     maximal_state,
 )
-from graphdyn._dynamics import VERBS
 from graphdyn._methods import Method
+from graphdyn._verbs import VERBS
 from graphdyn.layout import Array
 
 

@@ -11,7 +11,7 @@ from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.referee.quantities import BY_NAME, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
-from graphdyn._dynamics import VERBS
+from graphdyn._verbs import VERBS
 from graphdyn.layout import Array
 
 _REFERENCE = "reference = referee.evaluate(*(np.array([x]) for x in (q, v, a, tau, external_wrenches)))"

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn._base_motion import BaseMotion
-from graphdyn._dynamics import body_regressor
 from graphdyn._errors import InvalidInput
 from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn._kinematics import link_origins, maximal_state
 from graphdyn._linear import apply
+from graphdyn._matrices import body_regressor
 from graphdyn._model import RobotModel, check_model
 from graphdyn.identification.body_wrenches import WrenchData, fitting_data, link_wrenches
 from graphdyn.identification.identified_bodies import IdentifiedBodies

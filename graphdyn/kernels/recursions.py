@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from graphdyn.kernels import derivatives
+from graphdyn.kernels.energies import kinetic_energy, potential_energy
 from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
@@ -39,6 +41,18 @@ ARRAYS = {
     "multipliers": ArraySpec(("n", JOINT_CONSTRAINTS), "N, N m"),
     "joint_wrenches": ArraySpec(("n", BODY_FREEDOMS), "N, N m"),
     "mass_matrix": ArraySpec(("n", "n"), "kg m², kg m, kg"),
+    "mass_matrix_inverse": ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
+    "coriolis_matrix": ArraySpec(("n", "n"), "N m s, N s, kg/s"),
+    "kinetic_energy": ArraySpec((), "J"),
+    "potential_energy": ArraySpec((), "J"),
+    "dtau_dq": ArraySpec(("n", "n"), "N m, N, N/m"),
+    "dtau_dv": ArraySpec(("n", "n"), "N m s, N s, N s/m"),
+    "dtau_da": ArraySpec(("n", "n"), "kg m², kg m, kg"),
+    "da_dq": ArraySpec(("n", "n"), "1/s², 1/(m s²), m/s²"),
+    "da_dv": ArraySpec(("n", "n"), "1/s, 1/(m s), m/s"),
+    "da_dtau": ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
+    **{f"dmultipliers_d{x}": ArraySpec(("n", JOINT_CONSTRAINTS, "n"), f"N, N m per {x}") for x in "qva"},
+    **{f"dwrenches_d{x}": ArraySpec(("n", BODY_FREEDOMS, "n"), f"N, N m per {x}") for x in "qva"},
     "bias_torque": ArraySpec(("n",), "N m or N"),
     "gravity_torque": ArraySpec(("n",), "N m or N"),
     "joint_torque_regressor": ArraySpec(("n", "10 n"), "N m or N per parameter"),
@@ -76,6 +90,41 @@ RECURSIONS = {
         ("q", "v", "a"), ("tau", *_REACTIONS), lambda x, q, v, a: inverse_dynamics(x.links, x.root, q, v, a, x.external)
     ),
     "mass_matrix": Recursion(("q",), ("mass_matrix",), lambda x, q: mass_matrix(x.links, q), on_moving_base=False),
+    "mass_matrix_inverse": Recursion(
+        ("q",),
+        ("mass_matrix_inverse",),
+        lambda x, q: derivatives.mass_matrix_inverse(x.recorder, x.links, q),
+        on_moving_base=False,
+    ),
+    "coriolis_matrix": Recursion(
+        ("q", "v"),
+        ("coriolis_matrix",),
+        lambda x, q, v: derivatives.coriolis_matrix(x.links, q, v),
+        on_moving_base=False,
+    ),
+    "kinetic_energy": Recursion(
+        ("q", "v"), ("kinetic_energy",), lambda x, q, v: {"kinetic_energy": kinetic_energy(x.links, x.root, q, v)}
+    ),
+    "potential_energy": Recursion(
+        ("q",), ("potential_energy",), lambda x, q: {"potential_energy": potential_energy(x.links, x.root, q)}
+    ),
+    "inverse_dynamics_derivatives": Recursion(
+        ("q", "v", "a"),
+        ("dtau_dq", "dtau_dv", "dtau_da"),
+        lambda x, q, v, a: derivatives.inverse_dynamics_derivatives(x.links, x.root, q, v, a, x.external),
+    ),
+    "forward_dynamics_derivatives": Recursion(
+        ("q", "v", "tau"),
+        ("da_dq", "da_dv", "da_dtau"),
+        lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(
+            x.recorder, x.links, x.root, q, v, tau, x.external
+        ),
+    ),
+    "reaction_derivatives": Recursion(
+        ("q", "v", "a"),
+        tuple(f"d{answer}_d{name}" for answer in ("multipliers", "wrenches") for name in "qva"),
+        lambda x, q, v, a: derivatives.reaction_derivatives(x.links, x.root, q, v, a, x.external),
+    ),
     "bias_torque": Recursion(
         ("q", "v"), ("bias_torque",), lambda x, q, v: inverse_dynamics(x.links, x.root, q, v, x.zeros)["tau"]
     ),

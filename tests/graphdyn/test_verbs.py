@@ -8,8 +8,8 @@ from random_trees import NAMED, random_state
 
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput
-from graphdyn._dynamics import VERBS
 from graphdyn._methods import KEYWORDS, METHODS
+from graphdyn._verbs import VERBS
 from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
 
 MODEL = NAMED["mixed_chain"]
@@ -67,6 +67,8 @@ def test_shapes_are_those_of_the_table(name, leading, method):
 @verbs
 @pytest.mark.parametrize("base", [None, MOVING], ids=["fixed", "moving"])
 def test_methods_agree(name, base):
+    if name == "coriolis_matrix" and base is not None:
+        pytest.skip("refuses a base that moves")
     expected = arrays(name, call(name, 4, base=base, method="dense"))
     for method in ("projected", "recursive"):
         for output, array in arrays(name, call(name, 4, base=base, method=method)).items():

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn._arrays import as_floats
-from graphdyn._dynamics import joint_torque_regressor
 from graphdyn._errors import InvalidInput
 from graphdyn._inertia import PARAMETER_NAMES
+from graphdyn._matrices import joint_torque_regressor
 from graphdyn._model import RobotModel
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms.term import Column

@@ -1,0 +1,70 @@
+"""Derivatives of the plain forms by complex steps, exact to rounding: ∂f/∂x = Im f(x + i h) / h without differences.
+
+Squire and Trapp, "Using complex variables to estimate derivatives of real functions", SIAM Review 40(1), 1998. The
+terms of order h² underflow to zero, so that h need not be balanced against rounding.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from graphdyn import _projected as projected
+from graphdyn._base_motion import BaseMotion
+from graphdyn._model import RobotModel
+from graphdyn._projected import Arguments, Specification
+from graphdyn.layout import Array
+
+STEP = 1e-100
+"""h: its square underflows beside any term, and h times any term does not."""
+
+
+def _derivatives(
+    function: Specification, model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool, name: str
+) -> Mapping[str, Array]:
+    """∂/∂x[name] of all that a specification answers, by name: (…, *answer, n), a column per joint."""
+    columns = []
+    for k in range(model.n_bodies):
+        stepped = x[name].astype(complex)
+        stepped[..., k] += 1j * STEP
+        columns.append(function(model, {**x, name: stepped}, base, dense))
+    return {answer: np.stack([column[answer].imag / STEP for column in columns], axis=-1) for answer in columns[0]}
+
+
+def inverse_dynamics_derivatives(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
+) -> dict[str, Array]:
+    """∂τ/∂q, ∂τ/∂v, ∂τ/∂a of graphdyn._projected.inverse_dynamics."""
+    return {
+        f"dtau_d{name}": _derivatives(projected.inverse_dynamics, model, x, base, dense, name)["tau"] for name in "qva"
+    }
+
+
+def forward_dynamics_derivatives(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
+) -> dict[str, Array]:
+    """∂a/∂q, ∂a/∂v, ∂a/∂τ of graphdyn._projected.forward_dynamics. Raises SingularMassMatrix."""
+    return {
+        f"da_d{name}": _derivatives(projected.forward_dynamics, model, x, base, dense, name)["a"]
+        for name in ("q", "v", "tau")
+    }
+
+
+def reaction_derivatives(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
+) -> dict[str, Array]:
+    """∂λ and ∂(joint wrenches) by q, v, a of graphdyn._projected.inverse_dynamics."""
+    found = {name: _derivatives(projected.inverse_dynamics, model, x, base, dense, name) for name in "qva"}
+    return {
+        f"d{short}_d{name}": parts[answer]
+        for name, parts in found.items()
+        for short, answer in (("multipliers", "multipliers"), ("wrenches", "joint_wrenches"))
+    }
+
+
+def coriolis_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """C_ij = Σ_k ½ (∂M_ij/∂q_k + ∂M_ik/∂q_j - ∂M_jk/∂q_i) v_k."""
+    change = _derivatives(projected.mass_matrix, model, x, base, dense, "q")["mass_matrix"]  # (…, i, j, k)
+    christoffel = (change + np.swapaxes(change, -1, -2) - np.moveaxis(change, -1, -3)) / 2
+    return {"coriolis_matrix": np.einsum("...ijk,...k->...ij", christoffel, x["v"])}

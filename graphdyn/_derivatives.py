@@ -1,0 +1,88 @@
+"""The public verbs that answer derivatives in the joint positions, velocities, and accelerations or torques.
+
+Column k of a derivative belongs to joint k: ∂x_i/∂q_k is its entry (…, i, k). External wrenches are fixed in the axes
+of their links. Leading dimensions of the arguments broadcast.
+"""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from graphdyn._answers import ForwardDynamicsDerivatives, InverseDynamicsDerivatives, ReactionDerivatives
+from graphdyn._base_motion import BaseMotion
+from graphdyn._methods import Method, with_keywords
+from graphdyn._model import RobotModel
+from graphdyn._verbs import Verbs
+
+
+@with_keywords
+def inverse_dynamics_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: InverseDynamicsDerivatives | None = None,
+) -> InverseDynamicsDerivatives:
+    """∂τ/∂q, ∂τ/∂v and ∂τ/∂a = M of inverse_dynamics.
+
+    The methods "projected" and "dense" differentiate those of inverse_dynamics by complex steps, "recursive" its
+    recorded recursion by automatic differentiation.
+    q, v, a: joint state and accelerations                  (…, n)     [rad or m, …/s, …/s²]
+    external_wrenches: force, moment on each body at O_j, fixed in link axes   (…, n, 6)  [N, N m]
+
+    Raises InvalidInput.
+    """
+    return Verbs.inverse_dynamics_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def forward_dynamics_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: ForwardDynamicsDerivatives | None = None,
+) -> ForwardDynamicsDerivatives:
+    """∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of forward_dynamics.
+
+    The methods "projected" and "dense" differentiate those of forward_dynamics by complex steps; "recursive" computes
+    -M⁻¹ ∂τ/∂q and -M⁻¹ ∂τ/∂v at the accelerations found.
+    q, v, tau: joint state and actuator torques             (…, n)     [rad or m, …/s, N m or N]
+    external_wrenches: force, moment on each body at O_j, fixed in link axes   (…, n, 6)  [N, N m]
+
+    Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
+    """
+    return Verbs.forward_dynamics_derivatives(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def reaction_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: ReactionDerivatives | None = None,
+) -> ReactionDerivatives:
+    """Derivatives of the constraint forces of inverse_dynamics: multipliers and joint_wrenches, in q, v and a.
+
+    Arguments, methods and errors as in inverse_dynamics_derivatives.
+    """
+    return Verbs.reaction_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)

@@ -1,0 +1,45 @@
+"""The table that says how each verb of the dynamics is computed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from graphdyn import _complex_steps as complex_steps
+from graphdyn import _projected as projected
+from graphdyn import _regressors as regressors
+from graphdyn._answers import (
+    ForwardDynamics,
+    ForwardDynamicsDerivatives,
+    InverseDynamics,
+    InverseDynamicsDerivatives,
+    ReactionDerivatives,
+)
+from graphdyn._verb import Verb
+from graphdyn.layout import Array
+
+
+class Verbs:
+    """The table of verbs. Each has a public function of its name; graphdyn.compile takes those of one array."""
+
+    forward_dynamics = Verb(projected.forward_dynamics, answer=ForwardDynamics)
+    inverse_dynamics = Verb(projected.inverse_dynamics, answer=InverseDynamics)
+    solve_kkt = Verb[tuple[Array, Array]](
+        projected.forward_dynamics, "forward_dynamics", ("body_accelerations", "multipliers")
+    )
+    joint_torques = Verb[Array](projected.inverse_dynamics, "inverse_dynamics", ("tau",))
+    joint_accelerations = Verb[Array](projected.forward_dynamics, "forward_dynamics", ("a",))
+    mass_matrix = Verb[Array](projected.mass_matrix)
+    mass_matrix_inverse = Verb[Array](projected.mass_matrix_inverse)
+    coriolis_matrix = Verb[Array](complex_steps.coriolis_matrix)
+    bias_torque = Verb[Array](projected.torque_at_zero("bias_torque", "a"))
+    gravity_torque = Verb[Array](projected.torque_at_zero("gravity_torque", "v", "a"))
+    kinetic_energy = Verb[Array](projected.kinetic_energy)
+    potential_energy = Verb[Array](projected.potential_energy)
+    inverse_dynamics_derivatives = Verb(complex_steps.inverse_dynamics_derivatives, answer=InverseDynamicsDerivatives)
+    forward_dynamics_derivatives = Verb(complex_steps.forward_dynamics_derivatives, answer=ForwardDynamicsDerivatives)
+    reaction_derivatives = Verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives)
+    joint_torque_regressor = Verb[Array](regressors.joint_torque_regressor)
+    body_regressor = Verb[Array](regressors.body_regressor)
+
+
+VERBS: dict[str, Verb[Any]] = {name: verb for name, verb in vars(Verbs).items() if isinstance(verb, Verb)}
