@@ -15,11 +15,17 @@ from graphdyn import (
     InverseDynamics,
     MaximalState,
     body_regressor,
+    coriolis_matrix,
     forward_dynamics,
+    forward_dynamics_derivatives,
     inverse_dynamics,
+    inverse_dynamics_derivatives,
     joint_torque_regressor,
+    kinetic_energy,
     mass_matrix,
+    mass_matrix_inverse,
     maximal_state,
+    potential_energy,
 )
 from graphdyn._methods import Method
 from graphdyn._verbs import VERBS
@@ -100,6 +106,26 @@ def passive_answers(case: Case, *, recursive: bool = False) -> PassiveAnswers:
         of_verbs={quantity.name: _of_verb(case, quantity.verb) for quantity in QUANTITIES if quantity.verb},
         recursive=_inverse_answers(case, "recursive") if recursive else None,
     )
+
+
+def derived_answers(case: Case, method: Method) -> dict[str, Array]:
+    """Derivatives, matrices and energies by one method, by the names of their quantities, that need no regular M."""
+    model, q, v, a = case.model, case.q, case.v, case.a
+    rates = inverse_dynamics_derivatives(model, q, v, a, method=method)
+    return {
+        "dtau_dq": rates.dtau_dq,
+        "dtau_dv": rates.dtau_dv,
+        "coriolis_matrix": coriolis_matrix(model, q, v, method=method),
+        "kinetic_energy": kinetic_energy(model, q, v, method=method),
+        "potential_energy": potential_energy(model, q, method=method),
+    }
+
+
+def derived_forward_answers(case: Case, tau: Array, method: Method) -> dict[str, Array]:
+    """The same of those that need a regular mass matrix, at the torques tau (N, n)."""
+    model, q, v = case.model, case.q, case.v
+    rates = forward_dynamics_derivatives(model, q, v, tau, method=method)
+    return {**vars(rates), "mass_matrix_inverse": mass_matrix_inverse(model, q, method=method)}
 
 
 def _inverse_answers(case: Case, method: Method) -> InverseAnswers:

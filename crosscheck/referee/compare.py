@@ -7,20 +7,35 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
-from crosscheck.referee.answers import forward_answers, passive_answers
+from crosscheck.referee.answers import (
+    derived_answers,
+    derived_forward_answers,
+    forward_answers,
+    passive_answers,
+)
 from crosscheck.referee.baseline import compare_identification
 from crosscheck.referee.comparison import Comparison
 from crosscheck.referee.error_record import ErrorRecord
-from crosscheck.referee.errors import forward_errors, frame_errors, passive_errors, rank_errors, torque_errors
+from crosscheck.referee.errors import (
+    derived_errors,
+    derived_forward_errors,
+    forward_errors,
+    frame_errors,
+    of_recursive,
+    passive_errors,
+    rank_errors,
+    torque_errors,
+)
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.referee.quantities import QUANTITIES, RECURSIVE
+from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.states import RANDOM, Case, cases
 from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
-from graphdyn._methods import WORTH_COMPILING
+from graphdyn._methods import WORTH_COMPILING, Method
 from graphdyn._projected import singular
 from graphdyn.kernels.running import interpreted
 from graphdyn.layout import Array
@@ -61,12 +76,14 @@ def compare(
     model = compared.model
     referees, notes = _referees(compared)
     record = ErrorRecord()
+    derive = True  # of the first chunk: complex steps take long
     reason = _why_not_forward(model)
     skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
     compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
     with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
         for chunk in _chunks(model, samples, seed):
-            _compare_chunk(record, chunk, referees, with_forward=reason is None)
+            _compare_chunk(record, chunk, referees, with_forward=reason is None, derive=derive)
+            derive = False
             if progress:
                 progress(chunk.name, len(chunk.q))
         has_mass = any(body.mass > 0 for body in model.bodies)
@@ -124,9 +141,17 @@ def _chunks(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
 
 
 def _compare_chunk(
-    record: ErrorRecord, chunk: Case, referees: Mapping[str, PinocchioModel], *, with_forward: bool
+    record: ErrorRecord,
+    chunk: Case,
+    referees: Mapping[str, PinocchioModel],
+    *,
+    with_forward: bool,
+    derive: bool,
 ) -> None:
-    """Record all errors at these states; forward quantities only where the mass matrix is regular."""
+    """Record all errors at these states; forward quantities only where the mass matrix is regular.
+
+    derive: whether derivatives, energies and what belongs to them are compared here
+    """
     regular = ~singular(mass_matrix(chunk.model, chunk.q)) if with_forward else np.zeros(len(chunk.q), dtype=bool)
     if with_forward:
         record.count_singular(chunk.name, ~regular)
@@ -142,6 +167,8 @@ def _compare_chunk(
         record.add(route, chunk, torque_errors(passive, turned))
         if route == "urdf" and chunk.model.frames:
             record.add(route, chunk, frame_errors(chunk, turned))
+        if derive:
+            _compare_derived(record, route, turned, chunk, tau, regular, reference)
         if regular.any():
             try:
                 if forward is None or chunk.tau is None:  # torques of a differ between the routes
@@ -152,6 +179,27 @@ def _compare_chunk(
     errors, conditioning = rank_errors(chunk, tau, regular)
     record.add("model", chunk, errors)
     record.condition(conditioning)
+
+
+def _compare_derived(
+    record: ErrorRecord,
+    route: str,
+    referee: PinocchioModel,
+    chunk: Case,
+    tau: Array,
+    regular: NDArray[np.bool_],
+    reference: RefereeValues,
+) -> None:
+    at, there = chunk.rows(regular), reference.rows(regular)
+    values = referee.derive(chunk.q, chunk.v, chunk.a, tau)
+    methods: tuple[Method, ...] = ("projected", "recursive")
+    for method in methods:
+        named = of_recursive if method == "recursive" else dict
+        record.add(route, chunk, named(derived_errors(chunk, derived_answers(chunk, method), reference, values)))
+        if regular.any():
+            answers = derived_forward_answers(at, tau[regular], method)
+            errors = derived_forward_errors(tau[regular], answers, there, values.rows(regular))
+            record.add(route, at, named(errors))
 
 
 def _no_forward(count: int, *, recursive: bool) -> dict[str, Array]:

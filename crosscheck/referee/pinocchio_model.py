@@ -12,7 +12,13 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.referee.reference_values import BareCalls, CarriedValues, RefereeValues, at_centers
+from crosscheck.referee.reference_values import (
+    BareCalls,
+    CarriedValues,
+    DerivedValues,
+    RefereeValues,
+    at_centers,
+)
 from crosscheck.referee.standard_error import kept_standard_error
 from graphdyn import BaseMotion, Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
@@ -276,6 +282,44 @@ class PinocchioModel:
         row["a_wrenches"] = self._joint_wrenches()
         pin.forwardKinematics(native, data, q, v, a)
         row["a_body_accelerations"] = self._spatial(data.a)
+        return row
+
+    def derive(self, q: Array, v: Array, a: Array, tau: Array) -> DerivedValues:
+        """Derivatives, energies and matrices at N states: q, v, a, tau (N, n).
+
+        All but the potential energy are those of the robot moved to the world's origin: Pinocchio computes them about
+        that point, and would lose the digits of the distance.
+        """
+        rooted = self.turned(Placement(np.eye(3), -self._first_joint()), self._model.gravity)
+        rows = [rooted._derive_one(*state) for state in zip(q, v, a, tau, strict=True)]
+        values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        potential = [pin.computePotentialEnergy(self._native, self._data, self.configuration(q_k)) for q_k in q]
+        return DerivedValues(**values, potential_energy=np.array(potential))
+
+    def _first_joint(self) -> Array:
+        """Where the first joint is in the world (3,) [m]."""
+        return np.array(self._native.jointPlacements[self._ids[0]].translation)
+
+    def _derive_one(self, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
+        native, data = self._native, self._data
+        q, v, a, tau = self.configuration(q), self._there(v), self._there(a), self._there(tau)
+        own = np.ix_(self._columns, self._columns)
+
+        def here(matrix: Array) -> Array:  # a copy: the bindings answer views of data
+            return np.array(np.reshape(matrix, (native.nv, native.nv))[own])
+
+        def symmetric(upper: Array) -> Array:
+            full = np.reshape(upper, (native.nv, native.nv))
+            return here(np.triu(full) + np.triu(full, 1).T)
+
+        row = {}
+        dtau_dq, dtau_dv, _ = pin.computeRNEADerivatives(native, data, q, v, a)
+        row["dtau_dq"], row["dtau_dv"] = here(dtau_dq), here(dtau_dv)
+        da_dq, da_dv, da_dtau = pin.computeABADerivatives(native, data, q, v, tau)
+        row["da_dq"], row["da_dv"], row["da_dtau"] = here(da_dq), here(da_dv), symmetric(da_dtau)
+        row["mass_matrix_inverse"] = symmetric(pin.computeMinverse(native, data, q))
+        row["coriolis_matrix"] = here(pin.computeCoriolisMatrix(native, data, q, v))
+        row["kinetic_energy"] = np.array(pin.computeKineticEnergy(native, data, q, v))
         return row
 
     def _torque_regressor(self, q: Array, v: Array, a: Array) -> Array:

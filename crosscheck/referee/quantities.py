@@ -90,6 +90,22 @@ _FORWARD = (
     Quantity("forward_multipliers", "aba, then rnea; dense system", "force and moment", FORWARD_WRENCH, forward=True),
 )
 
+_SOLVED_RATES = "only cond(M) ‖∂a‖ + ‖M⁻¹‖ (‖∂τ‖ + largest joint wrench)"
+_SOLVED_INVERSE = "only cond(M) ‖M⁻¹‖"
+_BY_RATE = "largest entry of M × largest velocity"
+
+_DERIVED = (
+    Quantity("dtau_dq", "computeRNEADerivatives; complex steps", _TORQUE, AGREEMENT),
+    Quantity("dtau_dv", "computeRNEADerivatives; complex steps", _BY_RATE, AGREEMENT),
+    Quantity("coriolis_matrix", "computeCoriolisMatrix; complex steps", _BY_RATE, AGREEMENT),
+    Quantity("kinetic_energy", "computeKineticEnergy; of the bodies", "nothing more", AGREEMENT),
+    Quantity("potential_energy", "computePotentialEnergy; of the bodies", "weight × largest position", AGREEMENT),
+    Quantity("da_dq", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
+    Quantity("da_dv", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
+    Quantity("da_dtau", "computeABADerivatives; complex steps", _SOLVED_INVERSE, ACCELERATION, forward=True),
+    Quantity("mass_matrix_inverse", "computeMinverse; inverted", _SOLVED_INVERSE, ACCELERATION, forward=True),
+)
+
 _OWN = (
     Quantity("dynamics_residual", "A q̈ + φ_qᵀλ = B", "only the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
     Quantity("constraint_residual", "φ_q q̈ = ζ", "only q̈ and the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
@@ -127,6 +143,8 @@ QUANTITIES = (
     *_recursive(_PASSIVE, _PASSIVE_TWICE),
     *_FORWARD,
     *_recursive(_FORWARD, _FORWARD_TWICE),
+    *_DERIVED,
+    *_recursive(_DERIVED, {row.name for row in _DERIVED}),
     *_OWN,
 )
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}

@@ -36,6 +36,19 @@ def _required(forward: str, *loads: str) -> tuple[tuple[str, str], ...]:
     return ((f"referee.inverse_dynamics({states})[0][0]", "tau"),)
 
 
+_ROWS = "*(np.array([x]) for x in (q, v, a, tau))"
+_DERIVED = {
+    "dtau_dq": "inverse_dynamics_derivatives(model, q, v, a).dtau_dq",
+    "dtau_dv": "inverse_dynamics_derivatives(model, q, v, a).dtau_dv",
+    "coriolis_matrix": "coriolis_matrix(model, q, v)",
+    "kinetic_energy": "kinetic_energy(model, q, v)",
+    "potential_energy": "potential_energy(model, q)",
+    "da_dq": "forward_dynamics_derivatives(model, q, v, tau).da_dq",
+    "da_dv": "forward_dynamics_derivatives(model, q, v, tau).da_dv",
+    "da_dtau": "forward_dynamics_derivatives(model, q, v, tau).da_dtau",
+    "mass_matrix_inverse": "mass_matrix_inverse(model, q)",
+}
+
 _FRAMES = "[frame.name for frame in model.frames]"
 
 
@@ -80,6 +93,7 @@ _BASE_CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "forward_joint_wrench": ((f"{_FORWARD}.joint_wrenches", "reference.a_wrenches[0]"),),
     "forward_joint_wrench_external": ((f"{_FORWARD_LOADED}.joint_wrenches", "reference.a_wrenches_external[0]"),),
     "forward_multipliers": ((f"{_FORWARD}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
+    **{name: ((f"graphdyn.{call}", f"referee.derive({_ROWS}).{name}[0]"),) for name, call in _DERIVED.items()},
     "dynamics_residual": ((f"{_SYSTEM}.solve().dynamics_residual()", "0.0"),),
     "constraint_residual": ((f"{_SYSTEM}.solve().constraint_residual()", "0.0"),),
     "constraint_rank": ((f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),),

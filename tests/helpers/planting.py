@@ -70,6 +70,16 @@ class Plant:
         self._patch.setattr(PinocchioModel, "joint_torques", joint_torques)
         return planted
 
+    def referee_derived(self, field: str, change: Callable[[float], float]) -> None:
+        """Change the largest entry of one field of DerivedValues, in the last state."""
+        original = PinocchioModel.derive
+
+        def derive(*arguments):
+            values = original(*arguments)
+            return dataclasses.replace(values, **{field: _changed(getattr(values, field), change)})
+
+        self._patch.setattr(PinocchioModel, "derive", derive)
+
     def referee_required(self, loaded: bool, change: Callable[[float], float]) -> None:
         """Change the largest torque that rnea needs for our accelerations, with or without external wrenches."""
         original = PinocchioModel.inverse_dynamics
@@ -147,8 +157,8 @@ class Plant:
 def _changed(values: np.ndarray, change: Callable[[float], float]) -> np.ndarray:
     """The largest entry of the last sample changed."""
     values = values.copy()
-    entry = np.unravel_index(np.abs(values[-1]).argmax(), values[-1].shape)
-    values[-1][entry] = change(values[-1][entry])
+    entry = (-1, *np.unravel_index(np.abs(values[-1]).argmax(), values.shape[1:]))
+    values[entry] = change(values[entry])
     return values
 
 
