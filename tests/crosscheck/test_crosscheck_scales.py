@@ -54,6 +54,74 @@ def test_an_error_without_scale_is_infinite_and_none_is_zero():
     assert relative(np.zeros((1, 2)), np.zeros((1, 2))).tolist() == [0.0]
 
 
+class TestSizes:
+    """Of a turning and a sliding body of 2 and 3 kg at two states, worked out by hand."""
+
+    @pytest.fixture
+    def sizes(self):
+        bodies = (
+            Body("one", 2.0, [0.0, -0.4, 0.0], np.diag([0.1, 0.3, 0.3])),
+            Body("two", 3.0, [0.1, 0.2, 0.0], np.diag([0.2, 0.2, 0.1])),
+        )
+        joints = (
+            Joint("turn", "revolute", 0, Placement(), [0, 0, 1]),
+            Joint("slide", "prismatic", 1, Placement(), [1, 0, 0]),
+        )
+        base = Placement(np.eye(3), [0.0, 1.0, 0.0])
+        model = RobotModel("two", bodies, joints, gravity=[0.0, 3.0, -4.0], base=base)
+        position = np.array([[[1.0, 0, 0], [0, -3.0, 0]], [[0, 1.0, 0], [0, 1.0, 0]]])
+        velocity, acceleration = np.full((2, 2, 6), 100.0), np.full((2, 2, 6), -100.0)
+        velocity[..., 3:], acceleration[..., 3:] = [[[1.0]], [[0.0]]], [[[-6.0]], [[0.5]]]
+        velocity[0, 1, 4] = -1.5
+        v, a = np.array([[9.0, -0.5], [9.0, 0.0]]), np.array([[9.0, 7.0], [9.0, -2.0]])
+        return term_sizes(model, v, a, position, velocity, acceleration)
+
+    def test_by_hand(self, sizes):
+        lever = np.array([4.0 + 0.4 + 1e-3, 0.4 + 1e-3])
+        turn = np.array([6.0 + 1.5**2, 0.5])
+        swing = turn * lever + [2 * 1.5 * 0.5 + 7.0, 2.0]
+        compensated, spin = swing + 5.0, 0.3 * turn
+        assert sizes.lever == pytest.approx(lever)
+        assert sizes.velocity == pytest.approx([1.5 * lever[0] + 0.5, 0.0])
+        assert sizes.acceleration == pytest.approx(swing)
+        assert sizes.turn == pytest.approx(turn)
+        assert sizes.compensated == pytest.approx(compensated)
+        assert sizes.force == pytest.approx(5.0 * compensated)
+        assert sizes.moment == pytest.approx(5.0 * compensated * lever + spin)
+        assert sizes.spin == pytest.approx(spin)
+        mass, first_moment, tensor = sizes.regressor_columns
+        assert mass == pytest.approx(compensated * lever)
+        assert first_moment == pytest.approx(compensated)
+        assert tensor == pytest.approx(turn)
+
+    def test_loads_are_added(self, sizes):
+        wrenches = np.zeros((2, 2, 6))
+        wrenches[0, 0], wrenches[1, 1] = [0, -8.0, 0, 0, 0, 3.0], [1.0, 0, 0, 0, -2.0, 0]
+        loaded = sizes.loaded(wrenches)
+        assert loaded.force - sizes.force == pytest.approx([8.0, 1.0])
+        assert loaded.moment - sizes.moment == pytest.approx([3.0 + 8.0 * 4.401, 2.0 + 0.401])
+        assert loaded.turn is sizes.turn
+
+
+def test_acceleration_scale_by_hand():
+    """M = [[2, 1], [1, 3]]: ‖M⁻¹‖∞ = 4/5, cond = (5 + √5)/(5 − √5); a mass matrix that is not finite has no scale."""
+    mass = np.array([[[2.0, 1.0], [1.0, 3.0]], [[np.inf, 1.0], [1.0, 3.0]]])
+    a, tau, wrenches = np.array([[1.0, -3.0]] * 2), np.array([[-10.0, 1.0]] * 2), np.full((2, 2, 6), -20.0)
+    condition = (5 + np.sqrt(5)) / (5 - np.sqrt(5))
+    found = acceleration_scale(mass, a, tau, wrenches)
+    assert found[0] == pytest.approx(condition * 3.0 + 0.8 * 30.0)
+    assert np.isnan(found[1])
+
+
+def test_by_parameter_type_takes_each_column_by_its_own_size():
+    """m, three of m c, six of I; an error in the first or last column of a type is on the scale of that type."""
+    sizes = [np.array([100.0]), np.array([10.0]), np.array([1.0])]
+    for column, size in ((0, 100.0), (1, 10.0), (3, 10.0), (4, 1.0), (9, 1.0)):
+        x = np.zeros((1, 1, 10))
+        x[..., column] = 0.5
+        assert by_parameter_type(x, 0 * x, *sizes) == pytest.approx([0.5 / size])
+
+
 class TestBackwardError:
     def test_largest_of_all_terms(self):
         """By hand: torques 3 off; given 10, wrenches 20, |M| |a| = 2·3 + 4·5 = 26, loads 40."""
@@ -148,18 +216,3 @@ def test_external_wrenches_add_their_moment_about_every_joint():
     loaded = size.loaded(wrench)
     assert loaded.force == pytest.approx(size.force + 50)
     assert loaded.moment == pytest.approx(size.moment + 7 + 50 * size.lever)
-
-
-def test_acceleration_scale_is_that_of_the_design():
-    mass, a, tau, wrenches = (
-        np.diag([4.0, 0.5])[None],
-        np.array([[3.0, -2.0]]),
-        np.array([[1.0, 5.0]]),
-        np.ones((1, 2, 6)),
-    )
-    assert acceleration_scale(mass, a, tau, 11 * wrenches) == pytest.approx([8 * 3 + 2 * (5 + 11)])
-
-
-def test_acceleration_scale_of_a_broken_mass_matrix_is_nan():
-    mass = np.array([[[np.inf]]])
-    assert np.isnan(acceleration_scale(mass, *np.ones((2, 1, 1)), np.ones((1, 1, 6)))).all()
