@@ -379,13 +379,6 @@ class TestSaid:
             ("graphdyn", "runs on NumPy arrays here: nothing is compiled"),
         ]
 
-    @pytest.mark.parametrize(
-        ("seconds", "said"),
-        [(2.5, "2.5 s"), (1.234e-3, "1.23 ms"), (45e-6, "45 µs"), (17.5e-9, "17.5 ns"), (1e-10, "0.1 ns")],
-    )
-    def test_units(self, seconds, said):
-        assert time_text(seconds) == said
-
 
 class TestRefusals:
     @pytest.mark.parametrize("option", ["--samples", "--threads"])

@@ -318,6 +318,14 @@ MOTOR = GOOD | {"q": {"columns": [1, 2], "side": "motor"}}
             r"m, \[q\]: 'N' is not a unit of q; use one of: rad, mrad, deg",
         ),
         (
+            GOOD | {"tau": {"columns": [1, 2], "unit": "h"}},
+            r"m, \[tau\]: 'h' is not a unit of tau; use one of: N m, N mm, N cm, kN m, mN m, N, kN, A, mA, %$",
+        ),
+        (
+            GOOD | {"v": {"columns": [1, 2], "unit": "h"}},
+            r"m, \[v\]: 'h' is not a unit of v; use one of: rad/s, deg/s, rev/s, rpm, m/s, cm/s, mm/s$",
+        ),
+        (
             GOOD | {"q": {"columns": [1, 2], "gain": 2}},
             r"m, \[q\]: unknown key 'gain'; known are columns, unit, file, si",
         ),

@@ -105,8 +105,8 @@ class TestSizes:
 
 def test_acceleration_scale_by_hand():
     """M = [[2, 1], [1, 3]]: ‖M⁻¹‖∞ = 4/5, cond = (5 + √5)/(5 − √5); a mass matrix that is not finite has no scale."""
-    mass = np.array([[[2.0, 1.0], [1.0, 3.0]], [[np.inf, 1.0], [1.0, 3.0]]])
-    a, tau, wrenches = np.array([[1.0, -3.0]] * 2), np.array([[-10.0, 1.0]] * 2), np.full((2, 2, 6), -20.0)
+    mass = np.array([[[2.0, 1.0], [1.0, 3.0]], [[np.inf, 1.0], [1.0, 3.0]], np.eye(2)])
+    a, tau, wrenches = np.array([[1.0, -3.0]] * 3), np.array([[-10.0, 1.0]] * 3), np.full((3, 2, 6), -20.0)
     condition = (5 + np.sqrt(5)) / (5 - np.sqrt(5))
     found = acceleration_scale(mass, a, tau, wrenches)
     assert found[0] == pytest.approx(condition * 3.0 + 0.8 * 30.0)
@@ -115,11 +115,12 @@ def test_acceleration_scale_by_hand():
 
 def test_by_parameter_type_takes_each_column_by_its_own_size():
     """m, three of m c, six of I; an error in the first or last column of a type is on the scale of that type."""
-    sizes = [np.array([100.0]), np.array([10.0]), np.array([1.0])]
-    for column, size in ((0, 100.0), (1, 10.0), (3, 10.0), (4, 1.0), (9, 1.0)):
-        x = np.zeros((1, 1, 10))
-        x[..., column] = 0.5
-        assert by_parameter_type(x, 0 * x, *sizes) == pytest.approx([0.5 / size])
+    for sizes in ((100.0, 10.0, 1.0), (1.0, 10.0, 100.0)):
+        for column, kind in ((0, 0), (1, 1), (3, 1), (4, 2), (9, 2)):
+            x = np.zeros((1, 1, 10))
+            x[..., column] = 0.5
+            found = by_parameter_type(x, 0 * x, *(np.array([size]) for size in sizes))
+            assert found == pytest.approx([0.5 / sizes[kind]])
 
 
 class TestBackwardError:

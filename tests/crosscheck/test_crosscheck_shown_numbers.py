@@ -16,6 +16,8 @@ from crosscheck.report.commands.crosscheck import crosscheck_report
 from crosscheck.report.commands.errors import error_text, span_text
 from crosscheck.report.commands.identify import identify_report
 from crosscheck.report.commands.judge_function import function_section
+from crosscheck.report.durations import ratio_span_text, ratio_text, threads_text, time_text
+from crosscheck.report.durations import span_text as span_of_times
 from crosscheck.report.pictures import method_errors, parameter_bars, plot, ratio_bars, spread
 from crosscheck.report.plain_text import vector_text
 from crosscheck.report.report import Panel, Plot, Series, Table
@@ -30,6 +32,35 @@ RELATIVE = (0.02, 0.05, 0.11)
 
 ALIKE = 0.1
 """Difference of a torque that was low-passed, or predicted by a model that fits, from the recorded one, relative."""
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(61.5, "61.5 s"), (1.0, "1 s"), (0.9994, "999 ms"), (1e-3, "1 ms"), (2.5e-6, "2.5 µs"), (1e-6, "1 µs"),
+     (17.24e-9, "17.2 ns"), (1e-9, "1 ns"), (2e-10, "0.2 ns")],
+)  # fmt: skip
+def test_times(seconds, text):
+    assert time_text(seconds) == text
+
+
+@pytest.mark.parametrize(
+    ("spread", "text"),
+    [((0.5, 2.0), "0.5 … 2 s"), ((0.25, 1.0), "0.25 … 1 s"), ((2e-4, 3.25e-3), "0.2 … 3.25 ms"),
+     ((1e-7, 2e-6), "0.1 … 2 µs"), ((1e-10, 4e-9), "0.1 … 4 ns"), ((1e-10, 3e-10), "0.1 … 0.3 ns")],
+)  # fmt: skip
+def test_spans_are_in_the_unit_of_the_larger_time(spread, text):
+    assert span_of_times(spread) == text
+
+
+@pytest.mark.parametrize(("ratio", "text"), [(0.5, "0.5×"), (47.26, "47.3×"), (999.0, "999×"), (1000.4, "1000×")])
+def test_ratios(ratio, text):
+    assert ratio_text(ratio) == text
+    assert ratio_span_text((2.5, ratio)) == f"2.5 … {text}"
+    assert ratio_text(1234.5) == "1234×"
+
+
+def test_threads():
+    assert [threads_text(count) for count in (1, 2, 8)] == ["1 thread", "2 threads", "8 threads"]
 
 
 @pytest.fixture(scope="module")

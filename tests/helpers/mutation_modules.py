@@ -1,0 +1,45 @@
+"""The modules in which mutation_run.py plants faults, and the changes that make no difference."""
+
+MODULES = {
+    "crosscheck/recordings/units.py": "tests/crosscheck/test_crosscheck_record_mapping.py",
+    "crosscheck/referee/scales.py": "tests/crosscheck/test_crosscheck_scales.py",
+    "crosscheck/report/durations.py": "tests/crosscheck/test_crosscheck_shown_numbers.py",
+    "graphdyn/identification/correlation_length.py": "tests/identification/test_identification_small_samples.py",
+    "graphdyn/identification/jackknife.py": "tests/identification/test_identification_small_samples.py",
+    "urdf/_checks.py": "tests/urdf/test_urdf_thresholds.py tests/urdf/test_urdf_refusals.py",
+}
+"""The tests of each."""
+
+_SQUARE = "the matrices are square"
+_SYMMETRIC = "the inverse of a symmetric matrix is symmetric"
+_INVERSE_NORM = "inverse_norm = np.abs(np.linalg.inv(mass)).sum(axis=-1).max(axis=-1)"
+_UNIT_MATRIX = "mass = np.where(finite[:, None, None], mass, np.eye(mass.shape[-1]))"
+
+EQUIVALENT: dict[str, dict[tuple[str, str], str]] = {
+    "crosscheck/referee/scales.py": {
+        (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[+1]")): _SQUARE,
+        (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[~1]")): _SQUARE,
+        (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[1]")): _SQUARE,
+        (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[- 2]")): _SQUARE,
+        (_INVERSE_NORM, _INVERSE_NORM.replace("sum(axis=-1)", "sum(axis=+1)")): _SYMMETRIC,
+        (_INVERSE_NORM, _INVERSE_NORM.replace("sum(axis=-1)", "sum(axis=~1)")): _SYMMETRIC,
+        (_INVERSE_NORM, _INVERSE_NORM.replace("max(axis=-1)", "max(axis=+1)")): "the last axis is the second one",
+        (
+            "sizes: Array = np.abs(x).reshape(len(x), -1).max(axis=-1)",
+            "sizes: Array = np.abs(x).reshape(len(x), - 2).max(axis=-1)",
+        ): "NumPy takes any negative length as the one that is left",
+        (
+            "sizes: Array = np.abs(x).reshape(len(x), -1).max(axis=-1)",
+            "sizes: Array = np.abs(x).reshape(len(x), -1).max(axis=+1)",
+        ): "the last axis is the second one",
+        (
+            "@dataclass(frozen=True, eq=False)",
+            "@dataclass(frozen=False, eq=False)",
+        ): "nothing assigns to it",
+        (
+            "@dataclass(frozen=True, eq=False)",
+            "@dataclass(frozen=True, eq=True)",
+        ): "nothing compares it",
+    },
+}
+"""Changes that no test can notice, by module: the line before and after, and why."""
