@@ -57,7 +57,7 @@ class CommandGroup(TyperGroup):
             if hasattr(error, "exit_code"):  # typer's own: a usage error, or the end of a command
                 raise _printable(error) from None
             trace(error, ctx)
-            message = " ".join(f"{type(error).__name__}: {error}".split())
+            message = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
             place = place_in_foreign_code(error)
             if place or isinstance(error, SystemExit):
                 say(f"error: {place or 'the code of another'} raised {message}", "red")

@@ -21,6 +21,12 @@ ARGUMENTS = {
 """Arguments of each function, (n,) each. They return τ (n,), a (n,), M (n, n) and W (n, 10n)."""
 
 
+def in_words(error: BaseException) -> str:
+    """Type and message, where there is one: "ValueError: out of ideas", "GeneratorExit"."""
+    message = str(error)
+    return f"{type(error).__name__}: {message}" if message else type(error).__name__
+
+
 class ForeignFailure(GraphDynError):
     """A foreign function raised an exception or returned an array of the wrong shape."""
 
@@ -50,9 +56,7 @@ class ForeignFunction:
             returned = self.function(*arguments.values())
         except (Exception, SystemExit) as error:  # foreign code may raise anything
             where = ", ".join(f"{name} = {x.tolist()}" for name, x in arguments.items())
-            raise ForeignFailure(
-                f"{self.name} raised {type(error).__name__}: {error}{_line(error)}; at {where}"
-            ) from error
+            raise ForeignFailure(f"{self.name} raised {in_words(error)}{_line(error)}; at {where}") from error
         answer = self._real(returned)
         n = len(self.order)
         expected = {"mass_matrix": (n, n), "regressor": (n, BODY_PARAMETERS * n)}.get(self.name, (n,))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings import limits
 from crosscheck.recordings.conversion import RecordedColumn
-from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.findings import RecordingFinding, quoted
 from graphdyn.layout import Array
 
 HELD_AT_LIMIT = 5
@@ -29,7 +29,7 @@ def cell_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -
         rows = tuple(np.flatnonzero(sound & ~np.isfinite(column.values)).tolist())
         if rows:
             text = column.table.texts.get(column.number, {}).get(rows[0])
-            cell = repr(text) if text else "an empty cell" if text == "" else str(column.values[rows[0]])
+            cell = quoted(text) if text else "an empty cell" if text == "" else str(column.values[rows[0]])
             message = (
                 f"{cell} is not a finite number" if len(rows) == 1 else f"{cell} and others are not finite numbers"
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from reprlib import Repr
 from typing import Literal
 
 import numpy as np
@@ -25,6 +26,16 @@ DROPPABLE = (
     "unterminated-last-line",
 )
 """Codes of findings whose rows can be dropped."""
+
+LONGEST = 80
+"""Largest number of characters of a name or cell that a message quotes."""
+
+
+def quoted(value: object) -> str:
+    """A name or cell of a file in a message: as Python writes it, a long one without its middle."""
+    shortened = Repr()
+    shortened.maxstring = shortened.maxother = LONGEST
+    return shortened.repr(value)
 
 
 @dataclass(frozen=True)
@@ -52,7 +63,7 @@ class RecordingFinding:
         """File, column, rows, message and remedy, in one line."""
         place = [
             self.file,
-            *([f"column {self.column!r}"] if self.column else []),
+            *([f"column {quoted(self.column)}"] if self.column else []),
             *([where] if (where := self._where) else []),
         ]
         return f"{', '.join(place)}: {self.message}; {self.remedy} [{self.code}]"

@@ -60,7 +60,9 @@ def _refuse_left_out(table: RecordedTable, families: dict[str, Family]) -> None:
     for name, reason in table.left_out.items():
         said = meaning(name, None) or meaning(f"{name}_1", None)
         if said and said.quantity not in families:
-            raise BadMapping(f"{table.path}: {name!r} is {said.quantity} by its name, but not read: {reason}")
+            raise BadMapping(
+                f"{table.path}: {name!r} is the quantity {said.quantity} by its name, but not read: {reason}"
+            )
 
 
 def _order(where: str, found: list[str], joints: Sequence[str] | None) -> list[str]:

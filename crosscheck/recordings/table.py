@@ -11,7 +11,7 @@ import numpy as np
 
 from crosscheck.recordings.cells import Cells
 from crosscheck.recordings.errors import BadMapping
-from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.findings import RecordingFinding, quoted
 from graphdyn.layout import Array
 
 SHOWN_NAMES = 40
@@ -79,4 +79,4 @@ def in_words(names: Iterable[str]) -> str:
     """Names for a message: the first ones, control characters escaped."""
     names = list(names)
     more = [f"… ({len(names)} in all)"] if len(names) > SHOWN_NAMES else []
-    return ", ".join([*(repr(name)[1:-1] for name in names[:SHOWN_NAMES]), *more])
+    return ", ".join([*(quoted(name)[1:-1] for name in names[:SHOWN_NAMES]), *more])

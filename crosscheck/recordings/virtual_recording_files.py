@@ -13,6 +13,7 @@ import numpy as np
 
 from crosscheck.recordings.cells import cells_of_column
 from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.findings import quoted
 from crosscheck.recordings.virtual_recording_columns import (
     JOINT_UNITS,
     ROBOT,
@@ -80,9 +81,8 @@ def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:
         bad = np.flatnonzero(~np.isfinite(values))
         if bad.size:
             cell = table.column(headers.index(header))[int(bad[0])].as_py()
-            raise BadRecordingFile(
-                f"{place(int(bad[0]), header)}: {cell!r} is not a finite number; repair it, or leave out the {kind}"
-            )
+            where, remedy = place(int(bad[0]), header), f"repair it, or leave out the {kind}"
+            raise BadRecordingFile(f"{where}: {quoted(cell)} is not a finite number; {remedy}")
         return values
 
     time, n = numbers(TIME), len(elements.joint_names)

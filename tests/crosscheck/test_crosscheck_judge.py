@@ -378,6 +378,15 @@ class TestInput:
         with pytest.raises(ForeignFailure, match=r"regressor returned shape \(6, 6\), expected \(6, 60\)"):
             crosscheck.judge("ur5", regressor=lambda q, v, a: np.eye(6))
 
+    def test_foreign_exception_without_a_message(self):
+        def silent(q, v, a):
+            raise ValueError
+
+        with pytest.raises(
+            ForeignFailure, match=r"inverse_dynamics raised ValueError \(.*, line \d+, in silent\); at q"
+        ):
+            crosscheck.judge("ur5", inverse_dynamics=silent, samples=SAMPLES)
+
     def test_foreign_exception(self):
         def broken(q):
             raise KeyError("wrist")

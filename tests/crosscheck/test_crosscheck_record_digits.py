@@ -207,7 +207,9 @@ def test_units_of_numpy_times(tmp_path, unit, seconds):
 
 def test_numpy_times_in_months_are_refused(tmp_path):
     np.savez(tmp_path / "r.npz", time=np.arange(3).astype("M8[M]"), q=np.ones((3, 2)))
-    with pytest.raises(BadMapping, match=r"'time' is time by its name, but not read: it holds times in the unit 'M'"):
+    with pytest.raises(
+        BadMapping, match=r"'time' is the quantity time by its name, but not read: it holds times in the unit 'M'"
+    ):
         load_recording(tmp_path / "r.npz")
 
 

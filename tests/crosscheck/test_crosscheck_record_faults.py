@@ -313,3 +313,13 @@ def test_spans_of_rows():
     assert spans([3]) == "3"
     assert spans([3, 4, 5, 9, 11, 12]) == "3–5, 9, 11–12"
     assert spans(range(0, 20, 2)) == "0, 2, 4, 6, 8, … (10 in all)"
+
+
+def test_a_long_cell_is_shortened(tmp_path):
+    """Of a hundred thousand characters the message has both ends."""
+    path, cell = tmp_path / "log.csv", f"begin{'x' * 100_000}end"
+    rows = [*(f"{k}.0,0.1,0.2" for k in range(5)), f"5.0,{cell},0.2"]
+    path.write_text("\n".join(["t,q_1,tau_1", *rows, ""]), encoding="utf-8")
+    with pytest.raises(DirtyRecording, match=r"'begin[x.]+end' is not a finite number") as caught:
+        load_recording(path)
+    assert len(str(caught.value)) < 1000

@@ -212,7 +212,7 @@ def test_a_transmission_without_a_side_would_have_no_effect():
 )
 def test_arrays_that_are_no_columns_but_a_quantity_by_name(tmp_path, tau, reason):
     np.savez(tmp_path / "r.npz", t=T, q=Q, tau=tau)
-    with pytest.raises(BadMapping, match=rf"r.npz: 'tau' is tau by its name, but not read: {reason}"):
+    with pytest.raises(BadMapping, match=rf"r.npz: 'tau' is the quantity tau by its name, but not read: {reason}"):
         load_recording(tmp_path / "r.npz")
     np.savez(tmp_path / "r.npz", t=T, q=Q, load=tau)
     (text,) = [f.text for f in inspect_recording(tmp_path / "r.npz") if f.code == "left-out"]
@@ -233,7 +233,7 @@ def test_arrays_that_are_no_columns_but_a_quantity_by_name(tmp_path, tau, reason
 )
 def test_parquet_columns_that_are_none(tmp_path, column, reason):
     parquet.write_table(pa.table({"t": [0.0, 1, 2], "q_1": [0.0, 1, 2], "tau": column}), tmp_path / "r.parquet")
-    with pytest.raises(BadMapping, match=rf"r.parquet: 'tau' is tau by its name, but not read: {reason}"):
+    with pytest.raises(BadMapping, match=rf"r.parquet: 'tau' is the quantity tau by its name, but not read: {reason}"):
         load_recording(tmp_path / "r.parquet")
     parquet.write_table(pa.table({"x": column}), tmp_path / "r.parquet")
     with pytest.raises(BadRecordingFile, match=r"r.parquet: no column of numbers; save time, q and tau"):
