@@ -36,7 +36,8 @@ ALIKE = 0.1
 
 @pytest.mark.parametrize(
     ("seconds", "text"),
-    [(61.5, "61.5 s"), (1.0, "1 s"), (0.9994, "999 ms"), (1e-3, "1 ms"), (2.5e-6, "2.5 µs"), (1e-6, "1 µs"),
+    [(61.5, "61.5 s"), (1.0, "1 s"), (0.9996, "1 s"), (0.9994, "999 ms"), (1e-3, "1 ms"), (2.5e-6, "2.5 µs"),
+     (1e-6, "1 µs"),
      (17.24e-9, "17.2 ns"), (1e-9, "1 ns"), (2e-10, "0.2 ns")],
 )  # fmt: skip
 def test_times(seconds, text):
@@ -52,7 +53,9 @@ def test_spans_are_in_the_unit_of_the_larger_time(spread, text):
     assert span_of_times(spread) == text
 
 
-@pytest.mark.parametrize(("ratio", "text"), [(0.5, "0.5×"), (47.26, "47.3×"), (999.0, "999×"), (1000.4, "1000×")])
+@pytest.mark.parametrize(
+    ("ratio", "text"), [(0.5, "0.5×"), (47.26, "47.3×"), (999.4, "999×"), (999.6, "1000×"), (1000.4, "1000×")]
+)
 def test_ratios(ratio, text):
     assert ratio_text(ratio) == text
     assert ratio_span_text((2.5, ratio)) == f"2.5 … {text}"

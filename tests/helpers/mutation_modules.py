@@ -16,6 +16,16 @@ _INVERSE_NORM = "inverse_norm = np.abs(np.linalg.inv(mass)).sum(axis=-1).max(axi
 _UNIT_MATRIX = "mass = np.where(finite[:, None, None], mass, np.eye(mass.shape[-1]))"
 
 EQUIVALENT: dict[str, dict[tuple[str, str], str]] = {
+    "crosscheck/report/durations.py": {
+        (
+            'return f"{ratio:.3g}×" if ratio < 999.5 else f"{ratio:.0f}×"',
+            'return f"{ratio:.3g}×" if ratio < 998.5 else f"{ratio:.0f}×"',
+        ): "between these, both forms have three digits and no exponent",
+        (
+            'return f"{ratio:.3g}×" if ratio < 999.5 else f"{ratio:.0f}×"',
+            'return f"{ratio:.3g}×" if ratio <= 999.5 else f"{ratio:.0f}×"',
+        ): "999.5 itself is printed as 1e+03 or as 1000, which no measured ratio is",
+    },
     "crosscheck/referee/scales.py": {
         (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[+1]")): _SQUARE,
         (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[~1]")): _SQUARE,
