@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 import graphdyn
 from crosscheck.referee.quantities import QUANTITIES, kkt_batch
@@ -95,6 +96,17 @@ class ForwardAnswers:
     constraint_residual: Array
 
 
+@dataclass(frozen=True, eq=False)
+class DerivedAnswers:
+    """Derivatives, matrices and energies of one method, by the names of their quantities.
+
+    forward: those that need a regular mass matrix, at the states that have one; empty where none has
+    """
+
+    passive: Mapping[str, Array]
+    forward: Mapping[str, Array]
+
+
 def passive_answers(case: Case, *, recursive: bool = False) -> PassiveAnswers:
     """recursive: also those of the recursive method."""
     model, q, v, a = case.model, case.q, case.v, case.a
@@ -108,24 +120,28 @@ def passive_answers(case: Case, *, recursive: bool = False) -> PassiveAnswers:
     )
 
 
-def derived_answers(case: Case, method: Method) -> dict[str, Array]:
-    """Derivatives, matrices and energies by one method, by the names of their quantities, that need no regular M."""
+def derived_answers(case: Case, tau: Array, regular: NDArray[np.bool_], method: Method) -> DerivedAnswers:
+    """Derivatives, matrices and energies by one method.
+
+    tau: given torques (N, n); regular: states with a regular mass matrix (N,)
+    """
     model, q, v, a = case.model, case.q, case.v, case.a
     rates = inverse_dynamics_derivatives(model, q, v, a, method=method)
-    return {
+    passive = {
         "dtau_dq": rates.dtau_dq,
         "dtau_dv": rates.dtau_dv,
         "coriolis_matrix": coriolis_matrix(model, q, v, method=method),
         "kinetic_energy": kinetic_energy(model, q, v, method=method),
         "potential_energy": potential_energy(model, q, method=method),
     }
-
-
-def derived_forward_answers(case: Case, tau: Array, method: Method) -> dict[str, Array]:
-    """The same of those that need a regular mass matrix, at the torques tau (N, n)."""
-    model, q, v = case.model, case.q, case.v
-    rates = forward_dynamics_derivatives(model, q, v, tau, method=method)
-    return {**vars(rates), "mass_matrix_inverse": mass_matrix_inverse(model, q, method=method)}
+    forward = {}
+    if regular.any():
+        q, v, tau = q[regular], v[regular], tau[regular]
+        forward = {
+            **vars(forward_dynamics_derivatives(model, q, v, tau, method=method)),
+            "mass_matrix_inverse": mass_matrix_inverse(model, q, method=method),
+        }
+    return DerivedAnswers(passive, forward)
 
 
 def _inverse_answers(case: Case, method: Method) -> InverseAnswers:

@@ -7,12 +7,11 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from crosscheck.referee.answers import (
     derived_answers,
-    derived_forward_answers,
     forward_answers,
     passive_answers,
 )
@@ -31,7 +30,6 @@ from crosscheck.referee.errors import (
 )
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.referee.quantities import QUANTITIES, RECURSIVE
-from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.states import RANDOM, Case, cases
 from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
@@ -43,6 +41,9 @@ from urdf._cutting import Chain
 
 CHUNK = 250
 """Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
+
+DERIVED_BY: tuple[Method, ...] = ("projected", "recursive")
+"""Methods whose derivatives, energies and matrices are compared."""
 
 Progress = Callable[[str, int], None]
 """Called with the name of a case and the number of states just done."""
@@ -76,14 +77,13 @@ def compare(
     model = compared.model
     referees, notes = _referees(compared)
     record = ErrorRecord()
-    derive = True  # of the first chunk: complex steps take long
     reason = _why_not_forward(model)
     skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
     compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
     with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
-        for chunk in _chunks(model, samples, seed):
-            _compare_chunk(record, chunk, referees, with_forward=reason is None, derive=derive)
-            derive = False
+        for number, chunk in enumerate(_chunks(model, samples, seed)):
+            # derivatives in the first chunk only: complex steps take long
+            _compare_chunk(record, chunk, referees, with_forward=reason is None, derive=number == 0)
             if progress:
                 progress(chunk.name, len(chunk.q))
         has_mass = any(body.mass > 0 for body in model.bodies)
@@ -158,7 +158,7 @@ def _compare_chunk(
     recursive = chunk.name == RANDOM  # compiled for one model: the special cases have many
     passive = passive_answers(chunk, recursive=recursive)
     at = chunk.rows(regular)
-    forward = None
+    forward = derived = None
     for route, referee in referees.items():
         turned = referee.turned(chunk.turn, chunk.model.gravity)
         tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
@@ -168,7 +168,15 @@ def _compare_chunk(
         if route == "urdf" and chunk.model.frames:
             record.add(route, chunk, frame_errors(chunk, turned))
         if derive:
-            _compare_derived(record, route, turned, chunk, tau, regular, reference)
+            if derived is None or chunk.tau is None:
+                derived = [derived_answers(chunk, tau, regular, method) for method in DERIVED_BY]
+            values = turned.derive(chunk.q, chunk.v, chunk.a, tau)
+            for method, answers in zip(DERIVED_BY, derived, strict=True):
+                named = of_recursive if method == "recursive" else dict
+                record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, values)))
+                if regular.any():
+                    there = reference.rows(regular), values.rows(regular)
+                    record.add(route, at, named(derived_forward_errors(tau[regular], answers.forward, *there)))
         if regular.any():
             try:
                 if forward is None or chunk.tau is None:  # torques of a differ between the routes
@@ -179,27 +187,6 @@ def _compare_chunk(
     errors, conditioning = rank_errors(chunk, tau, regular)
     record.add("model", chunk, errors)
     record.condition(conditioning)
-
-
-def _compare_derived(
-    record: ErrorRecord,
-    route: str,
-    referee: PinocchioModel,
-    chunk: Case,
-    tau: Array,
-    regular: NDArray[np.bool_],
-    reference: RefereeValues,
-) -> None:
-    at, there = chunk.rows(regular), reference.rows(regular)
-    values = referee.derive(chunk.q, chunk.v, chunk.a, tau)
-    methods: tuple[Method, ...] = ("projected", "recursive")
-    for method in methods:
-        named = of_recursive if method == "recursive" else dict
-        record.add(route, chunk, named(derived_errors(chunk, derived_answers(chunk, method), reference, values)))
-        if regular.any():
-            answers = derived_forward_answers(at, tau[regular], method)
-            errors = derived_forward_errors(tau[regular], answers, there, values.rows(regular))
-            record.add(route, at, named(errors))
 
 
 def _no_forward(count: int, *, recursive: bool) -> dict[str, Array]:
