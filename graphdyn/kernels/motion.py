@@ -109,6 +109,25 @@ def rotations(links: Sequence[Link], at: Sequence[Place], root: Root) -> list[Sc
     return done
 
 
+def origins(links: Sequence[Link], at: Sequence[Place], axes: Sequence[Scalars], root: Root) -> list[Scalars]:
+    """O_j of all bodies in the world; axes: their rotations."""
+    done: list[Scalars] = []
+    for link, place in zip(links, at, strict=True):
+        inside = (root.position, root.rotation) if link.inside < 0 else (done[link.inside], axes[link.inside])
+        done.append(inside[0] + inside[1] @ place.translation)
+    return done
+
+
+def twists(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[Any]) -> list[tuple[Scalars, Scalars]]:
+    """Velocity of O_j and ω of all bodies, in joint axes."""
+    done: list[tuple[Scalars, Scalars]] = []
+    for link, place, rate in zip(links, at, v, strict=True):
+        linear, omega = (root.velocity, root.omega) if link.inside < 0 else done[link.inside]
+        linear, omega = place.outwards(linear + cross(omega, place.translation)), place.outwards(omega)
+        done.append((linear + E_Z * rate, omega) if link.prismatic else (linear, omega + E_Z * rate))
+    return done
+
+
 def inertial_wrench(link: Link, motion: Motion) -> tuple[Scalars, Scalars]:
     """Force, and moment about O_j, that the motion of body j takes: Eq. (22), (23) moved to the link origin."""
     force = link.mass * motion.compensated + motion.spread() @ link.first_moment
