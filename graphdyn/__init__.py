@@ -43,6 +43,7 @@ from graphdyn._errors import (
     UnknownFrame,
 )
 from graphdyn._experiment import record
+from graphdyn._frames import frame_acceleration, frame_jacobian, frame_jacobian_derivative, frame_velocity
 from graphdyn._graph import Graph
 from graphdyn._inertia import Consistency
 from graphdyn._kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
@@ -107,7 +108,11 @@ __all__ = [
     "coriolis_matrix",
     "forward_dynamics",
     "forward_dynamics_derivatives",
+    "frame_acceleration",
+    "frame_jacobian",
+    "frame_jacobian_derivative",
     "frame_placement",
+    "frame_velocity",
     "gravity_torque",
     "identification",
     "inverse_dynamics",

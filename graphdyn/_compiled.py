@@ -16,8 +16,8 @@ from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared
 from graphdyn.layout import Array
 
-SINGLE = {name: verb for name, verb in VERBS.items() if len(verb.outputs) == 1}
-"""The verbs that answer one array."""
+SINGLE = {name: verb for name, verb in VERBS.items() if len(verb.outputs) == 1 and not verb.of_frame}
+"""The verbs that answer one array, and need no choice of a frame."""
 
 
 class SingleState(threading.local):  # __init__ runs again in every thread that uses the object

@@ -10,8 +10,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from graphdyn import _frame_motion as frame_motion
 from graphdyn import _projected as projected
 from graphdyn._base_motion import BaseMotion
+from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel
 from graphdyn._projected import Arguments, Specification
 from graphdyn.layout import Array
@@ -61,6 +63,14 @@ def reaction_derivatives(
         for name, parts in found.items()
         for short, answer in (("multipliers", "multipliers"), ("wrenches", "joint_wrenches"))
     }
+
+
+def frame_jacobian_derivative(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False, *, frame: FrameChoice
+) -> dict[str, Array]:
+    """dJ/dt = Σ ∂J/∂q_k v_k: one step along v."""
+    stepped = frame_motion.frame_jacobian(model, {"q": x["q"] + 1j * STEP * x["v"]}, base, frame=frame)
+    return {"frame_jacobian_derivative": stepped["frame_jacobian"].imag / STEP}
 
 
 def coriolis_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from graphdyn import _projected as projected
 from graphdyn._base_motion import BaseMotion
+from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel
 from graphdyn._projected import Arguments, Specification, refuse_singular
 from graphdyn.kernels.batch import Evaluation, Options, evaluate
@@ -27,9 +28,10 @@ def answers(
     base: BaseMotion | None,
     options: Options,
     out: Mapping[str, Array] | None,
+    frame: FrameChoice | None = None,
 ) -> dict[str, Array]:
     """These outputs of a recursion, which agrees with the specification. Raises SingularMassMatrix."""
-    answer = evaluate(model, recursion, outputs, x, base, options, out)
+    answer = evaluate(model, recursion, outputs, x, base, options, out, frame)
     if answer.suspects.size:
         _decide(model, answer, specification, x, base)
     return answer.arrays

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
@@ -12,9 +13,9 @@ from graphdyn import _recursive as recursive
 from graphdyn._arrays import joint_arrays, refuse_non_finite
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import InvalidInput
+from graphdyn._frame_choice import FrameChoice
 from graphdyn._methods import Method, is_recursive
 from graphdyn._model import RobotModel
-from graphdyn._projected import Specification
 from graphdyn.kernels.batch import Options
 from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
 from graphdyn.layout import BODY_FREEDOMS, Array
@@ -25,7 +26,8 @@ Answer = TypeVar("Answer")
 class Verb(Generic[Answer]):
     """A row of the table of verbs (graphdyn._verbs.Verbs), whose attribute names it.
 
-    specification: the answer as the equations read, which the recursion must agree with
+    specification: the answer as the equations read, which the recursion must agree with; a graphdyn._projected
+        Specification, with the keyword frame where the recursion speaks of one
     recursion: its name in graphdyn.kernels.recursions, where inputs, outputs, shapes and units are; that of the verb
         if left out
     outputs: which of the recursion's outputs the verb answers; all of them if left out
@@ -36,7 +38,7 @@ class Verb(Generic[Answer]):
 
     def __init__(
         self,
-        specification: Specification,
+        specification: Callable[..., dict[str, Array]],
         recursion: str | None = None,
         outputs: tuple[str, ...] = (),
         answer: type[Answer] | None = None,
@@ -47,7 +49,7 @@ class Verb(Generic[Answer]):
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
         self.recursion = self._recursion or name
-        self.inputs = RECURSIONS[self.recursion].inputs
+        self.inputs, self.of_frame = RECURSIONS[self.recursion].inputs, RECURSIONS[self.recursion].of_frame
         self.outputs = self.outputs or RECURSIONS[self.recursion].outputs
 
     def __str__(self) -> str:
@@ -65,21 +67,26 @@ class Verb(Generic[Answer]):
         check: bool,
         out: Answer | None,
         external_wrenches: ArrayLike | None = None,
+        frame: FrameChoice | None = None,
     ) -> Answer:
-        """The answer for arguments in the order of `inputs`; the keywords are those of graphdyn._methods.KEYWORDS."""
+        """The answer for arguments in the order of `inputs`; the keywords are those of graphdyn._methods.KEYWORDS.
+
+        frame: given to the verbs that speak of one (graphdyn._frame_choice.frame_choice)
+        """
         given = dict(zip(self.inputs, arguments, strict=True))
         if external_wrenches is not None:
             given["external_wrenches"] = external_wrenches
         x = joint_arrays(model, base, check=False, **given)
+        specification = self.specification if frame is None else partial(self.specification, frame=frame)
         if is_recursive(method, x, out):
             moving = base if RECURSIONS[self.recursion].on_moving_base else None
             options, memory = Options(threads, check), self._memory(out)
             return self._packed(
-                recursive.answers(model, self.specification, self.recursion, self.outputs, x, moving, options, memory)
+                recursive.answers(model, specification, self.recursion, self.outputs, x, moving, options, memory, frame)
             )
         refuse_non_finite(model, x)
         x.setdefault("external_wrenches", np.zeros((*x["q"].shape, BODY_FREEDOMS)))
-        return self._packed(self.specification(model, x, base, method == "dense"))
+        return self._packed(specification(model, x, base, method == "dense"))
 
     def _packed(self, arrays: dict[str, Array]) -> Answer:
         found = [np.asarray(arrays[name]) for name in self.outputs]  # a number of one state, too

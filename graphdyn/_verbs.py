@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from graphdyn import _complex_steps as complex_steps
+from graphdyn import _frame_motion as frames
 from graphdyn import _projected as projected
 from graphdyn import _regressors as regressors
 from graphdyn._answers import (
@@ -38,6 +39,10 @@ class Verbs:
     inverse_dynamics_derivatives = Verb(complex_steps.inverse_dynamics_derivatives, answer=InverseDynamicsDerivatives)
     forward_dynamics_derivatives = Verb(complex_steps.forward_dynamics_derivatives, answer=ForwardDynamicsDerivatives)
     reaction_derivatives = Verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives)
+    frame_jacobian = Verb[Array](frames.frame_jacobian)
+    frame_jacobian_derivative = Verb[Array](complex_steps.frame_jacobian_derivative)
+    frame_velocity = Verb[Array](frames.frame_velocity)
+    frame_acceleration = Verb[Array](frames.frame_acceleration)
     joint_torque_regressor = Verb[Array](regressors.joint_torque_regressor)
     body_regressor = Verb[Array](regressors.body_regressor)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from graphdyn._arrays import refuse_non_finite
 from graphdyn._base_motion import BaseMotion, ground
 from graphdyn._errors import InvalidInput
+from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.programs import GROUND, Request
@@ -56,6 +57,7 @@ def evaluate(
     base: BaseMotion | None,
     options: Options,
     out: Mapping[str, Array] | None = None,
+    frame: FrameChoice | None = None,
 ) -> Evaluation:
     """These outputs of a recursion for arrays of one leading shape, written into out if given.
 
@@ -70,7 +72,7 @@ def evaluate(
         inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
     shapes = {name: (*batch, *ARRAYS[name].shape_for(model.n_bodies)) for name in outputs}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
-    request = Request(recursion, outputs, "external_wrenches" in x, base is not None)
+    request = Request(recursion, outputs, "external_wrenches" in x, base is not None, frame)
     if count == 0:
         return Evaluation(arrays, np.empty(0, dtype=np.intp))
     rows = {name: _as_rows(array, batch) for name, array in arrays.items()}
@@ -94,8 +96,7 @@ def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
 
 def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], options: Options) -> NDArray[np.intp]:
     pivots = np.empty((len(inputs["q"]), model.n_bodies))
-    which = Request(request.recursion, ("pivots",), request.external, request.moving_base)
-    run(model, which, inputs, {"pivots": pivots}, options.threads)
+    run(model, replace(request, outputs=("pivots",)), inputs, {"pivots": pivots}, options.threads)
     return np.flatnonzero((pivots < SMALL_PIVOT).any(axis=-1))
 
 

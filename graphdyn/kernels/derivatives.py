@@ -98,5 +98,6 @@ def _nowhere() -> Root:
         velocity=zeros(3),
         omega=zeros(3),
         alpha=zeros(3),
+        acceleration=zeros(3),
         compensated=zeros(3),
     )

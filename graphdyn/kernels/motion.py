@@ -22,7 +22,7 @@ from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, turn, turn_back,
 class Root:
     """The ground frame, where the recursions start: rotation to world axes, position and gravity there.
 
-    Its velocity, ω, ω̇ and gravity-compensated acceleration are in its own axes.
+    Its velocity, acceleration, ω, ω̇ and gravity-compensated acceleration are in its own axes.
     """
 
     rotation: Scalars
@@ -31,6 +31,7 @@ class Root:
     velocity: Scalars
     omega: Scalars
     alpha: Scalars
+    acceleration: Scalars
     compensated: Scalars
 
 

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel
 from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
+from graphdyn.kernels.frames import fixed_frame
 from graphdyn.kernels.mechanism import Link, links
 from graphdyn.kernels.motion import Root
 from graphdyn.kernels.reactions import Wrench, in_joint_axes
@@ -27,12 +29,16 @@ GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND.values())
 
 @dataclass(frozen=True)
 class Request:
-    """Which program: the recursion, its outputs in order, whether wrenches act on the bodies and the base moves."""
+    """Which program: the recursion, its outputs in order, whether wrenches act on the bodies and the base moves.
+
+    frame: which one, of recursions that speak of a frame
+    """
 
     recursion: str
     outputs: tuple[str, ...]
     external: bool = False
     moving_base: bool = False
+    frame: FrameChoice | None = None
 
 
 def record(model: RobotModel, request: Request) -> Program:
@@ -82,6 +88,8 @@ class _Sample:
         self.zeros = [0.0] * self.n
         self.q = self.input("q")
         self.root = self._moving_root(model) if request.moving_base else _fixed_root(model)
+        if request.frame is not None:
+            self.frame = fixed_frame(model, self.links, request.frame)
         self.external: list[Wrench] | None = None
         if request.external:
             columns = np.array(self.input("external_wrenches", self.n * BODY_FREEDOMS), dtype=object)
@@ -103,7 +111,9 @@ class _Sample:
             last = first + int(np.prod(shape))
             fields[name] = np.array(columns[first:last], dtype=object).reshape(shape)
             first = last
-        return Root(gravity=scalars(model.gravity), **fields)
+        gravity = scalars(model.gravity)
+        acceleration = fields["compensated"] + fields["rotation"].T @ gravity
+        return Root(gravity=gravity, acceleration=acceleration, **fields)
 
 
 def _fixed_root(model: RobotModel) -> Root:
@@ -114,6 +124,7 @@ def _fixed_root(model: RobotModel) -> Root:
         velocity=zeros(3),
         omega=zeros(3),
         alpha=zeros(3),
+        acceleration=zeros(3),
         compensated=scalars(-model.base.rotation.T @ model.gravity),
     )
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from graphdyn.kernels import derivatives
+from graphdyn.kernels import derivatives, frames
 from graphdyn.kernels.energies import kinetic_energy, potential_energy
 from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
@@ -53,6 +53,10 @@ ARRAYS = {
     "da_dtau": ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
     **{f"dmultipliers_d{x}": ArraySpec(("n", JOINT_CONSTRAINTS, "n"), f"N, N m per {x}") for x in "qva"},
     **{f"dwrenches_d{x}": ArraySpec(("n", BODY_FREEDOMS, "n"), f"N, N m per {x}") for x in "qva"},
+    "frame_jacobian": ArraySpec((BODY_FREEDOMS, "n"), "m, 1 or 1, 0"),
+    "frame_jacobian_derivative": ArraySpec((BODY_FREEDOMS, "n"), "m/s, 1/s"),
+    "frame_velocity": ArraySpec((BODY_FREEDOMS,), "m/s, rad/s"),
+    "frame_acceleration": ArraySpec((BODY_FREEDOMS,), "m/s², rad/s²"),
     "bias_torque": ArraySpec(("n",), "N m or N"),
     "gravity_torque": ArraySpec(("n",), "N m or N"),
     "joint_torque_regressor": ArraySpec(("n", "10 n"), "N m or N per parameter"),
@@ -70,12 +74,14 @@ class Recursion:
     compute(sample, *inputs) answers scalars: the one output, of any shape, or a dictionary of flat outputs; the sample
         (graphdyn.kernels.programs) has the links of the robot, its root, external wrenches, and zeros for an input
     on_moving_base: whether the motion of the base matters
+    of_frame: whether it speaks of a frame, which the sample has
     """
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     compute: Callable[..., Any]
     on_moving_base: bool = True
+    of_frame: bool = False
 
 
 _REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches")
@@ -124,6 +130,30 @@ RECURSIONS = {
         ("q", "v", "a"),
         tuple(f"d{answer}_d{name}" for answer in ("multipliers", "wrenches") for name in "qva"),
         lambda x, q, v, a: derivatives.reaction_derivatives(x.links, x.root, q, v, a, x.external),
+    ),
+    "frame_jacobian": Recursion(
+        ("q",),
+        ("frame_jacobian",),
+        lambda x, q: frames.frame_jacobian(x.links, x.root, q, x.frame),
+        of_frame=True,
+    ),
+    "frame_jacobian_derivative": Recursion(
+        ("q", "v"),
+        ("frame_jacobian_derivative",),
+        lambda x, q, v: frames.frame_jacobian_derivative(x.links, x.root, q, v, x.frame),
+        of_frame=True,
+    ),
+    "frame_velocity": Recursion(
+        ("q", "v"),
+        ("frame_velocity",),
+        lambda x, q, v: frames.frame_velocity(x.links, x.root, q, v, x.frame),
+        of_frame=True,
+    ),
+    "frame_acceleration": Recursion(
+        ("q", "v", "a"),
+        ("frame_acceleration",),
+        lambda x, q, v, a: frames.frame_acceleration(x.links, x.root, q, v, a, x.frame),
+        of_frame=True,
     ),
     "bias_torque": Recursion(
         ("q", "v"), ("bias_torque",), lambda x, q, v: inverse_dynamics(x.links, x.root, q, v, x.zeros)["tau"]

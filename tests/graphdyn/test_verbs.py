@@ -1,5 +1,6 @@
 """The table of verbs: what follows from a row holds for every verb."""
 
+import functools
 import inspect
 
 import numpy as np
@@ -20,13 +21,22 @@ terms."""
 SECOND_ROW = np.array([[0.0], [np.nan]])
 """Spoils it."""
 
+AT_REST = ("coriolis_matrix", "frame_jacobian_derivative")
+"""They refuse a base that moves."""
+
 verbs = pytest.mark.parametrize("name", VERBS)
 MOVING = BaseMotion(velocity=[0.1, 0.2, -0.3, 0.5, -0.4, 0.3], acceleration=[1.0, -2.0, 0.5, 0.3, 0.2, -0.7])
 
 
+def function_of(name):
+    """Of the verb, for one frame where it speaks of one."""
+    function = getattr(graphdyn, name)
+    return functools.partial(function, frame="body3", reference="world") if VERBS[name].of_frame else function
+
+
 def call(name, *leading, **keywords):
     arguments = random_state(MODEL, 1, leading)[: len(VERBS[name].inputs)]
-    return getattr(graphdyn, name)(MODEL, *arguments, **keywords)
+    return function_of(name)(MODEL, *arguments, **keywords)
 
 
 def arrays(name, answer):
@@ -43,8 +53,10 @@ def test_the_function_is_public_and_has_the_signature_of_its_row(name):
     assert name in graphdyn.__all__
     parameters = dict(inspect.signature(getattr(graphdyn, name)).parameters)
     assert tuple(parameters)[: 1 + len(VERBS[name].inputs)] == ("model", *VERBS[name].inputs)
-    further = tuple(parameters)[1 + len(VERBS[name].inputs) :]
-    assert further in (tuple(KEYWORDS), ("external_wrenches", *KEYWORDS))
+    further = tuple(parameters)[1 + len(VERBS[name].inputs) : -len(KEYWORDS)]
+    of_frame = [("frame", "reference"), ("frame", "reference", "classical")]
+    assert further in (of_frame if VERBS[name].of_frame else [(), ("external_wrenches",)])
+    assert tuple(parameters)[-len(KEYWORDS) :] == tuple(KEYWORDS)
     assert all(parameters[keyword].kind is inspect.Parameter.KEYWORD_ONLY for keyword in KEYWORDS)
 
 
@@ -67,7 +79,7 @@ def test_shapes_are_those_of_the_table(name, leading, method):
 @verbs
 @pytest.mark.parametrize("base", [None, MOVING], ids=["fixed", "moving"])
 def test_methods_agree(name, base):
-    if name == "coriolis_matrix" and base is not None:
+    if name in AT_REST and base is not None:
         pytest.skip("refuses a base that moves")
     expected = arrays(name, call(name, 4, base=base, method="dense"))
     for method in ("projected", "recursive"):
@@ -97,7 +109,7 @@ def test_answers_go_where_out_says(name):
 def test_refusals(name):
     count = len(VERBS[name].inputs)
     q = np.zeros((2, MODEL.n_bodies))
-    function, good = getattr(graphdyn, name), [q] * count
+    function, good = function_of(name), [q] * count
     for k, argument in enumerate(VERBS[name].inputs):
         wrong = [*good]
         wrong[k] = q[:, 1:]
@@ -120,7 +132,7 @@ def test_refusals(name):
 @verbs
 def test_unchecked_arguments_spoil_their_own_sample_only(name):
     q = np.zeros((2, MODEL.n_bodies))
-    function, others = getattr(graphdyn, name), [q] * (len(VERBS[name].inputs) - 1)
+    function, others = function_of(name), [q] * (len(VERBS[name].inputs) - 1)
     spoilt = function(MODEL, q + SECOND_ROW, *others, method="recursive", check=False)
     sound = arrays(name, function(MODEL, q, *others, method="recursive"))
     for output, array in arrays(name, spoilt).items():
