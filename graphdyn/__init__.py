@@ -15,11 +15,17 @@ from graphdyn._answers import (
     ForwardDynamicsDerivatives,
     InverseDynamics,
     InverseDynamicsDerivatives,
+    InverseDynamicsSecondDerivatives,
     ReactionDerivatives,
 )
 from graphdyn._base_motion import BaseMotion
 from graphdyn._compiled import CompiledModel, compile
-from graphdyn._derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives, reaction_derivatives
+from graphdyn._derivatives import (
+    forward_dynamics_derivatives,
+    inverse_dynamics_derivatives,
+    inverse_dynamics_second_derivatives,
+    reaction_derivatives,
+)
 from graphdyn._dynamics import (
     bias_torque,
     forward_dynamics,
@@ -90,6 +96,7 @@ __all__ = [
     "InvalidModel",
     "InverseDynamics",
     "InverseDynamicsDerivatives",
+    "InverseDynamicsSecondDerivatives",
     "Joint",
     "JointLimits",
     "KKTSolution",
@@ -117,6 +124,7 @@ __all__ = [
     "identification",
     "inverse_dynamics",
     "inverse_dynamics_derivatives",
+    "inverse_dynamics_second_derivatives",
     "joint_acceleration",
     "joint_accelerations",
     "joint_state",

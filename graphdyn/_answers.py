@@ -52,6 +52,23 @@ class InverseDynamicsDerivatives:
 
 
 @dataclass(frozen=True, eq=False)
+class InverseDynamicsSecondDerivatives:
+    """Answer of inverse_dynamics_second_derivatives; entry (…, i, j, k) is that of torque i, by the first variable of
+    joint j and the second of joint k. ∂²τ/∂v∂a and ∂²τ/∂a∂a are zero.
+
+    d2tau_dqdq: ∂²τ/∂q∂q, symmetric in j and k              (…, n, n, n)  [N m, N, N/m, N/m²]
+    d2tau_dqdv: ∂²τ/∂q∂v                                    (…, n, n, n)  [N m s, N s, N s/m, N s/m²]
+    d2tau_dqda: ∂²τ/∂q∂a, the change ∂M_ik/∂q_j of the mass matrix   (…, n, n, n)  [kg m², kg m, kg, kg/m]
+    d2tau_dvdv: ∂²τ/∂v∂v, symmetric in j and k              (…, n, n, n)  [kg m², kg m, kg]
+    """
+
+    d2tau_dqdq: Array
+    d2tau_dqdv: Array
+    d2tau_dqda: Array
+    d2tau_dvdv: Array
+
+
+@dataclass(frozen=True, eq=False)
 class ForwardDynamicsDerivatives:
     """Answer of forward_dynamics_derivatives; entry (…, i, k) is that of acceleration i and joint k.
 

@@ -6,7 +6,7 @@ terms of order h² underflow to zero, so that h need not be balanced against rou
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -41,6 +41,48 @@ def inverse_dynamics_derivatives(
     return {
         f"dtau_d{name}": _derivatives(projected.inverse_dynamics, model, x, base, dense, name)["tau"] for name in "qva"
     }
+
+
+def inverse_dynamics_second_derivatives(
+    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
+) -> dict[str, Array]:
+    """∂/∂q and ∂/∂v of ∂τ/∂q, ∂τ/∂v, ∂τ/∂a, by differences that are exact for what these are.
+
+    In an angle: c_0 + Σ (c_k cos kq + s_k sin kq) for k = 1, 2, since a rotation enters a torque at most twice; in a
+    slide or a velocity: a parabola, whose slope is the central difference.
+    """
+
+    def first(name: str, j: int, step: float) -> dict[str, Array]:
+        moved = x[name].copy()
+        moved[..., j] += step
+        return inverse_dynamics_derivatives(model, {**x, name: moved}, base, dense)
+
+    def slope(name: str, j: int, steps: Sequence[tuple[float, float]]) -> dict[str, Array]:
+        terms = [(weight, first(name, j, step)) for step, weight in steps]
+        return {answer: np.sum([weight * found[answer] for weight, found in terms], axis=0) for answer in terms[0][1]}
+
+    turn, slide = _of_trigonometric_sums(order=2), [(1.0, 0.5), (-1.0, -0.5)]
+    by_q = [slope("q", j, slide if joint.is_prismatic else turn) for j, joint in enumerate(model.joints)]
+    by_v = [slope("v", j, slide) for j in range(model.n_bodies)]
+    return {
+        "d2tau_dqdq": np.stack([part["dtau_dq"] for part in by_q], axis=-2),
+        "d2tau_dqdv": np.stack([part["dtau_dv"] for part in by_q], axis=-2),
+        "d2tau_dqda": np.stack([part["dtau_da"] for part in by_q], axis=-2),
+        "d2tau_dvdv": np.stack([part["dtau_dv"] for part in by_v], axis=-2),
+    }
+
+
+def _of_trigonometric_sums(order: int) -> list[tuple[float, float]]:
+    """Steps and weights with f'(x) = Σ weight f(x + step) for all sums of sines and cosines up to this order.
+
+    The derivative of the trigonometric interpolation at equidistant points (Trefethen, Spectral Methods in MATLAB,
+    2000, chapter 3).
+    """
+    count = 2 * order + 1
+    steps = 2 * np.pi * np.arange(1, count) / count
+    orders = np.arange(1, order + 1)
+    weights = 2 / count * np.sin(np.outer(steps, orders)) @ orders
+    return list(zip(steps.tolist(), weights.tolist(), strict=True))
 
 
 def forward_dynamics_derivatives(

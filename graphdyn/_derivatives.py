@@ -8,7 +8,12 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from graphdyn._answers import ForwardDynamicsDerivatives, InverseDynamicsDerivatives, ReactionDerivatives
+from graphdyn._answers import (
+    ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives,
+    InverseDynamicsSecondDerivatives,
+    ReactionDerivatives,
+)
 from graphdyn._base_motion import BaseMotion
 from graphdyn._methods import Method, with_keywords
 from graphdyn._model import RobotModel
@@ -39,6 +44,32 @@ def inverse_dynamics_derivatives(
     Raises InvalidInput.
     """
     return Verbs.inverse_dynamics_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def inverse_dynamics_second_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: InverseDynamicsSecondDerivatives | None = None,
+) -> InverseDynamicsSecondDerivatives:
+    """∂²τ/∂q∂q, ∂²τ/∂q∂v, ∂²τ/∂q∂a and ∂²τ/∂v∂v of inverse_dynamics.
+
+    The methods "projected" and "dense" take exact differences of the first derivatives: in each angle they are sums of
+    sines and cosines up to the double angle, in slides and velocities polynomials. The program of "recursive" is
+    interpreted where it takes seconds to compile: a robot of six joints.
+    Arguments and errors as in inverse_dynamics_derivatives.
+    """
+    return Verbs.inverse_dynamics_second_derivatives(
+        model, (q, v, a), base, method, threads, check, out, external_wrenches
+    )
 
 
 @with_keywords

@@ -13,6 +13,7 @@ from graphdyn._answers import (
     ForwardDynamicsDerivatives,
     InverseDynamics,
     InverseDynamicsDerivatives,
+    InverseDynamicsSecondDerivatives,
     ReactionDerivatives,
 )
 from graphdyn._verb import Verb
@@ -37,6 +38,9 @@ class Verbs:
     kinetic_energy = Verb[Array](projected.kinetic_energy)
     potential_energy = Verb[Array](projected.potential_energy)
     inverse_dynamics_derivatives = Verb(complex_steps.inverse_dynamics_derivatives, answer=InverseDynamicsDerivatives)
+    inverse_dynamics_second_derivatives = Verb(
+        complex_steps.inverse_dynamics_second_derivatives, answer=InverseDynamicsSecondDerivatives
+    )
     forward_dynamics_derivatives = Verb(complex_steps.forward_dynamics_derivatives, answer=ForwardDynamicsDerivatives)
     reaction_derivatives = Verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives)
     frame_jacobian = Verb[Array](frames.frame_jacobian)

@@ -25,7 +25,37 @@ def inverse_dynamics_derivatives(
 ) -> dict[str, list[Any]]:
     """dtau_dq, dtau_dv, and dtau_da = M (n n each)."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
-    return {"dtau_dq": _flat(tau, q), "dtau_dv": _flat(tau, v), "dtau_da": list(mass_matrix(links, q).ravel())}
+    by_q, by_v = _jacobians(tau, q, v)
+    return {
+        "dtau_dq": list(by_q.ravel()),
+        "dtau_dv": list(by_v.ravel()),
+        "dtau_da": list(mass_matrix(links, q).ravel()),
+    }
+
+
+def inverse_dynamics_second_derivatives(
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
+) -> dict[str, list[Any]]:
+    """d2tau_dqdq, d2tau_dqdv, d2tau_dqda, d2tau_dvdv (n n n each), by a forward sweep after the reverse one."""
+    tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
+    by_q, by_v = _jacobians(tau, q, v)
+    mass = mass_matrix(links, q)
+
+    def changes(first: Scalars, variables: Columns, symmetric: bool = False) -> list[Any]:
+        """∂first_ik/∂x_j at (i, j, k); where symmetric in j and k, each pair is computed once."""
+        rates = [directional(list(first.ravel()), variables, unit) for unit in np.eye(len(links)).tolist()]
+        change = np.moveaxis(np.array(rates, dtype=object).reshape(-1, *first.shape), 0, 1)
+        if symmetric:
+            for j, k in zip(*np.tril_indices(len(links)), strict=True):
+                change[:, j, k] = change[:, k, j]
+        return list(change.ravel())
+
+    return {
+        "d2tau_dqdq": changes(by_q, q, symmetric=True),
+        "d2tau_dqdv": changes(by_v, q),
+        "d2tau_dqda": changes(mass, q),
+        "d2tau_dvdv": changes(by_v, v, symmetric=True),
+    }
 
 
 def reaction_derivatives(
@@ -34,9 +64,9 @@ def reaction_derivatives(
     """Of multipliers (n 5 n each) and joint wrenches (n 6 n each) by q, v and a."""
     found = inverse_dynamics(links, root, q, v, a, external)
     return {
-        f"d{short}_d{name}": _flat(found[answer], variables)
-        for name, variables in (("q", q), ("v", v), ("a", a))
+        f"d{short}_d{name}": list(part.ravel())
         for short, answer in (("multipliers", "multipliers"), ("wrenches", "joint_wrenches"))
+        for name, part in zip("qva", _jacobians(found[answer], q, v, a), strict=True)
     }
 
 
@@ -60,11 +90,19 @@ def forward_dynamics_derivatives(
     required = inverse_dynamics(links, root, q, v, a, external)["tau"]
     held = dict(zip(a, found["a"], strict=True))
 
-    def solved(variables: Columns) -> list[Any]:
-        rows = np.array(substituted(_flat(required, variables), held), dtype=object).reshape(len(links), -1)
-        return list((-(inverse.reshape(rows.shape) @ rows)).ravel())
-
-    return {"da_dq": solved(q), "da_dv": solved(v), "da_dtau": list(inverse), "pivots": found["pivots"]}
+    by_q, by_v = (
+        -(
+            inverse.reshape(part.shape)
+            @ np.array(substituted(list(part.ravel()), held), dtype=object).reshape(part.shape)
+        )
+        for part in _jacobians(required, q, v)
+    )
+    return {
+        "da_dq": list(by_q.ravel()),
+        "da_dv": list(by_v.ravel()),
+        "da_dtau": list(inverse),
+        "pivots": found["pivots"],
+    }
 
 
 def mass_matrix_inverse(recorder: Recorder, links: Sequence[Link], q: Columns) -> dict[str, Any]:
@@ -85,8 +123,10 @@ def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:
     return matrix
 
 
-def _flat(results: Columns, variables: Columns) -> list[Any]:
-    return list(jacobian(results, variables).ravel())
+def _jacobians(results: Columns, *variables: Columns) -> list[Scalars]:
+    """∂results/∂x (len(results), len(x)) for each x of the variables, in one sweep for all of them."""
+    ends = np.cumsum([len(x) for x in variables])[:-1]
+    return np.split(jacobian(results, [column for x in variables for column in x]), ends, axis=1)
 
 
 def _nowhere() -> Root:

@@ -48,6 +48,10 @@ ARRAYS = {
     "dtau_dq": ArraySpec(("n", "n"), "N m, N, N/m"),
     "dtau_dv": ArraySpec(("n", "n"), "N m s, N s, N s/m"),
     "dtau_da": ArraySpec(("n", "n"), "kg m², kg m, kg"),
+    "d2tau_dqdq": ArraySpec(("n", "n", "n"), "N m, N, N/m, N/m²"),
+    "d2tau_dqdv": ArraySpec(("n", "n", "n"), "N m s, N s, N s/m, N s/m²"),
+    "d2tau_dqda": ArraySpec(("n", "n", "n"), "kg m², kg m, kg, kg/m"),
+    "d2tau_dvdv": ArraySpec(("n", "n", "n"), "kg m², kg m, kg"),
     "da_dq": ArraySpec(("n", "n"), "1/s², 1/(m s²), m/s²"),
     "da_dv": ArraySpec(("n", "n"), "1/s, 1/(m s), m/s"),
     "da_dtau": ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
@@ -118,6 +122,11 @@ RECURSIONS = {
         ("q", "v", "a"),
         ("dtau_dq", "dtau_dv", "dtau_da"),
         lambda x, q, v, a: derivatives.inverse_dynamics_derivatives(x.links, x.root, q, v, a, x.external),
+    ),
+    "inverse_dynamics_second_derivatives": Recursion(
+        ("q", "v", "a"),
+        ("d2tau_dqdq", "d2tau_dqdv", "d2tau_dqda", "d2tau_dvdv"),
+        lambda x, q, v, a: derivatives.inverse_dynamics_second_derivatives(x.links, x.root, q, v, a, x.external),
     ),
     "forward_dynamics_derivatives": Recursion(
         ("q", "v", "tau"),

@@ -59,6 +59,39 @@ def test_of_inverse_dynamics(model, method, base):
 
 
 @robots
+@pytest.mark.parametrize("method", ["projected", "recursive"])
+@bases
+def test_second_ones_of_inverse_dynamics(model, method, base):
+    q, v, a = random_state(model, 12)
+    wrenches = random_wrenches(model, 13)
+
+    def first(*arguments):
+        return graphdyn.inverse_dynamics_derivatives(*arguments, wrenches, base=base, method="recursive")
+
+    found = graphdyn.inverse_dynamics_second_derivatives(model, q, v, a, wrenches, base=base, method=method)
+    for answer, k, column in (
+        (found.d2tau_dqdq, 0, "dtau_dq"),
+        (found.d2tau_dqdv, 0, "dtau_dv"),
+        (found.d2tau_dqda, 0, "dtau_da"),
+        (found.d2tau_dvdv, 1, "dtau_dv"),
+    ):
+        expected = differences(first, model, (q, v, a), k, lambda x, column=column: getattr(x, column))
+        here = getattr(first(model, q, v, a), column)
+        assert relative_error(answer, np.swapaxes(expected, -1, -2), here) < DIFFERENCE
+    for symmetric in (found.d2tau_dqdq, found.d2tau_dvdv):
+        assert relative_error(symmetric, np.swapaxes(symmetric, -1, -2)) < IDENTITY
+
+
+@robots
+@methods
+def test_the_hessian_of_the_potential_energy_is_symmetric(model, method):
+    q, v, _ = random_state(model, 14, (3,))
+    hessian = graphdyn.inverse_dynamics_derivatives(model, q, 0 * v, 0 * v, method=method).dtau_dq
+    wrenches = graphdyn.inverse_dynamics(model, q, 0 * v, 0 * v).joint_wrenches
+    assert relative_error(hessian, np.swapaxes(hessian, -1, -2), wrenches) < IDENTITY
+
+
+@robots
 @methods
 @bases
 def test_of_forward_dynamics(model, method, base):
