@@ -64,6 +64,7 @@ from graphdyn._matrices import (
 )
 from graphdyn._model import Body, Frame, Joint, JointLimits, RobotModel
 from graphdyn._placement import Placement
+from graphdyn._recorded_function import RecordedFunction
 from graphdyn._virtual_recording import VirtualRecording
 
 if TYPE_CHECKING:
@@ -105,6 +106,7 @@ __all__ = [
     "Placement",
     "RankDeficientConstraints",
     "ReactionDerivatives",
+    "RecordedFunction",
     "RobotModel",
     "SingularMassMatrix",
     "UnknownFrame",

@@ -215,6 +215,14 @@ class Expression:
     def cosine(self) -> Expression:
         return self.recorder.operation("cosine", self.number)
 
+    def sin(self) -> Expression:
+        """What np.sin asks of an object."""
+        return self.sine
+
+    def cos(self) -> Expression:
+        """What np.cos asks of an object."""
+        return self.cosine
+
     @property
     def _negated(self) -> Expression | None:
         """x where this is -x."""
