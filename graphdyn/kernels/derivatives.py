@@ -13,9 +13,9 @@ from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Root
+from graphdyn.kernels.motion import Root, resting_root
 from graphdyn.kernels.reactions import Wrench
-from graphdyn.kernels.vectors import Scalars, scalars, zeros
+from graphdyn.kernels.vectors import Scalars
 
 Columns = Sequence[Any]
 
@@ -108,7 +108,7 @@ def forward_dynamics_derivatives(
 def mass_matrix_inverse(recorder: Recorder, links: Sequence[Link], q: Columns) -> dict[str, Any]:
     """mass_matrix_inverse (n n), by how much forward dynamics at rest answer to each torque; pivots."""
     tau, rest = recorder.placeholders(len(links)), [0.0] * len(links)
-    found = forward_dynamics(links, _nowhere(), q, rest, tau)
+    found = forward_dynamics(links, resting_root(), q, rest, tau)
     rows = jacobian(found["a"], tau)
     upper = [[rows[min(i, k), max(i, k)] for k in range(len(links))] for i in range(len(links))]
     return {"mass_matrix_inverse": np.array(upper, dtype=object).ravel(), "pivots": found["pivots"]}
@@ -127,17 +127,3 @@ def _jacobians(results: Columns, *variables: Columns) -> list[Scalars]:
     """∂results/∂x (len(results), len(x)) for each x of the variables, in one sweep for all of them."""
     ends = np.cumsum([len(x) for x in variables])[:-1]
     return np.split(jacobian(results, [column for x in variables for column in x]), ends, axis=1)
-
-
-def _nowhere() -> Root:
-    """A ground at rest without gravity."""
-    return Root(
-        rotation=scalars(np.eye(3)),
-        position=zeros(3),
-        gravity=zeros(3),
-        velocity=zeros(3),
-        omega=zeros(3),
-        alpha=zeros(3),
-        acceleration=zeros(3),
-        compensated=zeros(3),
-    )

@@ -38,15 +38,21 @@ class Composite:
         return Composite(self.mass + other.mass, self.first_moment + other.first_moment, self.tensor + other.tensor)
 
 
+def composites(links: Sequence[Link], at: Sequence[Place]) -> list[Composite]:
+    """Body j with all bodies outside, for every j."""
+    done = [Composite(link.mass, link.first_moment, link.tensor) for link in links]
+    for j in reversed(range(len(links))):
+        if links[j].inside >= 0:
+            done[links[j].inside] += done[j].inwards(at[j])
+    return done
+
+
 def mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> Scalars:
     """M (n, n)."""
     at = places(links, q)
-    composites = [Composite(link.mass, link.first_moment, link.tensor) for link in links]
     matrix = zeros(len(links), len(links))
-    for j in reversed(range(len(links))):
-        if links[j].inside >= 0:
-            composites[links[j].inside] += composites[j].inwards(at[j])
-        wrench = _per_acceleration(links[j].prismatic, composites[j])
+    for j, composite in enumerate(composites(links, at)):
+        wrench = per_rate(links[j].prismatic, composite)
         matrix[j, j] = _along_axis(links[j].prismatic, wrench)
         k = j
         while links[k].inside >= 0:
@@ -55,8 +61,8 @@ def mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> Scalars:
     return matrix
 
 
-def _per_acceleration(prismatic: bool, composite: Composite) -> Wrench:
-    """What a unit acceleration of the joint takes."""
+def per_rate(prismatic: bool, composite: Composite) -> Wrench:
+    """The momentum that a unit velocity of the joint gives, which is also what a unit acceleration takes."""
     if prismatic:
         return scalars([0, 0, composite.mass]), cross(composite.first_moment, E_Z)
     return cross(E_Z, composite.first_moment), composite.tensor[:, 2]

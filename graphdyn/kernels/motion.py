@@ -9,13 +9,24 @@ accelerations are therefore gravity-compensated, p̈ - g.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, turn, turn_back, turn_matrix, turn_symmetric
+from graphdyn.kernels.vectors import (
+    E_Z,
+    Scalars,
+    cross,
+    scalars,
+    skew,
+    turn,
+    turn_back,
+    turn_matrix,
+    turn_symmetric,
+    zeros,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +44,28 @@ class Root:
     alpha: Scalars
     acceleration: Scalars
     compensated: Scalars
+
+
+def resting_root() -> Root:
+    """A ground at rest at the world's origin, without gravity."""
+    return Root(scalars(np.eye(3)), *(zeros(3) for _ in range(7)))
+
+
+def rooted(links: Sequence[Link], root: Root) -> tuple[list[Link], Root]:
+    """The same robot with the origin of its ground frame moved to joint 1 (where that is at q = 0, if it slides).
+
+    Sums about this point lose no digits where joint 1 is far from the ground frame or the world's origin.
+    """
+    arm = links[0].translation
+    relative = Motion(root.omega, root.alpha, root.compensated).spread() @ arm
+    moved = replace(
+        root,
+        position=root.position + root.rotation @ arm,
+        velocity=root.velocity + cross(root.omega, arm),
+        acceleration=root.acceleration + relative,
+        compensated=root.compensated + relative,
+    )
+    return [link if link.inside >= 0 else replace(link, translation=link.translation - arm) for link in links], moved
 
 
 @dataclass(frozen=True, eq=False)
