@@ -11,17 +11,20 @@ from typing import TYPE_CHECKING
 
 from graphdyn import layout, motion_laws
 from graphdyn._answers import (
+    EnergyRegressor,
     ForwardDynamics,
     ForwardDynamicsDerivatives,
     InverseDynamics,
     InverseDynamicsDerivatives,
     InverseDynamicsSecondDerivatives,
+    Momentum,
     ReactionDerivatives,
 )
 from graphdyn._base_motion import BaseMotion
 from graphdyn._compiled import CompiledModel, compile
 from graphdyn._derivatives import (
     forward_dynamics_derivatives,
+    forward_dynamics_parameter_derivatives,
     inverse_dynamics_derivatives,
     inverse_dynamics_second_derivatives,
     reaction_derivatives,
@@ -35,8 +38,9 @@ from graphdyn._dynamics import (
     joint_torques,
     kkt_system,
     solve_kkt,
+    static_torque,
 )
-from graphdyn._energies import kinetic_energy, potential_energy
+from graphdyn._energies import energy_regressor, kinetic_energy, potential_energy, power
 from graphdyn._errors import (
     EstimationFailed,
     GimbalLock,
@@ -61,8 +65,16 @@ from graphdyn._matrices import (
     joint_torque_regressor,
     mass_matrix,
     mass_matrix_inverse,
+    momentum_regressor,
 )
 from graphdyn._model import Body, Frame, Joint, JointLimits, RobotModel
+from graphdyn._momentum import (
+    center_of_mass,
+    center_of_mass_jacobian,
+    center_of_mass_velocity,
+    centroidal_map,
+    momentum,
+)
 from graphdyn._placement import Placement
 from graphdyn._recorded_function import RecordedFunction
 from graphdyn._virtual_recording import VirtualRecording
@@ -85,6 +97,7 @@ __all__ = [
     "Body",
     "CompiledModel",
     "Consistency",
+    "EnergyRegressor",
     "EstimationFailed",
     "ForwardDynamics",
     "ForwardDynamicsDerivatives",
@@ -103,6 +116,7 @@ __all__ = [
     "KKTSolution",
     "KKTSystem",
     "MaximalState",
+    "Momentum",
     "Placement",
     "RankDeficientConstraints",
     "ReactionDerivatives",
@@ -113,10 +127,16 @@ __all__ = [
     "VirtualRecording",
     "bias_torque",
     "body_regressor",
+    "center_of_mass",
+    "center_of_mass_jacobian",
+    "center_of_mass_velocity",
+    "centroidal_map",
     "compile",
     "coriolis_matrix",
+    "energy_regressor",
     "forward_dynamics",
     "forward_dynamics_derivatives",
+    "forward_dynamics_parameter_derivatives",
     "frame_acceleration",
     "frame_jacobian",
     "frame_jacobian_derivative",
@@ -140,9 +160,13 @@ __all__ = [
     "mass_matrix",
     "mass_matrix_inverse",
     "maximal_state",
+    "momentum",
+    "momentum_regressor",
     "motion_laws",
     "potential_energy",
+    "power",
     "reaction_derivatives",
     "record",
     "solve_kkt",
+    "static_torque",
 ]

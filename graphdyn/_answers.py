@@ -1,4 +1,4 @@
-"""What forward and inverse dynamics answer."""
+"""What the verbs answer that answer several arrays."""
 
 from __future__ import annotations
 
@@ -95,3 +95,27 @@ class ReactionDerivatives:
     dwrenches_dq: Array
     dwrenches_dv: Array
     dwrenches_da: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Momentum:
+    """Answer of momentum: linear momentum, then angular momentum, world axes.
+
+    about_center_of_mass: angular momentum about the center of mass of the robot   (…, 6)  [kg m/s, kg m²/s]
+    about_origin: angular momentum about the world's origin                        (…, 6)  [kg m/s, kg m²/s]
+    """
+
+    about_center_of_mass: Array
+    about_origin: Array
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyRegressor:
+    """Answer of energy_regressor; ten columns per body, in the order of model.inertial_parameters.
+
+    kinetic: T = kinetic @ π                                (…, 10n)   [J per kg, kg m, kg m²]
+    potential: U = potential @ π                            (…, 10n)   [J per kg, kg m, kg m²]
+    """
+
+    kinetic: Array
+    potential: Array

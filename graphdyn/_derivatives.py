@@ -1,4 +1,4 @@
-"""The public verbs that answer derivatives in the joint positions, velocities, and accelerations or torques.
+"""The public verbs that answer derivatives in the joint positions, velocities, accelerations, torques and parameters.
 
 Column k of a derivative belongs to joint k: ∂x_i/∂q_k is its entry (…, i, k). External wrenches are fixed in the axes
 of their links. Leading dimensions of the arguments broadcast.
@@ -18,6 +18,7 @@ from graphdyn._base_motion import BaseMotion
 from graphdyn._methods import Method, with_keywords
 from graphdyn._model import RobotModel
 from graphdyn._verbs import Verbs
+from graphdyn.layout import Array
 
 
 @with_keywords
@@ -117,3 +118,31 @@ def reaction_derivatives(
     Arguments, methods and errors as in inverse_dynamics_derivatives.
     """
     return Verbs.reaction_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def forward_dynamics_parameter_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """∂a/∂π (…, n, 10n) of forward_dynamics, π = model.inertial_parameters [rad/s² or m/s² per parameter].
+
+    -M⁻¹ W, with the joint_torque_regressor W at the accelerations found: M a + h = τ is linear in π. Those of inverse
+    dynamics are W itself.
+    q, v, tau: joint state and actuator torques             (…, n)     [rad or m, …/s, N m or N]
+    external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+
+    Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
+    """
+    return Verbs.forward_dynamics_parameter_derivatives(
+        model, (q, v, tau), base, method, threads, check, out, external_wrenches
+    )

@@ -173,6 +173,30 @@ def gravity_torque(
     return Verbs.gravity_torque(model, (q,), at_rest, method, threads, check, out)
 
 
+@with_keywords
+def static_torque(
+    model: RobotModel,
+    q: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """τ (…, n) that holds the robot at rest against gravity and external wrenches [N m or N].
+
+    Without external wrenches it is gravity_torque.
+    q: joint positions                                      (…, n)     [rad or m]
+    external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+
+    Of the motion of a base only the placement counts. Raises InvalidInput.
+    """
+    at_rest = base and BaseMotion(base.rotation, base.translation)
+    return Verbs.static_torque(model, (q,), at_rest, method, threads, check, out, external_wrenches)
+
+
 def kkt_system(
     model: RobotModel,
     q: ArrayLike,

@@ -127,3 +127,27 @@ def body_regressor(
     Raises InvalidInput.
     """
     return Verbs.body_regressor(model, (q, v, a), base, method, threads, check, out)
+
+
+@with_keywords
+def momentum_regressor(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """(…, n, 10n): M v = it @ π, π = model.inertial_parameters [kg m²/s or kg m/s].
+
+    The momenta of the joints, ∂T/∂v on a base at rest. Their rate is τ + ∂T/∂q - ∂U/∂q: with energy_regressor, an
+    identification without accelerations. The motion of a base does not change M v. The method "dense" is "projected"
+    here.
+    q, v: joint state (…, n) [rad or m, …/s]
+
+    Raises InvalidInput.
+    """
+    return Verbs.momentum_regressor(model, (q, v), base, method, threads, check, out)

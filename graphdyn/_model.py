@@ -349,6 +349,17 @@ def check_model(model: object) -> None:
         )
 
 
+def total_mass(model: RobotModel) -> float:
+    """Σ m [kg]. Raises InvalidInput for a robot without any mass, which has no center of mass."""
+    mass = float(sum(body.mass for body in model.bodies))
+    if mass == 0:
+        raise InvalidInput(
+            f"robot '{model.name}' has no center of mass: the masses of its bodies add up to zero; "
+            "see physical_consistency()"
+        )
+    return mass
+
+
 def _sampling_range(joint: Joint) -> tuple[float, float, float]:
     """lower, upper and speed of random_state."""
     reach = SLIDE_RANGE if joint.is_prismatic else ANGLE_RANGE

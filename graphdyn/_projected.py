@@ -40,11 +40,11 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
         a = project_accelerations(state, accelerations, bias)
         return {"a": a, **_reactions(state, accelerations, solution.multipliers, wrenches)}
     passive = passive_terms(state, x["external_wrenches"])
-    free = _inertial_terms(state, bias) - passive
+    free = inertial_terms(state, bias) - passive
     right = x["tau"] - apply(np.swapaxes(n, -1, -2), stacked(free))
     a = solve(mass, right)
     accelerations = bias + per_body(apply(n, a))
-    wrenches = transmitted_wrenches(state, _inertial_terms(state, accelerations) - passive)
+    wrenches = transmitted_wrenches(state, inertial_terms(state, accelerations) - passive)
     multipliers, _ = split_reactions(state, wrenches)
     return {"a": a, **_reactions(state, accelerations, multipliers, wrenches)}
 
@@ -54,7 +54,7 @@ def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     state = rooted_state(model, base, x["q"], x["v"], x["a"])
     assert state.acceleration is not None
     accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
-    required = _inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
+    required = inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
     if dense:
         phi_q, _ = constraints(state)
         matrix = np.concatenate([actuator_terms(state), -np.swapaxes(phi_q, -1, -2)], axis=-1)
@@ -83,10 +83,15 @@ def mass_matrix_inverse(
     return {"mass_matrix_inverse": np.asarray(np.linalg.inv(mass), dtype=float)}
 
 
+def power(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """τ_j v_j (…, n) of inverse_dynamics at x["q"], x["v"], x["a"], x["external_wrenches"]."""
+    return {"power": inverse_dynamics(model, x, base, dense)["tau"] * x["v"]}
+
+
 def kinetic_energy(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
     """T = ½ ẋᵀ A ẋ (…) of the body velocities ẋ = (ṙ, ω) at x["q"], x["v"]."""
     state = rooted_state(model, base, x["q"], x["v"])
-    return {"kinetic_energy": (state.velocity * _inertial_terms(state, state.velocity)).sum(axis=(-2, -1)) / 2}
+    return {"kinetic_energy": (state.velocity * inertial_terms(state, state.velocity)).sum(axis=(-2, -1)) / 2}
 
 
 def potential_energy(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
@@ -102,12 +107,11 @@ def _reactions(state: MaximalState, accelerations: Array, multipliers: Array, wr
 
 
 def torque_at_zero(name: str, *zero: str) -> Specification:
-    """The torque of inverse_dynamics, under this name, with these of v and a zero and without external wrenches."""
+    """The torque of inverse_dynamics, under this name, with these of v and a zero."""
 
     def torque(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
         nothing = np.zeros_like(x["q"])
-        unloaded = {"external_wrenches": np.zeros((*nothing.shape, BODY_FREEDOMS))}
-        return {name: inverse_dynamics(model, {**x, **dict.fromkeys(zero, nothing), **unloaded}, base, dense)["tau"]}
+        return {name: inverse_dynamics(model, {**x, **dict.fromkeys(zero, nothing)}, base, dense)["tau"]}
 
     return torque
 
@@ -125,7 +129,7 @@ def kkt(state: MaximalState, tau: Array, external_wrenches: Array) -> KKTSystem:
     return KKTSystem(mass_terms(state), phi_q, applied_terms(state, tau, external_wrenches), zeta)
 
 
-def _inertial_terms(state: MaximalState, accelerations: Array) -> Array:
+def inertial_terms(state: MaximalState, accelerations: Array) -> Array:
     """A q̈ per body (…, n, 6)."""
     terms: Array = np.einsum("iab,...ib->...ia", mass_blocks(state), accelerations)
     return terms

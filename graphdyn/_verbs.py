@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
+from graphdyn import _body_sums as body_sums
 from graphdyn import _complex_steps as complex_steps
 from graphdyn import _frame_motion as frames
 from graphdyn import _projected as projected
 from graphdyn import _regressors as regressors
 from graphdyn._answers import (
+    EnergyRegressor,
     ForwardDynamics,
     ForwardDynamicsDerivatives,
     InverseDynamics,
     InverseDynamicsDerivatives,
     InverseDynamicsSecondDerivatives,
+    Momentum,
     ReactionDerivatives,
 )
 from graphdyn._verb import Verb
@@ -35,20 +38,30 @@ class Verbs:
     coriolis_matrix = Verb[Array](complex_steps.coriolis_matrix)
     bias_torque = Verb[Array](projected.torque_at_zero("bias_torque", "a"))
     gravity_torque = Verb[Array](projected.torque_at_zero("gravity_torque", "v", "a"))
+    static_torque = Verb[Array](projected.torque_at_zero("static_torque", "v", "a"))
+    power = Verb[Array](projected.power)
     kinetic_energy = Verb[Array](projected.kinetic_energy)
     potential_energy = Verb[Array](projected.potential_energy)
+    center_of_mass = Verb[Array](body_sums.center_of_mass)
+    center_of_mass_velocity = Verb[Array](body_sums.center_of_mass_velocity)
+    center_of_mass_jacobian = Verb[Array](body_sums.center_of_mass_jacobian)
+    momentum = Verb(body_sums.momentum, answer=Momentum)
+    centroidal_map = Verb[Array](body_sums.centroidal_map)
     inverse_dynamics_derivatives = Verb(complex_steps.inverse_dynamics_derivatives, answer=InverseDynamicsDerivatives)
     inverse_dynamics_second_derivatives = Verb(
         complex_steps.inverse_dynamics_second_derivatives, answer=InverseDynamicsSecondDerivatives
     )
     forward_dynamics_derivatives = Verb(complex_steps.forward_dynamics_derivatives, answer=ForwardDynamicsDerivatives)
     reaction_derivatives = Verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives)
+    forward_dynamics_parameter_derivatives = Verb[Array](regressors.forward_dynamics_parameter_derivatives)
     frame_jacobian = Verb[Array](frames.frame_jacobian)
     frame_jacobian_derivative = Verb[Array](complex_steps.frame_jacobian_derivative)
     frame_velocity = Verb[Array](frames.frame_velocity)
     frame_acceleration = Verb[Array](frames.frame_acceleration)
     joint_torque_regressor = Verb[Array](regressors.joint_torque_regressor)
     body_regressor = Verb[Array](regressors.body_regressor)
+    momentum_regressor = Verb[Array](regressors.momentum_regressor)
+    energy_regressor = Verb(regressors.energy_regressor, answer=EnergyRegressor)
 
 
 VERBS: dict[str, Verb[Any]] = {name: verb for name, verb in vars(Verbs).items() if isinstance(verb, Verb)}

@@ -15,6 +15,7 @@ from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link
 from graphdyn.kernels.motion import Root, resting_root
 from graphdyn.kernels.reactions import Wrench
+from graphdyn.kernels.regressors import joint_torque_regressor
 from graphdyn.kernels.vectors import Scalars
 
 Columns = Sequence[Any]
@@ -103,6 +104,22 @@ def forward_dynamics_derivatives(
         "da_dtau": list(inverse),
         "pivots": found["pivots"],
     }
+
+
+def forward_dynamics_parameter_derivatives(
+    recorder: Recorder,
+    links: Sequence[Link],
+    root: Root,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None = None,
+) -> dict[str, Any]:
+    """∂a/∂π = -M⁻¹ W at the accelerations found (n, 10 n); pivots."""
+    found = forward_dynamics(links, root, q, v, tau, external)
+    inverse = mass_matrix_inverse(recorder, links, q)["mass_matrix_inverse"].reshape(len(links), len(links))
+    change = -(inverse @ joint_torque_regressor(links, root, q, v, found["a"]))
+    return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": found["pivots"]}
 
 
 def mass_matrix_inverse(recorder: Recorder, links: Sequence[Link], q: Columns) -> dict[str, Any]:

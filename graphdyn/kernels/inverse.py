@@ -24,3 +24,16 @@ def inverse_dynamics(
     wrenches = transmitted(links, at, [inertial_wrench(*pair) for pair in zip(links, moving, strict=True)], external)
     tau = [force[2] if link.prismatic else moment[2] for link, (force, moment) in zip(links, wrenches, strict=True)]
     return {"tau": tau, **answers(links, at, root, moving, wrenches)}
+
+
+def power(
+    links: Sequence[Link],
+    root: Root,
+    q: Sequence[Any],
+    v: Sequence[Any],
+    a: Sequence[Any],
+    external: Sequence[Wrench] | None = None,
+) -> list[Any]:
+    """τ_j v_j (n)."""
+    tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
+    return [torque * rate for torque, rate in zip(tau, v, strict=True)]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn._frame_choice import FrameChoice
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, total_mass
 from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.kernels.frames import fixed_frame
 from graphdyn.kernels.mechanism import Link, links
@@ -81,6 +81,7 @@ class _Sample:
     """The robot, and the arguments of its recursions for one sample."""
 
     def __init__(self, model: RobotModel, request: Request) -> None:
+        self.model = model
         self.links: tuple[Link, ...] = links(model)
         self.recorder = Recorder()
         self.given: list[Any] = []
@@ -94,6 +95,11 @@ class _Sample:
         if request.external:
             columns = np.array(self.input("external_wrenches", self.n * BODY_FREEDOMS), dtype=object)
             self.external = in_joint_axes(self.links, columns.reshape(self.n, BODY_FREEDOMS))
+
+    @property
+    def mass(self) -> float:
+        """Of all bodies. Raises InvalidInput for a robot without mass."""
+        return total_mass(self.model)
 
     @property
     def turning(self) -> list[Any]:

@@ -6,13 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from graphdyn.kernels import derivatives, frames
-from graphdyn.kernels.energies import kinetic_energy, potential_energy
+from graphdyn.kernels import derivatives, frames, momentum
+from graphdyn.kernels.energies import energy_regressor, kinetic_energy, potential_energy
 from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
-from graphdyn.kernels.inverse import inverse_dynamics
+from graphdyn.kernels.inverse import inverse_dynamics, power
 from graphdyn.kernels.positions import maximal_state
-from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor
+from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor, momentum_regressor
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS
 
 
@@ -45,6 +45,13 @@ ARRAYS = {
     "coriolis_matrix": ArraySpec(("n", "n"), "N m s, N s, kg/s"),
     "kinetic_energy": ArraySpec((), "J"),
     "potential_energy": ArraySpec((), "J"),
+    "power": ArraySpec(("n",), "W"),
+    "center_of_mass": ArraySpec((3,), "m"),
+    "center_of_mass_velocity": ArraySpec((3,), "m/s"),
+    "center_of_mass_jacobian": ArraySpec((3, "n"), "m or 1"),
+    "about_center_of_mass": ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
+    "about_origin": ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
+    "centroidal_map": ArraySpec((BODY_FREEDOMS, "n"), "kg m, kg m² or kg, kg m"),
     "dtau_dq": ArraySpec(("n", "n"), "N m, N, N/m"),
     "dtau_dv": ArraySpec(("n", "n"), "N m s, N s, N s/m"),
     "dtau_da": ArraySpec(("n", "n"), "kg m², kg m, kg"),
@@ -63,8 +70,13 @@ ARRAYS = {
     "frame_acceleration": ArraySpec((BODY_FREEDOMS,), "m/s², rad/s²"),
     "bias_torque": ArraySpec(("n",), "N m or N"),
     "gravity_torque": ArraySpec(("n",), "N m or N"),
+    "static_torque": ArraySpec(("n",), "N m or N"),
     "joint_torque_regressor": ArraySpec(("n", "10 n"), "N m or N per parameter"),
     "body_regressor": ArraySpec(("n", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"),
+    "momentum_regressor": ArraySpec(("n", "10 n"), "kg m²/s or kg m/s per parameter"),
+    "kinetic": ArraySpec(("10 n",), "J per parameter"),
+    "potential": ArraySpec(("10 n",), "J per parameter"),
+    "forward_dynamics_parameter_derivatives": ArraySpec(("n", "10 n"), "rad/s² or m/s² per parameter"),
     "position": ArraySpec(("n", 3), "m"),
     "rotation": ArraySpec(("n", 3, 3), "1"),
     "velocity": ArraySpec(("n", BODY_FREEDOMS), "m/s, rad/s"),
@@ -76,7 +88,8 @@ class Recursion:
     """inputs: names of its joint arrays, q first; outputs: of what it answers.
 
     compute(sample, *inputs) answers scalars: the one output, of any shape, or a dictionary of flat outputs; the sample
-        (graphdyn.kernels.programs) has the links of the robot, its root, external wrenches, and zeros for an input
+        (graphdyn.kernels.programs) has the links of the robot, its root, total mass, external wrenches, and zeros for
+        an input
     on_moving_base: whether the motion of the base matters
     of_frame: whether it speaks of a frame, which the sample has
     """
@@ -118,6 +131,26 @@ RECURSIONS = {
     "potential_energy": Recursion(
         ("q",), ("potential_energy",), lambda x, q: {"potential_energy": potential_energy(x.links, x.root, q)}
     ),
+    "power": Recursion(("q", "v", "a"), ("power",), lambda x, q, v, a: power(x.links, x.root, q, v, a, x.external)),
+    "center_of_mass": Recursion(
+        ("q",), ("center_of_mass",), lambda x, q: momentum.center_of_mass(x.links, x.root, x.mass, q)
+    ),
+    "center_of_mass_velocity": Recursion(
+        ("q", "v"),
+        ("center_of_mass_velocity",),
+        lambda x, q, v: momentum.center_of_mass_velocity(x.links, x.root, x.mass, q, v),
+    ),
+    "center_of_mass_jacobian": Recursion(
+        ("q",), ("center_of_mass_jacobian",), lambda x, q: momentum.center_of_mass_jacobian(x.links, x.root, x.mass, q)
+    ),
+    "momentum": Recursion(
+        ("q", "v"),
+        ("about_center_of_mass", "about_origin"),
+        lambda x, q, v: momentum.momentum(x.links, x.root, x.mass, q, v),
+    ),
+    "centroidal_map": Recursion(
+        ("q",), ("centroidal_map",), lambda x, q: momentum.centroidal_map(x.links, x.root, x.mass, q)
+    ),
     "inverse_dynamics_derivatives": Recursion(
         ("q", "v", "a"),
         ("dtau_dq", "dtau_dv", "dtau_da"),
@@ -132,6 +165,13 @@ RECURSIONS = {
         ("q", "v", "tau"),
         ("da_dq", "da_dv", "da_dtau"),
         lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(
+            x.recorder, x.links, x.root, q, v, tau, x.external
+        ),
+    ),
+    "forward_dynamics_parameter_derivatives": Recursion(
+        ("q", "v", "tau"),
+        ("forward_dynamics_parameter_derivatives",),
+        lambda x, q, v, tau: derivatives.forward_dynamics_parameter_derivatives(
             x.recorder, x.links, x.root, q, v, tau, x.external
         ),
     ),
@@ -172,6 +212,11 @@ RECURSIONS = {
         ("gravity_torque",),
         lambda x, q: inverse_dynamics(x.links, x.root, q, x.zeros, x.zeros)["tau"],
     ),
+    "static_torque": Recursion(
+        ("q",),
+        ("static_torque",),
+        lambda x, q: inverse_dynamics(x.links, x.root, q, x.zeros, x.zeros, x.external)["tau"],
+    ),
     "joint_torque_regressor": Recursion(
         ("q", "v", "a"),
         ("joint_torque_regressor",),
@@ -179,6 +224,15 @@ RECURSIONS = {
     ),
     "body_regressor": Recursion(
         ("q", "v", "a"), ("body_regressor",), lambda x, *arrays: body_regressors(x.links, x.root, *arrays)
+    ),
+    "momentum_regressor": Recursion(
+        ("q", "v"),
+        ("momentum_regressor",),
+        lambda x, q, v: momentum_regressor(x.links, q, v),
+        on_moving_base=False,
+    ),
+    "energy_regressor": Recursion(
+        ("q", "v"), ("kinetic", "potential"), lambda x, q, v: energy_regressor(x.links, x.root, q, v)
     ),
     "maximal_state": Recursion(
         ("q", "v"), ("position", "rotation", "velocity"), lambda x, q, v: maximal_state(x.links, x.root, q, v)

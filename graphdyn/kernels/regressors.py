@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Motion, Place, Root, motions, places
+from graphdyn.kernels.motion import Motion, Place, Root, motions, places, resting_root
 from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, zeros
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR
 
@@ -43,6 +43,11 @@ def joint_torque_regressor(
             screw = np.concatenate([link.link_axes @ linear, link.link_axes @ angular])
             matrix[j, columns] = screw @ body
     return matrix
+
+
+def momentum_regressor(links: Sequence[Link], q: Sequence[Any], v: Sequence[Any]) -> Scalars:
+    """Of M v (n, 10 n): the torque that accelerations v take at rest without gravity."""
+    return joint_torque_regressor(links, resting_root(), q, [0.0] * len(links), v)
 
 
 def _outwards(place: Place, linear: Scalars, angular: Scalars) -> tuple[Scalars, Scalars]:

@@ -1,9 +1,12 @@
-"""graphdyn.gravity_torque: the gradient of the potential energy, on a base that moves as on one that stands."""
+"""graphdyn.gravity_torque, the gradient of the potential energy, and static_torque, which holds loads too.
+
+Of a base that moves only the placement counts.
+"""
 
 import numpy as np
 import pytest
-from random_trees import NAMED, random_rotation, random_state
-from witnesses import derivative, potential_energy, relative_error
+from random_trees import NAMED, random_base_motion, random_rotation, random_state, random_wrenches
+from witnesses import derivative, potential_energy, relative_error, twists_at_origins
 
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput, Placement
@@ -55,6 +58,31 @@ def test_of_a_moving_base_only_the_placement_counts(model, method, rng):
     found = graphdyn.gravity_torque(model, q, base=moving, method=method)
     assert relative_error(found, graphdyn.gravity_torque(placed, q), at_rest(placed, q)) < IDENTITY
     assert relative_error(found, graphdyn.gravity_torque(model, q), at_rest(model, q)) > 1e-3
+
+
+@robots
+@methods
+def test_static_torque_balances_gravity_and_loads(model, method):
+    """In every virtual motion δq: τ·δq + the work of the loads = the change of the potential energy."""
+    q, motion, _ = random_state(model, 9)
+    loads = random_wrenches(model, 10)
+    gained = derivative(lambda t: potential_energy(model, q + t * motion))
+    work = loads * twists_at_origins(graphdyn.maximal_state(model, q, motion))
+    found = graphdyn.static_torque(model, q, loads, method=method)
+    assert relative_error(found @ motion, gained - work.sum(), work, potential_energy(model, q)) < DIFFERENCE
+
+
+@robots
+@methods
+def test_static_torque_is_inverse_dynamics_at_rest(model, method):
+    q, _, _ = random_state(model, 11, (3,))
+    loads, moving = random_wrenches(model, 12, (3,)), random_base_motion(13)
+    placed = BaseMotion(moving.rotation, moving.translation)
+    expected = graphdyn.inverse_dynamics(model, q, 0 * q, 0 * q, loads, base=placed)
+    found = graphdyn.static_torque(model, q, loads, base=moving, method=method)
+    assert relative_error(found, expected.tau, expected.joint_wrenches) < IDENTITY
+    unloaded = graphdyn.static_torque(model, q, base=moving, method=method)
+    assert np.array_equal(unloaded, graphdyn.gravity_torque(model, q, base=moving, method=method))
 
 
 @methods

@@ -16,6 +16,7 @@ from random_trees import (
 from witnesses import acceleration_scale, relative_error
 
 import graphdyn
+from graphdyn.kernels.recursions import RECURSIONS
 
 EPS = np.finfo(float).eps
 
@@ -98,6 +99,32 @@ def assert_agrees(model, seed, count):
 def test_numpy_agrees_with_the_equations(model, seed):
     with on("numpy"):
         assert_agrees(model, seed, count=2)
+
+
+WHOLE_ROBOT = (
+    *("center_of_mass", "center_of_mass_velocity", "center_of_mass_jacobian", "momentum", "centroidal_map"),
+    *("static_torque", "power", "energy_regressor", "momentum_regressor", "forward_dynamics_parameter_derivatives"),
+)
+"""Sums over all bodies, and columns of their parameters."""
+
+
+@examples(10)
+@given(robots(), SEEDS)
+def test_answers_for_the_whole_robot_agree_with_the_equations(model, seed):
+    state, base = random_state(model, seed), random_base_motion(seed + 1)
+    condition = np.linalg.cond(graphdyn.mass_matrix(model, state[0]))
+    for name in WHOLE_ROBOT:
+        verb, arguments = getattr(graphdyn, name), state[: len(RECURSIONS[name].inputs)]
+        with on("numpy"):
+            found = verb(model, *arguments, base=base, method="recursive")
+        plain = verb(model, *arguments, base=base, method="dense")
+        of_mass = WRENCH * condition if name == "forward_dynamics_parameter_derivatives" else SUM
+        for array, expected in zip(parts(found), parts(plain), strict=True):
+            assert relative_error(array, expected) < of_mass, name
+
+
+def parts(answer):
+    return [answer] if isinstance(answer, np.ndarray) else list(vars(answer).values())
 
 
 @pytest.mark.parametrize("back_end", COMPILED)
