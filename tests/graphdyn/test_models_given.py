@@ -38,8 +38,8 @@ def test_they_are_found():
 @pytest.mark.parametrize(("given", "said"), [("ur5", "'ur5', of type str"), (None, "None, of type NoneType")])
 @pytest.mark.parametrize("name", TAKE_A_MODEL)
 def test_refused(name, given, said):
-    positional = [
-        p for p in parameters_of(TAKE_A_MODEL[name]).values() if p.default is p.empty and p.kind != p.KEYWORD_ONLY
-    ]
+    needed = [p for p in parameters_of(TAKE_A_MODEL[name]).values() if p.default is p.empty]
+    arguments = {p.name: given if p.name == "model" else ANYTHING for p in needed}
+    by_name = {p.name: arguments.pop(p.name) for p in needed if p.kind == p.KEYWORD_ONLY}
     with pytest.raises(InvalidInput, match=f"the model is {said}; give a RobotModel, into which"):
-        TAKE_A_MODEL[name](*(given if p.name == "model" else ANYTHING for p in positional))
+        TAKE_A_MODEL[name](*arguments.values(), **by_name)
