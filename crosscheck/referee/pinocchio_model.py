@@ -20,6 +20,7 @@ from crosscheck.referee.reference_values import (
     at_centers,
 )
 from crosscheck.referee.standard_error import kept_standard_error
+from crosscheck.referee.subject import tip
 from graphdyn import BaseMotion, Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from urdf._opening import content_of
@@ -231,12 +232,22 @@ class PinocchioModel:
         native = self._native
         if native.nq != native.nv or not np.array_equal(self._columns, np.arange(native.nv)):
             raise PinocchioRefuses(f"robot '{self._model.name}': Pinocchio has other coordinates, or another order")
+        native, frame = pin.Model(native), self._model.frame(tip(self._model))
+        joint, kind = self._ids[frame.body - 1], pin.FrameType.OP_FRAME
+        number = native.addFrame(pin.Frame("tip", joint, _se3(frame.placement), kind))
         return BareCalls(
             model=native,
-            data=self._data,
+            data=native.createData(),
             rnea=pin.rnea,
             aba=pin.aba,
             torque_regressor=pin.computeJointTorqueRegressor,
+            rnea_derivatives=pin.computeRNEADerivatives,
+            aba_derivatives=pin.computeABADerivatives,
+            mass_matrix_inverse=pin.computeMinverse,
+            coriolis_matrix=pin.computeCoriolisMatrix,
+            kinetic_energy=pin.computeKineticEnergy,
+            frame_jacobian=pin.computeFrameJacobian,
+            tip=(number, pin.LOCAL_WORLD_ALIGNED),
             rnea_in_parallel=pin.rneaInParallel,
             aba_in_parallel=pin.abaInParallel,
             pool=lambda threads: pin.ModelPool(native, threads),

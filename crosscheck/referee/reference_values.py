@@ -15,7 +15,7 @@ from graphdyn.layout import ANGULAR, LINEAR, Array
 Values = TypeVar("Values")
 
 
-def _rows(values: Values, selected: NDArray[np.bool_]) -> Values:
+def _rows(values: Values, selected: slice | NDArray[np.bool_]) -> Values:
     """A dataclass of arrays (N, …) with some of the N rows."""
     arrays = {field.name: getattr(values, field.name)[selected] for field in fields(values)}  # type: ignore[arg-type]
     return type(values)(**arrays)
@@ -53,7 +53,7 @@ class RefereeValues:
     a_external: Array
     a_wrenches_external: Array
 
-    def rows(self, selected: NDArray[np.bool_]) -> RefereeValues:
+    def rows(self, selected: slice | NDArray[np.bool_]) -> RefereeValues:
         """The values at some of the states."""
         return _rows(self, selected)
 
@@ -78,7 +78,7 @@ class DerivedValues:
     da_dtau: Array
     mass_matrix_inverse: Array
 
-    def rows(self, selected: NDArray[np.bool_]) -> DerivedValues:
+    def rows(self, selected: slice | NDArray[np.bool_]) -> DerivedValues:
         """The values at some of the states."""
         return _rows(self, selected)
 
@@ -98,6 +98,9 @@ class BareCalls:
 
     One state: function(model, data, q, v, …). Many states on several threads: function(threads, pool(threads), q, v, …,
     out), with arrays (n, N) stored by columns, the memory layout of (N, n) by rows.
+
+    tip: the last arguments of frame_jacobian: the frame of this name (crosscheck.referee.subject), and
+        LOCAL_WORLD_ALIGNED
     """
 
     model: Any
@@ -105,6 +108,13 @@ class BareCalls:
     rnea: Callable[..., Array]
     aba: Callable[..., Array]
     torque_regressor: Callable[..., Array]
+    rnea_derivatives: Callable[..., tuple[Array, Array, Array]]
+    aba_derivatives: Callable[..., tuple[Array, Array, Array]]
+    mass_matrix_inverse: Callable[..., Array]
+    coriolis_matrix: Callable[..., Array]
+    kinetic_energy: Callable[..., float]
+    frame_jacobian: Callable[..., Array]
+    tip: tuple[Any, Any]
     rnea_in_parallel: Callable[..., None]
     aba_in_parallel: Callable[..., None]
     pool: Callable[[int], Any]

@@ -59,6 +59,12 @@ def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = 
     return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
 
 
+def tip(model: RobotModel) -> str:
+    """The frame that is meant where none is named: the last one fixed to the last body, or this body itself."""
+    fixed = [frame.name for frame in model.frames if frame.body == model.n_bodies]
+    return fixed[-1] if fixed else model.body_names[-1]
+
+
 def content_sha256(robot: str | PathLike[str]) -> str:
     """Hash of the file of a name or path, a .xacro file expanded. Raises RobotNotFound, InvalidXacro, OSError."""
     return hashlib.sha256(content_of(locate(robot)[0])).hexdigest()

@@ -41,8 +41,9 @@ from crosscheck.studies.bench.curves import Line
 from crosscheck.studies.bench.floor import REQUESTS, Floor, Machine, floating_point_operations, machine
 from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
-from crosscheck.studies.bench.states import random_states
+from crosscheck.studies.bench.states import FEW, random_states
 from crosscheck.studies.bench.timing import CoreShare, Ratio, Times, fitting_count, in_turns, ratio
+from crosscheck.studies.bench.works import DESCRIPTIONS, OURS
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
 from graphdyn.kernels.expressions import Recorder
 from graphdyn.kernels.programs import record
@@ -58,7 +59,23 @@ ROUNDED = 1e-12
 PEERS = 1e-10
 """Other libraries against Pinocchio on the scales of the works: principal axes and other recursions round more."""
 
-WORKS = ("inverse_dynamics", "forward_dynamics", "everything", "regressor", "single_inverse", "single_forward")
+DERIVED = {
+    "inverse_dynamics_derivatives": ("dtau_dq", "dtau_dv", "dtau_da"),
+    "forward_dynamics_derivatives": ("da_dq", "da_dv", "da_dtau"),
+    "mass_matrix_inverse": ("mass_matrix_inverse",),
+    "coriolis_matrix": ("coriolis_matrix",),
+    "kinetic_energy": ("kinetic_energy",),
+    "frame_jacobian": ("frame_jacobian",),
+}
+WORKS = (
+    "inverse_dynamics",
+    "forward_dynamics",
+    "everything",
+    "regressor",
+    *DERIVED,
+    "single_inverse",
+    "single_forward",
+)
 
 needs_a_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler (cc)")
 
@@ -156,6 +173,10 @@ class TestNumbers:
             assert ("graphdyn projected", 1) in names[work]
         assert {("dense NumPy", 1), ("pinocchio loop (aba + rnea)", 1)} <= names["everything"]
         assert {("graphdyn compiled, streamed", 2), ("pinocchio loop", 1)} <= names["regressor"]
+        for work in DERIVED:
+            assert names[work] == {
+                ("graphdyn compiled", 1), ("graphdyn compiled", 2), ("graphdyn NumPy", 1), ("pinocchio loop", 1)
+            }  # fmt: skip
         assert names["single_forward"] == {
             (n, 1) for n in ("graphdyn.compile", "graphdyn.compile, in place", "pin.aba")
         }
@@ -270,7 +291,7 @@ class TestSaid:
         assert done.exit_code == 0
         words = " ".join(re.sub("[^\\w.×-]+", " ", done.stdout).split())
         for measured in found.works:
-            assert measured.title.split(",")[0] in words.lower()
+            assert measured.title.split(",")[0].lower() in words.lower()
         first = found.works[0].comparisons[0]
         assert ratio_text(first.ratio.median) in words
         assert "measured on 300 samples and extrapolated in proportion to 600" in words
@@ -348,7 +369,7 @@ class TestSaid:
         assert "inverse dynamics: runs on one thread had a core for 62% of the time" in text
         assert len(re.findall(r"\? [\d.]+×", text)) == marked
         written = plain(record_of(busy, []))
-        assert [work["core_share"] for work in written["works"]] == [0.62, 1, 1, 1, 1, 1]
+        assert [work["core_share"] for work in written["works"]] == [0.62] + [1] * (len(WORKS) - 1)
         assert not any(one["trusted"] for one in written["works"][0]["ratios"])
         assert all(one["trusted"] for one in written["works"][1]["ratios"])
         assert written["load"] == [{"programs": 12.0, "cores": 2}, {"programs": 1.0, "cores": 2}]
@@ -450,6 +471,33 @@ class TestRefusals:
         assert instruction_set() != "unknown"
         monkeypatch.setitem(sys.modules, "eigenpy", None)
         assert instruction_set() == "unknown"
+
+
+class TestErrors:
+    """Of the answers of the verbs against Pinocchio's functions."""
+
+    @pytest.mark.parametrize(("work", "name"), [(work, name) for work, names in DERIVED.items() for name in names])
+    def test_one_wrong_number_is_seen(self, states, work, name):
+        """In any of the arrays, and in its sample only."""
+        (form, *_) = OURS[work](states, (1,))
+        answers = form.run(SAMPLES).copy()
+        right = form.errors(answers)
+        assert right.shape == (SAMPLES,)
+        assert right.max() <= DESCRIPTIONS[work][2]
+        answer = answers[DERIVED[work].index(name)]
+        answer[(7, *(0,) * (answer.ndim - 1))] += 1e-9 * np.abs(answer).max()
+        wrong = form.errors(answers) > DESCRIPTIONS[work][2]
+        assert np.flatnonzero(wrong).tolist() == [7]
+
+    def test_fewer_samples_than_are_judged(self, states):
+        (form, *_) = OURS["coriolis_matrix"](states, (1,))
+        assert len(form.errors(form.run(8))) == 8
+
+    def test_many_samples(self):
+        """The first ones are judged."""
+        states = random_states(kr500(), FEW + 1, 1)
+        (form, *_) = OURS["kinetic_energy"](states, (1,))
+        assert len(form.errors(form.run(FEW + 1))) == FEW
 
 
 class TestParts:

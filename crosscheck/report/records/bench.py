@@ -105,7 +105,20 @@ class ContenderRecord:
 class WorkRecord:
     """One work."""
 
-    name: Literal["inverse_dynamics", "forward_dynamics", "everything", "regressor", "single_inverse", "single_forward"]
+    name: Literal[
+        "inverse_dynamics",
+        "forward_dynamics",
+        "everything",
+        "regressor",
+        "inverse_dynamics_derivatives",
+        "forward_dynamics_derivatives",
+        "mass_matrix_inverse",
+        "coriolis_matrix",
+        "kinetic_energy",
+        "frame_jacobian",
+        "single_inverse",
+        "single_forward",
+    ]
     """Which work."""
 
     title: str

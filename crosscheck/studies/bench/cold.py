@@ -20,7 +20,14 @@ if TYPE_CHECKING:
     from graphdyn import RobotModel
     from graphdyn.layout import Array
 
-CALLS = ("joint_torques", "joint_accelerations", "forward_dynamics", "joint_torque_regressor")
+CALLS = (
+    "joint_torques",
+    "joint_accelerations",
+    "forward_dynamics",
+    "joint_torque_regressor",
+    "inverse_dynamics_derivatives",
+    "forward_dynamics_derivatives",
+)
 """Functions in the order of their first calls; the first call also loads the compiler."""
 
 

@@ -9,6 +9,7 @@ from functools import partial
 
 import numpy as np
 
+from crosscheck.studies.bench.states import States
 from crosscheck.studies.bench.timing import (
     STEADY,
     CoreShare,
@@ -52,6 +53,10 @@ class Contender:
     ours: bool = False
     least: int = 1
     most: int = ALL
+
+
+Forms = Callable[[States, Sequence[int]], list[Contender]]
+"""The contenders of a work by one library, with each number of threads."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,14 +5,18 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from crosscheck.referee.subject import tip
+from crosscheck.studies.bench.states import REFERENCE
 from graphdyn import RobotModel
+from graphdyn._frame_choice import frame_choice
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.expressions import Program
 from graphdyn.kernels.native import MachineCode, host_lanes
 from graphdyn.kernels.programs import Request, record
+from graphdyn.kernels.recursions import RECURSIONS
 from graphdyn.kernels.running import chosen_backend, in_threads
 from graphdyn.kernels.vector_code import VectorCode
 
@@ -33,6 +37,17 @@ REQUESTS = {
     "forward_dynamics": Request("forward_dynamics", ("a",)),
     "everything": Request("forward_dynamics", ("body_accelerations", "multipliers")),
     "regressor": Request("joint_torque_regressor", ("joint_torque_regressor",)),
+    **{
+        name: Request(name, RECURSIONS[name].outputs)
+        for name in (
+            "inverse_dynamics_derivatives",
+            "forward_dynamics_derivatives",
+            "mass_matrix_inverse",
+            "coriolis_matrix",
+            "kinetic_energy",
+            "frame_jacobian",
+        )
+    },
 }
 """The compiled program of each work."""
 
@@ -97,7 +112,10 @@ def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
     """The floor of one work on this machine; None for works without a program of their own."""
     if work not in REQUESTS:
         return None
-    program = record(model, REQUESTS[work])
+    request = REQUESTS[work]
+    if RECURSIONS[request.recursion].of_frame:
+        request = replace(request, frame=frame_choice(model, tip(model), REFERENCE))
+    program = record(model, request)
     operations = floating_point_operations(program)
     columns = sum(program.inputs.values()) + sum(map(len, program.outputs.values()))
     return Floor(operations, 8 * columns, max(operations / on.operations, 8 * columns / on.bandwidth))

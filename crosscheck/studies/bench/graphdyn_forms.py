@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 
 import graphdyn
 from crosscheck.referee import scales
-from crosscheck.studies.bench.contender import ALL, AMORTISED, Contender
-from crosscheck.studies.bench.states import States
+from crosscheck.referee.subject import tip
+from crosscheck.studies.bench.contender import ALL, AMORTISED, Contender, Forms
+from crosscheck.studies.bench.states import REFERENCE, States
 from graphdyn import RobotModel
 from graphdyn._methods import Method
+from graphdyn._verbs import VERBS
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.structure import structure
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.gram import TorqueGram, torque_gram
+from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import CHOICE, chosen_backend
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
 
@@ -97,6 +100,30 @@ def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
         *_streamed(states, threads),
         _projected(projected, states.regressor_errors),
     ]
+
+
+def verb(name: str, answer: Callable[..., Any] | None = None) -> Forms:
+    """The forms of a work that is one verb.
+
+    answer: the class that holds its arrays, all of one shape, where there are several
+    """
+
+    def forms(states: States, threads: Sequence[int]) -> list[Contender]:
+        function, outputs = getattr(graphdyn, name), VERBS[name].outputs
+        if VERBS[name].of_frame:
+            function = partial(function, frame=tip(states.model), reference=REFERENCE)
+        inputs = [getattr(states, array) for array in VERBS[name].inputs]
+        out = aligned((len(outputs), len(states), *ARRAYS[outputs[0]].shape_for(states.model.n_bodies)))
+
+        def into(count: int, used: int) -> Array:
+            written = out[:, :count]
+            memory = answer(*written) if answer else written[0]
+            function(states.model, *(x[:count] for x in inputs), method="recursive", threads=used, out=memory)
+            return written
+
+        return _recursive(into, threads, states.derived_errors(outputs))
+
+    return forms
 
 
 def _calls(

@@ -6,14 +6,19 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from crosscheck.studies.bench.contender import ALL, Contender
+from crosscheck.studies.bench.contender import ALL, Contender, Forms
 from crosscheck.studies.bench.states import States
+from graphdyn._verbs import VERBS
 from graphdyn.kernels.aligned import aligned
+from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 LOOP, PARALLEL = "pinocchio loop", "pinocchio InParallel"
 IN_LOOP = "a Python loop, results copied to given memory"
 IN_PARALLEL = "results written to given memory, pool of models made before"
+
+LOOPED = 20_000
+"""Largest number of samples of matrices that a loop writes."""
 
 
 def instruction_set() -> str:
@@ -86,7 +91,53 @@ def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
             out[k] = regressor(model, data, q, v, a)
         return out[:count]
 
-    return [Contender(LOOP, 1, loop, states.regressor_errors, IN_LOOP, most=20_000)]
+    return [Contender(LOOP, 1, loop, states.regressor_errors, IN_LOOP, most=LOOPED)]
+
+
+def inverse_derivatives(states: States, threads: Sequence[int]) -> list[Contender]:
+    names = VERBS["inverse_dynamics_derivatives"].outputs
+    return _derivatives(states, states.bare.rnea_derivatives, states.a, names)
+
+
+def forward_derivatives(states: States, threads: Sequence[int]) -> list[Contender]:
+    names = VERBS["forward_dynamics_derivatives"].outputs
+    return _derivatives(states, states.bare.aba_derivatives, states.tau, names)
+
+
+def _derivatives(
+    states: States, function: Callable[..., tuple[Array, Array, Array]], given: Array, names: Sequence[str]
+) -> list[Contender]:
+    """given: the accelerations or torques at which the function differentiates"""
+    n, model, data = states.model.n_bodies, states.bare.model, states.bare.data
+    out = np.empty((len(names), min(len(states), LOOPED), n, n))
+    by_q, by_v, by_given = out
+
+    def loop(count: int) -> Array:
+        for k, (q, v, x) in enumerate(zip(states.q[:count], states.v[:count], given[:count], strict=True)):
+            by_q[k], by_v[k], by_given[k] = function(model, data, q, v, x)
+        return out[:, :count]
+
+    return [Contender(LOOP, 1, loop, states.derived_errors(names), IN_LOOP, most=LOOPED)]
+
+
+def quantity(name: str) -> Forms:
+    """A loop of the function of BareCalls that has the name of this verb and takes the same arrays."""
+
+    def forms(states: States, threads: Sequence[int]) -> list[Contender]:
+        function, model, data = getattr(states.bare, name), states.bare.model, states.bare.data
+        further = states.bare.tip if VERBS[name].of_frame else ()
+        inputs = [getattr(states, array) for array in VERBS[name].inputs]
+        (output,) = VERBS[name].outputs
+        out = np.empty((min(len(states), LOOPED), *ARRAYS[output].shape_for(states.model.n_bodies)))
+
+        def loop(count: int) -> Array:
+            for k, row in enumerate(zip(*(x[:count] for x in inputs), strict=True)):
+                out[k] = function(model, data, *row, *further)
+            return out[None, :count]
+
+        return [Contender(LOOP, 1, loop, states.derived_errors([output]), IN_LOOP, most=LOOPED)]
+
+    return forms
 
 
 def _in_parallel(

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from crosscheck.referee import scales
+from crosscheck.referee.errors import derived_errors, derived_forward_errors
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.quantities import multipliers_of
-from crosscheck.referee.reference_values import BareCalls, RefereeValues
-from crosscheck.referee.states import cases
-from graphdyn import RobotModel, inverse_dynamics, mass_matrix
+from crosscheck.referee.reference_values import BareCalls, DerivedValues, RefereeValues
+from crosscheck.referee.states import RANDOM, Case, cases
+from graphdyn import Placement, RobotModel, inverse_dynamics, mass_matrix
+from graphdyn._frame_choice import Reference
 from graphdyn.kernels.aligned import aligned
 from graphdyn.layout import Array
 
 FEW = 200
 """Number of samples that are judged where Pinocchio computes one state at a time."""
+
+REFERENCE: Reference = "local_world_aligned"
+"""Point and axes of the frame Jacobian."""
 
 PORTION = 100_000
 """Number of samples whose errors are computed at once, to limit the memory."""
@@ -49,6 +55,17 @@ class States:
         """All reference values of Pinocchio for the first FEW samples."""
         q, v, a, tau = (x[:FEW] for x in (self.q, self.v, self.a, self.tau))
         return self.referee.evaluate(q, v, a, tau, np.zeros((*q.shape, 6)))
+
+    @cached_property
+    def derived(self) -> DerivedValues:
+        """Pinocchio's derivatives, matrices and energies for the first FEW samples."""
+        return self.referee.derive(*(x[:FEW] for x in (self.q, self.v, self.a, self.tau)))
+
+    @cached_property
+    def frame_jacobian(self) -> Array:
+        """Pinocchio's Jacobian of the tip (subject.tip) for the first FEW samples (N, 6, n)."""
+        call = self.bare
+        return np.array([call.frame_jacobian(call.model, call.data, q, *call.tip) for q in self.q[:FEW]])
 
     @cached_property
     def torque(self) -> Array:
@@ -100,6 +117,42 @@ class States:
         reference = self.values.torque_regressor[: len(w)]
         none = np.zeros(len(reference))
         return scales.by_parameter_type(w[: len(reference)], reference, none, none, none)
+
+    def derived_errors(self, names: Sequence[str]) -> Callable[[Array], Array]:
+        """The largest error of the named quantities of the cross-check, on their scales there; FEW samples at most.
+
+        Of answers stacked in this order (k, N, …) it gives one number per sample (N,).
+        """
+
+        def errors(answers: Array) -> Array:
+            rows = slice(min(FEW, answers.shape[1]))
+            given = {x: getattr(self, x)[rows] for x in ("q", "v", "a", "tau")}
+            case = Case(RANDOM, self.model, Placement(), **given, external_wrenches=np.zeros((*given["q"].shape, 6)))
+            values, derived = self.values.rows(rows), self.derived.rows(rows)
+            ours = {  # what is not asked for has no error
+                **vars(derived),
+                "dtau_da": values.mass_matrix,
+                "frame_jacobian": self.frame_jacobian[rows],
+            }
+            ours |= {name: answer[rows] for name, answer in zip(names, answers, strict=True)}
+            tensor = np.full(rows.stop, scales.largest_tensor(self.model))
+            found = {
+                **derived_errors(case, ours, values, derived),
+                **derived_forward_errors(given["tau"], ours, values, derived),
+                "dtau_da": scales.relative(ours["dtau_da"], values.mass_matrix, tensor),
+                "frame_jacobian": self._frame_jacobian_errors(ours["frame_jacobian"]),
+            }
+            largest: Array = np.maximum.reduce([found[name] for name in names])
+            return largest
+
+        return errors
+
+    def _frame_jacobian_errors(self, matrices: Array) -> Array:
+        """Of (N, 6, n): positions on the largest lever, axes on 1 (N,)."""
+        count = len(matrices)
+        ours, reference = np.swapaxes(matrices, -1, -2), np.swapaxes(self.frame_jacobian[:count], -1, -2)
+        lever = scales.largest(self.values.position[:count] - self.model.base.translation)
+        return scales.by_part(ours, reference, lever, np.ones(count))
 
     def _largest_wrench(self, a: Array) -> Array:
         parts = [

@@ -2,32 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.referee.tolerances import ACCELERATION, AGREEMENT, FORWARD_WRENCH
 from crosscheck.studies.bench import casadi_forms, graphdyn_forms, mujoco_forms, pinocchio_forms, single_states
 from crosscheck.studies.bench.casadi_forms import CasadiRefuses
-from crosscheck.studies.bench.contender import Contender, Work
+from crosscheck.studies.bench.contender import Contender, Forms, Work
 from crosscheck.studies.bench.states import States
+from graphdyn import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 
-Forms = Callable[[States, Sequence[int]], list[Contender]]
+QUANTITIES = ("mass_matrix_inverse", "coriolis_matrix", "kinetic_energy", "frame_jacobian")
+"""Works that are one verb with one array, and one function of Pinocchio that takes the same arguments."""
 
 OURS: Mapping[str, Forms] = {
     "inverse_dynamics": graphdyn_forms.inverse,
     "forward_dynamics": graphdyn_forms.forward,
     "everything": graphdyn_forms.everything,
     "regressor": graphdyn_forms.regressor,
+    "inverse_dynamics_derivatives": graphdyn_forms.verb("inverse_dynamics_derivatives", InverseDynamicsDerivatives),
+    "forward_dynamics_derivatives": graphdyn_forms.verb("forward_dynamics_derivatives", ForwardDynamicsDerivatives),
+    **{name: graphdyn_forms.verb(name) for name in QUANTITIES},
 }
 PINOCCHIO: Mapping[str, Forms] = {
     "inverse_dynamics": pinocchio_forms.inverse,
     "forward_dynamics": pinocchio_forms.forward,
     "everything": pinocchio_forms.everything,
     "regressor": pinocchio_forms.regressor,
+    "inverse_dynamics_derivatives": pinocchio_forms.inverse_derivatives,
+    "forward_dynamics_derivatives": pinocchio_forms.forward_derivatives,
+    **{name: pinocchio_forms.quantity(name) for name in QUANTITIES},
 }
 
 TORQUE = "largest joint wrench of the sample"
+DERIVED = "the scales of `graphdyn crosscheck` (docs/notation.md), each derivative on its own"
 ACCELERATED = "cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
 
 DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
@@ -43,6 +52,12 @@ DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
         "largest entry of the type of parameter, or lengths of columns",
         AGREEMENT.bound,
     ),
+    "inverse_dynamics_derivatives": ("derivatives of inverse dynamics", DERIVED, AGREEMENT.bound),
+    "forward_dynamics_derivatives": ("derivatives of forward dynamics", DERIVED, ACCELERATION.bound),
+    "mass_matrix_inverse": ("inverse of the mass matrix", DERIVED, ACCELERATION.bound),
+    "coriolis_matrix": ("Coriolis matrix", DERIVED, AGREEMENT.bound),
+    "kinetic_energy": ("kinetic energy", DERIVED, AGREEMENT.bound),
+    "frame_jacobian": ("frame Jacobian", DERIVED, AGREEMENT.bound),
     "single_inverse": ("inverse dynamics, one state per call", TORQUE, AGREEMENT.bound),
     "single_forward": ("forward dynamics, one state per call", ACCELERATED, ACCELERATION.bound),
 }
