@@ -14,6 +14,7 @@ from crosscheck.report.records.show import (
     JointRecord,
     ShowBodyRecord,
     ShowRecord,
+    StateRecord,
     SystemRecord,
 )
 from graphdyn import Placement, RobotModel, kkt_system
@@ -27,7 +28,9 @@ ROUNDING = 1e-14
 """Part of the largest entry of its block (one body or joint by one body or joint) below which an entry is zero."""
 
 
-def describe(model: RobotModel, robot: str, locked: Mapping[str, float]) -> ShowRecord:
+def describe(
+    model: RobotModel, robot: str, locked: Mapping[str, float], state: StateRecord | None = None
+) -> ShowRecord:
     """Everything about a robot that was loaded under this name with these joints locked."""
     base = _placed(model.base)
     return ShowRecord(
@@ -48,6 +51,7 @@ def describe(model: RobotModel, robot: str, locked: Mapping[str, float]) -> Show
         ],
         graph=_graph(model),
         system=_system(model),
+        state=state,
     )
 
 

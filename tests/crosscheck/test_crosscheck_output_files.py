@@ -17,7 +17,7 @@ from crosscheck.cli.output_files import OutputFile
 READS = {
     "crosscheck": ("{robot}",),
     "judge": ("{robot}", "--mass-matrix", "{code}:M"),
-    "show": ("{robot}",),
+    "show": ("{robot}", "--state", "{log}"),
     "inspect": ("{robot}",),
     "identify": (
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),

@@ -10,10 +10,13 @@ import pytest
 from planting import mixed_tree
 from typer.testing import CliRunner
 
+import graphdyn
 import urdf
 from crosscheck.cli import app, console
+from crosscheck.referee.subject import tip
 from crosscheck.report.commands.show import show_report
 from crosscheck.report.describing import describe
+from crosscheck.report.describing_state import describe_state
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
 from crosscheck.report.pattern import BRAILLE, HALF_BLOCKS, picture
@@ -223,6 +226,187 @@ class TestCommand:
         record = json.loads(path.read_text(encoding="utf-8"))
         assert record["format"] == "graphdyn show 1"
         assert record == plain(describe(urdf.load("ur5"), "ur5", {}))
+
+
+class TestState:
+    Q, V = [0.3, -1.2, 1.5, 0.1, 0.7, -0.2], [1.0, 0.0, 0.5, 0.0, -2.0, 0.25]
+
+    @pytest.fixture
+    def state(self, tmp_path):
+        """What the JSON file holds of the state that was given."""
+
+        def run(*arguments):
+            path = tmp_path / "r.json"
+            done = show("ur5", *arguments, "--json", path)
+            assert (done.exit_code, done.stderr) == (0, "")
+            return json.loads(path.read_text(encoding="utf-8"))["state"]
+
+        return run
+
+    @staticmethod
+    def text(*parts):
+        return ";".join(",".join(map(str, part)) for part in parts)
+
+    def test_numbers(self, state):
+        model = urdf.load("ur5")
+        found = state("--state", self.text(self.Q, self.V), "--frame", "forearm_link", "--reference", "local")
+        q, v = np.array(self.Q), np.array(self.V)
+        assert (found["q"], found["v"]) == (self.Q, self.V)
+        assert found["mass_matrix"] == graphdyn.mass_matrix(model, q).tolist()
+        assert found["kinetic_energy"] == pytest.approx(v @ found["mass_matrix"] @ v / 2)
+        weights = -model.gravity[2] * np.array([body.mass for body in model.bodies])
+        heights = graphdyn.maximal_state(model, q).position[:, 2]
+        assert found["potential_energy"] == pytest.approx(weights @ heights)
+        motion = found["motion"]
+        masses, there = np.array([body.mass for body in model.bodies]), graphdyn.maximal_state(model, q, v)
+        assert motion["center_of_mass"] == pytest.approx(masses @ there.position / masses.sum())
+        linear = masses @ there.velocity[:, :3]
+        assert motion["center_of_mass_velocity"] == pytest.approx(linear / masses.sum())
+        assert motion["momentum"][:3] == motion["momentum_about_origin"][:3] == pytest.approx(linear)
+        shift = np.cross(motion["center_of_mass"], linear)
+        assert np.subtract(motion["momentum_about_origin"], motion["momentum"])[3:] == pytest.approx(shift)
+        assert found["gravity_torque"] == graphdyn.gravity_torque(model, q).tolist()
+        assert found["bias_torque"] == graphdyn.bias_torque(model, q, v).tolist()
+        assert found["mass_matrix_condition"] == pytest.approx(np.linalg.cond(found["mass_matrix"]))
+        assert [body["name"] for body in found["bodies"]] == list(model.body_names)
+        frame = found["frame"]
+        assert (frame["name"], frame["reference"]) == ("forearm_link", "local")
+        assert frame["xyz"] == found["bodies"][2]["xyz"]
+        assert frame["rpy"] == found["bodies"][2]["rpy"]
+        assert frame["xyz"] == graphdyn.frame_placement(model, q, "forearm_link")[1].tolist()
+        jacobian = graphdyn.frame_jacobian(model, q, "forearm_link", reference="local")
+        assert frame["jacobian"] == jacobian.tolist()
+        assert frame["velocity"] == pytest.approx(jacobian @ v)
+
+    def test_spellings(self, state, tmp_path):
+        """One row, two parts, a file; what else a file holds does not matter."""
+        file = tmp_path / "state.json"
+        file.write_text(json.dumps({"q": self.Q, "v": self.V, "tau": [1]}), encoding="utf-8")
+        two = state("--state", self.text(self.Q, self.V))
+        assert two == state("--state", self.text(self.Q + self.V)) == state("--state", file)
+
+    def test_positions_alone(self, state, tmp_path):
+        file = tmp_path / "state.json"
+        file.write_text(json.dumps({"q": self.Q}), encoding="utf-8")
+        for given in (self.text(self.Q), file):
+            found = state("--state", given)
+            assert (found["q"], found["v"], found["kinetic_energy"]) == (self.Q, [0] * 6, 0)
+            assert found["bias_torque"] == pytest.approx(found["gravity_torque"])
+        assert state("--state", self.text([-x for x in self.Q]))["q"] == [-x for x in self.Q]  # begins with a sign
+
+    def test_random(self, state):
+        model = urdf.load("ur5")
+        for text, seed in (("random", 0), ("random:7", 7)):
+            q, v = model.random_state(np.random.default_rng(seed))
+            found = state("--state", text)
+            assert (found["q"], found["v"]) == (q.tolist(), v.tolist())
+
+    @pytest.mark.parametrize(("robot", "frame"), [("ur5", "tool0"), ("kr500", "B6"), ("z1", "gripperMover")])
+    def test_frame_that_is_meant(self, robot, frame):
+        """The last one on the last body; others are on the ground (ur5) or on bodies before (z1)."""
+        assert tip(urdf.load(robot)) == frame
+        done = show(robot, "--state", "random")
+        assert f"Frame '{frame}'" in done.stdout
+        assert "Jacobian, local_world_aligned" in done.stdout
+
+    def test_none(self, tmp_path):
+        path = tmp_path / "r.json"
+        done = show("ur5", "--json", path)
+        assert json.loads(path.read_text(encoding="utf-8"))["state"] is None
+        assert "kinetic energy" not in done.stdout
+
+    @pytest.mark.parametrize("robot", ["ur5", "tiago"])
+    def test_fits_into_80_characters(self, robot, monkeypatch):
+        model = urdf.load(robot)
+        q, v = model.random_state(np.random.default_rng(0))
+        state = describe_state(model, q, v, tip(model), "world")
+        lines = shown(describe(model, robot, {}, state), model, NARROW, monkeypatch).splitlines()
+        assert max(map(len, lines)) <= NARROW
+        assert any(f"{state.kinetic_energy:.6g} J" in line for line in lines)
+
+    def test_text(self, monkeypatch):
+        """Rounding is written as 0, as -30.6896 and not as -30.689618 what is no rounding."""
+        model = urdf.load("ur5")
+        q = np.array([0, -1.2, 1.5, 0, 0.3, 0])
+        state = describe_state(model, q, 0 * q, "tool0", "local_world_aligned")
+        text = shown(describe(model, "ur5", {}, state), model, 120, monkeypatch)
+        torques = graphdyn.gravity_torque(model, q)
+        assert np.abs(torques[[0, 4, 5]]).max() < 1e-12
+        assert re.search(rf"shoulder_lift_joint │ +-1.2 │ 0 │ +{torques[1]:.6g} │", text)
+        for joint in ("shoulder_pan_joint", "wrist_3_joint"):
+            assert re.search(rf"{joint} +│ +0 │ 0 │ +0 │ +0 │", text)
+        height = state.frame.jacobian[2][1]
+        assert re.search(rf"^v_z +0 +{height:.4g} ", text, re.MULTILINE)
+
+    def test_robot_without_mass(self, small_arm):
+        small_arm.write_text(re.sub(r"<inertial>.*?</inertial>", "", small_arm.read_text(), flags=re.S))
+        done = show(small_arm, "--state", "random")
+        assert done.exit_code == 0
+        assert "Mass matrix, condition number ∞" in done.stdout
+        assert "angular momentum" not in done.stdout
+
+    def test_page(self, tmp_path):
+        path = tmp_path / "r.html"
+        assert show("ur5", "--state", "random", "--html", path).exit_code == 0
+        words = " ".join(" ".join(TestPage.Text(path.read_text(encoding="utf-8")).words).split())
+        for fact in (
+            "At the given state. ○",
+            "Link frames in the world",
+            "Mass matrix, condition number",
+            "Frame 'tool0'",
+        ):
+            assert fact in words
+        assert "Zero pose" not in words
+
+    @pytest.mark.parametrize(
+        ("given", "message"),
+        [
+            ("1,2", "--state has 2 numbers; the robot needs 6 for q, or 12 for q and v"),
+            ("1,2,3,4,5,6;1", "v has shape (1,), expected (…, 6) for the 6 joints of robot 'ur5'"),
+            ("1,2;1", "q has shape (2,), expected (…, 6) for the 6 joints of robot 'ur5'"),
+            ("0,0,nan,0,0,0", "q contains nan at joint 'elbow_joint'"),
+            ("0,0,0,0,0,0;0,inf,0,0,0,0", "v contains inf at joint 'shoulder_lift_joint'"),
+            ("home", "--state home: 'home' is not a row of numbers; give numbers with commas, a JSON file"),
+            ("random:x", "--state random:x: 'x' is not a seed, a whole number from 0 on"),
+            ("missing.json", "No such file or directory: 'missing.json'"),
+            ("empty.json", "--state empty.json: is not a JSON file (Expecting value"),
+            ("nested.json", "--state nested.json: is not a JSON file (maximum recursion depth"),
+            ("list.json", '--state list.json: has no field q; write {"q": […], "v": […]}'),
+            ("text.json", "q is not an array of real numbers"),
+            ("many.json", "one state expected, got leading dimensions (2,)"),
+        ],
+    )
+    def test_bad_input(self, tmp_path, monkeypatch, given, message):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "empty.json").touch()
+        (tmp_path / "nested.json").write_text("[" * 100_000, encoding="utf-8")
+        (tmp_path / "list.json").write_text("[1, 2]", encoding="utf-8")
+        (tmp_path / "text.json").write_text('{"q": "home"}', encoding="utf-8")
+        (tmp_path / "many.json").write_text(json.dumps({"q": [self.Q, self.Q]}), encoding="utf-8")
+        self.refused(["--state", given], message)
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            (["--frame", "tool0"], "--frame and --reference say whose Jacobian is shown; it takes a --state"),
+            (["--reference", "local"], "--frame and --reference say whose Jacobian is shown; it takes a --state"),
+            (
+                ["--state", "random", "--frame", "tool9"],
+                "robot 'ur5' has no frame 'tool9'; known: world, shoulder_link",
+            ),
+            (
+                ["--state", "random", "--reference", "base"],
+                "'base' is not one of 'world', 'local', 'local_world_aligned'",
+            ),
+        ],
+    )
+    def test_bad_options(self, options, message):
+        self.refused(options, message)
+
+    def refused(self, options, message):
+        done = show("ur5", *options)
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert message in " ".join(done.stderr.split())
 
 
 class TestPage:

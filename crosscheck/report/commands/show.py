@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crosscheck.report.commands.robot_parts import locked_text, robot_picture
+from crosscheck.report.commands.show_state import state_section
 from crosscheck.report.pattern import Pattern
 from crosscheck.report.pattern import picture as character_pattern
 from crosscheck.report.plain_text import matrix_lines, vector_text
@@ -44,6 +45,7 @@ def show_report(robot: ShowRecord, model: RobotModel) -> Report:
         None,
         (
             Section("robot", "", (*_overview(robot, model), _bodies(robot))),
+            *([] if robot.state is None else [state_section(robot.state, model)]),
             Section("joints", "Joints", (_joints(robot, model), _limits(robot), _frames(robot))),
             Section("graph", "Graph", _graph(robot)),
             Section("equations", f"Eq. (111): {robot.system.size} equations", _equations(robot.system)),
@@ -66,7 +68,8 @@ def _overview(robot: ShowRecord, model: RobotModel) -> tuple[Block, ...]:
             f"'{robot.base}', in the world at {vector_text(robot.base_xyz)} m, rpy {vector_text(robot.base_rpy)}°",
         ),
     )
-    return robot_picture(model, name), Group((Facts(facts), _consistency(robot)))
+    q = None if robot.state is None else np.array(robot.state.q)
+    return robot_picture(model, name, q), Group((Facts(facts), _consistency(robot)))
 
 
 def _consistency(robot: ShowRecord) -> Notes:

@@ -44,9 +44,9 @@ CLOSE = 0.045
 LINK, JOINT, MASS, EDGE, FAINT, GROUND = SOFT, CURVES[0], "#c98a1b", CURVES[3], MIDDLE, colors.FAINT
 
 
-def stick_figure(key: str, model: RobotModel, name: str) -> Markup:
-    """The robot in its zero pose, or slightly bent where that would be one line; joints carry their numbers."""
-    scene = _Scene(model)
+def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None) -> Markup:
+    """The robot at q (n,), or where nothing is given as pose says; joints carry their numbers."""
+    scene = _Scene(model, pose(model) if q is None else q)
     slides = sum(joint.is_prismatic for joint in model.joints)
     label = (
         f"Stick figure of {name}: {model.n_bodies - slides} revolute and {slides} prismatic joints, "
@@ -76,9 +76,8 @@ def pose_text(model: RobotModel) -> str:
 class _Scene:
     """Everything that is drawn, on the plane of the picture [m]; ratio: height over width."""
 
-    def __init__(self, model: RobotModel):
+    def __init__(self, model: RobotModel, q: Array):
         self.model = model
-        q = pose(model)
         state = maximal_state(model, q)
         origins = np.vstack([model.base.translation, link_origins(state)])
         self._view = _view(origins)
