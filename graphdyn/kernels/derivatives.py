@@ -9,11 +9,11 @@ import numpy as np
 
 from graphdyn.kernels.differentiation import directional, jacobian, substituted
 from graphdyn.kernels.expressions import Recorder
-from graphdyn.kernels.forward import forward_dynamics
+from graphdyn.kernels.factorization import inverted_mass_matrix
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link
-from graphdyn.kernels.motion import Root, resting_root
+from graphdyn.kernels.motion import Root
 from graphdyn.kernels.reactions import Wrench
 from graphdyn.kernels.regressors import joint_torque_regressor
 from graphdyn.kernels.vectors import Scalars
@@ -85,50 +85,38 @@ def forward_dynamics_derivatives(
     Carpentier and Mansard, "Analytical derivatives of rigid body dynamics algorithms", Robotics: Science and Systems,
     2018. Fewer operations than to differentiate the elimination itself.
     """
-    found = forward_dynamics(links, root, q, v, tau, external)
-    inverse = mass_matrix_inverse(recorder, links, q)["mass_matrix_inverse"]
+    inverse, found, pivots = _solved(links, root, q, v, tau, external)
     a = recorder.placeholders(len(links))
     required = inverse_dynamics(links, root, q, v, a, external)["tau"]
-    held = dict(zip(a, found["a"], strict=True))
-
+    held = dict(zip(a, found, strict=True))
     by_q, by_v = (
-        -(
-            inverse.reshape(part.shape)
-            @ np.array(substituted(list(part.ravel()), held), dtype=object).reshape(part.shape)
-        )
+        -(inverse @ np.array(substituted(list(part.ravel()), held), dtype=object).reshape(part.shape))
         for part in _jacobians(required, q, v)
     )
     return {
         "da_dq": list(by_q.ravel()),
         "da_dv": list(by_v.ravel()),
-        "da_dtau": list(inverse),
-        "pivots": found["pivots"],
+        "da_dtau": list(inverse.ravel()),
+        "pivots": pivots,
     }
 
 
 def forward_dynamics_parameter_derivatives(
-    recorder: Recorder,
-    links: Sequence[Link],
-    root: Root,
-    q: Columns,
-    v: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None = None,
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, tau: Columns, external: Sequence[Wrench] | None = None
 ) -> dict[str, Any]:
     """∂a/∂π = -M⁻¹ W at the accelerations found (n, 10 n); pivots."""
-    found = forward_dynamics(links, root, q, v, tau, external)
-    inverse = mass_matrix_inverse(recorder, links, q)["mass_matrix_inverse"].reshape(len(links), len(links))
-    change = -(inverse @ joint_torque_regressor(links, root, q, v, found["a"]))
-    return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": found["pivots"]}
+    inverse, a, pivots = _solved(links, root, q, v, tau, external)
+    change = -(inverse @ joint_torque_regressor(links, root, q, v, a))
+    return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": pivots}
 
 
-def mass_matrix_inverse(recorder: Recorder, links: Sequence[Link], q: Columns) -> dict[str, Any]:
-    """mass_matrix_inverse (n n), by how much forward dynamics at rest answer to each torque; pivots."""
-    tau, rest = recorder.placeholders(len(links)), [0.0] * len(links)
-    found = forward_dynamics(links, resting_root(), q, rest, tau)
-    rows = jacobian(found["a"], tau)
-    upper = [[rows[min(i, k), max(i, k)] for k in range(len(links))] for i in range(len(links))]
-    return {"mass_matrix_inverse": np.array(upper, dtype=object).ravel(), "pivots": found["pivots"]}
+def _solved(
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, tau: Columns, external: Sequence[Wrench] | None
+) -> tuple[Scalars, list[Any], list[Any]]:
+    """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n), and the pivots (n)."""
+    inverse, pivots = inverted_mass_matrix(links, q)
+    bias = inverse_dynamics(links, root, q, v, [0.0] * len(links), external)["tau"]
+    return inverse, list(inverse @ (np.array(tau, dtype=object) - np.array(bias, dtype=object))), pivots
 
 
 def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:

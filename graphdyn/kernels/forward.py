@@ -115,7 +115,7 @@ def seen_through_joint(prismatic: bool, inertia: Inertia, bias: Wrench, tau: Any
     """I^a = I^A - U Uᵀ / D and p^a = p^A + U u / D, of I^A (inertia) and p^A (bias)."""
     force, moment = bias
     U_f, U_n = (inertia.m[:, 2], inertia.h[2, :]) if prismatic else (inertia.h[:, 2], inertia.j[:, 2])
-    D_inverse = _reciprocal(U_f[2] if prismatic else U_n[2])
+    D_inverse = reciprocal(U_f[2] if prismatic else U_n[2])
     u = tau - (force[2] if prismatic else moment[2])
     f, n = U_f * D_inverse, U_n * D_inverse
     reduced = Inertia(
@@ -133,6 +133,6 @@ def seen_through_joint(prismatic: bool, inertia: Inertia, bias: Wrench, tau: Any
     return SeenThroughJoint(reduced, (reduced_f, reduced_n), (U_f, U_n), D_inverse, u)
 
 
-def _reciprocal(pivot: Any) -> Any:
+def reciprocal(pivot: Any) -> Any:
     """1 / D, infinite where D is known to be zero: a joint without inertia, which then shows as a pivot of zero."""
     return math.inf if isinstance(pivot, float | int) and pivot == 0 else 1.0 / pivot

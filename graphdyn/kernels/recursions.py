@@ -8,6 +8,7 @@ from typing import Any
 
 from graphdyn.kernels import derivatives, frames, momentum
 from graphdyn.kernels.energies import energy_regressor, kinetic_energy, potential_energy
+from graphdyn.kernels.factorization import mass_matrix_inverse
 from graphdyn.kernels.forward import forward_dynamics
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics, power
@@ -116,7 +117,7 @@ RECURSIONS = {
     "mass_matrix_inverse": Recursion(
         ("q",),
         ("mass_matrix_inverse",),
-        lambda x, q: derivatives.mass_matrix_inverse(x.recorder, x.links, q),
+        lambda x, q: mass_matrix_inverse(x.links, q),
         on_moving_base=False,
     ),
     "coriolis_matrix": Recursion(
@@ -171,9 +172,7 @@ RECURSIONS = {
     "forward_dynamics_parameter_derivatives": Recursion(
         ("q", "v", "tau"),
         ("forward_dynamics_parameter_derivatives",),
-        lambda x, q, v, tau: derivatives.forward_dynamics_parameter_derivatives(
-            x.recorder, x.links, x.root, q, v, tau, x.external
-        ),
+        lambda x, q, v, tau: derivatives.forward_dynamics_parameter_derivatives(x.links, x.root, q, v, tau, x.external),
     ),
     "reaction_derivatives": Recursion(
         ("q", "v", "a"),

@@ -16,7 +16,9 @@ from random_trees import (
 from witnesses import acceleration_scale, relative_error
 
 import graphdyn
+from graphdyn.kernels.programs import Request
 from graphdyn.kernels.recursions import RECURSIONS
+from graphdyn.kernels.running import run
 
 EPS = np.finfo(float).eps
 
@@ -121,6 +123,18 @@ def test_answers_for_the_whole_robot_agree_with_the_equations(model, seed):
         of_mass = WRENCH * condition if name == "forward_dynamics_parameter_derivatives" else SUM
         for array, expected in zip(parts(found), parts(plain), strict=True):
             assert relative_error(array, expected) < of_mass, name
+
+
+@examples(10)
+@given(robots(), SEEDS)
+def test_the_factors_of_the_mass_matrix_have_the_pivots_of_the_elimination(model, seed):
+    """Featherstone, 2008, section 6.5: D of M = Lᵀ D L are the articulated inertias about the joints."""
+    q, v, tau = np.atleast_2d(*random_state(model, seed)[:3])
+    found, expected = np.empty((2, 1, model.n_bodies))
+    with on("numpy"):
+        run(model, Request("mass_matrix_inverse", ("pivots",)), {"q": q}, {"pivots": found})
+        run(model, Request("forward_dynamics", ("pivots",)), {"q": q, "v": v, "tau": tau}, {"pivots": expected})
+    assert np.allclose(found, expected, rtol=SUM * np.linalg.cond(graphdyn.mass_matrix(model, q[0])), atol=0)
 
 
 def parts(answer):
