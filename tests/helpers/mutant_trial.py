@@ -186,11 +186,11 @@ def _is_rounding(path: Path, model: RobotModel) -> bool:
 
 def _parts(referee: PinocchioModel, model: RobotModel) -> dict[str, Array]:
     """What Pinocchio's model consists of: a row per state and body. Placements are those in the inside body."""
-    native, data = referee._native, referee._data
+    native, data = referee.native, referee.data
     rows = []
     for q in _case(model).q[:, None]:
         referee.rnea(q, 0 * q, 0 * q)  # places the bodies
-        for k in referee._ids:
+        for k in referee.ids:
             body, placement = native.inertias[k], data.liMi[k]
             rows.append((body.mass, body.lever, body.inertia, placement.rotation, placement.translation))
     columns = zip(*rows, strict=True)
