@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 import graphdyn
 from crosscheck.referee.quantities import QUANTITIES, kkt_batch
@@ -16,17 +15,11 @@ from graphdyn import (
     InverseDynamics,
     MaximalState,
     body_regressor,
-    coriolis_matrix,
     forward_dynamics,
-    forward_dynamics_derivatives,
     inverse_dynamics,
-    inverse_dynamics_derivatives,
     joint_torque_regressor,
-    kinetic_energy,
     mass_matrix,
-    mass_matrix_inverse,
     maximal_state,
-    potential_energy,
 )
 from graphdyn._methods import Method
 from graphdyn._verbs import VERBS
@@ -96,17 +89,6 @@ class ForwardAnswers:
     constraint_residual: Array
 
 
-@dataclass(frozen=True, eq=False)
-class DerivedAnswers:
-    """Derivatives, matrices and energies of one method, by the names of their quantities.
-
-    forward: those that need a regular mass matrix, at the states that have one; empty where none has
-    """
-
-    passive: Mapping[str, Array]
-    forward: Mapping[str, Array]
-
-
 def passive_answers(case: Case, *, recursive: bool = False) -> PassiveAnswers:
     """recursive: also those of the recursive method."""
     model, q, v, a = case.model, case.q, case.v, case.a
@@ -118,30 +100,6 @@ def passive_answers(case: Case, *, recursive: bool = False) -> PassiveAnswers:
         of_verbs={quantity.name: _of_verb(case, quantity.verb) for quantity in QUANTITIES if quantity.verb},
         recursive=_inverse_answers(case, "recursive") if recursive else None,
     )
-
-
-def derived_answers(case: Case, tau: Array, regular: NDArray[np.bool_], method: Method) -> DerivedAnswers:
-    """Derivatives, matrices and energies by one method.
-
-    tau: given torques (N, n); regular: states with a regular mass matrix (N,)
-    """
-    model, q, v, a = case.model, case.q, case.v, case.a
-    rates = inverse_dynamics_derivatives(model, q, v, a, method=method)
-    passive = {
-        "dtau_dq": rates.dtau_dq,
-        "dtau_dv": rates.dtau_dv,
-        "coriolis_matrix": coriolis_matrix(model, q, v, method=method),
-        "kinetic_energy": kinetic_energy(model, q, v, method=method),
-        "potential_energy": potential_energy(model, q, method=method),
-    }
-    forward = {}
-    if regular.any():
-        q, v, tau = q[regular], v[regular], tau[regular]
-        forward = {
-            **vars(forward_dynamics_derivatives(model, q, v, tau, method=method)),
-            "mass_matrix_inverse": mass_matrix_inverse(model, q, method=method),
-        }
-    return DerivedAnswers(passive, forward)
 
 
 def _inverse_answers(case: Case, method: Method) -> InverseAnswers:

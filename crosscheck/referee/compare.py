@@ -10,17 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from crosscheck.referee.answers import (
-    derived_answers,
-    forward_answers,
-    passive_answers,
-)
+from crosscheck.referee.answers import forward_answers, passive_answers
 from crosscheck.referee.baseline import compare_identification
 from crosscheck.referee.comparison import Comparison
+from crosscheck.referee.derived_answers import derived_answers
+from crosscheck.referee.derived_errors import derived_errors, derived_forward_errors
 from crosscheck.referee.error_record import ErrorRecord
 from crosscheck.referee.errors import (
-    derived_errors,
-    derived_forward_errors,
     forward_errors,
     frame_errors,
     of_recursive,
@@ -175,7 +171,7 @@ def _compare_chunk(
                 named = of_recursive if method == "recursive" else dict
                 record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, values)))
                 if regular.any():
-                    there = reference.rows(regular), values.rows(regular)
+                    there = reference.rows(regular), {name: value[regular] for name, value in values.items()}
                     record.add(route, at, named(derived_forward_errors(tau[regular], answers.forward, *there)))
         if regular.any():
             try:

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.referee.answers import ForwardAnswers, InverseAnswers, PassiveAnswers, SolvedAnswers
+from crosscheck.referee.multipliers import multipliers_of
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.quantities import BY_NAME, RECURSIVE, kkt_batch, multipliers_of
-from crosscheck.referee.reference_values import DerivedValues, RefereeValues
+from crosscheck.referee.quantities import BY_NAME, RECURSIVE, kkt_batch
+from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.scales import (
     acceleration_scale,
     backward_error,
@@ -169,39 +170,6 @@ def forward_errors(
     if ours.recursive:
         errors |= of_recursive(solved_errors(ours.recursive.usual) | backward_errors(ours.recursive))
     return errors
-
-
-def derived_errors(
-    case: Case, ours: Mapping[str, Array], ref: RefereeValues, derived: DerivedValues
-) -> dict[str, Array]:
-    """Errors of derivatives, matrices and energies, of those that need no regular mass matrix."""
-    model = case.model
-    size = term_sizes(model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
-    by_rate = largest(ref.mass_matrix) * largest(case.v)
-    weight = float(np.linalg.norm(model.gravity)) * sum(body.mass for body in model.bodies)
-    scales = {
-        "dtau_dq": (largest(ref.joint_wrenches), size.spin),
-        "dtau_dv": (by_rate,),
-        "coriolis_matrix": (by_rate,),
-        "kinetic_energy": (),
-        "potential_energy": (weight * (largest(ref.position) + center_offset(model)),),
-    }
-    return {name: relative(ours[name], getattr(derived, name), *sizes) for name, sizes in scales.items()}
-
-
-def derived_forward_errors(
-    tau: Array, ours: Mapping[str, Array], ref: RefereeValues, derived: DerivedValues
-) -> dict[str, Array]:
-    """Errors of derivatives and matrices that need a regular mass matrix, at the torques tau (N, n)."""
-    mass, wrenches = ref.mass_matrix, ref.a_wrenches
-    inverted = acceleration_scale(mass, derived.mass_matrix_inverse, 0 * tau, 0 * wrenches)
-    scales = {
-        "da_dq": acceleration_scale(mass, derived.da_dq, derived.dtau_dq, wrenches),
-        "da_dv": acceleration_scale(mass, derived.da_dv, derived.dtau_dv, wrenches),
-        "da_dtau": inverted,
-        "mass_matrix_inverse": inverted,
-    }
-    return {name: ratio(largest(ours[name] - getattr(derived, name)), scale) for name, scale in scales.items()}
 
 
 def rank_errors(case: Case, tau: Array, regular: NDArray[np.bool_]) -> tuple[dict[str, Array], Conditioning]:

@@ -1,4 +1,4 @@
-"""The compared quantities (docs/notation.md describes them), and two of them as they follow from other values."""
+"""The compared quantities (docs/notation.md describes them), and the system of equations that some judge."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from crosscheck.referee.tolerances import (
     RESIDUAL,
     Tolerance,
 )
-from graphdyn import RobotModel, maximal_state
+from graphdyn import maximal_state
 from graphdyn._constraints import constraints
 from graphdyn._kkt import KKTSystem
 from graphdyn._unconstrained import applied_terms, mass_terms
-from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.layout import Array
 
 
 @dataclass(frozen=True)
@@ -149,6 +149,9 @@ QUANTITIES = (
 )
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 
+DERIVED = tuple(row.name for row in _DERIVED)
+"""Quantities that are compared at the first random states only, by the plain and by the recursive methods."""
+
 
 def kkt_batch(case: Case, tau: Array) -> KKTSystem:
     """Eq. (111) at all states of a case at once."""
@@ -158,22 +161,3 @@ def kkt_batch(case: Case, tau: Array) -> KKTSystem:
     return KKTSystem(
         np.broadcast_to(mass_terms(state), (*phi_q.shape[:-2], *phi_q.shape[-1:] * 2)), phi_q, applied, zeta
     )
-
-
-def multipliers_of(model: RobotModel, rotation: Array, wrenches: Array) -> Array:
-    """The multipliers (N, n, 5) of a reference implementation's joint wrenches, as docs/notation.md defines them.
-
-    rotation: R_0j of all bodies (N, n, 3, 3); wrenches: at O_j in link axes (N, n, 6)
-    """
-    force, moment = (np.einsum("...jab,...jb->...ja", rotation, wrenches[..., part]) for part in (LINEAR, ANGULAR))
-    result = np.empty((*wrenches.shape[:-1], 5))
-    for k, joint in enumerate(model.joints):
-        inside = rotation[..., joint.inside - 1, :, :] if joint.inside else model.base.rotation
-        t_1, t_2, p = ((inside @ joint.placement.rotation) @ x for x in (*joint.axis_normals, joint.axis))
-        f, m = force[..., k, :], moment[..., k, :]
-        if joint.is_prismatic:
-            rows = [(f * t_1).sum(-1), (f * t_2).sum(-1), (m * t_1).sum(-1), (m * t_2).sum(-1), (m * p).sum(-1)]
-        else:
-            rows = [f[..., 0], f[..., 1], f[..., 2], (m * t_1).sum(-1), (m * t_2).sum(-1)]
-        result[..., k, :] = np.stack(rows, axis=-1)
-    return result

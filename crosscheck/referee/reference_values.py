@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn._linear import cross
 from graphdyn.layout import ANGULAR, LINEAR, Array
-
-Values = TypeVar("Values")
-
-
-def _rows(values: Values, selected: slice | NDArray[np.bool_]) -> Values:
-    """A dataclass of arrays (N, …) with some of the N rows."""
-    arrays = {field.name: getattr(values, field.name)[selected] for field in fields(values)}  # type: ignore[arg-type]
-    return type(values)(**arrays)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,32 +47,7 @@ class RefereeValues:
 
     def rows(self, selected: slice | NDArray[np.bool_]) -> RefereeValues:
         """The values at some of the states."""
-        return _rows(self, selected)
-
-
-@dataclass(frozen=True, eq=False)
-class DerivedValues:
-    """What Pinocchio derives from the dynamics at N states; joints in graphdyn's order.
-
-    dtau_dq, dtau_dv: computeRNEADerivatives                (N, n, n)
-    coriolis_matrix: computeCoriolisMatrix                  (N, n, n)
-    kinetic_energy, potential_energy: computeKineticEnergy, computePotentialEnergy   (N,)
-    da_dq, da_dv, da_dtau: computeABADerivatives at the given torques; mass_matrix_inverse: computeMinverse   (N, n, n)
-    """
-
-    dtau_dq: Array
-    dtau_dv: Array
-    coriolis_matrix: Array
-    kinetic_energy: Array
-    potential_energy: Array
-    da_dq: Array
-    da_dv: Array
-    da_dtau: Array
-    mass_matrix_inverse: Array
-
-    def rows(self, selected: slice | NDArray[np.bool_]) -> DerivedValues:
-        """The values at some of the states."""
-        return _rows(self, selected)
+        return RefereeValues(**{field.name: getattr(self, field.name)[selected] for field in fields(self)})
 
 
 @dataclass(frozen=True, eq=False)

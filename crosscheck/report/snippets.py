@@ -93,7 +93,7 @@ _BASE_CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "forward_joint_wrench": ((f"{_FORWARD}.joint_wrenches", "reference.a_wrenches[0]"),),
     "forward_joint_wrench_external": ((f"{_FORWARD_LOADED}.joint_wrenches", "reference.a_wrenches_external[0]"),),
     "forward_multipliers": ((f"{_FORWARD}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
-    **{name: ((f"graphdyn.{call}", f"referee.derive({_ROWS}).{name}[0]"),) for name, call in _DERIVED.items()},
+    **{name: ((f"graphdyn.{call}", f"referee.derive({_ROWS})[{name!r}][0]"),) for name, call in _DERIVED.items()},
     "dynamics_residual": ((f"{_SYSTEM}.solve().dynamics_residual()", "0.0"),),
     "constraint_residual": ((f"{_SYSTEM}.solve().constraint_residual()", "0.0"),),
     "constraint_rank": ((f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),),
@@ -139,7 +139,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines = ["import numpy as np", "", "import graphdyn"]
     lines += ["import urdf"] if comparison.file else []
     lines += ["from crosscheck.referee.pinocchio_model import PinocchioModel"] if referee else []
-    lines += ["from crosscheck.referee.quantities import multipliers_of"] if "multipliers_of" in text else []
+    lines += ["from crosscheck.referee.multipliers import multipliers_of"] if "multipliers_of" in text else []
     lines += ["from graphdyn._kinematics import link_origins"] if "link_origins" in text else []
     lines += ["from urdf._catalogue import locate"] if referee and worst.route == "urdf" else []
     lines += ["", *_robot(_origin(comparison), comparison.locked, comparison.model, comparison.chain)]

@@ -1,6 +1,5 @@
 """graphdyn and Pinocchio agree: on the robots of the command line, on random trees, on the makers' files."""
 
-import dataclasses
 import functools
 import re
 import warnings
@@ -17,8 +16,7 @@ from shared_data import ARMS
 import crosscheck
 import urdf
 from crosscheck.cli.crosscheck import DEFAULT_ROBOTS
-from crosscheck.referee.quantities import BY_NAME, RECURSIVE
-from crosscheck.referee.reference_values import DerivedValues
+from crosscheck.referee.quantities import BY_NAME, DERIVED, RECURSIVE
 from crosscheck.referee.states import RANDOM, cases
 from graphdyn import Body, Joint, Placement, RobotModel, kr500
 from graphdyn._model import JOINT_KINDS
@@ -38,9 +36,6 @@ ROUTES = {"urdf", "model"}
 
 OF_ONE_ROUTE = {"constraint_rank": "model", "kkt_rank": "model", "base_parameters": "model", "frame_placement": "urdf"}
 """The rest is compared along every route."""
-
-DERIVED = {field.name for field in dataclasses.fields(DerivedValues)}
-"""Compared at the first random states only."""
 
 
 @functools.cache

@@ -15,8 +15,8 @@ from crosscheck.referee import compare as comparing
 from crosscheck.referee.baseline import BaselineIdentification
 from crosscheck.referee.error_record import ErrorRecord
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.quantities import BY_NAME, QUANTITIES, RECURSIVE
-from crosscheck.referee.reference_values import DerivedValues, RefereeValues
+from crosscheck.referee.quantities import BY_NAME, DERIVED, QUANTITIES, RECURSIVE
+from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.states import cases
 from crosscheck.report.json import plain
 from crosscheck.report.records.crosscheck import robot_record
@@ -77,9 +77,6 @@ TORQUES = {quantity.against: quantity.name for quantity in QUANTITIES if quantit
 
 BACKWARD = {name for name in BY_NAME if name.startswith("backward_error")}
 """Judged by the torques that Pinocchio computes at our accelerations."""
-
-DERIVED = [field.name for field in dataclasses.fields(DerivedValues)]
-"""Judged by Pinocchio's derivatives, energies and matrices; each by both methods."""
 
 OWN_TEST = {
     "frame_placement",

@@ -71,12 +71,12 @@ class Plant:
         return planted
 
     def referee_derived(self, field: str, change: Callable[[float], float]) -> None:
-        """Change the largest entry of one field of DerivedValues, in the last state."""
+        """Change the largest entry of one of the values of derive, in the last state."""
         original = PinocchioModel.derive
 
         def derive(*arguments):
             values = original(*arguments)
-            return dataclasses.replace(values, **{field: _changed(getattr(values, field), change)})
+            return {**values, field: _changed(values[field], change)}
 
         self._patch.setattr(PinocchioModel, "derive", derive)
 

@@ -6,11 +6,10 @@ import numpy as np
 import pinocchio as pin
 
 from crosscheck.referee.pinocchio_model.ordered import OrderedModel
-from crosscheck.referee.reference_values import DerivedValues
 from graphdyn.layout import Array
 
 
-def derive(robot: OrderedModel, rooted: OrderedModel, q: Array, v: Array, a: Array, tau: Array) -> DerivedValues:
+def derive(robot: OrderedModel, rooted: OrderedModel, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
     """Derivatives, energies and matrices at N states: q, v, a, tau (N, n).
 
     rooted: the robot moved to the world's origin, of which all but the potential energy is taken: Pinocchio computes
@@ -19,7 +18,7 @@ def derive(robot: OrderedModel, rooted: OrderedModel, q: Array, v: Array, a: Arr
     rows = [_derive_one(rooted, *state) for state in zip(q, v, a, tau, strict=True)]
     values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     potential = [pin.computePotentialEnergy(robot.native, robot.data, robot.configuration(q_k)) for q_k in q]
-    return DerivedValues(**values, potential_energy=np.array(potential))
+    return {**values, "potential_energy": np.array(potential)}
 
 
 def _derive_one(robot: OrderedModel, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:

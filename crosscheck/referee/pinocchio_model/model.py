@@ -13,7 +13,7 @@ from crosscheck.referee.pinocchio_model.derivation import derive
 from crosscheck.referee.pinocchio_model.evaluation import evaluate
 from crosscheck.referee.pinocchio_model.native import PinocchioRefuses, built, held, moved, read, se3
 from crosscheck.referee.pinocchio_model.ordered import OrderedModel
-from crosscheck.referee.reference_values import BareCalls, CarriedValues, DerivedValues, RefereeValues
+from crosscheck.referee.reference_values import BareCalls, CarriedValues, RefereeValues
 from crosscheck.referee.standard_error import kept_standard_error
 from crosscheck.referee.subject import tip
 from graphdyn import BaseMotion, Placement, RobotModel
@@ -68,8 +68,8 @@ class PinocchioModel(OrderedModel):
         """All reference values at N states: q, v, a, tau (N, n), external_wrenches (N, n, 6)."""
         return evaluate(self, q, v, a, tau, external_wrenches)
 
-    def derive(self, q: Array, v: Array, a: Array, tau: Array) -> DerivedValues:
-        """Derivatives, energies and matrices at N states: q, v, a, tau (N, n)."""
+    def derive(self, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
+        """Values of the quantities crosscheck.referee.quantities.DERIVED at N states: q, v, a, tau (N, n)."""
         first_joint = self.native.jointPlacements[self.ids[0]].translation
         rooted = self.turned(Placement(np.eye(3), -first_joint), self.model.gravity)
         return derive(self, rooted, q, v, a, tau)

@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 
 from crosscheck.referee import scales
-from crosscheck.referee.errors import derived_errors, derived_forward_errors
+from crosscheck.referee.derived_errors import derived_errors, derived_forward_errors
+from crosscheck.referee.multipliers import multipliers_of
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.quantities import multipliers_of
-from crosscheck.referee.reference_values import BareCalls, DerivedValues, RefereeValues
+from crosscheck.referee.reference_values import BareCalls, RefereeValues
 from crosscheck.referee.states import RANDOM, Case, cases
 from graphdyn import Placement, RobotModel, inverse_dynamics, mass_matrix
 from graphdyn._frame_choice import Reference
@@ -57,7 +57,7 @@ class States:
         return self.referee.evaluate(q, v, a, tau, np.zeros((*q.shape, 6)))
 
     @cached_property
-    def derived(self) -> DerivedValues:
+    def derived(self) -> dict[str, Array]:
         """Pinocchio's derivatives, matrices and energies for the first FEW samples."""
         return self.referee.derive(*(x[:FEW] for x in (self.q, self.v, self.a, self.tau)))
 
@@ -128,20 +128,19 @@ class States:
             rows = slice(min(FEW, answers.shape[1]))
             given = {x: getattr(self, x)[rows] for x in ("q", "v", "a", "tau")}
             case = Case(RANDOM, self.model, Placement(), **given, external_wrenches=np.zeros((*given["q"].shape, 6)))
-            values, derived = self.values.rows(rows), self.derived.rows(rows)
-            ours = {  # what is not asked for has no error
-                **vars(derived),
-                "dtau_da": values.mass_matrix,
-                "frame_jacobian": self.frame_jacobian[rows],
-            }
-            ours |= {name: answer[rows] for name, answer in zip(names, answers, strict=True)}
+            values, derived = self.values.rows(rows), {name: x[rows] for name, x in self.derived.items()}
+            answered = {name: answer[rows] for name, answer in zip(names, answers, strict=True)}
+            # of the tip alone, which the cross-check does not ask for
+            matrices = answered.pop("frame_jacobian", None)
+            ours = {**derived, "dtau_da": values.mass_matrix, **answered}  # what is not asked for has no error
             tensor = np.full(rows.stop, scales.largest_tensor(self.model))
             found = {
                 **derived_errors(case, ours, values, derived),
                 **derived_forward_errors(given["tau"], ours, values, derived),
                 "dtau_da": scales.relative(ours["dtau_da"], values.mass_matrix, tensor),
-                "frame_jacobian": self._frame_jacobian_errors(ours["frame_jacobian"]),
             }
+            if matrices is not None:
+                found["frame_jacobian"] = self._frame_jacobian_errors(matrices)
             largest: Array = np.maximum.reduce([found[name] for name in names])
             return largest
 

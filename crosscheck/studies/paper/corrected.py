@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crosscheck.referee.multipliers import multipliers_of
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.quantities import multipliers_of
 from crosscheck.studies.paper.as_printed import INSTANT
 from crosscheck.studies.paper.instant import joint_motion, rail
 from graphdyn import inverse_dynamics, kr500, maximal_state

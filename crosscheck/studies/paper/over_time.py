@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crosscheck.referee.multipliers import multipliers_of
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.quantities import multipliers_of
 from crosscheck.studies.paper.as_printed import INSTANT, printed_rank
 from graphdyn import BaseMotion, VirtualRecording, inverse_dynamics, kr500, kr500_experiment, maximal_state
 from graphdyn._kr500 import RAIL_ACCELERATION
