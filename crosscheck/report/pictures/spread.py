@@ -122,10 +122,24 @@ def _draw_row(axes: Axes, scale: _Scale, row: SpreadRow, foot: float) -> None:
     bound = scale.zero + width if row.bound == 0 else scale.place(row.bound)
     for beyond, color in ((False, WITHIN), (True, BEYOND)):
         part = occupied & ((places + width / 2 > bound) == beyond)
-        axes.bar(places[part], -heights[part], width, foot, align="edge", color=color, linewidth=0, zorder=2)
+        if part.any():
+            _draw_bars(axes, places[part], width, foot, heights[part], color)
     axes.plot([bound, bound], [foot, foot - HEIGHT], color=INK, linewidth=1.3, zorder=3)
     largest = scale.place(row.largest)
     axes.plot([largest], [foot], marker="^", markersize=4, color=INK, clip_on=False, linewidth=0, zorder=4)
+
+
+def _draw_bars(axes: Axes, places: Array, width: float, foot: float, heights: Array, color: str) -> None:
+    """Bars of one row and color, as one path, which keeps the page small."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    corners = [
+        [(x, foot), (x + width, foot), (x + width, foot - height), (x, foot - height), (x, foot)]
+        for x, height in zip(places, heights, strict=True)
+    ]
+    codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY] * len(corners)
+    axes.add_patch(PathPatch(Path(np.concatenate(corners), codes), facecolor=color, linewidth=0, zorder=2))
 
 
 def _scale(rows: Sequence[SpreadRow]) -> _Scale:

@@ -21,6 +21,9 @@ _SVG = "{http://www.w3.org/2000/svg}"
 _XLINK = "{http://www.w3.org/1999/xlink}"
 _COLOR = re.compile(r"#[0-9a-f]{6}\b")
 _FAMILY = re.compile(r"font-family: [^;]*;? ?")
+_COORDINATE = re.compile(r"\d+\.\d{3,}")
+_COORDINATES = {"d", "x", "y", "width", "height", "viewBox"}
+_NO_TURN = re.compile(r"rotate\(-?0 [^)]*\)")
 _UNWANTED = (f"{_SVG}metadata", f"{_SVG}style")
 """Dates and addresses; a style sheet that would apply to the whole page."""
 
@@ -54,6 +57,7 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
     for name in ("width", "height", "version"):
         root.attrib.pop(name)
     _follow_the_page(root)
+    _shorten(root)
     root.attrib.update({"class": "picture", "role": "img", "aria-label": printable(label)})
     etree.cleanup_namespaces(root)
     return Markup(etree.tostring(root, encoding="unicode", with_tail=False))
@@ -72,6 +76,20 @@ def _follow_the_page(root: etree._Element) -> None:
             attributes["style"] = _FAMILY.sub("", _COLOR.sub(variable, attributes["style"]))
         if element.tag == f"{_SVG}text" and "fill" not in attributes.get("style", ""):
             attributes["style"] = f"fill: {variable(_COLOR.match(INK))}; {attributes.get('style', '')}"  # type: ignore[arg-type]
+
+
+def _shorten(root: etree._Element) -> None:
+    """Coordinates to a hundredth of a point, no white space between elements, no turns by nothing."""
+    for element in root.iter():
+        if element.text is not None and not element.text.strip():
+            element.text = None
+        element.tail = None
+        attributes = cast("MutableMapping[str, str]", element.attrib)
+        for name in _COORDINATES & set(attributes):
+            short = _COORDINATE.sub(lambda found: f"{float(found.group()):.2f}", attributes[name])
+            attributes[name] = " ".join(short.split())
+        if _NO_TURN.fullmatch(attributes.get("transform", "")):
+            del attributes["transform"]
 
 
 def _separate_ids(root: etree._Element, key: str) -> None:
