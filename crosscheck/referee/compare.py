@@ -7,14 +7,14 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from threadpoolctl import threadpool_limits
 
 from crosscheck.referee.answers import forward_answers, passive_answers
 from crosscheck.referee.baseline import compare_identification
 from crosscheck.referee.comparison import Comparison
-from crosscheck.referee.derived_answers import derived_answers
-from crosscheck.referee.derived_errors import derived_errors, derived_forward_errors
+from crosscheck.referee.derived_answers import FEW, DerivedAnswers, derived_answers
+from crosscheck.referee.derived_errors import derived_errors, derived_forward_errors, second_errors
 from crosscheck.referee.error_record import ErrorRecord
 from crosscheck.referee.errors import (
     forward_errors,
@@ -26,6 +26,7 @@ from crosscheck.referee.errors import (
 )
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.referee.quantities import QUANTITIES, RECURSIVE
+from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.states import RANDOM, Case, cases
 from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
@@ -164,15 +165,8 @@ def _compare_chunk(
         if route == "urdf" and chunk.model.frames:
             record.add(route, chunk, frame_errors(chunk, turned))
         if derive:
-            if derived is None or chunk.tau is None:
-                derived = [derived_answers(chunk, tau, regular, method) for method in DERIVED_BY]
-            values = turned.derive(chunk.q, chunk.v, chunk.a, tau)
-            for method, answers in zip(DERIVED_BY, derived, strict=True):
-                named = of_recursive if method == "recursive" else dict
-                record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, values)))
-                if regular.any():
-                    there = reference.rows(regular), {name: value[regular] for name, value in values.items()}
-                    record.add(route, at, named(derived_forward_errors(tau[regular], answers.forward, *there)))
+            derived = derived or {method: derived_answers(chunk, tau, regular, method) for method in DERIVED_BY}
+            _compare_derived(record, route, chunk, regular, derived, reference, turned)
         if regular.any():
             try:
                 if forward is None or chunk.tau is None:  # torques of a differ between the routes
@@ -183,6 +177,30 @@ def _compare_chunk(
     errors, conditioning = rank_errors(chunk, tau, regular)
     record.add("model", chunk, errors)
     record.condition(conditioning)
+
+
+def _compare_derived(
+    record: ErrorRecord,
+    route: str,
+    chunk: Case,
+    regular: NDArray[np.bool_],
+    ours: Mapping[Method, DerivedAnswers],
+    reference: RefereeValues,
+    referee: PinocchioModel,
+) -> None:
+    """Record the errors of derivatives, energies and what belongs to them."""
+    at, few, tau = chunk.rows(regular), chunk.rows(FEW), chunk.tau
+    assert tau is not None
+    theirs = referee.derive(chunk.q, chunk.v, chunk.a, tau)
+    regularly = {name: value[regular] for name, value in theirs.items()}
+    twice = referee.derive_twice(few.q, few.v, few.a)
+    for method, answers in ours.items():
+        named = of_recursive if method == "recursive" else dict
+        record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, theirs)))
+        record.add(route, few, named(second_errors(few, answers.second, reference.rows(FEW), twice)))
+        if regular.any():
+            errors = derived_forward_errors(tau[regular], answers.forward, reference.rows(regular), regularly)
+            record.add(route, at, named(errors))
 
 
 def _no_forward(count: int, *, recursive: bool) -> dict[str, Array]:

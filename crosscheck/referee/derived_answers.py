@@ -8,49 +8,86 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.referee.frame_choices import of_frames
 from crosscheck.referee.states import Case
 from graphdyn import (
     coriolis_matrix,
     forward_dynamics_derivatives,
+    frame_acceleration,
+    frame_jacobian,
+    frame_jacobian_derivative,
+    frame_velocity,
     inverse_dynamics_derivatives,
+    inverse_dynamics_second_derivatives,
     kinetic_energy,
     mass_matrix_inverse,
     potential_energy,
+    reaction_derivatives,
 )
 from graphdyn._methods import Method
 from graphdyn.layout import Array
 
+Answers = Mapping[str, Array]
+"""By the names of the quantities, (N, …)."""
+
 
 @dataclass(frozen=True, eq=False)
 class DerivedAnswers:
-    """Derivatives, matrices and energies of one method, by the names of their quantities.
+    """What one method answers.
 
-    forward: those that need a regular mass matrix, at the states that have one; empty where none has
+    forward: quantities that need a regular mass matrix, at the states that have one; empty where none has
+    second: second derivatives, at the first FEW states
     """
 
-    passive: Mapping[str, Array]
-    forward: Mapping[str, Array]
+    passive: Answers
+    forward: Answers
+    second: Answers
+
+
+FEW = slice(50)
+"""States at which second derivatives are compared: those of the plain form take 10 ms each."""
 
 
 def derived_answers(case: Case, tau: Array, regular: NDArray[np.bool_], method: Method) -> DerivedAnswers:
-    """Derivatives, matrices and energies by one method.
+    """Answers by one method.
 
     tau: given torques (N, n); regular: states with a regular mass matrix (N,)
     """
+    few = case.rows(FEW)
+    return DerivedAnswers(
+        passive={**_of_dynamics(case, method), **_of_frames(case, method)},
+        forward=_of_forward_dynamics(case.rows(regular), tau[regular], method) if regular.any() else {},
+        second=vars(inverse_dynamics_second_derivatives(few.model, few.q, few.v, few.a, method=method)),
+    )
+
+
+def _of_dynamics(case: Case, method: Method) -> Answers:
     model, q, v, a = case.model, case.q, case.v, case.a
     rates = inverse_dynamics_derivatives(model, q, v, a, method=method)
-    passive = {
+    return {
         "dtau_dq": rates.dtau_dq,
         "dtau_dv": rates.dtau_dv,
         "coriolis_matrix": coriolis_matrix(model, q, v, method=method),
         "kinetic_energy": kinetic_energy(model, q, v, method=method),
         "potential_energy": potential_energy(model, q, method=method),
+        **vars(reaction_derivatives(model, q, v, a, method=method)),
     }
-    forward = {}
-    if regular.any():
-        q, v, tau = q[regular], v[regular], tau[regular]
-        forward = {
-            **vars(forward_dynamics_derivatives(model, q, v, tau, method=method)),
-            "mass_matrix_inverse": mass_matrix_inverse(model, q, method=method),
-        }
-    return DerivedAnswers(passive, forward)
+
+
+def _of_frames(case: Case, method: Method) -> Answers:
+    model, q, v, a = case.model, case.q, case.v, case.a
+    return {
+        "frame_jacobian": of_frames(model, frame_jacobian, q, method=method),
+        "frame_velocity": of_frames(model, frame_velocity, q, v, method=method),
+        "frame_acceleration": of_frames(model, frame_acceleration, q, v, a, method=method),
+        "frame_acceleration_spatial": of_frames(model, frame_acceleration, q, v, a, method=method, classical=False),
+        "frame_jacobian_derivative": of_frames(model, frame_jacobian_derivative, q, v, method=method),
+    }
+
+
+def _of_forward_dynamics(case: Case, tau: Array, method: Method) -> Answers:
+    model, q, v = case.model, case.q, case.v
+    return {
+        **vars(forward_dynamics_derivatives(model, q, v, tau, method=method)),
+        "mass_matrix_inverse": mass_matrix_inverse(model, q, method=method),
+    }

@@ -5,20 +5,35 @@ Every function returns one relative error per sample (N,): ‖x - reference‖�
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
+from crosscheck.referee.derived_answers import Answers
+from crosscheck.referee.frame_choices import REFERENCES, compared_frames
 from crosscheck.referee.reference_values import RefereeValues
-from crosscheck.referee.scales import acceleration_scale, center_offset, largest, ratio, relative, term_sizes
+from crosscheck.referee.scales import (
+    acceleration_scale,
+    by_part,
+    center_offset,
+    largest,
+    largest_tensor,
+    ratio,
+    relative,
+    term_sizes,
+)
 from crosscheck.referee.states import Case
 from graphdyn.layout import Array
 
 
-def derived_errors(
-    case: Case, ours: Mapping[str, Array], ref: RefereeValues, derived: Mapping[str, Array]
-) -> dict[str, Array]:
-    """Errors of derivatives, matrices and energies, of those that need no regular mass matrix."""
+def derived_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+    """Errors of the quantities that need no regular mass matrix."""
+    return {
+        **_dynamics_errors(case, ours, ref, theirs),
+        **_reaction_errors(case, ours, ref, theirs),
+        **_frame_errors(case, ours, ref, theirs),
+    }
+
+
+def _dynamics_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
     model = case.model
     size = term_sizes(model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
     by_rate = largest(ref.mass_matrix) * largest(case.v)
@@ -30,19 +45,74 @@ def derived_errors(
         "kinetic_energy": (),
         "potential_energy": (weight * (largest(ref.position) + center_offset(model)),),
     }
-    return {name: relative(ours[name], derived[name], *sizes) for name, sizes in scales.items()}
+    return {name: relative(ours[name], theirs[name], *sizes) for name, sizes in scales.items()}
 
 
-def derived_forward_errors(
-    tau: Array, ours: Mapping[str, Array], ref: RefereeValues, derived: Mapping[str, Array]
-) -> dict[str, Array]:
-    """Errors of derivatives and matrices that need a regular mass matrix, at the torques tau (N, n)."""
-    mass, wrenches = ref.mass_matrix, ref.a_wrenches
-    inverted = acceleration_scale(mass, derived["mass_matrix_inverse"], 0 * tau, 0 * wrenches)
+def _reaction_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+    """Forces and moments per unit of q, v, a, on the scale of their terms."""
+    size = term_sizes(case.model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
+    mass, tensor = sum(body.mass for body in case.model.bodies), np.full(len(case.q), largest_tensor(case.model))
+    forces = {
+        "q": mass * np.maximum(size.compensated, size.turn * size.arm),
+        "v": 2 * mass * (size.omega * size.arm + size.slide_rate),
+        "a": mass * size.arm,
+    }
+    spins = {"q": size.spin, "v": 2 * tensor * size.omega, "a": tensor}
+    errors = {}
+    for name, force in forces.items():
+        moment = force * size.arm + spins[name]
+        wrenches, multipliers = f"dwrenches_d{name}", f"dmultipliers_d{name}"
+        here, there = (np.swapaxes(x[wrenches], -1, -2) for x in (ours, theirs))  # the wrench comes last
+        errors[wrenches] = by_part(here, there, force, moment)
+        errors[multipliers] = relative(ours[multipliers], theirs[multipliers], force, moment)
+    return errors
+
+
+def _frame_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+    """The largest error of all references and frames, of linear and angular part each on its own scale."""
+    model = case.model
+    size = term_sizes(model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
+    from_link = max(float(np.abs(model.frame(name).placement.translation).max()) for name in compared_frames(model))
+    from_world = float(np.abs(model.base.translation).max())
+    errors: dict[str, Array] = {}
+    for k, reference in enumerate(REFERENCES):
+        there = size.farther(from_world if reference == "world" else from_link)
+        scales = {
+            "frame_jacobian": (there.arm, np.ones_like(there.arm)),
+            "frame_velocity": (there.velocity, 0 * there.omega),
+            "frame_acceleration": (there.acceleration, there.turn),
+            "frame_acceleration_spatial": (there.acceleration, there.turn),
+            "frame_jacobian_derivative": (there.omega * there.arm + there.slide_rate, there.omega),
+        }
+        for name, sizes in scales.items():
+            x, y = ours[name][:, k], theirs[name][:, k]
+            if "jacobian" in name:  # the parts come last
+                x, y = np.swapaxes(x, -1, -2), np.swapaxes(y, -1, -2)
+            errors[name] = np.maximum(errors.get(name, 0.0), by_part(x, y, *sizes))
+    return errors
+
+
+def second_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+    """Errors of the second derivatives of the torques."""
+    size = term_sizes(case.model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
+    mass = largest(ref.mass_matrix)
     scales = {
-        "da_dq": acceleration_scale(mass, derived["da_dq"], derived["dtau_dq"], wrenches),
-        "da_dv": acceleration_scale(mass, derived["da_dv"], derived["dtau_dv"], wrenches),
+        "d2tau_dqdq": (largest(ref.joint_wrenches), size.spin),
+        "d2tau_dqdv": (mass * largest(case.v),),
+        "d2tau_dqda": (mass,),
+        "d2tau_dvdv": (mass,),
+    }
+    return {name: relative(ours[name], theirs[name], *sizes) for name, sizes in scales.items()}
+
+
+def derived_forward_errors(tau: Array, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+    """Errors of the quantities that need a regular mass matrix, at the torques tau (N, n)."""
+    mass, wrenches = ref.mass_matrix, ref.a_wrenches
+    inverted = acceleration_scale(mass, theirs["mass_matrix_inverse"], 0 * tau, 0 * wrenches)
+    scales = {
+        "da_dq": acceleration_scale(mass, theirs["da_dq"], theirs["dtau_dq"], wrenches),
+        "da_dv": acceleration_scale(mass, theirs["da_dv"], theirs["dtau_dv"], wrenches),
         "da_dtau": inverted,
         "mass_matrix_inverse": inverted,
     }
-    return {name: ratio(largest(ours[name] - derived[name]), scale) for name, scale in scales.items()}
+    return {name: ratio(largest(ours[name] - theirs[name]), scale) for name, scale in scales.items()}

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn import RobotModel
-from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.layout import ANGULAR, LINEAR
 
 
-def multipliers_of(model: RobotModel, rotation: Array, wrenches: Array) -> Array:
+def multipliers_of(model: RobotModel, rotation: NDArray[Any], wrenches: NDArray[Any]) -> NDArray[Any]:
     """The multipliers (N, n, 5) of a reference implementation's joint wrenches, as docs/notation.md defines them.
 
-    rotation: R_0j of all bodies (N, n, 3, 3); wrenches: at O_j in link axes (N, n, 6)
+    rotation: R_0j of all bodies (N, n, 3, 3); wrenches: at O_j in link axes (N, n, 6); complex for complex steps
     """
     force, moment = (np.einsum("...jab,...jb->...ja", rotation, wrenches[..., part]) for part in (LINEAR, ANGULAR))
     result = np.empty((*wrenches.shape[:-1], 5), dtype=np.result_type(rotation, wrenches))

@@ -94,12 +94,35 @@ _SOLVED_RATES = "only cond(M) ‖∂a‖ + ‖M⁻¹‖ (‖∂τ‖ + largest j
 _SOLVED_INVERSE = "only cond(M) ‖M⁻¹‖"
 _BY_RATE = "largest entry of M × largest velocity"
 
+_FRAME_JACOBIAN = "linear: arm; angular: 1"
+_FRAME_VELOCITY = "linear: ‖ω‖ × lever + slide rate"
+_FRAME_ACCELERATION = "linear: swing; angular: turn"
+_FRAME_RATE = "linear: ‖ω‖ × arm + slide rate; angular: ‖ω‖"
+_LOOSENED = "computeRNEADerivatives, free joints in series"
+_TWICE = "exact sums of computeRNEADerivatives"
+_BY_PART_OF = {
+    "q": "forces: mass × max(compensated, turn × arm); moments: that × arm + spin",
+    "v": "forces: 2 mass × (‖ω‖ × arm + slide rate); moments: that × arm + 2 ‖ω‖ × largest entry of a tensor",
+    "a": "forces: mass × arm; moments: that × arm + largest entry of a tensor",
+}
+
 _DERIVED = (
     Quantity("dtau_dq", "computeRNEADerivatives; complex steps", _TORQUE, AGREEMENT),
     Quantity("dtau_dv", "computeRNEADerivatives; complex steps", _BY_RATE, AGREEMENT),
     Quantity("coriolis_matrix", "computeCoriolisMatrix; complex steps", _BY_RATE, AGREEMENT),
     Quantity("kinetic_energy", "computeKineticEnergy; of the bodies", "nothing more", AGREEMENT),
     Quantity("potential_energy", "computePotentialEnergy; of the bodies", "weight × largest position", AGREEMENT),
+    Quantity("frame_jacobian", "getFrameJacobian", _FRAME_JACOBIAN, AGREEMENT),
+    Quantity("frame_velocity", "getFrameVelocity", _FRAME_VELOCITY, AGREEMENT),
+    Quantity("frame_acceleration", "getFrameClassicalAcceleration", _FRAME_ACCELERATION, AGREEMENT),
+    Quantity("frame_acceleration_spatial", "getFrameAcceleration", _FRAME_ACCELERATION, AGREEMENT),
+    Quantity("frame_jacobian_derivative", "getFrameJacobianTimeVariation; complex steps", _FRAME_RATE, AGREEMENT),
+    *(Quantity(f"dwrenches_d{x}", f"{_LOOSENED}; complex steps", _BY_PART_OF[x], AGREEMENT) for x in "qva"),
+    *(Quantity(f"dmultipliers_d{x}", f"{_LOOSENED}; complex steps", _BY_PART_OF[x], AGREEMENT) for x in "qva"),
+    Quantity("d2tau_dqdq", f"{_TWICE}; complex steps", _TORQUE, AGREEMENT),
+    Quantity("d2tau_dqdv", f"{_TWICE}; complex steps", _BY_RATE, AGREEMENT),
+    Quantity("d2tau_dqda", f"{_TWICE}; complex steps", "largest entry of M", AGREEMENT),
+    Quantity("d2tau_dvdv", "computeRNEADerivatives at unit v; complex steps", "largest entry of M", AGREEMENT),
     Quantity("da_dq", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
     Quantity("da_dv", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
     Quantity("da_dtau", "computeABADerivatives; complex steps", _SOLVED_INVERSE, ACCELERATION, forward=True),

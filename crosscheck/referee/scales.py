@@ -22,6 +22,9 @@ class Sizes:
     """Sizes of the summed terms at N states (N,).
 
     lever: from the base to a link origin, plus from there to a center of mass   [m]
+    arm: how far a point moves per unit of a joint: lever where a joint turns, 1 where one slides   [m or 1]
+    omega: ‖ω‖∞ of all bodies                                                    [rad/s]
+    slide_rate: largest velocity of a joint that slides                          [m/s]
     velocity, acceleration: of a center of mass                                  [m/s, m/s²]
     turn: ‖ω̇‖ + ‖ω‖², terms of angular accelerations                             [rad/s²]
     compensated: gravity-compensated acceleration, r̈ − g                         [m/s²]
@@ -30,6 +33,9 @@ class Sizes:
     """
 
     lever: Array
+    arm: Array
+    omega: Array
+    slide_rate: Array
     velocity: Array
     acceleration: Array
     turn: Array
@@ -42,6 +48,17 @@ class Sizes:
     def regressor_columns(self) -> tuple[Array, Array, Array]:
         """Of the columns of m, of m c and of I in a joint-torque regressor: what by_parameter_type takes."""
         return self.compensated * self.lever, self.compensated, self.turn
+
+    def farther(self, distance: float) -> Sizes:
+        """The same sizes for points that are farther away by a distance [m]; forces and moments stay."""
+        lever = self.lever + distance
+        return replace(
+            self,
+            lever=lever,
+            arm=np.maximum(self.arm, lever),
+            velocity=self.velocity + self.omega * distance,
+            acceleration=self.acceleration + self.turn * distance,
+        )
 
     def loaded(self, wrenches: Array) -> Sizes:
         """The same sizes with external wrenches (N, n, 6) among the terms."""
@@ -63,6 +80,9 @@ def term_sizes(model: RobotModel, v: Array, a: Array, position: Array, velocity:
     force = compensated * sum(body.mass for body in model.bodies)
     return Sizes(
         lever=lever,
+        arm=np.maximum(lever, float(slides.any())),
+        omega=omega,
+        slide_rate=slide_rate,
         velocity=omega * lever + slide_rate,
         acceleration=swing,
         turn=turn,

@@ -47,7 +47,22 @@ _DERIVED = {
     "da_dv": "forward_dynamics_derivatives(model, q, v, tau).da_dv",
     "da_dtau": "forward_dynamics_derivatives(model, q, v, tau).da_dtau",
     "mass_matrix_inverse": "mass_matrix_inverse(model, q)",
+    **{
+        f"d{answer}_d{name}": f"reaction_derivatives(model, q, v, a).d{answer}_d{name}"
+        for answer in ("wrenches", "multipliers")
+        for name in "qva"
+    },
 }
+_OF_FRAMES = {
+    "frame_jacobian": "of_frames(model, graphdyn.frame_jacobian, q)",
+    "frame_velocity": "of_frames(model, graphdyn.frame_velocity, q, v)",
+    "frame_acceleration": "of_frames(model, graphdyn.frame_acceleration, q, v, a)",
+    "frame_acceleration_spatial": "of_frames(model, graphdyn.frame_acceleration, q, v, a, classical=False)",
+    "frame_jacobian_derivative": "of_frames(model, graphdyn.frame_jacobian_derivative, q, v)",
+}
+_SECOND = "inverse_dynamics_second_derivatives(model, q, v, a)"
+_ROWS_OF_A = _ROWS.replace(", tau", "")
+_TWICE = ("d2tau_dqdq", "d2tau_dqdv", "d2tau_dqda", "d2tau_dvdv")
 
 _FRAMES = "[frame.name for frame in model.frames]"
 
@@ -94,6 +109,8 @@ _BASE_CALLS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "forward_joint_wrench_external": ((f"{_FORWARD_LOADED}.joint_wrenches", "reference.a_wrenches_external[0]"),),
     "forward_multipliers": ((f"{_FORWARD}.multipliers", _MULTIPLIERS.format("a_wrenches")),),
     **{name: ((f"graphdyn.{call}", f"referee.derive({_ROWS})[{name!r}][0]"),) for name, call in _DERIVED.items()},
+    **{name: ((call, f"referee.derive({_ROWS})[{name!r}][0]"),) for name, call in _OF_FRAMES.items()},
+    **{name: ((f"graphdyn.{_SECOND}.{name}", f"referee.derive_twice({_ROWS_OF_A})[{name!r}][0]"),) for name in _TWICE},
     "dynamics_residual": ((f"{_SYSTEM}.solve().dynamics_residual()", "0.0"),),
     "constraint_residual": ((f"{_SYSTEM}.solve().constraint_residual()", "0.0"),),
     "constraint_rank": ((f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),),
@@ -140,6 +157,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines += ["import urdf"] if comparison.file else []
     lines += ["from crosscheck.referee.pinocchio_model import PinocchioModel"] if referee else []
     lines += ["from crosscheck.referee.multipliers import multipliers_of"] if "multipliers_of" in text else []
+    lines += ["from crosscheck.referee.frame_choices import of_frames"] if "of_frames" in text else []
     lines += ["from graphdyn._kinematics import link_origins"] if "link_origins" in text else []
     lines += ["from urdf._catalogue import locate"] if referee and worst.route == "urdf" else []
     lines += ["", *_robot(_origin(comparison), comparison.locked, comparison.model, comparison.chain)]

@@ -70,15 +70,12 @@ class Plant:
         self._patch.setattr(PinocchioModel, "joint_torques", joint_torques)
         return planted
 
-    def referee_derived(self, field: str, change: Callable[[float], float]) -> None:
-        """Change the largest entry of one of the values of derive, in the last state."""
-        original = PinocchioModel.derive
-
-        def derive(*arguments):
-            values = original(*arguments)
-            return {**values, field: _changed(values[field], change)}
-
-        self._patch.setattr(PinocchioModel, "derive", derive)
+    def referee_derived(self, name: str, change: Callable[[float], float]) -> None:
+        """Change the largest entry of one of the values of derive or derive_twice, in the last state."""
+        for function in ("derive", "derive_twice"):
+            self._patch.setattr(
+                PinocchioModel, function, _with_changed(getattr(PinocchioModel, function), name, change)
+            )
 
     def referee_required(self, loaded: bool, change: Callable[[float], float]) -> None:
         """Change the largest torque that rnea needs for our accelerations, with or without external wrenches."""
@@ -152,6 +149,13 @@ class Plant:
     def in_quantities(self, name: str, replacement: Callable) -> None:
         """Replace a function that crosscheck.referee.quantities calls."""
         self._patch.setattr(quantities, name, replacement)
+
+
+def _with_changed(original: Callable[..., dict], name: str, change: Callable[[float], float]) -> Callable[..., dict]:
+    def changed(*arguments):
+        return {key: _changed(x, change) if key == name else x for key, x in original(*arguments).items()}
+
+    return changed
 
 
 def _changed(values: np.ndarray, change: Callable[[float], float]) -> np.ndarray:

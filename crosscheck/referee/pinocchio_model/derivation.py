@@ -1,29 +1,34 @@
-"""Derivatives, energies and matrices of Pinocchio, which the first random states are compared with."""
+"""Derivatives, matrices, energies and the motion of frames, which the first random states are compared with."""
 
 from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
 
+from crosscheck.referee.pinocchio_model.frames import frame_motion
 from crosscheck.referee.pinocchio_model.ordered import OrderedModel
+from crosscheck.referee.pinocchio_model.reactions import reaction_derivatives
 from graphdyn.layout import Array
 
 
 def derive(robot: OrderedModel, rooted: OrderedModel, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
-    """Derivatives, energies and matrices at N states: q, v, a, tau (N, n).
+    """Values of the quantities crosscheck.referee.quantities.DERIVED at N states: q, v, a, tau (N, n).
 
-    rooted: the robot moved to the world's origin, of which all but the potential energy is taken: Pinocchio computes
-        about that point, and would lose the digits of the distance
+    rooted: the robot moved to the world's origin, of which all is taken that does not depend on where the robot is:
+        Pinocchio computes about that point, and would lose the digits of the distance
     """
-    rows = [_derive_one(rooted, *state) for state in zip(q, v, a, tau, strict=True)]
+    rows = []
+    for q_k, *rates_k in zip(q, v, a, tau, strict=True):
+        at, *rates = robot.configuration(q_k), *map(robot.there, rates_k)
+        row = {**_at_rooted(rooted, at, *rates), **frame_motion(robot, rooted, at, *rates[:2])}
+        row["potential_energy"] = np.array(pin.computePotentialEnergy(robot.native, robot.data, at))
+        rows.append(row)
     values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    potential = [pin.computePotentialEnergy(robot.native, robot.data, robot.configuration(q_k)) for q_k in q]
-    return {**values, "potential_energy": np.array(potential)}
+    return {**values, **reaction_derivatives(rooted, q, v, a)}
 
 
-def _derive_one(robot: OrderedModel, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
+def _at_rooted(robot: OrderedModel, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
     native, data, here, symmetric = robot.native, robot.data, robot.square, robot.symmetric
-    q, v, a, tau = robot.configuration(q), robot.there(v), robot.there(a), robot.there(tau)
     row = {}
     dtau_dq, dtau_dv, _ = pin.computeRNEADerivatives(native, data, q, v, a)
     row["dtau_dq"], row["dtau_dv"] = here(dtau_dq), here(dtau_dv)

@@ -11,8 +11,10 @@ import pinocchio as pin
 from crosscheck.referee.pinocchio_model.carriage import carried
 from crosscheck.referee.pinocchio_model.derivation import derive
 from crosscheck.referee.pinocchio_model.evaluation import evaluate
+from crosscheck.referee.pinocchio_model.frames import frame_placements
 from crosscheck.referee.pinocchio_model.native import PinocchioRefuses, built, held, moved, read, se3
 from crosscheck.referee.pinocchio_model.ordered import OrderedModel
+from crosscheck.referee.pinocchio_model.second_derivatives import second_derivatives
 from crosscheck.referee.reference_values import BareCalls, CarriedValues, RefereeValues
 from crosscheck.referee.standard_error import kept_standard_error
 from crosscheck.referee.subject import tip
@@ -70,9 +72,18 @@ class PinocchioModel(OrderedModel):
 
     def derive(self, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
         """Values of the quantities crosscheck.referee.quantities.DERIVED at N states: q, v, a, tau (N, n)."""
+        return derive(self, self._rooted(), q, v, a, tau)
+
+    def derive_twice(self, q: Array, v: Array, a: Array) -> dict[str, Array]:
+        """Second derivatives of the torques (N, n, n, n), by the names of their quantities: q, v, a (N, n)."""
+        rooted = self._rooted()
+        rows = [second_derivatives(rooted, *state) for state in zip(q, v, a, strict=True)]
+        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+    def _rooted(self) -> PinocchioModel:
+        """The robot with its first joint at the world's origin."""
         first_joint = self.native.jointPlacements[self.ids[0]].translation
-        rooted = self.turned(Placement(np.eye(3), -first_joint), self.model.gravity)
-        return derive(self, rooted, q, v, a, tau)
+        return self.turned(Placement(np.eye(3), -first_joint), self.model.gravity)
 
     def carried(self, q: Array, v: Array, a: Array, tau: Array, motion: BaseMotion) -> CarriedValues:
         """Values of the robot on a carriage that moves as prescribed: q, v, a, tau (N, n)."""
@@ -80,14 +91,7 @@ class PinocchioModel(OrderedModel):
 
     def frame_placements(self, q: Array, names: Sequence[str]) -> tuple[Array, Array]:
         """Rotations (N, m, 3, 3) and positions (N, m, 3) of links by name. Raises PinocchioRefuses if unknown."""
-        ids = self.frame_ids(names)
-        rotations, positions = [], []
-        for row in q:
-            pin.framesForwardKinematics(self.native, self.data, self.configuration(row))
-            # copied: these are views of data, which the next state overwrites
-            rotations.append(np.array([self.data.oMf[k].rotation for k in ids]))
-            positions.append(np.array([self.data.oMf[k].translation for k in ids]))
-        return np.array(rotations), np.array(positions)
+        return frame_placements(self, q, names)
 
     def rnea(self, q: Array, v: Array, a: Array) -> Array:
         """τ (N, n) of N states."""

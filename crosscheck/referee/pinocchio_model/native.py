@@ -49,9 +49,12 @@ def built(model: RobotModel) -> pin.Model:
             kind = pin.JointModelPrismaticUnaligned if joint.is_prismatic else pin.JointModelRevoluteUnaligned
             ids[j] = native.addJoint(ids[i], kind(np.array(joint.axis)), se3(joint.placement), joint.name)
             native.appendBodyToJoint(ids[j], _inertia(body), pin.SE3.Identity())
+            native.addBodyFrame(body.name, ids[j], pin.SE3.Identity(), 0)
             add_outside(j)
 
     add_outside(0)
+    for frame in model.frames:
+        native.addBodyFrame(frame.name, ids[frame.body], se3(frame.placement), 0)
     return native
 
 

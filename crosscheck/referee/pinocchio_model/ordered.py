@@ -61,6 +61,10 @@ class OrderedModel:
         full = np.reshape(upper, (self.native.nv, self.native.nv))
         return self.square(np.triu(full) + np.triu(full, 1).T)
 
+    def columns_of(self, matrix: Array) -> Array:
+        """A matrix (6, n) with a column per joint, in our order; the bindings flatten matrices of one column."""
+        return np.array(np.reshape(matrix, (-1, self.native.nv))[:, self.columns])
+
     def forces(self, external: Array) -> pin.StdVec_Force:
         """External wrenches (n, 6) as Pinocchio takes them, one for each of its joints."""
         forces = pin.StdVec_Force()
