@@ -27,7 +27,7 @@ from crosscheck.referee.errors import (
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.referee.quantities import QUANTITIES, RECURSIVE
 from crosscheck.referee.reference_values import RefereeValues
-from crosscheck.referee.states import RANDOM, Case, cases
+from crosscheck.referee.states import RANDOM, Case, cases, has_mass
 from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn._methods import WORTH_COMPILING, Method
@@ -83,13 +83,12 @@ def compare(
             _compare_chunk(record, chunk, referees, with_forward=reason is None, derive=number == 0)
             if progress:
                 progress(chunk.name, len(chunk.q))
-        has_mass = any(body.mass > 0 for body in model.bodies)
-        identification = compare_identification(model, referees["model"], seed) if has_mass else None
+        identification = compare_identification(model, referees["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:
         record.add_identification(identification)
     else:
-        skipped["base_parameters"] = "no body has mass: kinematics only"
+        skipped |= {quantity.name: "no body has mass: kinematics only" for quantity in QUANTITIES if quantity.massive}
         notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
     assert record.conditioning is not None
     quantities = record.results()
@@ -191,7 +190,7 @@ def _compare_derived(
     """Record the errors of derivatives, energies and what belongs to them."""
     at, few, tau = chunk.rows(regular), chunk.rows(FEW), chunk.tau
     assert tau is not None
-    theirs = referee.derive(chunk.q, chunk.v, chunk.a, tau)
+    theirs = referee.derive(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
     regularly = {name: value[regular] for name, value in theirs.items()}
     twice = referee.derive_twice(few.q, few.v, few.a)
     for method, answers in ours.items():
@@ -199,7 +198,7 @@ def _compare_derived(
         record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, theirs)))
         record.add(route, few, named(second_errors(few, answers.second, reference.rows(FEW), twice)))
         if regular.any():
-            errors = derived_forward_errors(tau[regular], answers.forward, reference.rows(regular), regularly)
+            errors = derived_forward_errors(at, tau[regular], answers.forward, reference.rows(regular), regularly)
             record.add(route, at, named(errors))
 
 

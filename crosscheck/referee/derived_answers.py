@@ -9,10 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.referee.frame_choices import of_frames
-from crosscheck.referee.states import Case
+from crosscheck.referee.states import Case, has_mass
 from graphdyn import (
+    center_of_mass,
+    center_of_mass_jacobian,
+    center_of_mass_velocity,
+    centroidal_map,
     coriolis_matrix,
+    energy_regressor,
     forward_dynamics_derivatives,
+    forward_dynamics_parameter_derivatives,
     frame_acceleration,
     frame_jacobian,
     frame_jacobian_derivative,
@@ -21,8 +27,12 @@ from graphdyn import (
     inverse_dynamics_second_derivatives,
     kinetic_energy,
     mass_matrix_inverse,
+    momentum,
+    momentum_regressor,
     potential_energy,
+    power,
     reaction_derivatives,
+    static_torque,
 )
 from graphdyn._methods import Method
 from graphdyn.layout import Array
@@ -44,7 +54,7 @@ class DerivedAnswers:
     second: Answers
 
 
-FEW = slice(50)
+FEW = slice(20)
 """States at which second derivatives are compared: those of the plain form take 10 ms each."""
 
 
@@ -55,7 +65,12 @@ def derived_answers(case: Case, tau: Array, regular: NDArray[np.bool_], method: 
     """
     few = case.rows(FEW)
     return DerivedAnswers(
-        passive={**_of_dynamics(case, method), **_of_frames(case, method)},
+        passive={
+            **_of_dynamics(case, method),
+            **_of_frames(case, method),
+            **_of_energies(case, method),
+            **(_of_momentum(case, method) if has_mass(case.model) else {}),
+        },
         forward=_of_forward_dynamics(case.rows(regular), tau[regular], method) if regular.any() else {},
         second=vars(inverse_dynamics_second_derivatives(few.model, few.q, few.v, few.a, method=method)),
     )
@@ -68,8 +83,8 @@ def _of_dynamics(case: Case, method: Method) -> Answers:
         "dtau_dq": rates.dtau_dq,
         "dtau_dv": rates.dtau_dv,
         "coriolis_matrix": coriolis_matrix(model, q, v, method=method),
-        "kinetic_energy": kinetic_energy(model, q, v, method=method),
-        "potential_energy": potential_energy(model, q, method=method),
+        "static_torque": static_torque(model, q, case.external_wrenches, method=method),
+        "momentum_regressor": momentum_regressor(model, q, v, method=method),
         **vars(reaction_derivatives(model, q, v, a, method=method)),
     }
 
@@ -85,9 +100,35 @@ def _of_frames(case: Case, method: Method) -> Answers:
     }
 
 
+def _of_energies(case: Case, method: Method) -> Answers:
+    model, q, v, a = case.model, case.q, case.v, case.a
+    regressor = energy_regressor(model, q, v, method=method)
+    return {
+        "kinetic_energy": kinetic_energy(model, q, v, method=method),
+        "potential_energy": potential_energy(model, q, method=method),
+        "power": power(model, q, v, a, case.external_wrenches, method=method),
+        "kinetic_energy_regressor": regressor.kinetic,
+        "potential_energy_regressor": regressor.potential,
+    }
+
+
+def _of_momentum(case: Case, method: Method) -> Answers:
+    model, q, v = case.model, case.q, case.v
+    found = momentum(model, q, v, method=method)
+    return {
+        "center_of_mass": center_of_mass(model, q, method=method),
+        "center_of_mass_velocity": center_of_mass_velocity(model, q, v, method=method),
+        "center_of_mass_jacobian": center_of_mass_jacobian(model, q, method=method),
+        "momentum_about_center_of_mass": found.about_center_of_mass,
+        "momentum_about_origin": found.about_origin,
+        "centroidal_map": centroidal_map(model, q, method=method),
+    }
+
+
 def _of_forward_dynamics(case: Case, tau: Array, method: Method) -> Answers:
     model, q, v = case.model, case.q, case.v
     return {
         **vars(forward_dynamics_derivatives(model, q, v, tau, method=method)),
         "mass_matrix_inverse": mass_matrix_inverse(model, q, method=method),
+        "da_dpi": forward_dynamics_parameter_derivatives(model, q, v, tau, method=method),
     }

@@ -11,7 +11,9 @@ from crosscheck.referee.derived_answers import Answers
 from crosscheck.referee.frame_choices import REFERENCES, compared_frames
 from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.scales import (
+    PARAMETER_TYPES,
     acceleration_scale,
+    by_parameter_type,
     by_part,
     center_offset,
     largest,
@@ -20,8 +22,9 @@ from crosscheck.referee.scales import (
     relative,
     term_sizes,
 )
-from crosscheck.referee.states import Case
-from graphdyn.layout import Array
+from crosscheck.referee.states import Case, has_mass
+from graphdyn import inverse_dynamics
+from graphdyn.layout import BODY_PARAMETERS, Array
 
 
 def derived_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
@@ -30,6 +33,8 @@ def derived_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answer
         **_dynamics_errors(case, ours, ref, theirs),
         **_reaction_errors(case, ours, ref, theirs),
         **_frame_errors(case, ours, ref, theirs),
+        **_regressor_errors(case, ours, ref, theirs),
+        **(_momentum_errors(case, ours, ref, theirs) if has_mass(case.model) else {}),
     }
 
 
@@ -38,10 +43,15 @@ def _dynamics_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answ
     size = term_sizes(model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
     by_rate = largest(ref.mass_matrix) * largest(case.v)
     weight = float(np.linalg.norm(model.gravity)) * sum(body.mass for body in model.bodies)
+    rest = np.zeros_like(case.q)
+    at_rest = inverse_dynamics(model, case.q, rest, rest, case.external_wrenches).joint_wrenches
+    torque = np.maximum(largest(ref.joint_wrenches_external), size.spin)
     scales = {
         "dtau_dq": (largest(ref.joint_wrenches), size.spin),
         "dtau_dv": (by_rate,),
         "coriolis_matrix": (by_rate,),
+        "static_torque": (largest(at_rest),),
+        "power": (torque * largest(case.v),),
         "kinetic_energy": (),
         "potential_energy": (weight * (largest(ref.position) + center_offset(model)),),
     }
@@ -92,6 +102,50 @@ def _frame_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers
     return errors
 
 
+def _regressor_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+    """Columns of m, of m c and of I, each on its own scale."""
+    model = case.model
+    size = term_sizes(model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
+    gravity = np.full(len(case.q), np.linalg.norm(model.gravity))
+    rate = size.omega * size.arm + size.slide_rate
+    scales = {
+        "kinetic_energy_regressor": (size.velocity**2, size.velocity * size.omega, size.omega**2),
+        "potential_energy_regressor": (
+            gravity * (largest(ref.position) + center_offset(model)),
+            gravity,
+            0 * rate,
+        ),
+        "momentum_regressor": (rate * size.arm, rate, size.omega),
+    }
+    return {name: by_parameter_type(ours[name], theirs[name], *sizes) for name, sizes in scales.items()}
+
+
+def _momentum_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+    model = case.model
+    size = term_sizes(model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
+    mass, tensor = sum(body.mass for body in model.bodies), largest_tensor(model)
+    linear, spin = mass * size.velocity, tensor * size.omega
+    from_origin = size.lever + float(np.abs(model.base.translation).max())
+    here, there = (np.swapaxes(x["centroidal_map"], -1, -2) for x in (ours, theirs))  # the momentum comes last
+    momenta = {
+        "momentum_about_center_of_mass": (linear, linear * size.lever + spin),
+        "momentum_about_origin": (linear, linear * from_origin + spin),
+    }
+    return {
+        "center_of_mass": relative(
+            ours["center_of_mass"], theirs["center_of_mass"], largest(ref.position) + center_offset(model)
+        ),
+        "center_of_mass_velocity": relative(
+            ours["center_of_mass_velocity"], theirs["center_of_mass_velocity"], size.velocity
+        ),
+        "center_of_mass_jacobian": relative(
+            ours["center_of_mass_jacobian"], theirs["center_of_mass_jacobian"], size.arm
+        ),
+        **{name: by_part(ours[name], theirs[name], *sizes) for name, sizes in momenta.items()},
+        "centroidal_map": by_part(here, there, mass * size.arm, mass * size.arm * size.lever + tensor),
+    }
+
+
 def second_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
     """Errors of the second derivatives of the torques."""
     size = term_sizes(case.model, case.v, case.a, ref.position, ref.velocity, ref.acceleration)
@@ -105,7 +159,9 @@ def second_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers
     return {name: relative(ours[name], theirs[name], *sizes) for name, sizes in scales.items()}
 
 
-def derived_forward_errors(tau: Array, ours: Answers, ref: RefereeValues, theirs: Answers) -> dict[str, Array]:
+def derived_forward_errors(
+    case: Case, tau: Array, ours: Answers, ref: RefereeValues, theirs: Answers
+) -> dict[str, Array]:
     """Errors of the quantities that need a regular mass matrix, at the torques tau (N, n)."""
     mass, wrenches = ref.mass_matrix, ref.a_wrenches
     inverted = acceleration_scale(mass, theirs["mass_matrix_inverse"], 0 * tau, 0 * wrenches)
@@ -115,4 +171,17 @@ def derived_forward_errors(tau: Array, ours: Answers, ref: RefereeValues, theirs
         "da_dtau": inverted,
         "mass_matrix_inverse": inverted,
     }
-    return {name: ratio(largest(ours[name] - theirs[name]), scale) for name, scale in scales.items()}
+    errors = {name: ratio(largest(ours[name] - theirs[name]), scale) for name, scale in scales.items()}
+    return {**errors, "da_dpi": _parameter_errors(case, tau, ours["da_dpi"], ref, theirs["da_dpi"])}
+
+
+def _parameter_errors(case: Case, tau: Array, ours: Array, ref: RefereeValues, theirs: Array) -> Array:
+    """The largest error of the columns of m, of m c and of I of -M⁻¹ W, each on its own scale."""
+    size = term_sizes(case.model, case.v, ref.a, ref.position, ref.velocity, ref.a_body_accelerations)
+    ours, theirs = (x.reshape(*tau.shape, -1, BODY_PARAMETERS) for x in (ours, theirs))
+    errors = []
+    for part, column in zip(PARAMETER_TYPES, size.regressor_columns, strict=True):
+        scale = acceleration_scale(ref.mass_matrix, theirs[..., part], column, 0 * tau)
+        errors.append(ratio(largest((ours - theirs)[..., part]), scale))
+    found: Array = np.maximum.reduce(errors)
+    return found

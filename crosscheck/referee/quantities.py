@@ -31,6 +31,7 @@ class Quantity:
 
     scale: besides the largest reference value, what the error is relative to, in the terms of docs/notation.md
     forward: whether it needs a regular mass matrix
+    massive: whether it needs a body with mass
     verb: the function of graphdyn to compare, where its result is a torque for each joint and Pinocchio's function
         takes the same arguments; both values, scale and code to reproduce then follow from it
     """
@@ -40,6 +41,7 @@ class Quantity:
     scale: str
     tolerance: Tolerance
     forward: bool = False
+    massive: bool = False
     verb: str | None = None
 
 
@@ -94,6 +96,13 @@ _SOLVED_RATES = "only cond(M) ‖∂a‖ + ‖M⁻¹‖ (‖∂τ‖ + largest j
 _SOLVED_INVERSE = "only cond(M) ‖M⁻¹‖"
 _BY_RATE = "largest entry of M × largest velocity"
 
+_SOLVED_BY_TYPE = "per type of column: only cond(M) ‖∂a‖ + ‖M⁻¹‖ × that of torque_regressor"
+_KINETIC = "columns of m: velocity²; of m c: velocity × ‖ω‖; of I: ‖ω‖²"
+_POTENTIAL = "columns of m: ‖g‖ × largest position; of m c: ‖g‖"
+_MOMENTUM_BY_TYPE = "columns of m: rate × arm; of m c: rate; of I: ‖ω‖; rate = ‖ω‖ × arm + slide rate"
+_MOMENTUM = "linear: mass × velocity; angular: that × lever + largest entry of a tensor × ‖ω‖"
+_MOMENTUM_FAR = "the same, levers from the world's origin"
+_CENTROIDAL = "linear: mass × arm; angular: that × lever + largest entry of a tensor"
 _FRAME_JACOBIAN = "linear: arm; angular: 1"
 _FRAME_VELOCITY = "linear: ‖ω‖ × lever + slide rate"
 _FRAME_ACCELERATION = "linear: swing; angular: turn"
@@ -112,6 +121,17 @@ _DERIVED = (
     Quantity("coriolis_matrix", "computeCoriolisMatrix; complex steps", _BY_RATE, AGREEMENT),
     Quantity("kinetic_energy", "computeKineticEnergy; of the bodies", "nothing more", AGREEMENT),
     Quantity("potential_energy", "computePotentialEnergy; of the bodies", "weight × largest position", AGREEMENT),
+    Quantity("static_torque", "computeStaticTorque with fext", "largest joint wrench at rest", AGREEMENT),
+    Quantity("power", "rnea with fext, times v", f"({_TORQUE}) × largest velocity", AGREEMENT),
+    Quantity("kinetic_energy_regressor", "computeKineticEnergyRegressor", _KINETIC, AGREEMENT),
+    Quantity("potential_energy_regressor", "computePotentialEnergyRegressor", _POTENTIAL, AGREEMENT),
+    Quantity("momentum_regressor", "computeJointTorqueRegressor, v for a", _MOMENTUM_BY_TYPE, AGREEMENT),
+    Quantity("center_of_mass", "centerOfMass", "largest position, offset of a center", AGREEMENT, massive=True),
+    Quantity("center_of_mass_velocity", "centerOfMass, vcom", _FRAME_VELOCITY, AGREEMENT, massive=True),
+    Quantity("center_of_mass_jacobian", "jacobianCenterOfMass", "arm", AGREEMENT, massive=True),
+    Quantity("momentum_about_center_of_mass", "computeCentroidalMomentum", _MOMENTUM, AGREEMENT, massive=True),
+    Quantity("momentum_about_origin", "Σ of the bodies' momenta", _MOMENTUM_FAR, AGREEMENT, massive=True),
+    Quantity("centroidal_map", "computeCentroidalMap", _CENTROIDAL, AGREEMENT, massive=True),
     Quantity("frame_jacobian", "getFrameJacobian", _FRAME_JACOBIAN, AGREEMENT),
     Quantity("frame_velocity", "getFrameVelocity", _FRAME_VELOCITY, AGREEMENT),
     Quantity("frame_acceleration", "getFrameClassicalAcceleration", _FRAME_ACCELERATION, AGREEMENT),
@@ -127,6 +147,7 @@ _DERIVED = (
     Quantity("da_dv", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
     Quantity("da_dtau", "computeABADerivatives; complex steps", _SOLVED_INVERSE, ACCELERATION, forward=True),
     Quantity("mass_matrix_inverse", "computeMinverse; inverted", _SOLVED_INVERSE, ACCELERATION, forward=True),
+    Quantity("da_dpi", "-computeMinverse × regressor", _SOLVED_BY_TYPE, ACCELERATION, forward=True),
 )
 
 _OWN = (
@@ -134,7 +155,7 @@ _OWN = (
     Quantity("constraint_residual", "φ_q q̈ = ζ", "only q̈ and the largest row of Σ ∣terms∣", RESIDUAL, forward=True),
     Quantity("constraint_rank", "φ_q has rank 5n", "full rank", RANK),
     Quantity("kkt_rank", "Eq. (111) has rank 11n", "full rank", RANK, forward=True),
-    Quantity("base_parameters", "same least squares with Pinocchio's regressor", _BASE, IDENTIFICATION),
+    Quantity("base_parameters", "same least squares with Pinocchio's regressor", _BASE, IDENTIFICATION, massive=True),
 )
 
 RECURSIVE = "_recursive"

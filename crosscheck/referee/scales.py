@@ -17,6 +17,10 @@ SHORTEST_LEVER = 1e-3
 """Length added to every lever [m], so that moments have a scale where all levers are zero; far below any arm's."""
 
 
+PARAMETER_TYPES = (slice(0, 1), slice(1, 4), slice(4, 10))
+"""Among the ten inertial parameters of a body: m, m c, I."""
+
+
 @dataclass(frozen=True, eq=False)
 class Sizes:
     """Sizes of the summed terms at N states (N,).
@@ -131,7 +135,7 @@ def by_part(x: Array, reference: Array, linear: Array, angular: Array) -> Array:
 def by_parameter_type(x: Array, reference: Array, mass: Array, first_moment: Array, tensor: Array) -> Array:
     """The largest error of the columns of m, of m c and of I, each on its own scale. (N, …, 10 k) → (N,)."""
     x, reference = (w.reshape(len(w), -1, BODY_PARAMETERS) for w in (x, reference))
-    columns = ((slice(0, 1), mass), (slice(1, 4), first_moment), (slice(4, 10), tensor))
+    columns = zip(PARAMETER_TYPES, (mass, first_moment, tensor), strict=True)
     errors: Array = np.maximum.reduce([relative(x[..., part], reference[..., part], size) for part, size in columns])
     return errors
 

@@ -88,6 +88,11 @@ def cases(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
         yield case(f"horizontal axis of {joint.name}", q, v, a, of=turned(model, turn), turn=turn)
 
 
+def has_mass(model: RobotModel) -> bool:
+    """Whether any body has mass: others are good for kinematics only."""
+    return any(body.mass > 0 for body in model.bodies)
+
+
 def unit_turn(direction: Array) -> Placement:
     """A rotation of the world that brings a unit vector onto the world x axis."""
     least = int(np.argmin(np.abs(direction)))

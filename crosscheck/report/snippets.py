@@ -36,7 +36,7 @@ def _required(forward: str, *loads: str) -> tuple[tuple[str, str], ...]:
     return ((f"referee.inverse_dynamics({states})[0][0]", "tau"),)
 
 
-_ROWS = "*(np.array([x]) for x in (q, v, a, tau))"
+_ROWS = "*(np.array([x]) for x in (q, v, a, tau, external_wrenches))"
 _DERIVED = {
     "dtau_dq": "inverse_dynamics_derivatives(model, q, v, a).dtau_dq",
     "dtau_dv": "inverse_dynamics_derivatives(model, q, v, a).dtau_dv",
@@ -47,6 +47,18 @@ _DERIVED = {
     "da_dv": "forward_dynamics_derivatives(model, q, v, tau).da_dv",
     "da_dtau": "forward_dynamics_derivatives(model, q, v, tau).da_dtau",
     "mass_matrix_inverse": "mass_matrix_inverse(model, q)",
+    "da_dpi": "forward_dynamics_parameter_derivatives(model, q, v, tau)",
+    "static_torque": "static_torque(model, q, external_wrenches)",
+    "power": "power(model, q, v, a, external_wrenches)",
+    "kinetic_energy_regressor": "energy_regressor(model, q, v).kinetic",
+    "potential_energy_regressor": "energy_regressor(model, q, v).potential",
+    "momentum_regressor": "momentum_regressor(model, q, v)",
+    "center_of_mass": "center_of_mass(model, q)",
+    "center_of_mass_velocity": "center_of_mass_velocity(model, q, v)",
+    "center_of_mass_jacobian": "center_of_mass_jacobian(model, q)",
+    "momentum_about_center_of_mass": "momentum(model, q, v).about_center_of_mass",
+    "momentum_about_origin": "momentum(model, q, v).about_origin",
+    "centroidal_map": "centroidal_map(model, q)",
     **{
         f"d{answer}_d{name}": f"reaction_derivatives(model, q, v, a).d{answer}_d{name}"
         for answer in ("wrenches", "multipliers")
@@ -61,7 +73,7 @@ _OF_FRAMES = {
     "frame_jacobian_derivative": "of_frames(model, graphdyn.frame_jacobian_derivative, q, v)",
 }
 _SECOND = "inverse_dynamics_second_derivatives(model, q, v, a)"
-_ROWS_OF_A = _ROWS.replace(", tau", "")
+_ROWS_OF_A = "*(np.array([x]) for x in (q, v, a))"
 _TWICE = ("d2tau_dqdq", "d2tau_dqdv", "d2tau_dqda", "d2tau_dvdv")
 
 _FRAMES = "[frame.name for frame in model.frames]"

@@ -70,9 +70,13 @@ class PinocchioModel(OrderedModel):
         """All reference values at N states: q, v, a, tau (N, n), external_wrenches (N, n, 6)."""
         return evaluate(self, q, v, a, tau, external_wrenches)
 
-    def derive(self, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
-        """Values of the quantities crosscheck.referee.quantities.DERIVED at N states: q, v, a, tau (N, n)."""
-        return derive(self, self._rooted(), q, v, a, tau)
+    def derive(self, q: Array, v: Array, a: Array, tau: Array, external_wrenches: Array) -> dict[str, Array]:
+        """Values of the quantities crosscheck.referee.quantities.DERIVED that are no second derivatives, at N states.
+
+        q, v, a, tau (N, n), external_wrenches (N, n, 6)
+        """
+        weightless = self.turned(Placement(), np.zeros(3))
+        return derive(self, self._rooted(), weightless, q, v, a, tau, external_wrenches)
 
     def derive_twice(self, q: Array, v: Array, a: Array) -> dict[str, Array]:
         """Second derivatives of the torques (N, n, n, n), by the names of their quantities: q, v, a (N, n)."""

@@ -88,6 +88,10 @@ class OrderedModel:
         regressor: Array = full[np.ix_(self.columns, self._parameter_columns())]
         return regressor
 
+    def parameters_of(self, row: Array) -> Array:
+        """A number per inertial parameter (10n,) in our order."""
+        return np.array(np.ravel(row)[self._parameter_columns()])
+
     def frame_ids(self, names: Sequence[str]) -> list[int]:
         """Numbers of the frames of links. Raises PinocchioRefuses for an unknown name."""
         unknown = [name for name in names if not self.native.existFrame(name, pin.BODY)]

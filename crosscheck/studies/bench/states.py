@@ -59,7 +59,8 @@ class States:
     @cached_property
     def derived(self) -> dict[str, Array]:
         """Pinocchio's derivatives, matrices and energies for the first FEW samples."""
-        return self.referee.derive(*(x[:FEW] for x in (self.q, self.v, self.a, self.tau)))
+        q, v, a, tau = (x[:FEW] for x in (self.q, self.v, self.a, self.tau))
+        return self.referee.derive(q, v, a, tau, np.zeros((*q.shape, 6)))
 
     @cached_property
     def frame_jacobian(self) -> Array:
@@ -136,7 +137,7 @@ class States:
             tensor = np.full(rows.stop, scales.largest_tensor(self.model))
             found = {
                 **derived_errors(case, ours, values, derived),
-                **derived_forward_errors(given["tau"], ours, values, derived),
+                **derived_forward_errors(case, given["tau"], ours, values, derived),
                 "dtau_da": scales.relative(ours["dtau_da"], values.mass_matrix, tensor),
             }
             if matrices is not None:
