@@ -79,7 +79,7 @@ def test_code_blocks_run(block, capsys, tmp_path, monkeypatch):
 
 
 def agreement(document):
-    return {row[0]: row[1:] for row in table_rows(document, r"[a-z_]+") if row[0] in BY_NAME}
+    return {row[0]: row[1:] for row in table_rows(document, r"[a-z0-9_]+") if row[0] in BY_NAME}
 
 
 def test_the_table_of_agreement_has_every_quantity_within_its_bound():

@@ -119,7 +119,7 @@ def _of_momentum(case: Case, method: Method) -> Answers:
         "center_of_mass": center_of_mass(model, q, method=method),
         "center_of_mass_velocity": center_of_mass_velocity(model, q, v, method=method),
         "center_of_mass_jacobian": center_of_mass_jacobian(model, q, method=method),
-        "momentum_about_center_of_mass": found.about_center_of_mass,
+        "centroidal_momentum": found.about_center_of_mass,
         "momentum_about_origin": found.about_origin,
         "centroidal_map": centroidal_map(model, q, method=method),
     }

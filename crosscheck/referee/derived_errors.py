@@ -128,7 +128,7 @@ def _momentum_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answ
     from_origin = size.lever + float(np.abs(model.base.translation).max())
     here, there = (np.swapaxes(x["centroidal_map"], -1, -2) for x in (ours, theirs))  # the momentum comes last
     momenta = {
-        "momentum_about_center_of_mass": (linear, linear * size.lever + spin),
+        "centroidal_momentum": (linear, linear * size.lever + spin),
         "momentum_about_origin": (linear, linear * from_origin + spin),
     }
     return {

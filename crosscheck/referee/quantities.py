@@ -99,20 +99,20 @@ _BY_RATE = "largest entry of M × largest velocity"
 _SOLVED_BY_TYPE = "per type of column: only cond(M) ‖∂a‖ + ‖M⁻¹‖ × that of torque_regressor"
 _KINETIC = "columns of m: velocity²; of m c: velocity × ‖ω‖; of I: ‖ω‖²"
 _POTENTIAL = "columns of m: ‖g‖ × largest position; of m c: ‖g‖"
-_MOMENTUM_BY_TYPE = "columns of m: rate × arm; of m c: rate; of I: ‖ω‖; rate = ‖ω‖ × arm + slide rate"
-_MOMENTUM = "linear: mass × velocity; angular: that × lever + largest entry of a tensor × ‖ω‖"
+_MOMENTUM_BY_TYPE = "columns of m: rate × arm; of m c: rate; of I: ‖ω‖"
+_MOMENTUM = "linear: mass × velocity; angular: that × lever + tensor × ‖ω‖"
 _MOMENTUM_FAR = "the same, levers from the world's origin"
-_CENTROIDAL = "linear: mass × arm; angular: that × lever + largest entry of a tensor"
+_CENTROIDAL = "linear: mass × arm; angular: that × lever + tensor"
 _FRAME_JACOBIAN = "linear: arm; angular: 1"
 _FRAME_VELOCITY = "linear: ‖ω‖ × lever + slide rate"
 _FRAME_ACCELERATION = "linear: swing; angular: turn"
-_FRAME_RATE = "linear: ‖ω‖ × arm + slide rate; angular: ‖ω‖"
-_LOOSENED = "computeRNEADerivatives, free joints in series"
+_FRAME_RATE = "linear: rate; angular: ‖ω‖"
+_LOOSENED = "computeRNEADerivatives of free joints"
 _TWICE = "exact sums of computeRNEADerivatives"
 _BY_PART_OF = {
     "q": "forces: mass × max(compensated, turn × arm); moments: that × arm + spin",
-    "v": "forces: 2 mass × (‖ω‖ × arm + slide rate); moments: that × arm + 2 ‖ω‖ × largest entry of a tensor",
-    "a": "forces: mass × arm; moments: that × arm + largest entry of a tensor",
+    "v": "forces: 2 mass × rate; moments: that × arm + 2 ‖ω‖ × tensor",
+    "a": "forces: mass × arm; moments: that × arm + tensor",
 }
 
 _DERIVED = (
@@ -129,20 +129,20 @@ _DERIVED = (
     Quantity("center_of_mass", "centerOfMass", "largest position, offset of a center", AGREEMENT, massive=True),
     Quantity("center_of_mass_velocity", "centerOfMass, vcom", _FRAME_VELOCITY, AGREEMENT, massive=True),
     Quantity("center_of_mass_jacobian", "jacobianCenterOfMass", "arm", AGREEMENT, massive=True),
-    Quantity("momentum_about_center_of_mass", "computeCentroidalMomentum", _MOMENTUM, AGREEMENT, massive=True),
+    Quantity("centroidal_momentum", "computeCentroidalMomentum", _MOMENTUM, AGREEMENT, massive=True),
     Quantity("momentum_about_origin", "Σ of the bodies' momenta", _MOMENTUM_FAR, AGREEMENT, massive=True),
     Quantity("centroidal_map", "computeCentroidalMap", _CENTROIDAL, AGREEMENT, massive=True),
     Quantity("frame_jacobian", "getFrameJacobian", _FRAME_JACOBIAN, AGREEMENT),
     Quantity("frame_velocity", "getFrameVelocity", _FRAME_VELOCITY, AGREEMENT),
     Quantity("frame_acceleration", "getFrameClassicalAcceleration", _FRAME_ACCELERATION, AGREEMENT),
     Quantity("frame_acceleration_spatial", "getFrameAcceleration", _FRAME_ACCELERATION, AGREEMENT),
-    Quantity("frame_jacobian_derivative", "getFrameJacobianTimeVariation; complex steps", _FRAME_RATE, AGREEMENT),
-    *(Quantity(f"dwrenches_d{x}", f"{_LOOSENED}; complex steps", _BY_PART_OF[x], AGREEMENT) for x in "qva"),
-    *(Quantity(f"dmultipliers_d{x}", f"{_LOOSENED}; complex steps", _BY_PART_OF[x], AGREEMENT) for x in "qva"),
-    Quantity("d2tau_dqdq", f"{_TWICE}; complex steps", _TORQUE, AGREEMENT),
-    Quantity("d2tau_dqdv", f"{_TWICE}; complex steps", _BY_RATE, AGREEMENT),
-    Quantity("d2tau_dqda", f"{_TWICE}; complex steps", "largest entry of M", AGREEMENT),
-    Quantity("d2tau_dvdv", "computeRNEADerivatives at unit v; complex steps", "largest entry of M", AGREEMENT),
+    Quantity("frame_jacobian_derivative", "getFrameJacobianTimeVariation", _FRAME_RATE, AGREEMENT),
+    *(Quantity(f"dwrenches_d{x}", _LOOSENED, _BY_PART_OF[x], AGREEMENT) for x in "qva"),
+    *(Quantity(f"dmultipliers_d{x}", _LOOSENED, _BY_PART_OF[x], AGREEMENT) for x in "qva"),
+    Quantity("d2tau_dqdq", _TWICE, _TORQUE, AGREEMENT),
+    Quantity("d2tau_dqdv", _TWICE, _BY_RATE, AGREEMENT),
+    Quantity("d2tau_dqda", _TWICE, "largest entry of M", AGREEMENT),
+    Quantity("d2tau_dvdv", "computeRNEADerivatives at unit v", "largest entry of M", AGREEMENT),
     Quantity("da_dq", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
     Quantity("da_dv", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
     Quantity("da_dtau", "computeABADerivatives; complex steps", _SOLVED_INVERSE, ACCELERATION, forward=True),

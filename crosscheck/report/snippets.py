@@ -56,7 +56,7 @@ _DERIVED = {
     "center_of_mass": "center_of_mass(model, q)",
     "center_of_mass_velocity": "center_of_mass_velocity(model, q, v)",
     "center_of_mass_jacobian": "center_of_mass_jacobian(model, q)",
-    "momentum_about_center_of_mass": "momentum(model, q, v).about_center_of_mass",
+    "centroidal_momentum": "momentum(model, q, v).about_center_of_mass",
     "momentum_about_origin": "momentum(model, q, v).about_origin",
     "centroidal_map": "centroidal_map(model, q)",
     **{
@@ -250,7 +250,7 @@ def _numbers(worst: WorstState, forward: bool, text: str) -> list[str]:
         given = _array(worst.tau) if worst.tau is not None else f"{_INVERSE}.tau"
         lines.append(f"tau = {given if forward else 'np.zeros_like(q)'}")
     if "external_wrenches" in text:
-        loaded = "external_wrenches" in text.replace(_REFERENCE, "")
+        loaded = "external_wrenches" in text.replace(_REFERENCE, "").replace(_ROWS, "")
         given = f"np.array({_rows(worst.external_wrenches)})" if loaded else "np.zeros((model.n_bodies, 6))"
         lines.append(f"external_wrenches = {given}")
     return lines

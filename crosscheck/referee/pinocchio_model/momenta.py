@@ -20,7 +20,7 @@ def momenta(robot: OrderedModel, rooted: OrderedModel, q: Array, v: Array) -> di
     pin.centerOfMass(native, data, q, v)
     row["center_of_mass_velocity"] = np.array(data.vcom[0])
     row["center_of_mass_jacobian"] = rooted.columns_of(pin.jacobianCenterOfMass(native, data, q))
-    row["momentum_about_center_of_mass"] = np.array(pin.computeCentroidalMomentum(native, data, q, v).vector)
+    row["centroidal_momentum"] = np.array(pin.computeCentroidalMomentum(native, data, q, v).vector)
     row["centroidal_map"] = rooted.columns_of(pin.computeCentroidalMap(native, data, q))
     return row
 

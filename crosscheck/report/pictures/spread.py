@@ -103,13 +103,31 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
         text.set_fontweight("normal" if row.agrees else "bold")
     axes.tick_params(length=0)
     axes.vlines(decades, 0, len(rows), color=FAINT, linewidth=0.5, zorder=0)
-    for k, row in enumerate(rows):
-        _draw_row(axes, scale, row, k + 1.0)
+    feet = np.arange(len(rows)) + 1.0
+    ends = np.full((len(rows), 2), [scale.zero - 0.3, scale.infinity + 0.3])
+    axes.plot(*_strokes(ends, np.stack([feet, feet], axis=1)), color=FAINT, linewidth=0.6, zorder=1)
+    bounds = np.array([_bound(scale, row) for row in rows])
+    heads = np.stack([feet, feet - HEIGHT], axis=1)
+    axes.plot(*_strokes(np.stack([bounds, bounds], axis=1), heads), color=INK, linewidth=1.3, zorder=3)
+    for row, foot, bound in zip(rows, feet, bounds, strict=True):
+        _draw_histogram(axes, scale, row, foot, bound)
+    largest = [scale.place(row.largest) for row in rows]
+    axes.plot(largest, feet, marker="^", markersize=4, color=INK, clip_on=False, linewidth=0, zorder=4)
 
 
-def _draw_row(axes: Axes, scale: _Scale, row: SpreadRow, foot: float) -> None:
-    """Histogram, bound and largest error, standing on the line y = foot."""
-    axes.plot([scale.zero - 0.3, scale.infinity + 0.3], [foot, foot], color=FAINT, linewidth=0.6, zorder=1)
+def _strokes(x: Array, y: Array) -> tuple[Array, Array]:
+    """Lines with ends x, y (k, 2) as one curve with gaps: one path, which keeps the page small."""
+    gap = np.full((len(x), 1), np.nan)
+    return tuple(np.concatenate([part, gap], axis=1).ravel()[:-1] for part in (x, y))  # type: ignore[return-value]
+
+
+def _bound(scale: _Scale, row: SpreadRow) -> float:
+    """Where the bound stands; one of zero beside the bar of errors that are zero."""
+    return scale.zero + 1 / BINS_PER_DECADE if row.bound == 0 else scale.place(row.bound)
+
+
+def _draw_histogram(axes: Axes, scale: _Scale, row: SpreadRow, foot: float, bound: float) -> None:
+    """Standing on the line y = foot."""
     edges = np.arange(BINS_PER_DECADE * scale.low, BINS_PER_DECADE * scale.high + 1) / BINS_PER_DECADE
     errors = np.where(np.isnan(row.errors), np.inf, row.errors)
     inside = errors[(errors > 0) & np.isfinite(errors)]
@@ -119,14 +137,10 @@ def _draw_row(axes: Axes, scale: _Scale, row: SpreadRow, foot: float) -> None:
     places = np.concatenate([[scale.zero - width / 2], edges[:-1], [scale.infinity - width / 2]])
     occupied = counts > 0
     heights = HEIGHT * np.maximum(counts / counts.max(), VISIBLE)
-    bound = scale.zero + width if row.bound == 0 else scale.place(row.bound)
     for beyond, color in ((False, WITHIN), (True, BEYOND)):
         part = occupied & ((places + width / 2 > bound) == beyond)
         if part.any():
             _draw_bars(axes, places[part], width, foot, heights[part], color)
-    axes.plot([bound, bound], [foot, foot - HEIGHT], color=INK, linewidth=1.3, zorder=3)
-    largest = scale.place(row.largest)
-    axes.plot([largest], [foot], marker="^", markersize=4, color=INK, clip_on=False, linewidth=0, zorder=4)
 
 
 def _draw_bars(axes: Axes, places: Array, width: float, foot: float, heights: Array, color: str) -> None:
