@@ -82,6 +82,9 @@ class TestSizes:
         swing = turn * lever + [2 * 1.5 * 0.5 + 7.0, 2.0]
         compensated, spin = swing + 5.0, 0.3 * turn
         assert sizes.lever == pytest.approx(lever)
+        assert sizes.arm == pytest.approx([lever[0], 1.0])  # a joint slides: a metre for each metre
+        assert sizes.omega == pytest.approx([1.5, 0.0])
+        assert sizes.slide_rate == pytest.approx([0.5, 0.0])
         assert sizes.velocity == pytest.approx([1.5 * lever[0] + 0.5, 0.0])
         assert sizes.acceleration == pytest.approx(swing)
         assert sizes.turn == pytest.approx(turn)
@@ -93,6 +96,15 @@ class TestSizes:
         assert mass == pytest.approx(compensated * lever)
         assert first_moment == pytest.approx(compensated)
         assert tensor == pytest.approx(turn)
+
+    def test_farther(self, sizes):
+        """Two metres: ‖ω‖ and turn carry them, forces and moments do not change."""
+        there = sizes.farther(2.0)
+        assert there.lever == pytest.approx(sizes.lever + 2.0)
+        assert there.arm == pytest.approx(sizes.lever + 2.0)
+        assert there.velocity == pytest.approx(sizes.velocity + np.array([3.0, 0.0]))
+        assert there.acceleration == pytest.approx(sizes.acceleration + 2.0 * sizes.turn)
+        assert there.moment == pytest.approx(sizes.moment)
 
     def test_loads_are_added(self, sizes):
         wrenches = np.zeros((2, 2, 6))
