@@ -142,7 +142,7 @@ _DERIVED = (
     Quantity("d2tau_dqdq", _TWICE, _TORQUE, AGREEMENT),
     Quantity("d2tau_dqdv", _TWICE, _BY_RATE, AGREEMENT),
     Quantity("d2tau_dqda", _TWICE, "largest entry of M", AGREEMENT),
-    Quantity("d2tau_dvdv", "computeRNEADerivatives at unit v", "largest entry of M", AGREEMENT),
+    Quantity("d2tau_dvdv", "computeRNEADerivatives at unit v", "largest entry of M × max(1, velocity)", AGREEMENT),
     Quantity("da_dq", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
     Quantity("da_dv", "computeABADerivatives; complex steps", _SOLVED_RATES, ACCELERATION, forward=True),
     Quantity("da_dtau", "computeABADerivatives; complex steps", _SOLVED_INVERSE, ACCELERATION, forward=True),

@@ -38,7 +38,7 @@ def derive(
             **_with_loads(robot, at, rate, change, robot.forces(external)),
             **frame_motion(robot, rooted, at, rate, change),
             **momenta(robot, rooted, at, rate),
-            **parameter_values(robot, weightless, at, rate, given),
+            **parameter_values(robot, rooted, weightless, at, rate, given),
         }
         row["potential_energy"] = np.array(pin.computePotentialEnergy(robot.native, robot.data, at))
         rows.append(row)
