@@ -22,6 +22,7 @@ from graphdyn._answers import (
 )
 from graphdyn._base_motion import BaseMotion
 from graphdyn._compiled import CompiledModel, compile
+from graphdyn._coupling import Coupling
 from graphdyn._derivatives import (
     forward_dynamics_derivatives,
     forward_dynamics_parameter_derivatives,
@@ -97,6 +98,7 @@ __all__ = [
     "Body",
     "CompiledModel",
     "Consistency",
+    "Coupling",
     "EnergyRegressor",
     "EstimationFailed",
     "ForwardDynamics",

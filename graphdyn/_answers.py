@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from graphdyn.layout import Array
 
@@ -15,12 +17,15 @@ class ForwardDynamics:
     body_accelerations: r̈ in world axes, ω̇ in body axes     (…, n, 6)  [m/s², rad/s²]
     multipliers: reaction of the inside body on body j      (…, n, 5)  [N, N m]
     joint_wrenches: force, moment on body j, actuator included, at O_j, in link axes   (…, n, 6)  [N, N m]
+    coupling_multipliers: what each coupling supplies to the joint that it drives, as an actuator there would; it takes
+        ratio times as much from the joints that drive     (…, n_couplings)  [N m or N]
     """
 
     a: Array
     body_accelerations: Array
     multipliers: Array
     joint_wrenches: Array
+    coupling_multipliers: Array = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,13 +33,14 @@ class InverseDynamics:
     """Answer of inverse_dynamics.
 
     tau: actuator torques or forces                         (…, n)     [N m or N]
-    body_accelerations, multipliers, joint_wrenches: as in ForwardDynamics
+    body_accelerations, multipliers, joint_wrenches, coupling_multipliers: as in ForwardDynamics
     """
 
     tau: Array
     body_accelerations: Array
     multipliers: Array
     joint_wrenches: Array
+    coupling_multipliers: Array = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)

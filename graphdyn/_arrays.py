@@ -30,16 +30,17 @@ def joint_arrays(
     has the wrong trailing shape, does not broadcast with the others, or contains NaN or infinity.
     """
     check_model(model)
-    n = model.n_bodies
+    n = model.n_freedoms
     arrays, leading = {}, {}
     for name, value in arguments.items():
-        trailing = (n, BODY_FREEDOMS) if name == "external_wrenches" else (n,)
+        trailing = (model.n_bodies, BODY_FREEDOMS) if name == "external_wrenches" else (n,)
         absent = name == "external_wrenches" and value is None
         array = np.zeros(trailing) if absent else as_floats(name, value)
         if array.shape[-len(trailing) :] != trailing:
             expected = ", ".join(["…", *map(str, trailing)])
+            joints = f"the {n} joints" + (" that no others drive" if model.couplings else "")
             raise InvalidInput(
-                f"{name} has shape {array.shape}, expected ({expected}) for the {n} joints of robot '{model.name}'"
+                f"{name} has shape {array.shape}, expected ({expected}) for {joints} of robot '{model.name}'"
             )
         arrays[name] = array
         leading[name] = array.shape[: array.ndim - len(trailing)]
@@ -96,8 +97,9 @@ def _refuse_non_finite(name: str, array: Array, n_trailing: int, model: RobotMod
     index = tuple(int(k) for k in bad[0])
     row, joint = index[: array.ndim - n_trailing], index[array.ndim - n_trailing]
     where = f"row {row[0] if len(row) == 1 else row}, " if row else ""
+    names = model.joint_names if n_trailing == 2 else model.independent_joints
     rows = len({tuple(k[: array.ndim - n_trailing]) for k in bad.tolist()})
     raise InvalidInput(
-        f"{name} contains {array[index]} at {where}joint '{model.joint_names[joint]}' "
+        f"{name} contains {array[index]} at {where}joint '{names[joint]}' "
         f"({rows} of {int(np.prod(array.shape[: array.ndim - n_trailing]))} rows are not finite); remove or repair them"
     )

@@ -67,9 +67,8 @@ def _mean(model: RobotModel, of_bodies: Array) -> Array:
 
 
 def _per_unit_rate(state: MaximalState) -> Array:
-    """(joint, …, body, 6): the body velocities that a unit velocity of each joint gives."""
-    n = state.model.n_bodies
-    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_FREEDOMS, n)
+    """(freedom, …, body, 6): the body velocities that a unit velocity of each joint gives."""
+    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_FREEDOMS, state.model.n_freedoms)
     return np.moveaxis(columns, -1, 0)
 
 

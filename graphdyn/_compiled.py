@@ -34,8 +34,8 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
 
     def __init__(self, model: RobotModel, name: str) -> None:
         verb = SINGLE[name]
-        n, (output,) = model.n_bodies, verb.outputs
-        shape = ARRAYS[output].shape_for(n)
+        n, (output,) = model.n_freedoms, verb.outputs
+        shape = ARRAYS[output].shape_for(model)
         backend = prepared(model, Request(verb.recursion, verb.outputs)).backend
         memory = {name: np.zeros((backend.lanes, n)) for name in verb.inputs}
         answer = np.zeros((backend.lanes, int(np.prod(shape))))
@@ -69,8 +69,8 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
             names = ", ".join(self.arguments)
             raise InvalidInput(f"{len(arguments)} arguments given; give {names}, or none where their memory is filled")
         for name, argument in zip(self.arguments, arguments, strict=True):
-            if np.shape(argument) != (self.model.n_bodies,):
-                raise InvalidInput(f"{name} has shape {np.shape(argument)}, expected {(self.model.n_bodies,)}")
+            if np.shape(argument) != (self.model.n_freedoms,):
+                raise InvalidInput(f"{name} has shape {np.shape(argument)}, expected {(self.model.n_freedoms,)}")
 
 
 class CompiledModel:

@@ -27,7 +27,7 @@ def _derivatives(
 ) -> Mapping[str, Array]:
     """∂/∂x[name] of all that a specification answers, by name: (…, *answer, n), a column per joint."""
     columns = []
-    for k in range(model.n_bodies):
+    for k in range(model.n_freedoms):
         stepped = x[name].astype(complex)
         stepped[..., k] += 1j * STEP
         columns.append(function(model, {**x, name: stepped}, base, dense))
@@ -51,6 +51,12 @@ def inverse_dynamics_second_derivatives(
     In an angle: c_0 + Σ (c_k cos kq + s_k sin kq) for k = 1, 2, since a rotation enters a torque at most twice; in a
     slide or a velocity: a parabola, whose slope is the central difference.
     """
+    if model.couplings:
+        joints = {name: x[name] @ model.freedoms.matrix.T for name in "va"}
+        joints |= {"q": model.joint_positions(x["q"]), "external_wrenches": x["external_wrenches"]}
+        found = inverse_dynamics_second_derivatives(model.uncoupled, joints, base, dense)
+        k = model.freedoms.matrix
+        return {name: np.einsum("...ijk,ia,jb,kc->...abc", part, k, k, k) for name, part in found.items()}
 
     def first(name: str, j: int, step: float) -> dict[str, Array]:
         moved = x[name].copy()
@@ -63,7 +69,7 @@ def inverse_dynamics_second_derivatives(
 
     turn, slide = _of_trigonometric_sums(order=2), [(1.0, 0.5), (-1.0, -0.5)]
     by_q = [slope("q", j, slide if joint.is_prismatic else turn) for j, joint in enumerate(model.joints)]
-    by_v = [slope("v", j, slide) for j in range(model.n_bodies)]
+    by_v = [slope("v", j, slide) for j in range(model.n_freedoms)]
     return {
         "d2tau_dqdq": np.stack([part["dtau_dq"] for part in by_q], axis=-2),
         "d2tau_dqdv": np.stack([part["dtau_dv"] for part in by_q], axis=-2),

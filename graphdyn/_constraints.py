@@ -8,6 +8,7 @@ import numpy as np
 from graphdyn._base_motion import Ground
 from graphdyn._kinematics import MaximalState
 from graphdyn._linear import cross
+from graphdyn._unconstrained import actuator_terms
 from graphdyn._vertices import JointVectors, Vertices, joint_vectors
 from graphdyn.layout import ANGULAR, JOINT_CONSTRAINTS, LINEAR, Array, body_rows, joint_rows
 
@@ -46,6 +47,16 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
             [_gap_curvature(vectors, vertices, i, j), _angle_curvature(vectors, omega_i, omega_j)], axis=-1
         )
     return phi_q, zeta
+
+
+def coupling_rows(state: MaximalState) -> Array:
+    """φ_q (…, n_couplings, 6n) of q_driven - Σ ratio q = offset, the driven joint negative as body j is in Eq. (65).
+
+    Times body velocities: Σ ratio v less the rate of the driven joint, all relative to the inside bodies. Their
+    multipliers are then what the couplings supply to the joints that they drive [N m or N].
+    """
+    rows: Array = -state.model.freedoms.rows @ np.swapaxes(actuator_terms(state), -1, -2)
+    return rows
 
 
 def _prescribed(held: Array, turn_of_held: Array, normal: Array, ground: Ground | None) -> Array:

@@ -13,6 +13,7 @@ from graphdyn._arrays import one_state
 from graphdyn._base_motion import BaseMotion
 from graphdyn._cardano import cardano_system
 from graphdyn._errors import InvalidInput
+from graphdyn._kinematics import bias_acceleration
 from graphdyn._kkt import Coordinates, KKTSystem
 from graphdyn._methods import Method, with_keywords
 from graphdyn._model import RobotModel
@@ -218,5 +219,6 @@ def kkt_system(
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")
     x = one_state(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
     state = projected.rooted_state(model, base, x["q"], x["v"])
-    system = projected.kkt(state, x["tau"], x["external_wrenches"])
+    bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
+    system = projected.kkt(state, x["tau"], x["external_wrenches"], bias)
     return system if coordinates == "twist" else cardano_system(state, system)

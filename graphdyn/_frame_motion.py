@@ -31,7 +31,8 @@ def frame_jacobian(
     columns = [linear, np.where(revolute, axes, 0.0)]
     on_path = model.graph.path_matrix()[:, seen.body - 1] if seen.body else np.zeros(model.n_bodies)
     rows = [seen.axes @ np.swapaxes(column * on_path[:, None], -1, -2) for column in columns]
-    return {"frame_jacobian": np.concatenate(rows, axis=-2)}
+    jacobian = np.concatenate(rows, axis=-2)
+    return {"frame_jacobian": jacobian @ model.freedoms.matrix if model.couplings else jacobian}
 
 
 def frame_velocity(

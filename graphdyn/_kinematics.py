@@ -113,14 +113,14 @@ def maximal_state(
 ) -> MaximalState:
     """Positions, orientations and twists of all bodies, and with a their accelerations.
 
-    q, v, a: joint positions, velocities, accelerations     (…, n)  [rad or m, …/s, …/s²]
+    q, v, a: joint positions, velocities, accelerations     (…, n_freedoms)  [rad or m, …/s, …/s²]
     A missing v stands for zero; without a the state has no acceleration. The methods "projected" and "dense" are the
     same here.
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
     """
     check_model(model)
-    rest = np.zeros(model.n_bodies)
+    rest = np.zeros(model.n_freedoms)
     x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
     if is_recursive(method, x):
         return _recursive_state(model, x, a is not None, base, Options(threads, check=False))
@@ -130,6 +130,9 @@ def maximal_state(
 def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array | None) -> MaximalState:
     """maximal_state on a ground that is where it is: q, v, a and the ground's arrays have the same leading shape."""
     batch, n = q.shape[:-1], model.n_bodies
+    if model.couplings:
+        to_joints = model.freedoms.matrix.T
+        q, v, a = model.joint_positions(q), v @ to_joints, None if a is None else a @ to_joints
     number = np.result_type(q, v, *(() if a is None else (a,)))  # complex for graphdyn._complex_steps
     rotation = np.empty((*batch, n + 1, 3, 3), dtype=number)
     # of the link origins, world axes; row 0 is the ground
@@ -232,7 +235,7 @@ def frame_placement(
 
 
 def null_space(state: MaximalState) -> Array:
-    """N (…, 6n, n) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0."""
+    """N (…, 6n, n_freedoms) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0."""
     model = state.model
     axes, origins = joint_axes(state), link_origins(state)
     on_path = model.graph.path_matrix()
@@ -242,7 +245,8 @@ def null_space(state: MaximalState) -> Array:
     linear = np.where(revolute, cross(axis, lever), axis)
     angular = np.where(revolute, np.einsum("...iba,...kb->...ika", state.rotation, axes), 0.0)
     columns = np.concatenate([linear, angular], axis=-1) * on_path.T[:, :, None]  # (…, body, joint, 6)
-    return stacked_rows(np.swapaxes(columns, -1, -2))
+    n = stacked_rows(np.swapaxes(columns, -1, -2))
+    return n @ model.freedoms.matrix if model.couplings else n
 
 
 def joint_axes(state: MaximalState) -> Array:
@@ -258,7 +262,7 @@ def joint_axes(state: MaximalState) -> Array:
 
 
 def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
-    """q, v (…, n) of a maximal state. Angles come back in (-π, π]: full turns leave no trace in R.
+    """q, v (…, n_freedoms) of a maximal state. Angles come back in (-π, π]: full turns leave no trace in R.
 
     The motion of the base is that of the state.
     Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
@@ -293,11 +297,32 @@ def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
             t_1, t_2 = joint.axis_normals
             q[..., k] = np.arctan2((turn @ t_1) @ t_2, (turn @ t_1) @ t_1)
             v[..., k] = _dot(vertices.angular_velocity[..., j, :] - vertices.angular_velocity[..., i, :], axis)
-    return q, v
+    _refuse_uncoupled(model, q, v)
+    independent = list(model.freedoms.independent)
+    return q[..., independent], v[..., independent]
+
+
+def _refuse_uncoupled(model: RobotModel, q: Array, v: Array) -> None:
+    """Raise InconsistentState where driven joints are not where, or not as fast as, their couplings want (…, n)."""
+    if not model.couplings:
+        return
+    rows, offsets = model.freedoms.rows, np.array([coupling.offset for coupling in model.couplings])
+    driven = [model.joints[model.joint_names.index(coupling.joint)] for coupling in model.couplings]
+    gap = q @ rows.T - offsets
+    turns = 2 * np.pi * np.array([not joint.is_prismatic for joint in driven])
+    gap = gap - turns * np.round(gap / np.where(turns == 0, 1.0, turns))
+    for what, unit, error in (("position", "rad or m", gap), ("velocity", "rad/s or m/s", v @ rows.T)):
+        if error.size and (largest := float(np.abs(error).max())) > CLOSURE:
+            *row, worst = (int(k) for k in np.unravel_index(int(np.abs(error).argmax()), error.shape))
+            where = f" in row {tuple(row)}" if row else ""
+            raise InconsistentState(
+                f"the {what} of joint '{driven[worst].name}' is off its coupling by "
+                f"{largest:.2g} {unit}{where}; a state of robot '{model.name}' holds couplings to {CLOSURE:g}"
+            )
 
 
 def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
-    """a (…, n): joint accelerations of a maximal state that carries body accelerations [rad/s² or m/s²].
+    """a (…, n_freedoms): joint accelerations of a maximal state that carries body accelerations [rad/s² or m/s²].
 
     The acceleration of each body relative to its inside body, along the joint axis.
 
@@ -312,7 +337,7 @@ def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
 
 
 def project_accelerations(state: MaximalState, acceleration: Array, bias: Array) -> Array:
-    """a (…, n) from body accelerations (…, n, 6) and Ṅ v (…, n, 6): relative acceleration along each joint axis."""
+    """a (…, n_freedoms) from body accelerations (…, n, 6) and Ṅ v (…, n, 6): relative ones along the joint axes."""
     model = state.model
     relative = acceleration - bias  # = N a
     axes, origins, vertices = joint_axes(state), link_origins(state), state.vertices
@@ -330,7 +355,7 @@ def project_accelerations(state: MaximalState, acceleration: Array, bias: Array)
         else:
             difference = angular[..., j, :] - angular[..., i, :]
         a[..., k] = _dot(difference, axes[..., k, :])
-    return a
+    return a[..., list(model.freedoms.independent)] if model.couplings else a
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 
 from graphdyn._errors import RankDeficientConstraints, SingularMassMatrix
 from graphdyn._linear import apply, solve
-from graphdyn.layout import Array, constraint_row_names, per_joint
+from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array, constraint_row_names, per_joint
 
 Coordinates = Literal["twist", "cardano"]
 
@@ -125,7 +125,8 @@ class KKTSystem:
         left, _, _ = np.linalg.svd(systems[first])
         share = np.linalg.norm(left[:, ranks[first] :], axis=1)
         involved = [k for k in np.argsort(-share) if share[k] > DEPENDENT_SHARE * share.max()]
-        names = constraint_row_names(n_rows // 5)
+        n = n_freedoms // BODY_FREEDOMS
+        names = [*constraint_row_names(n), *(f"coupling {k}" for k in range(1, n_rows - JOINT_CONSTRAINTS * n + 1))]
         return RankDeficientConstraints(int(ranks[first]), n_rows, [names[k] for k in involved])
 
 
@@ -134,7 +135,8 @@ class KKTSolution:
     """The answer of a KKTSystem, which computes its own residuals.
 
     acceleration: q̈ of all bodies                           (…, 6n)
-    multipliers: λ                                          (…, n, 5)  [N, N m]
+    multipliers: λ of the joints                            (…, n, 5)  [N, N m]
+    coupling_multipliers: what couplings supply to the joints that they drive   (…, n_couplings)  [N m or N]
     """
 
     system: KKTSystem
@@ -143,7 +145,15 @@ class KKTSolution:
 
     @property
     def multipliers(self) -> Array:
-        return per_joint(self.stacked_multipliers)
+        return per_joint(self.stacked_multipliers[..., : self._of_joints])
+
+    @property
+    def coupling_multipliers(self) -> Array:
+        return self.stacked_multipliers[..., self._of_joints :]
+
+    @property
+    def _of_joints(self) -> int:
+        return int(JOINT_CONSTRAINTS * self.acceleration.shape[-1] // BODY_FREEDOMS)
 
     def dynamics_residual(self) -> Array:
         """‖A q̈ + φ_qᵀλ - B‖∞ relative to the largest of the terms that are summed (…)."""

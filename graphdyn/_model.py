@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn._coupling import Coupling, Freedoms, freedoms
 from graphdyn._errors import InvalidInput, InvalidModel, UnknownFrame
 from graphdyn._graph import Graph
 from graphdyn._inertia import (
@@ -181,15 +182,17 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class RobotModel:
-    """A tree of n rigid bodies on n one-freedom joints.
+    """A tree of n rigid bodies on n joints of one freedom each, some of which others may drive.
 
     bodies, joints: in regular labelling, parents first; joints[j-1] is the inside joint of bodies[j-1]
     gravity: in world axes                                  (3,)  [m/s²]
     base: the ground frame (body 0) in the world
     base_name: name of the ground frame (the root link of a URDF)
     frames: named frames fixed in the bodies
+    couplings: joints that others drive, in any order; joint states q, v, a and tau have entries for the others only
 
-    Raises InvalidModel, naming the body or joint, for duplicate names, joints out of order, non-finite numbers.
+    Raises InvalidModel, naming the body or joint, for duplicate names, joints out of order, non-finite numbers, and
+    couplings that name unknown joints, drive one twice or in a circle.
     """
 
     name: str
@@ -199,10 +202,12 @@ class RobotModel:
     base: Placement = field(default_factory=Placement)
     base_name: str = "base"
     frames: tuple[Frame, ...] = ()
+    couplings: tuple[Coupling, ...] = ()
+    freedoms: Freedoms = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         who = f"robot '{self.name}'"
-        for name in ("bodies", "joints", "frames"):
+        for name in ("bodies", "joints", "frames", "couplings"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         _freeze(self, who, gravity=(3,))
         _check_type(who, "base", self.base, Placement)
@@ -226,11 +231,26 @@ class RobotModel:
         for frame in self.frames:
             if not 0 <= frame.body <= self.n_bodies:
                 raise InvalidModel(f"frame '{frame.name}': there is no body {frame.body}")
+        object.__setattr__(self, "freedoms", freedoms(who, joints, self.couplings))
 
     @property
     def n_bodies(self) -> int:
         """n, the number of moving bodies and of joints."""
         return len(self.bodies)
+
+    @property
+    def n_freedoms(self) -> int:
+        """The number of joints that no others drive: n, where there are no couplings."""
+        return len(self.freedoms.independent)
+
+    @property
+    def independent_joints(self) -> tuple[str, ...]:
+        """Names of the joints that no others drive: the order of q, v, a and τ."""
+        return tuple(self.joints[k].name for k in self.freedoms.independent)
+
+    def joint_positions(self, q: ArrayLike) -> Array:
+        """Of all joints (…, n) [rad or m], from those of the independent ones (…, n_freedoms)."""
+        return np.asarray(q) @ self.freedoms.matrix.T + self.freedoms.offset
 
     @property
     def body_names(self) -> tuple[str, ...]:
@@ -239,7 +259,7 @@ class RobotModel:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """In the order of the joints: that of q, v, a and τ."""
+        """In the order of the joints."""
         return tuple(joint.name for joint in self.joints)
 
     @cached_property
@@ -300,6 +320,11 @@ class RobotModel:
         shift = self.base.rotation @ self.joints[0].placement.translation
         return dataclasses.replace(self, base=Placement(self.base.rotation, -shift))
 
+    @cached_property
+    def uncoupled(self) -> RobotModel:
+        """The same robot without couplings: every joint is free."""
+        return dataclasses.replace(self, couplings=())
+
     def with_inertial_parameters(self, parameters: ArrayLike) -> RobotModel:
         """The same robot with other inertial parameters (10 n,). Raises InvalidModel for a wrong length."""
         pi = _as_floats(f"robot '{self.name}'", "parameter vector", parameters, (BODY_PARAMETERS * self.n_bodies,))
@@ -317,15 +342,16 @@ class RobotModel:
         return dataclasses.replace(self, base=base)
 
     def random_state(self, rng: np.random.Generator, size: int | Sequence[int] = ()) -> tuple[Array, Array]:
-        """q, v (size, n), uniform within the limits, or within default ranges where these are zero, missing or absurd.
+        """q, v (size, n_freedoms), uniform within limits, or default ranges where these are zero, missing or absurd.
 
         Continuous joints are drawn from [-π, π] rad. The default ranges are ±π rad, ±π rad/s, ±0.5 m and ±0.5 m/s;
-        a limit beyond 1e6 is absurd.
+        a limit beyond 1e6 is absurd. Limits of joints that others drive are not looked at.
         """
         shape = (size,) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
-        lower, upper, speed = (np.array(values) for values in zip(*map(_sampling_range, self.joints), strict=True))
-        q = rng.uniform(lower, upper, (*shape, self.n_bodies))
-        v = rng.uniform(-speed, speed, (*shape, self.n_bodies))
+        ranges = [_sampling_range(self.joints[k]) for k in self.freedoms.independent]
+        lower, upper, speed = (np.array(values) for values in zip(*ranges, strict=True))
+        q = rng.uniform(lower, upper, (*shape, self.n_freedoms))
+        v = rng.uniform(-speed, speed, (*shape, self.n_freedoms))
         return q, v
 
     def physical_consistency(self) -> tuple[Consistency, ...]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn._base_motion import BaseMotion, ground, rooted_ground
-from graphdyn._constraints import constraints
+from graphdyn._constraints import constraints, coupling_rows
 from graphdyn._errors import SingularMassMatrix
 from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations, state_on
 from graphdyn._kkt import KKTSystem
@@ -34,19 +34,28 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     mass = _projected_mass(state, n)
     refuse_singular(model, mass.real)
     if dense:
-        solution = kkt(state, x["tau"], x["external_wrenches"]).solve_unchecked()
+        solution = kkt(state, x["tau"], x["external_wrenches"], bias).solve_unchecked()
         accelerations = per_body(solution.acceleration)
-        wrenches = join_reactions(state, solution.multipliers, x["tau"])
+        transmitted = _at_all_joints(model, x["tau"], solution.coupling_multipliers)
+        wrenches = join_reactions(state, solution.multipliers, transmitted)
         a = project_accelerations(state, accelerations, bias)
-        return {"a": a, **_reactions(state, accelerations, solution.multipliers, wrenches)}
+        return {
+            "a": a,
+            **_reactions(state, accelerations, solution.multipliers, wrenches),
+            "coupling_multipliers": solution.coupling_multipliers,
+        }
     passive = passive_terms(state, x["external_wrenches"])
     free = inertial_terms(state, bias) - passive
     right = x["tau"] - apply(np.swapaxes(n, -1, -2), stacked(free))
     a = solve(mass, right)
     accelerations = bias + per_body(apply(n, a))
     wrenches = transmitted_wrenches(state, inertial_terms(state, accelerations) - passive)
-    multipliers, _ = split_reactions(state, wrenches)
-    return {"a": a, **_reactions(state, accelerations, multipliers, wrenches)}
+    multipliers, transmitted = split_reactions(state, wrenches)
+    return {
+        "a": a,
+        **_reactions(state, accelerations, multipliers, wrenches),
+        "coupling_multipliers": transmitted @ model.freedoms.reactions.T,
+    }
 
 
 def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
@@ -57,15 +66,30 @@ def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     required = inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
     if dense:
         phi_q, _ = constraints(state)
-        matrix = np.concatenate([actuator_terms(state), -np.swapaxes(phi_q, -1, -2)], axis=-1)
-        unknowns = solve(matrix, stacked(required))
-        tau = unknowns[..., : model.n_bodies]
-        multipliers = per_joint(unknowns[..., model.n_bodies :])
-        wrenches = join_reactions(state, multipliers, tau)
+        actuators = actuator_terms(state)[..., list(model.freedoms.independent)]
+        transposed = (np.swapaxes(rows, -1, -2) for rows in (phi_q, coupling_rows(state)))
+        unknowns = solve(np.concatenate([actuators, *(-columns for columns in transposed)], axis=-1), stacked(required))
+        tau, joint_multipliers, coupling_multipliers = np.split(
+            unknowns, [model.n_freedoms, model.n_freedoms + phi_q.shape[-2]], axis=-1
+        )
+        multipliers = per_joint(joint_multipliers)
+        wrenches = join_reactions(state, multipliers, _at_all_joints(model, tau, coupling_multipliers))
     else:
         wrenches = transmitted_wrenches(state, required)
-        multipliers, tau = split_reactions(state, wrenches)
-    return {"tau": tau, **_reactions(state, accelerations, multipliers, wrenches)}
+        multipliers, transmitted = split_reactions(state, wrenches)
+        tau = transmitted @ model.freedoms.matrix if model.couplings else transmitted
+        coupling_multipliers = transmitted @ model.freedoms.reactions.T
+    reactions = _reactions(state, accelerations, multipliers, wrenches)
+    return {"tau": tau, **reactions, "coupling_multipliers": coupling_multipliers}
+
+
+def _at_all_joints(model: RobotModel, tau: Array, coupling_multipliers: Array) -> Array:
+    """Torques of actuators and couplings at all joints (…, n)."""
+    if not model.couplings:
+        return tau
+    torques = coupling_multipliers @ model.freedoms.rows
+    torques[..., list(model.freedoms.independent)] += tau
+    return torques
 
 
 def mass_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
@@ -123,9 +147,13 @@ def rooted_state(
     return state_on(rooted_ground(model, base, q.shape[:-1]), model.rooted, q, v, a)
 
 
-def kkt(state: MaximalState, tau: Array, external_wrenches: Array) -> KKTSystem:
-    """Eq. (111) at a state."""
+def kkt(state: MaximalState, tau: Array, external_wrenches: Array, bias: Array) -> KKTSystem:
+    """Eq. (111) at a state, and below its constraints those of couplings; bias: Ṅ v (…, n, 6), which holds them."""
     phi_q, zeta = constraints(state)
+    if state.model.couplings:
+        rows = coupling_rows(state)
+        phi_q = np.concatenate([phi_q, rows], axis=-2)
+        zeta = np.concatenate([zeta, apply(rows, stacked(bias))], axis=-1)
     return KKTSystem(mass_terms(state), phi_q, applied_terms(state, tau, external_wrenches), zeta)
 
 
@@ -165,9 +193,10 @@ def refuse_singular(model: RobotModel, mass: Array, rows: Sequence[tuple[int, ..
     massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
     cause = f"bodies without mass or inertia: {', '.join(massless)}" if massless else "see physical_consistency()"
     name = rows[row[0]] if rows is not None else row
+    joint_name = model.independent_joints[joint]
     raise SingularMassMatrix(
         f"the mass matrix of robot '{model.name}' is singular{f' in row {name}' if name else ''}: joint "
-        f"'{model.joint_names[joint]}' moves without inertia, so torques do not determine accelerations ({cause})"
+        f"'{joint_name}' moves without inertia, so torques do not determine accelerations ({cause})"
     )
 
 

@@ -65,11 +65,11 @@ def _skeleton_state(model: RobotModel, base: BaseMotion | None, x: Arguments) ->
 
 def _projected_blocks(state: MaximalState, of_bodies: Array) -> Array:
     """(…, n, 10n) of wrenches or momenta per parameter (…, n, 6, 10), at O_j in link axes."""
-    n = state.model.n_bodies
-    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_FREEDOMS, n)
+    model = state.model
+    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_FREEDOMS, model.n_freedoms)
     columns[..., LINEAR, :] = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
     blocks: Array = np.einsum("...iak,...iap->...kip", columns, of_bodies)
-    return blocks.reshape(*blocks.shape[:-2], BODY_PARAMETERS * n)
+    return blocks.reshape(*blocks.shape[:-2], BODY_PARAMETERS * model.n_bodies)
 
 
 def _twist(state: MaximalState) -> tuple[Array, Array]:

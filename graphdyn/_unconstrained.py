@@ -74,4 +74,7 @@ def actuator_terms(state: MaximalState) -> Array:
 
 def applied_terms(state: MaximalState, tau: Array, external_wrenches: Array) -> Array:
     """B (…, 6n), Eq. (37)-(39): passive terms and actuators."""
-    return stacked(passive_terms(state, external_wrenches)) + apply(actuator_terms(state), tau)
+    actuators = actuator_terms(state)
+    if state.model.couplings:
+        actuators = actuators[..., list(state.model.freedoms.independent)]
+    return stacked(passive_terms(state, external_wrenches)) + apply(actuators, tau)

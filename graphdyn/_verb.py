@@ -85,7 +85,7 @@ class Verb(Generic[Answer]):
                 recursive.answers(model, specification, self.recursion, self.outputs, x, moving, options, memory, frame)
             )
         refuse_non_finite(model, x)
-        x.setdefault("external_wrenches", np.zeros((*x["q"].shape, BODY_FREEDOMS)))
+        x.setdefault("external_wrenches", np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_FREEDOMS)))
         return self._packed(specification(model, x, base, method == "dense"))
 
     def _packed(self, arrays: dict[str, Array]) -> Answer:

@@ -70,7 +70,7 @@ def evaluate(
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
-    shapes = {name: (*batch, *ARRAYS[name].shape_for(model.n_bodies)) for name in outputs}
+    shapes = {name: (*batch, *ARRAYS[name].shape_for(model)) for name in outputs}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
     request = Request(recursion, outputs, "external_wrenches" in x, base is not None, frame)
     if count == 0:
@@ -95,7 +95,7 @@ def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
 
 
 def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], options: Options) -> NDArray[np.intp]:
-    pivots = np.empty((len(inputs["q"]), model.n_bodies))
+    pivots = np.empty((len(inputs["q"]), model.n_freedoms))
     run(model, replace(request, outputs=("pivots",)), inputs, {"pivots": pivots}, options.threads)
     return np.flatnonzero((pivots < SMALL_PIVOT).any(axis=-1))
 
@@ -126,6 +126,8 @@ def _writable(
     taken = list(x.items())
     for name, shape in shapes.items():
         array = out[name]
+        if 0 in shape and isinstance(array, np.ndarray) and array.size == 0:  # couplings of a robot without any
+            continue
         if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != shape:
             found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
             raise InvalidInput(f"out for {name} is {found}; give a float64 array of shape {shape}")
@@ -137,4 +139,4 @@ def _writable(
             if np.shares_memory(array, memory):
                 raise InvalidInput(f"out for {name} overlaps with {other}; give memory of its own")
         taken.append((f"out for {name}", array))
-    return {name: out[name] for name in shapes}
+    return {name: out[name].reshape(shape) if 0 in shape else out[name] for name, shape in shapes.items()}

@@ -26,7 +26,7 @@ def inverse_dynamics_derivatives(
 ) -> dict[str, list[Any]]:
     """dtau_dq, dtau_dv, and dtau_da = M (n n each)."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
-    by_q, by_v = _jacobians(tau, q, v)
+    by_q, by_v = jacobians(tau, q, v)
     return {
         "dtau_dq": list(by_q.ravel()),
         "dtau_dv": list(by_v.ravel()),
@@ -39,7 +39,7 @@ def inverse_dynamics_second_derivatives(
 ) -> dict[str, list[Any]]:
     """d2tau_dqdq, d2tau_dqdv, d2tau_dqda, d2tau_dvdv (n n n each), by a forward sweep after the reverse one."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
-    by_q, by_v = _jacobians(tau, q, v)
+    by_q, by_v = jacobians(tau, q, v)
     mass = mass_matrix(links, q)
 
     def changes(first: Scalars, variables: Columns, symmetric: bool = False) -> list[Any]:
@@ -67,7 +67,7 @@ def reaction_derivatives(
     return {
         f"d{short}_d{name}": list(part.ravel())
         for short, answer in (("multipliers", "multipliers"), ("wrenches", "joint_wrenches"))
-        for name, part in zip("qva", _jacobians(found[answer], q, v, a), strict=True)
+        for name, part in zip("qva", jacobians(found[answer], q, v, a), strict=True)
     }
 
 
@@ -86,12 +86,12 @@ def forward_dynamics_derivatives(
     2018. Fewer operations than to differentiate the elimination itself.
     """
     inverse, found, pivots = _solved(links, root, q, v, tau, external)
-    a = recorder.placeholders(len(links))
+    a = recorder.placeholders("a", len(links))
     required = inverse_dynamics(links, root, q, v, a, external)["tau"]
     held = dict(zip(a, found, strict=True))
     by_q, by_v = (
         -(inverse @ np.array(substituted(list(part.ravel()), held), dtype=object).reshape(part.shape))
-        for part in _jacobians(required, q, v)
+        for part in jacobians(required, q, v)
     )
     return {
         "da_dq": list(by_q.ravel()),
@@ -128,7 +128,7 @@ def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:
     return matrix
 
 
-def _jacobians(results: Columns, *variables: Columns) -> list[Scalars]:
+def jacobians(results: Columns, *variables: Columns) -> list[Scalars]:
     """∂results/∂x (len(results), len(x)) for each x of the variables, in one sweep for all of them."""
     ends = np.cumsum([len(x) for x in variables])[:-1]
     return np.split(jacobian(results, [column for x in variables for column in x]), ends, axis=1)

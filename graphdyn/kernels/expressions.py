@@ -70,9 +70,9 @@ class Recorder:
         self._inputs[name] = width
         return [self.operation("input", name, column) for column in range(width)]
 
-    def placeholders(self, count: int) -> list[Expression]:
+    def placeholders(self, name: str, count: int) -> list[Expression]:
         """Inputs of no array: graphdyn.kernels.differentiation.substituted has to put others in their place."""
-        return [self.operation("input", "", column) for column in range(count)]
+        return [self.operation("input", f"in place of {name}", column) for column in range(count)]
 
     def operation(self, kind: Operation, *operands: object) -> Expression:
         key = (kind, *operands)

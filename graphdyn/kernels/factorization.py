@@ -25,35 +25,40 @@ def mass_matrix_inverse(links: Sequence[Link], q: Sequence[Any]) -> dict[str, li
 
 
 def inverted_mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> tuple[Scalars, list[Any]]:
-    """M⁻¹ = L⁻¹ D⁻¹ L⁻ᵀ (n, n), and the pivots D (n)."""
-    lower, pivots = _factors(links, mass_matrix(links, q))
-    inverse = _inverted(links, lower)
+    """M⁻¹ (n, n), and the pivots D (n)."""
+    return inverted(mass_matrix(links, q), [list(_inside(links, j)) for j in range(len(links))])
+
+
+def inverted(mass: Scalars, inside: Sequence[Sequence[int]]) -> tuple[Scalars, list[Any]]:
+    """L⁻¹ D⁻¹ L⁻ᵀ (n, n), and D (n); inside: per row, the columns left of the diagonal that have entries, falling."""
+    lower, pivots = _factors(mass, inside)
+    inverse = _inverted(lower, inside)
     scaled = inverse * np.array([reciprocal(pivot) for pivot in pivots], dtype=object)
-    matrix = zeros(len(links), len(links))
-    for i in range(len(links)):
-        for k in range(i, len(links)):
+    matrix = zeros(*mass.shape)
+    for i in range(len(mass)):
+        for k in range(i, len(mass)):
             matrix[i, k] = matrix[k, i] = scaled[i] @ inverse[k]
     return matrix, pivots
 
 
-def _factors(links: Sequence[Link], mass: Scalars) -> tuple[Scalars, list[Any]]:
+def _factors(mass: Scalars, inside: Sequence[Sequence[int]]) -> tuple[Scalars, list[Any]]:
     """L (n, n) without its diagonal, and D (n): from the leaves to the ground, joint after joint is eliminated."""
     rest, lower = mass.copy(), zeros(*mass.shape)
-    for j in reversed(range(len(links))):
-        inside = list(_inside(links, j))
-        lower[j, inside] = rest[j, inside] * reciprocal(rest[j, j])
-        for i in inside:
-            for k in (i, *_inside(links, i)):
+    for j in reversed(range(len(mass))):
+        columns = list(inside[j])
+        lower[j, columns] = rest[j, columns] * reciprocal(rest[j, j])
+        for i in columns:
+            for k in (i, *inside[i]):
                 rest[i, k] = rest[i, k] - lower[j, i] * rest[j, k]
     return lower, list(rest.diagonal())
 
 
-def _inverted(links: Sequence[Link], lower: Scalars) -> Scalars:
+def _inverted(lower: Scalars, inside: Sequence[Sequence[int]]) -> Scalars:
     """L⁻¹ (n, n), from the ground to the leaves."""
-    inverse = np.eye(len(links)).astype(object)
-    for j in range(len(links)):
-        inside = list(_inside(links, j))
-        inverse[j, inside] = -(lower[j, inside] @ inverse[np.ix_(inside, inside)])
+    inverse = np.eye(len(lower)).astype(object)
+    for j, given in enumerate(inside):
+        columns = list(given)
+        inverse[j, columns] = -(lower[j, columns] @ inverse[np.ix_(columns, columns)])
     return inverse
 
 

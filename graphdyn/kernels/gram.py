@@ -81,7 +81,13 @@ class TorqueGram:
         The second answer is what was watched: "finite" is NaN if any argument is not finite, and then so are the sums.
         """
         count = len(q)
-        arrays = {"q": q, "v": v, "a": a, "tau": tau, "extra": extra.reshape(count, self.model.n_bodies * self.n_extra)}
+        arrays = {
+            "q": q,
+            "v": v,
+            "a": a,
+            "tau": tau,
+            "extra": extra.reshape(count, self.model.n_freedoms * self.n_extra),
+        }
         if weights is not None:
             arrays["weights"] = weights
         inputs = {name: np.require(arrays[name], float, ["C", "ALIGNED"]) for name in self._program.inputs}

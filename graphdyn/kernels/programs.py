@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel, total_mass
+from graphdyn.kernels.couplings import projected
+from graphdyn.kernels.differentiation import substituted
 from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.kernels.frames import fixed_frame
 from graphdyn.kernels.mechanism import Link, links
 from graphdyn.kernels.motion import Root
 from graphdyn.kernels.reactions import Wrench, in_joint_axes
-from graphdyn.kernels.recursions import RECURSIONS
+from graphdyn.kernels.recursions import ARRAYS, RECURSIONS, ArraySpec
 from graphdyn.kernels.regressors import joint_torque_regressor
 from graphdyn.kernels.vectors import scalars, zeros
 from graphdyn.layout import BODY_FREEDOMS, Array
@@ -44,9 +46,15 @@ class Request:
 def record(model: RobotModel, request: Request) -> Program:
     """The program of a request. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
     sample, recursion = _Sample(model, request), RECURSIONS[request.recursion]
+    compute = recursion.coupled if model.couplings and recursion.coupled else recursion.compute
     with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
-        answer = recursion.compute(sample, sample.q, *map(sample.input, recursion.inputs[1:]))
+        answer = compute(sample, sample.q, *map(sample.of_joints, recursion.inputs[1:]))
     outputs = answer if isinstance(answer, dict) else {recursion.outputs[0]: list(np.array(answer, object).ravel())}
+    if "coupling_multipliers" in recursion.outputs:
+        needed = outputs["tau"] if model.couplings else sample.zeros
+        outputs["coupling_multipliers"] = list(scalars(model.freedoms.reactions) @ np.array(needed, dtype=object))
+    if model.couplings:
+        outputs = sample.of_freedoms(outputs, shapes={} if compute is recursion.coupled else ARRAYS)
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
     if "pivots" in outputs:
         outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], pivot_scales(model), strict=True)]
@@ -63,9 +71,11 @@ def record_equations(
     COLUMNS.
     """
     sample = _Sample(model, Request("joint_torque_regressor", ()))
-    matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.input("v"), sample.input("a"))[
-        :, list(columns)
-    ]
+    matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.of_joints("v"), sample.of_joints("a"))
+    if model.couplings:
+        flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAYS)["joint_torque_regressor"]
+        matrix = np.array(flat, dtype=object).reshape(ARRAYS["joint_torque_regressor"].shape_for(model))
+    matrix = matrix[:, list(columns)]
     extra = np.array(sample.input("extra", sample.n * n_extra) if n_extra else [], dtype=object)
     tau = sample.input("tau")
     used = tuple(np.flatnonzero([isinstance(x, Expression) for x in row]) for row in matrix)
@@ -85,16 +95,17 @@ class _Sample:
         self.links: tuple[Link, ...] = links(model)
         self.recorder = Recorder()
         self.given: list[Any] = []
-        self.n = model.n_bodies
-        self.zeros = [0.0] * self.n
-        self.q = self.input("q")
+        self.n, self.freedoms = model.n_freedoms, model.freedoms
+        self.zeros = [0.0] * model.n_bodies
+        self._held = dict[Expression, Any]()
+        self.q = self.of_joints("q")
         self.root = self._moving_root(model) if request.moving_base else _fixed_root(model)
         if request.frame is not None:
             self.frame = fixed_frame(model, self.links, request.frame)
         self.external: list[Wrench] | None = None
         if request.external:
-            columns = np.array(self.input("external_wrenches", self.n * BODY_FREEDOMS), dtype=object)
-            self.external = in_joint_axes(self.links, columns.reshape(self.n, BODY_FREEDOMS))
+            columns = np.array(self.input("external_wrenches", model.n_bodies * BODY_FREEDOMS), dtype=object)
+            self.external = in_joint_axes(self.links, columns.reshape(-1, BODY_FREEDOMS))
 
     @property
     def mass(self) -> float:
@@ -104,7 +115,27 @@ class _Sample:
     @property
     def turning(self) -> list[Any]:
         """The angles among q."""
-        return [x for x, link in zip(self.q, self.links, strict=True) if not link.prismatic]
+        positions = (self._held.get(x, x) for x in self.q)
+        return [x for x, link in zip(positions, self.links, strict=True) if not link.prismatic]
+
+    def of_joints(self, name: str) -> list[Any]:
+        """q, v or a of all joints, placeholders where there are couplings; tau of those that no others drive."""
+        columns = self.input(name)
+        if not self.model.couplings or name == "tau":
+            return columns
+        offset = self.freedoms.offset if name == "q" else np.zeros(len(self.links))
+        values = scalars(self.freedoms.matrix) @ np.array(columns, dtype=object) + scalars(offset)
+        places = self.recorder.placeholders(name, len(self.links))
+        self._held.update(zip(places, values, strict=True))
+        return list(places)
+
+    def of_freedoms(self, outputs: Mapping[str, list[Any]], shapes: Mapping[str, ArraySpec]) -> dict[str, list[Any]]:
+        """The outputs with the joints where their couplings hold them, projected where their shapes are given."""
+        free = dict(outputs)
+        for name in (name for name in outputs if name in shapes and "n" in shapes[name].shape):
+            whole = np.array(outputs[name], dtype=object).reshape(shapes[name].shape_for(self.model.uncoupled))
+            free[name] = list(projected(whole, shapes[name].shape, self.freedoms).ravel())
+        return {name: substituted(results, self._held) for name, results in free.items()}
 
     def input(self, name: str, width: int | None = None) -> list[Any]:
         columns = self.recorder.inputs(name, self.n if width is None else width)
@@ -136,7 +167,7 @@ def _fixed_root(model: RobotModel) -> Root:
 
 
 def pivot_scales(model: RobotModel) -> Array:
-    """Per joint, more than the inertia about it can be in any pose (n,): the stretched arm [kg m² or kg].
+    """Per free joint, more than the inertia about it can be in any pose (n_freedoms,): the stretched arm [kg m² or kg].
 
     A pivot of the elimination far below says that the mass matrix may be singular. Slides count as one meter.
     """
@@ -154,4 +185,7 @@ def pivot_scales(model: RobotModel) -> Array:
         outside, far = list(reach), np.array(list(reach.values()))
         turning = masses[outside] * (far + centers[outside]) ** 2 + tensors[outside]
         scales[j] = (masses[outside] if joint.is_prismatic else turning).sum()
+    if model.couplings:  # (Σ K s)² ≤ (Σ |K|) Σ |K| s², of joints that move together
+        share = np.abs(model.freedoms.matrix)
+        scales = (share.sum(axis=0) * share).T @ scales
     return np.where(scales > 0, scales, 1.0)

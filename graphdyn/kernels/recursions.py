@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from graphdyn.kernels import derivatives, frames, momentum
+from graphdyn._model import RobotModel
+from graphdyn.kernels import couplings, derivatives, frames, momentum
 from graphdyn.kernels.energies import energy_regressor, kinetic_energy, potential_energy
 from graphdyn.kernels.factorization import mass_matrix_inverse
 from graphdyn.kernels.forward import forward_dynamics
@@ -21,15 +22,21 @@ from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS
 class ArraySpec:
     """An array of the dynamics.
 
-    shape: for one sample of n bodies; "n" and "10 n" depend on the robot
+    shape: for one sample; "n" is the number of joints that no others drive, "bodies" that of all, "10 bodies" that of
+        their inertial parameters
     unit: the second one, after "or", is that of prismatic joints
     """
 
     shape: tuple[int | str, ...]
     unit: str
 
-    def shape_for(self, n: int) -> tuple[int, ...]:
-        sizes = {"n": n, "10 n": BODY_PARAMETERS * n}
+    def shape_for(self, model: RobotModel) -> tuple[int, ...]:
+        sizes = {
+            "n": model.n_freedoms,
+            "bodies": model.n_bodies,
+            "10 bodies": BODY_PARAMETERS * model.n_bodies,
+            "couplings": len(model.couplings),
+        }
         return tuple(size if isinstance(size, int) else sizes[size] for size in self.shape)
 
 
@@ -38,9 +45,10 @@ ARRAYS = {
     "v": ArraySpec(("n",), "rad/s or m/s"),
     "a": ArraySpec(("n",), "rad/s² or m/s²"),
     "tau": ArraySpec(("n",), "N m or N"),
-    "body_accelerations": ArraySpec(("n", BODY_FREEDOMS), "m/s², rad/s²"),
-    "multipliers": ArraySpec(("n", JOINT_CONSTRAINTS), "N, N m"),
-    "joint_wrenches": ArraySpec(("n", BODY_FREEDOMS), "N, N m"),
+    "body_accelerations": ArraySpec(("bodies", BODY_FREEDOMS), "m/s², rad/s²"),
+    "multipliers": ArraySpec(("bodies", JOINT_CONSTRAINTS), "N, N m"),
+    "coupling_multipliers": ArraySpec(("couplings",), "N m or N"),
+    "joint_wrenches": ArraySpec(("bodies", BODY_FREEDOMS), "N, N m"),
     "mass_matrix": ArraySpec(("n", "n"), "kg m², kg m, kg"),
     "mass_matrix_inverse": ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
     "coriolis_matrix": ArraySpec(("n", "n"), "N m s, N s, kg/s"),
@@ -63,8 +71,8 @@ ARRAYS = {
     "da_dq": ArraySpec(("n", "n"), "1/s², 1/(m s²), m/s²"),
     "da_dv": ArraySpec(("n", "n"), "1/s, 1/(m s), m/s"),
     "da_dtau": ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
-    **{f"dmultipliers_d{x}": ArraySpec(("n", JOINT_CONSTRAINTS, "n"), f"N, N m per {x}") for x in "qva"},
-    **{f"dwrenches_d{x}": ArraySpec(("n", BODY_FREEDOMS, "n"), f"N, N m per {x}") for x in "qva"},
+    **{f"dmultipliers_d{x}": ArraySpec(("bodies", JOINT_CONSTRAINTS, "n"), f"N, N m per {x}") for x in "qva"},
+    **{f"dwrenches_d{x}": ArraySpec(("bodies", BODY_FREEDOMS, "n"), f"N, N m per {x}") for x in "qva"},
     "frame_jacobian": ArraySpec((BODY_FREEDOMS, "n"), "m, 1 or 1, 0"),
     "frame_jacobian_derivative": ArraySpec((BODY_FREEDOMS, "n"), "m/s, 1/s"),
     "frame_velocity": ArraySpec((BODY_FREEDOMS,), "m/s, rad/s"),
@@ -72,15 +80,15 @@ ARRAYS = {
     "bias_torque": ArraySpec(("n",), "N m or N"),
     "gravity_torque": ArraySpec(("n",), "N m or N"),
     "static_torque": ArraySpec(("n",), "N m or N"),
-    "joint_torque_regressor": ArraySpec(("n", "10 n"), "N m or N per parameter"),
-    "body_regressor": ArraySpec(("n", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"),
-    "momentum_regressor": ArraySpec(("n", "10 n"), "kg m²/s or kg m/s per parameter"),
-    "kinetic": ArraySpec(("10 n",), "J per parameter"),
-    "potential": ArraySpec(("10 n",), "J per parameter"),
-    "forward_dynamics_parameter_derivatives": ArraySpec(("n", "10 n"), "rad/s² or m/s² per parameter"),
-    "position": ArraySpec(("n", 3), "m"),
-    "rotation": ArraySpec(("n", 3, 3), "1"),
-    "velocity": ArraySpec(("n", BODY_FREEDOMS), "m/s, rad/s"),
+    "joint_torque_regressor": ArraySpec(("n", "10 bodies"), "N m or N per parameter"),
+    "body_regressor": ArraySpec(("bodies", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"),
+    "momentum_regressor": ArraySpec(("n", "10 bodies"), "kg m²/s or kg m/s per parameter"),
+    "kinetic": ArraySpec(("10 bodies",), "J per parameter"),
+    "potential": ArraySpec(("10 bodies",), "J per parameter"),
+    "forward_dynamics_parameter_derivatives": ArraySpec(("n", "10 bodies"), "rad/s² or m/s² per parameter"),
+    "position": ArraySpec(("bodies", 3), "m"),
+    "rotation": ArraySpec(("bodies", 3, 3), "1"),
+    "velocity": ArraySpec(("bodies", BODY_FREEDOMS), "m/s, rad/s"),
 }
 
 
@@ -93,6 +101,7 @@ class Recursion:
         an input
     on_moving_base: whether the motion of the base matters
     of_frame: whether it speaks of a frame, which the sample has
+    coupled: compute for robots with couplings, where it is not the projection of what compute answers for all joints
     """
 
     inputs: tuple[str, ...]
@@ -100,15 +109,17 @@ class Recursion:
     compute: Callable[..., Any]
     on_moving_base: bool = True
     of_frame: bool = False
+    coupled: Callable[..., Any] | None = None
 
 
-_REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches")
+_REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches", "coupling_multipliers")
 
 RECURSIONS = {
     "forward_dynamics": Recursion(
         ("q", "v", "tau"),
         ("a", *_REACTIONS),
         lambda x, q, v, tau: forward_dynamics(x.links, x.root, q, v, tau, x.external),
+        coupled=lambda x, q, v, tau: couplings.forward_dynamics(x.links, x.root, x.freedoms, q, v, tau, x.external),
     ),
     "inverse_dynamics": Recursion(
         ("q", "v", "a"), ("tau", *_REACTIONS), lambda x, q, v, a: inverse_dynamics(x.links, x.root, q, v, a, x.external)
@@ -119,6 +130,7 @@ RECURSIONS = {
         ("mass_matrix_inverse",),
         lambda x, q: mass_matrix_inverse(x.links, q),
         on_moving_base=False,
+        coupled=lambda x, q: couplings.mass_matrix_inverse(x.links, x.freedoms, q),
     ),
     "coriolis_matrix": Recursion(
         ("q", "v"),
@@ -132,7 +144,12 @@ RECURSIONS = {
     "potential_energy": Recursion(
         ("q",), ("potential_energy",), lambda x, q: {"potential_energy": potential_energy(x.links, x.root, q)}
     ),
-    "power": Recursion(("q", "v", "a"), ("power",), lambda x, q, v, a: power(x.links, x.root, q, v, a, x.external)),
+    "power": Recursion(
+        ("q", "v", "a"),
+        ("power",),
+        lambda x, q, v, a: power(x.links, x.root, q, v, a, x.external),
+        coupled=lambda x, q, v, a: couplings.power(x.links, x.root, x.freedoms, q, v, a, x.external),
+    ),
     "center_of_mass": Recursion(
         ("q",), ("center_of_mass",), lambda x, q: momentum.center_of_mass(x.links, x.root, x.mass, q)
     ),
@@ -168,11 +185,17 @@ RECURSIONS = {
         lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(
             x.recorder, x.links, x.root, q, v, tau, x.external
         ),
+        coupled=lambda x, q, v, tau: couplings.forward_dynamics_derivatives(
+            x.recorder, x.links, x.root, x.freedoms, q, v, tau, x.external
+        ),
     ),
     "forward_dynamics_parameter_derivatives": Recursion(
         ("q", "v", "tau"),
         ("forward_dynamics_parameter_derivatives",),
         lambda x, q, v, tau: derivatives.forward_dynamics_parameter_derivatives(x.links, x.root, q, v, tau, x.external),
+        coupled=lambda x, q, v, tau: couplings.forward_dynamics_parameter_derivatives(
+            x.links, x.root, x.freedoms, q, v, tau, x.external
+        ),
     ),
     "reaction_derivatives": Recursion(
         ("q", "v", "a"),

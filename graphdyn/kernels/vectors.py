@@ -14,7 +14,7 @@ E_Z = np.array([0.0, 0.0, 1.0], dtype=object)
 
 def scalars(values: ArrayLike) -> Scalars:
     """Known numbers as scalars."""
-    return np.array(np.asarray(values, dtype=float).tolist(), dtype=object)
+    return np.asarray(values, dtype=float).astype(object)
 
 
 def zeros(*shape: int) -> Scalars:

@@ -73,7 +73,7 @@ def test_help_says_all_of_it(name):
 @pytest.mark.parametrize("method", METHODS)
 def test_shapes_are_those_of_the_table(name, leading, method):
     for output, array in arrays(name, call(name, *leading, method=method)).items():
-        assert array.shape == (*leading, *ARRAYS[output].shape_for(MODEL.n_bodies))
+        assert array.shape == (*leading, *ARRAYS[output].shape_for(MODEL))
 
 
 @verbs
@@ -145,7 +145,7 @@ def test_every_recursion_answers_arrays_of_known_shape_and_unit():
         assert recursion.inputs[0] == "q"
         for name in (*recursion.inputs, *recursion.outputs):
             assert ARRAYS[name].unit
-            assert all(isinstance(size, int) for size in ARRAYS[name].shape_for(3))
+            assert all(isinstance(size, int) for size in ARRAYS[name].shape_for(MODEL))
 
 
 def test_the_row_reads_like_a_call():

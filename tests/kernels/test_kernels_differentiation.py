@@ -75,7 +75,7 @@ def test_what_does_not_depend_on_a_variable_records_nothing():
 def test_substitution():
     recorder = Recorder()
     x, y = recorder.inputs("x", 2)
-    a, b = recorder.placeholders(2)
+    a, b = recorder.placeholders("y", 2)
     result = (a * x + b.sine) / (a - y) - b.cosine
     placed = substituted([result, a, x, 4.0], {a: x * y, b: -2.0 * x})
     u, w = AT
