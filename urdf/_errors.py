@@ -85,6 +85,12 @@ class InvalidLock(URDFError):
     """A joint to be locked that is unknown or fixed, or a lock value that is not a finite number."""
 
 
+class InvalidMimic(URDFError):
+    """A mimic= that urdf.load does not know, or mimic joints that cannot be coupled."""
+
+    default_code = "invalid-mimic"
+
+
 class InvalidChain(URDFError):
     """A chain= that does not name the base link and the tip link of an arm."""
 
@@ -110,7 +116,7 @@ class InvalidRobot(URDFError):
 
 
 class CannotSave(URDFError):
-    """A model that a URDF file cannot express."""
+    """A model that a URDF file cannot express: names that XML cannot hold, joints that several others drive."""
 
 
 class CannotUpdate(URDFError):
@@ -142,7 +148,7 @@ class RepairWarning(URDFWarning):
 
 
 class MimicJointWarning(URDFWarning):
-    """Mimic joints, loaded as independent joints."""
+    """Mimic joints, loaded as independent joints (mimic="independent")."""
 
 
 class UnreadWarning(URDFWarning):

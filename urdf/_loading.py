@@ -10,6 +10,7 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf._cutting import Chain
 from urdf._locking import Lock
+from urdf._mimics import Mimic
 from urdf._opening import Given, Xacro, open_document
 from urdf._parsing import build, parse
 from urdf._source import reduced
@@ -21,6 +22,7 @@ def load(
     *,
     chain: Chain = None,
     lock: Lock = None,
+    mimic: Mimic = "coupled",
     repair: Iterable[str] = (),
     gravity: ArrayLike | None = None,
     xacro: Xacro | None = None,
@@ -33,6 +35,9 @@ def load(
         Links fixed to the path stay. Other movable joints are locked where the path carries them (at 0 unless lock
         says otherwise), because the arm carries their mass; on base_link itself they are left out
     lock: joints to hold still: {name: value [rad or m]}, or names (value 0)
+    mimic: what becomes of mimic joints: "coupled" ties them to the joint that they mimic, and q, v, a and tau have no
+        entries for them (RobotModel.couplings); "independent" makes each a joint of its own, as Pinocchio does by
+        default; "locked" holds them at 0, or where lock says
     repair: what to repair, each change reported by RepairWarning: "axis" gives unit length to axes whose length
         differs from 1 by less than 1e-3, "limits" exchanges lower and upper limits that are reversed
     gravity: (3,) in world axes [m/s²]; default: the catalogue's for a name, (0, 0, -9.81) for a file
@@ -40,29 +45,35 @@ def load(
 
     Bodies are numbered parents first, depth first, siblings in the order of the <joint> elements; a body has the name
     of its link. Fixed and locked joints are fused and their links kept as frames, under the joint's name too unless a
-    link has that name. Angles are used as written: 1.5708 is not π/2. Mimic joints are independent, as in Pinocchio by
-    default. The inertia of the root link, which never moves, is dropped. An effort or velocity limit that is the
-    largest double means "none" (urdf.save writes it).
+    link has that name. Joints that mimic a locked joint are locked with it. Angles are used as written: 1.5708 is not
+    π/2. The inertia of the root link, which never moves, is dropped. An effort or velocity limit that is the largest
+    double means "none" (urdf.save writes it).
 
     Elements that close loops, couple joints or join links are refused unless they constrain nothing: all links that
     they name are carried by one body, or left out by chain.
 
     Raises URDFError (RobotNotFound, MalformedXML, TooLarge, MissingEntry, DuplicateEntry, InvalidNumber,
-    UnsupportedJoint, UnsupportedConstraint, NotATree, InvalidChain, InvalidLock, InvalidRepair, InvalidRobot,
-    InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that would have to be guessed,
-    and InvalidModel for a gravity that is not three finite numbers.
+    UnsupportedJoint, UnsupportedConstraint, NotATree, InvalidChain, InvalidLock, InvalidMimic, InvalidRepair,
+    InvalidRobot, InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that would have to
+    be guessed, and InvalidModel for a gravity that is not three finite numbers.
     Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning, ChainWarning,
     RepairWarning, XacroWarning.
     """
     opened = open_document(source, xacro)
-    parsed = parse(reduced(opened.document), chain=chain, lock=lock, repair=repair)
+    parsed = parse(reduced(opened.document), chain=chain, lock=lock, mimic=mimic, repair=repair)
     model = build(parsed, opened.gravity)
     warn(parsed, model.gravity if gravity is None else None, opened.complaints or ())
     return model if gravity is None else model.with_gravity(gravity)
 
 
 def fused_links(
-    source: Given, *, chain: Chain = None, lock: Lock = None, repair: Iterable[str] = (), xacro: Xacro | None = None
+    source: Given,
+    *,
+    chain: Chain = None,
+    lock: Lock = None,
+    mimic: Mimic = "coupled",
+    repair: Iterable[str] = (),
+    xacro: Xacro | None = None,
 ) -> dict[str, tuple[int, Array]]:
     """What fixed links add to the bodies that carry them: by link name, number of the body and its share (10,).
 
@@ -71,4 +82,4 @@ def fused_links(
     ground are left out. Arguments and errors as in load; no warnings.
     """
     opened = open_document(source, xacro)
-    return parse(reduced(opened.document), chain=chain, lock=lock, repair=repair).assembly.fused
+    return parse(reduced(opened.document), chain=chain, lock=lock, mimic=mimic, repair=repair).assembly.fused

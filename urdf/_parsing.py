@@ -12,13 +12,14 @@ import numpy as np
 from lxml import etree
 from numpy.typing import ArrayLike
 
-from graphdyn import InvalidModel, RobotModel
+from graphdyn import Coupling, InvalidModel, RobotModel
 from urdf._assembly import Assembly, assemble
 from urdf._checks import check
 from urdf._cutting import Chain, Cut, cut
 from urdf._errors import InvalidRobot
 from urdf._extensions import Unread, closure_faults
 from urdf._locking import Lock, locked_values
+from urdf._mimics import Mimic, resolve
 from urdf._repairing import repair as mend
 from urdf._source import Source
 from urdf._tree import carriers, check_tree, joints_in_order
@@ -32,6 +33,7 @@ class Parsed:
     """A file as yourdfpy reads it, and the bodies, joints and frames made of it.
 
     locked: value per locked joint [rad or m]; stated: those of them that the caller named
+    couplings: of mimic joints
     changes: the repairs, in words; unread: what of the file is not read and should be known
     """
 
@@ -41,12 +43,20 @@ class Parsed:
     cut: Cut
     locked: Mapping[str, float]
     stated: frozenset[str]
+    couplings: tuple[Coupling, ...]
     changes: tuple[str, ...]
     unread: tuple[Unread, ...]
     assembly: Assembly
 
 
-def parse(source: Source, *, chain: Chain = None, lock: Lock = None, repair: Iterable[str] = ()) -> Parsed:
+def parse(
+    source: Source,
+    *,
+    chain: Chain = None,
+    lock: Lock = None,
+    mimic: Mimic = "coupled",
+    repair: Iterable[str] = (),
+) -> Parsed:
     """The stages between the document and the model; the source is modified. Raises as load does."""
     path = source.path
     changes = mend(source, repair)
@@ -57,7 +67,8 @@ def parse(source: Source, *, chain: Chain = None, lock: Lock = None, repair: Ite
     robot = _robot(source)
     movable = [joint.name for joint in robot.joints if joint.type != "fixed"]
     stated = locked_values(lock, movable, path)
-    locked = dict.fromkeys(beside.held, 0.0) | stated
+    mimics = resolve(source, robot, mimic, dict.fromkeys(beside.held, 0.0) | stated, stated)
+    locked = mimics.locked
     for fault in closure_faults(source.extensions.closures, carriers(source, locked), path):
         raise fault
     if not set(movable) - set(locked):
@@ -68,8 +79,9 @@ def parse(source: Source, *, chain: Chain = None, lock: Lock = None, repair: Ite
         assembly = assemble(robot, root, order, locked)
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=path) from error
+    unread = source.extensions.unread
     return Parsed(
-        path, robot, root, beside, locked, frozenset(stated), tuple(changes), source.extensions.unread, assembly
+        path, robot, root, beside, locked, frozenset(stated), mimics.couplings, tuple(changes), unread, assembly
     )
 
 
@@ -83,6 +95,7 @@ def build(parsed: Parsed, gravity: ArrayLike) -> RobotModel:
             gravity=np.array(gravity),
             base_name=parsed.root,
             frames=tuple(parsed.assembly.frames),
+            couplings=parsed.couplings,
         )
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=parsed.path) from error

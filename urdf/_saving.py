@@ -30,7 +30,8 @@ def save(model: RobotModel, path: str | PathLike[str]) -> None:
     missing effort or velocity limit is written as the largest double (urdf._limits.NO_LIMIT); a continuous joint has no
     position limits. A body without mass and inertia gets no <inertial>.
 
-    The file appears complete or not at all. Raises CannotSave for a name that is empty or cannot stand in XML.
+    The file appears complete or not at all. Raises CannotSave for a name that is empty or cannot stand in XML,
+    and for a joint that several others drive: <mimic> has place for one.
     Warns GravityNotSavedWarning where gravity is not (0, 0, -9.81): URDF has no place for it.
     """
     check_model(model)

@@ -41,7 +41,7 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     _tell(UnreadWarning, parsed, "not read: ", unread, more)
     joints, cut, assembly = parsed.robot.joints, parsed.cut, parsed.assembly
     _tell(RepairWarning, parsed, "repaired: ", parsed.changes)
-    held = [f"'{name}'" for name in cut.held if name not in parsed.stated]
+    held = [f"'{name}'" for name in cut.held if parsed.locked.get(name) == 0 and name not in parsed.stated]
     after = "; the chain carries their links; lock= locks them at other values"
     _tell(ChainWarning, parsed, "movable joints beside the chain are locked at 0: ", held, after)
     left_out = [f"'{name}'" for name in cut.left_out]
@@ -52,7 +52,8 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     lengths = {joint.name: math.hypot(*joint.axis) for joint in joints if joint.type != "fixed"}
     odd = [f"joint '{name}' ({length:.9g})" for name, length in lengths.items() if abs(length - 1) > UNIT_LENGTH]
     _tell(AxisNotNormalizedWarning, parsed, "axis not of unit length, normalised: ", odd)
-    mimics = [f"'{joint.name}'" for joint in joints if joint.mimic is not None and joint.name not in parsed.locked]
+    aside = {*parsed.locked, *(coupling.joint for coupling in parsed.couplings)}
+    mimics = [f"'{joint.name}'" for joint in joints if joint.mimic is not None and joint.name not in aside]
     _tell(MimicJointWarning, parsed, "mimic joints are loaded as independent joints: ", mimics, "; lock= locks them")
     massless = [f"'{name}'" for names in assembly.massless for name in names]
     after = "; their mass is zero and forward dynamics are not determined"

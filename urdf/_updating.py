@@ -20,6 +20,7 @@ from urdf._files import write_whole
 from urdf._inertial_spans import Span, inertial_spans
 from urdf._loading import fused_links, load
 from urdf._locking import Lock
+from urdf._mimics import Mimic
 from urdf._wording import one_line
 from urdf._writing import inertial_element
 
@@ -48,6 +49,7 @@ def update(
     *,
     chain: Chain = None,
     lock: Lock = None,
+    mimic: Mimic = "coupled",
     inconsistent: bool = False,
 ) -> Update:
     """Write a copy of a URDF file in which the bodies have other inertial parameters.
@@ -55,7 +57,7 @@ def update(
     source: path, or name of the catalogue; destination: may be the same path
     parameters: ten per body of urdf.load(source, chain=chain, lock=lock), in its order
                                                             (n, 10) or (10n,)  [kg, kg m, kg m²]
-    chain, lock: as in urdf.load, if the parameters were identified on an arm cut out or with locked joints
+    chain, lock, mimic: as in urdf.load, if the parameters were identified on an arm cut out or with locked joints
     inconsistent: also write parameters that no real body can have
 
     A body may carry fixed or locked links. They keep their own <inertial>; the link of the body gets the rest, so that
@@ -69,9 +71,9 @@ def update(
         raise CannotUpdate(
             "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
         )
-    model = load(source, chain=chain, lock=lock)
+    model = load(source, chain=chain, lock=lock, mimic=mimic)
     wanted = _checked(parameters, model.n_bodies, path)
-    shares = fused_links(source, chain=chain, lock=lock)
+    shares = fused_links(source, chain=chain, lock=lock, mimic=mimic)
     data = path.read_bytes()
     if data.startswith(_OTHER_ENCODINGS):
         raise CannotUpdate("the file is in UTF-16", "save it as UTF-8 first", path=path)

@@ -9,7 +9,7 @@ from itertools import chain, count
 import numpy as np
 from lxml import etree
 
-from graphdyn import Body, Joint, Placement, RobotModel
+from graphdyn import Body, Coupling, Joint, Placement, RobotModel
 from graphdyn.layout import Array
 from urdf import _limits as limits
 from urdf._errors import CannotSave
@@ -27,12 +27,13 @@ class _FixedLink:
 
 
 def robot_element(model: RobotModel) -> etree._Element:
-    """The model as XML. Raises CannotSave for names that a URDF cannot have."""
+    """The model as XML. Raises CannotSave for names and couplings that a URDF cannot have."""
     links = (model.base_name, *model.body_names)
     frames = _fixed_links(model, links)
     link_names = [*links, *(frame.name for frame in frames)]
     _check_names([model.name, *link_names, *model.joint_names, *(frame.joint for frame in frames)])
 
+    driven = {coupling.joint: coupling for coupling in model.couplings}
     robot = etree.Element("robot", name=model.name)
     root = model.base_name
     if not _is_identity(model.base):
@@ -52,6 +53,8 @@ def robot_element(model: RobotModel) -> etree._Element:
     for joint, body in zip(model.joints, model.bodies, strict=True):
         element = _add_joint(robot, joint.name, joint.kind, links[joint.inside], body.name, joint.placement)
         _add_motion(element, joint)
+        if joint.name in driven:
+            element.append(_mimic(driven[joint.name]))
     for frame in frames:
         _add_joint(robot, frame.joint, "fixed", frame.parent, frame.name, frame.placement)
     return robot
@@ -112,6 +115,16 @@ def _add_motion(element: etree._Element, joint: Joint) -> None:
         _add_numbers(element, "limit", bounds)
     if joint.damping or joint.friction:
         _add_numbers(element, "dynamics", {"damping": joint.damping, "friction": joint.friction})
+
+
+def _mimic(coupling: Coupling) -> etree._Element:
+    if len(coupling.ratios) > 1:
+        raise CannotSave(
+            f"joint '{coupling.joint}' is driven by {len(coupling.ratios)} joints, and <mimic> has place for one",
+            "save model.uncoupled, and state the coupling where the file is loaded",
+        )
+    ((driver, ratio),) = coupling.ratios.items()
+    return etree.Element("mimic", joint=driver, multiplier=repr(ratio), offset=repr(float(coupling.offset)))
 
 
 def inertial_element(body: Body) -> etree._Element:

@@ -438,10 +438,16 @@ CASES = {
     ),
     "mimic-joint": Case(
         (AXIS, '<axis xyz="0 0 1"/><mimic joint="elbow"/>'),
-        "warning", "joint 'shoulder'", 18,
-        "it mimics joint 'elbow' and is loaded as an independent joint. Pinocchio and yourdfpy load it as an "
-        "independent joint too, unless asked otherwise",
-        "lock it with lock=, if it is not meant to be free",
+        "note", "joint 'shoulder'", 18,
+        "it mimics joint 'elbow': it has no entry in q, v, a and τ. Pinocchio and yourdfpy load it as an independent "
+        "joint unless asked otherwise",
+        "nothing need be done; mimic='independent' makes it a joint of its own, mimic='locked' holds it still",
+    ),
+    "invalid-mimic": Case(
+        (AXIS, '<axis xyz="0 0 1"/><mimic joint="knee"/>'),
+        "error", "joint 'shoulder'", 18,
+        "it mimics joint 'knee', which the robot lacks or chain= leaves out",
+        "correct the name, take a longer chain, lock it, or load with mimic='independent'",
     ),
     "axis-missing": Case(
         (AXIS, ""),

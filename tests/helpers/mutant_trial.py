@@ -120,7 +120,7 @@ def _loaded(path: Path) -> tuple[RobotModel | None, urdf.URDFError | None, set[t
             model = urdf.load(path)
         except urdf.URDFError as error:
             return None, error, set()
-    return model, None, {warning.category for warning in caught}
+    return model.uncoupled, None, {warning.category for warning in caught}
 
 
 def _compared(path: Path, model: RobotModel, report: urdf.Inspection) -> Trial:

@@ -165,10 +165,13 @@ def test_new_parameters_for_an_arm_of_the_robot(whole, tmp_path):
     assert again.bodies[1].mass - urdf.load(whole).bodies[4].mass > 20  # fore has the rest, hand and fingers their own
 
 
-def test_mimic_joints_beside_the_chain_are_silent(robot):
+def test_what_mimics_a_joint_that_the_chain_leaves_out(robot):
     mimic = [text.replace("<axis", '<mimic joint="nod"/><axis') if '"grip"' in text else text for text in JOINTS]
-    model, said = told(robot(*LINKS, *mimic), chain=("mount", "hand"))
-    assert (model.n_bodies, said) == (2, [HELD, LEFT_OUT])
+    path = robot(*LINKS, *mimic)
+    with pytest.raises(urdf.InvalidMimic, match="joint 'grip': it mimics joint 'nod', which the robot lacks or chain="):
+        urdf.load(path, chain=("mount", "hand"))
+    model, _ = told(path, chain=("mount", "hand"), lock=["grip"])
+    assert (model.n_bodies, model.couplings) == (2, ())
 
 
 REFUSED = {

@@ -204,13 +204,6 @@ def test_an_axis_of_nearly_unit_length_is_silent(arm):
     assert_array_equal(model.joints[0].axis, E3)
 
 
-def test_mimic_joint_is_independent_with_a_warning(arm):
-    path = arm("<dynamics", '<mimic joint="slide" multiplier="2"/><dynamics')
-    with pytest.warns(urdf.MimicJointWarning, match=r"loaded as independent joints: 'shoulder'; lock= locks them"):
-        model = urdf.load(path)
-    assert model.n_bodies == 2
-
-
 def test_missing_inertial_is_warned_about(robot):
     path = robot(
         link("base", mass=None), link("a", mass=None), link("b", mass=None), link("tip", mass=None), link("c"),

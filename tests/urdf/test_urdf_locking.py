@@ -50,11 +50,6 @@ def test_names_lock_at_zero(arm, lock):
     assert_allclose(model.frame("fore").placement.translation, [0.3, 0, 0])
 
 
-def test_locked_mimic_joint_is_silent(arm):
-    path = arm('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><mimic joint="shoulder"/>')
-    assert urdf.load(path, lock=["slide"]).n_bodies == 1
-
-
 @pytest.mark.parametrize("name", ["elbow", "flange"])
 def test_unknown_and_fixed_joints_are_refused(arm, name):
     with pytest.raises(

@@ -90,10 +90,10 @@ def _kind(joint: etree._Element) -> Iterator[Finding]:
     if mimic is not None:
         yield about(
             "mimic-joint",
-            "warning",
+            "note",
             joint,
-            f"it mimics joint '{shortened(mimic.get('joint', ''))}' and is loaded as an independent joint",
-            "lock it with lock=, if it is not meant to be free",
+            f"it mimics joint '{shortened(mimic.get('joint', ''))}': it has no entry in q, v, a and τ",
+            "nothing need be done; mimic='independent' makes it a joint of its own, mimic='locked' holds it still",
         )
 
 

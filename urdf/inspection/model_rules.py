@@ -102,7 +102,7 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
             f"the mass matrix has negative eigenvalues {where}: some motion has a negative kinetic energy",
             "correct the inertials that no real body can have",
         )
-    if ranks.min() < n:
+    if ranks.min() < model.n_freedoms:
         massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
         cause = f"bodies without mass or inertia: {listed(massless)}" if massless else "every body has mass"
         yield of_file(

@@ -34,7 +34,7 @@ ELSEWHERE = {
     "limits-crossed": _BOTH_LOAD,
     "limits-missing": "Pinocchio refuses a revolute or prismatic joint without <limit>, and a <limit> without effort "
     'or velocity, and takes a missing lower or upper as 0 (in a file with version="1.2" it refuses that too)',
-    "mimic-joint": "Pinocchio and yourdfpy load it as an independent joint too, unless asked otherwise",
+    "mimic-joint": "Pinocchio and yourdfpy load it as an independent joint unless asked otherwise",
     "missing-inertia": "Pinocchio gives the link a tensor of zero, yourdfpy takes 1 for ixx, iyy, izz and 0 for the "
     "others",
     "missing-inertial": "Pinocchio gives the link mass 0, yourdfpy none",
