@@ -35,7 +35,8 @@ def record(
     """Move the robot as prescribed and record everything.
 
     times: increasing                                       (N,)  [s]
-    joints: law per joint name, joints without one are locked at 0; or one law per joint, in the order of the model
+    joints: law per joint name, joints without one are locked at 0; or one law per joint, in the order of the model.
+        Joints that others drive take none: their motion is recorded with a torque of zero
     base: motion of the carriage that carries the ground frame: rails, whose displacements add, and at most one
         turntable
 
@@ -50,6 +51,11 @@ def record(
     motion = _carriage(base, times)
     state = maximal_state(model, q, v, a, base=motion)
     answer = inverse_dynamics(model, q, v, a, base=motion)
+    tau = answer.tau
+    if model.couplings:
+        q, v, a = model.joint_positions(q), v @ model.freedoms.matrix.T, a @ model.freedoms.matrix.T
+        tau = np.zeros_like(q)
+        tau[..., list(model.freedoms.independent)] = answer.tau
 
     def in_world(vectors: Array) -> Array:
         turned: Array = np.einsum("...ab,...b->...a", state.rotation, vectors)
@@ -64,7 +70,7 @@ def record(
         q=q,
         v=v,
         a=a,
-        tau=answer.tau,
+        tau=tau,
         cardano=state.cardano,
         position=state.position,
         acceleration=answer.body_accelerations[..., LINEAR],
@@ -77,17 +83,17 @@ def record(
 
 def _laws(model: RobotModel, joints: Mapping[str, MotionLaw] | Sequence[MotionLaw]) -> dict[str, MotionLaw]:
     """A law for every joint, in the order of the model."""
-    known = f"joints of robot '{model.name}': {', '.join(model.joint_names)}"
+    known = f"joints of robot '{model.name}': {', '.join(model.independent_joints)}"
     if not isinstance(joints, Mapping):
-        if len(joints) != model.n_bodies:
+        if len(joints) != model.n_freedoms:
             raise InvalidInput(
-                f"{len(joints)} motion laws for {model.n_bodies} joints; give one each, or name them ({known})"
+                f"{len(joints)} motion laws for {model.n_freedoms} joints; give one each, or name them ({known})"
             )
-        return dict(zip(model.joint_names, joints, strict=True))
-    unknown = [name for name in joints if name not in model.joint_names]
+        return dict(zip(model.independent_joints, joints, strict=True))
+    unknown = [name for name in joints if name not in model.independent_joints]
     if unknown:
         raise InvalidInput(f"there is no joint '{unknown[0]}'; {known}")
-    return {name: joints.get(name, Locked()) for name in model.joint_names}
+    return {name: joints.get(name, Locked()) for name in model.independent_joints}
 
 
 def _course(who: str, law: MotionLaw, times: Array) -> Course:

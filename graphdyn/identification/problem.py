@@ -79,7 +79,7 @@ class Problem:
     _memory: list[Rows] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        n = self.torque_model.model.n_bodies
+        n = self.torque_model.model.n_freedoms
         speed = as_floats("min_speed", self.min_speed)
         if speed.shape not in ((), (n,)) or not np.all(speed >= 0):
             raise InvalidInput(f"min_speed is {speed}; give one speed ≥ 0, or {n}")
@@ -92,8 +92,8 @@ class Problem:
 
     @property
     def n_joints(self) -> int:
-        """Number of joints of the robot."""
-        return self.torque_model.model.n_bodies
+        """Number of joints of the robot that no others drive."""
+        return self.torque_model.model.n_freedoms
 
     @cached_property
     def structure(self) -> ParameterStructure:
@@ -247,7 +247,7 @@ class Problem:
         if piece.q.shape[1] != self.n_joints:
             raise InvalidInput(
                 f"the samples have {piece.q.shape[1]} joints, robot '{self.torque_model.model.name}' has "
-                f"{self.n_joints}: {', '.join(self.torque_model.model.joint_names)}"
+                f"{self.n_joints}: {', '.join(self.torque_model.model.independent_joints)}"
             )
         return piece
 

@@ -84,7 +84,8 @@ def test_methods_agree(name, base):
     expected = arrays(name, call(name, 4, base=base, method="dense"))
     for method in ("projected", "recursive"):
         for output, array in arrays(name, call(name, 4, base=base, method=method)).items():
-            assert np.abs(array - expected[output]).max() < AGREEMENT * np.abs(expected[output]).max()
+            size = np.abs(expected[output]).max(initial=1e-300)  # no couplings, no entries
+            assert np.abs(array - expected[output]).max(initial=0.0) < AGREEMENT * size
 
 
 @verbs
@@ -101,7 +102,7 @@ def test_answers_go_where_out_says(name):
     )
     found = arrays(name, call(name, 3, out=out))
     for output, array in found.items():
-        assert array is memory[output]
+        assert array is memory[output] or array.size == 0
         assert np.array_equal(array, expected[output])
 
 
@@ -137,7 +138,7 @@ def test_unchecked_arguments_spoil_their_own_sample_only(name):
     sound = arrays(name, function(MODEL, q, *others, method="recursive"))
     for output, array in arrays(name, spoilt).items():
         assert np.array_equal(array[0], sound[output][0])
-        assert np.isnan(array[1]).any()
+        assert np.isnan(array[1]).any() or array.size == 0
 
 
 def test_every_recursion_answers_arrays_of_known_shape_and_unit():

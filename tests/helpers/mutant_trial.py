@@ -40,7 +40,6 @@ STATES = 3
 WARNINGS = {
     urdf.MissingInertialWarning: ("missing-inertial",),
     urdf.AxisNotNormalizedWarning: ("axis-not-normalised",),
-    urdf.MimicJointWarning: ("mimic-joint",),
     urdf.UnreadWarning: ("unread-dynamics", "unknown-element", "unknown-attribute"),
 }
 """What load warns of, and the findings of which one must say the same."""

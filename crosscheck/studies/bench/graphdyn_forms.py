@@ -113,7 +113,7 @@ def verb(name: str, answer: Callable[..., Any] | None = None) -> Forms:
         if VERBS[name].of_frame:
             function = partial(function, frame=tip(states.model), reference=REFERENCE)
         inputs = [getattr(states, array) for array in VERBS[name].inputs]
-        out = aligned((len(outputs), len(states), *ARRAYS[outputs[0]].shape_for(states.model.n_bodies)))
+        out = aligned((len(outputs), len(states), *ARRAYS[outputs[0]].shape_for(states.model)))
 
         def into(count: int, used: int) -> Array:
             written = out[:, :count]

@@ -128,7 +128,7 @@ def quantity(name: str) -> Forms:
         further = states.bare.tip if VERBS[name].of_frame else ()
         inputs = [getattr(states, array) for array in VERBS[name].inputs]
         (output,) = VERBS[name].outputs
-        out = np.empty((min(len(states), LOOPED), *ARRAYS[output].shape_for(states.model.n_bodies)))
+        out = np.empty((min(len(states), LOOPED), *ARRAYS[output].shape_for(states.model)))
 
         def loop(count: int) -> Array:
             for k, row in enumerate(zip(*(x[:count] for x in inputs), strict=True)):

@@ -44,7 +44,7 @@ class CoupledWrist:
 
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
         _, k = self._numbers(model)
-        last = model.joint_names[k]
+        last = model.independent_joints[k]
         return (
             Column(f"{last} motor inertia in the coupling", f"IAM_{k + 1}", "kg m²"),
             Column(f"{last} motor viscous friction in the coupling", f"FVM_{k + 1}", "N m s/rad"),
@@ -62,11 +62,11 @@ class CoupledWrist:
         return rows
 
     def _numbers(self, model: RobotModel) -> tuple[int, int]:
-        names = model.joint_names[-2:] if self.joints is None else self.joints
-        unknown = [name for name in names if name not in model.joint_names]
+        names = model.independent_joints[-2:] if self.joints is None else self.joints
+        unknown = [name for name in names if name not in model.independent_joints]
         if unknown or len(set(names)) != 2:
             raise InvalidInput(
                 f"the coupled wrist needs two joints of robot '{model.name}', got {', '.join(names)}; "
-                f"it has {', '.join(model.joint_names)}"
+                f"it has {', '.join(model.independent_joints)}"
             )
-        return model.joint_names.index(names[0]), model.joint_names.index(names[1])
+        return model.independent_joints.index(names[0]), model.independent_joints.index(names[1])

@@ -63,7 +63,7 @@ class Stribeck:
         return per_joint_columns(model, "Stribeck friction", "FS", *TORQUE)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        v_s = positive("Stribeck velocity", self.velocity, model.n_bodies)
+        v_s = positive("Stribeck velocity", self.velocity, model.n_freedoms)
         falling = np.exp(-(np.abs(samples.v / v_s) ** float(positive("exponent", self.exponent, 1)[0])))
         return per_joint_rows(smooth_sign(samples.v, self.width) * falling)
 

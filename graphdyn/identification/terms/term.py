@@ -65,10 +65,11 @@ class CarriesKnownBodies(Protocol):
 
 
 def per_joint_columns(model: RobotModel, what: str, symbol: str, unit: str, slide_unit: str) -> tuple[Column, ...]:
-    """One column per joint; the second unit is that of a prismatic joint."""
+    """One column per joint that no others drive; the second unit is that of a prismatic joint."""
+    joints = [(k + 1, model.joints[k]) for k in model.freedoms.independent]
     return tuple(
         Column(f"{joint.name} {what}", f"{symbol}_{j}", slide_unit if joint.is_prismatic else unit)
-        for j, joint in enumerate(model.joints, start=1)
+        for j, joint in joints
     )
 
 
