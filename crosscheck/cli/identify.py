@@ -106,7 +106,7 @@ def run(
         load, known_load = options.payload_of(payload, payload_on)
         bodies, known_links = options.links(known_bodies)
         with warnings_shown():
-            joints = frozen.load(robot).joint_names
+            joints = frozen.load(robot).independent_joints
             with progress("read", len(logs) + len(validate or [])) as advance:
                 columns = (mapping, joints, rate, drop or [], advance)
                 recordings = options.recordings("LOG", logs, *columns)

@@ -70,11 +70,11 @@ def identify(
 
     say("filter")
     prepared = [
-        preparation.differentiated(_of_robot(recording, compared.model.joint_names)) for recording in recordings
+        preparation.differentiated(_of_robot(recording, compared.model.independent_joints)) for recording in recordings
     ]
     held_out = held_out or LastPart()
     if isinstance(held_out, OtherRecordings):
-        others = [_of_robot(recording, compared.model.joint_names) for recording in held_out.recordings]
+        others = [_of_robot(recording, compared.model.independent_joints) for recording in held_out.recordings]
         held_out = OtherRecordings(tuple(preparation.differentiated(recording) for recording in others))
     division = held_out.divide(prepared)
     say("read")
@@ -154,6 +154,6 @@ def _of_robot(recording: Recording, joint_names: tuple[str, ...]) -> Recording:
     if recording.joint_names != joint_names:
         raise InvalidInput(
             f"{', '.join(recording.provenance.files)} has the joints {', '.join(recording.joint_names)}, the robot has "
-            f"{', '.join(joint_names)}; load it with joints=model.joint_names"
+            f"{', '.join(joint_names)}; load it with joints=model.independent_joints"
         )
     return recording

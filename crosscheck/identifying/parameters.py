@@ -90,7 +90,7 @@ def correlation_of(found: Identified, result: MethodResult) -> Correlation:
     lengths = np.nan_to_num(result.training.correlation_length)
     j = int(np.argmax(lengths))
     return Correlation(
-        found.torque_model.model.joint_names[j], float(lengths[j]) * period, result.training.correlation_times
+        found.torque_model.model.independent_joints[j], float(lengths[j]) * period, result.training.correlation_times
     )
 
 

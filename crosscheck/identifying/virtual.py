@@ -79,13 +79,15 @@ def virtual_robot(
     terms: torque of its drives, added to that of the rigid bodies
     lock, chain, gravity: as in urdf.load, for names and paths only
     progress: called with the name of the next step, twice
-    Raises InvalidInput for a robot without mass, and for less than one period of the motion.
+    Raises InvalidInput for a robot without mass or with couplings, and for less than one period of the motion.
     """
     given = subject(robot, lock, gravity, chain)
     if not seconds >= 1 / FREQUENCY:
         raise InvalidInput(f"{seconds:g} s are less than one period of the excitation; give {1 / FREQUENCY:g} or more")
     if not any(body.mass > 0 for body in given.model.bodies):
         raise InvalidInput(f"robot '{given.name}' has no mass: there is nothing to identify")
+    if given.model.couplings:
+        raise InvalidInput(f"robot '{given.name}' has couplings: give recordings, or RobotModel.uncoupled")
     rng = np.random.default_rng(seed)
     true_model = TorqueModel(given.model, (RigidBodies(), *terms))
     say = progress or (lambda what: None)

@@ -78,7 +78,7 @@ def judge(
     }
     _check(given, tolerance)
     check_counts(samples, seed)
-    judged_robot = subject(robot, lock, gravity)
+    judged_robot = subject(robot, lock, gravity, mimic="independent")
     model = judged_robot.model
     links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file else {}
     order = joint_order(model, joint_names)

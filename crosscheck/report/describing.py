@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.report.records.show import (
+    CouplingRecord,
     FrameRecord,
     GraphRecord,
     JointRecord,
@@ -43,6 +44,7 @@ def describe(
         total_mass=sum(body.mass for body in model.bodies),
         bodies=_bodies(model),
         joints=_joints(model),
+        couplings=[CouplingRecord(c.joint, dict(c.ratios), c.offset) for c in model.couplings],
         frames=[
             FrameRecord(
                 name=frame.name, aliases=frame.aliases, body=_vertex(model, frame.body), **_placed(frame.placement)

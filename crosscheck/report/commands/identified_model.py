@@ -30,9 +30,10 @@ def torques_section(found: Identified, shown: MethodResult) -> Section:
         "fitted": found.fit.curves(shown.name),
         "held out": [curve for trial in found.trials for curve in trial.curves(shown.name)],
     }
+    model = found.torque_model.model
     plots = tuple(
         _torque_plot(joint.name, j, joint.is_prismatic, side, curves)
-        for j, joint in enumerate(found.torque_model.model.joints)
+        for j, joint in enumerate(model.joints[k] for k in model.freedoms.independent)
         for side, curves in sides.items()
         if curves
     )

@@ -184,7 +184,7 @@ def _errors(found: Identified, which: Literal["held out", "fitted"]) -> Table:
     return Table(
         (
             Column("method", "name"),
-            *(Column(name, "number", form=_error_text) for name in found.torque_model.model.joint_names),
+            *(Column(name, "number", form=_error_text) for name in found.torque_model.model.independent_joints),
         ),
         tuple(rows),
         title=f"Errors, {which}",
@@ -230,7 +230,7 @@ def _listed(title: str, names: Sequence[str], *, folded: bool) -> tuple[Block, .
 def _errors_drawn(found: Identified, answered: Sequence[MethodResult], key: str) -> Markup:
     chosen: list[Any] = [result.held_out or result.training for result in answered]
     errors = np.array([joint_errors(statistics) for statistics in chosen])
-    return method_errors(key, [result.name for result in answered], found.torque_model.model.joint_names, errors)
+    return method_errors(key, [result.name for result in answered], found.torque_model.model.independent_joints, errors)
 
 
 def _singular_values(found: Identified) -> Array:

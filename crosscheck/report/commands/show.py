@@ -46,7 +46,7 @@ def show_report(robot: ShowRecord, model: RobotModel) -> Report:
         (
             Section("robot", "", (*_overview(robot, model), _bodies(robot))),
             *([] if robot.state is None else [state_section(robot.state, model)]),
-            Section("joints", "Joints", (_joints(robot, model), _limits(robot), _frames(robot))),
+            Section("joints", "Joints", (_joints(robot, model), *_couplings(robot), _limits(robot), _frames(robot))),
             Section("graph", "Graph", _graph(robot)),
             Section("equations", f"Eq. (111): {robot.system.size} equations", _equations(robot.system)),
         ),
@@ -120,6 +120,17 @@ def _joints(robot: ShowRecord, model: RobotModel) -> Table:
         ),
         caption="from body → to body, 0 is the ground",
     )
+
+
+def _couplings(robot: ShowRecord) -> list[Block]:
+    if not robot.couplings:
+        return []
+    rows = [
+        Row((c.joint, " + ".join(f"{ratio:.6g} {name}" for name, ratio in c.ratios.items()), c.offset))
+        for c in robot.couplings
+    ]
+    columns = (Column("joint", "name"), Column("driven as", "name"), Column("offset", **NUMBER))
+    return [Table(columns, tuple(rows), title="Couplings", caption="rad or m; q, v and τ have no entries for them")]
 
 
 def _limits(robot: ShowRecord) -> Table:

@@ -49,7 +49,7 @@ def _joints(state: StateRecord, model: RobotModel) -> Table:
         ),
         tuple(
             Row((number, name, *values))
-            for number, (name, values) in enumerate(zip(model.joint_names, rows.tolist(), strict=True), start=1)
+            for number, (name, values) in enumerate(zip(model.independent_joints, rows.tolist(), strict=True), start=1)
         ),
         caption="rad or m, …/s, N m or N",
         repeated=2,

@@ -57,12 +57,12 @@ def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None)
 
 def pose(model: RobotModel) -> Array:
     """q (n,) to draw the robot in: zero, unless all link origins would be on one line."""
-    zero = np.zeros(model.n_bodies)
+    zero = np.zeros(model.n_freedoms)
     points = np.vstack([model.base.translation, link_origins(maximal_state(model, zero))])
     extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if extents[1] > FLAT * extents[0]:
         return zero
-    revolute = np.array([not joint.is_prismatic for joint in model.joints])
+    revolute = np.array([not model.joints[k].is_prismatic for k in model.freedoms.independent])
     return np.where(revolute, BENT, 0.0)
 
 

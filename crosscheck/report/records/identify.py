@@ -403,7 +403,7 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         file_sha256=subject.file_sha256,
         locked=subject.locked,
         chain=subject.chain,
-        joint_names=found.torque_model.model.joint_names,
+        joint_names=found.torque_model.model.independent_joints,
         usable=found.usable,
         recommended=found.recommendation.name,
         reason=found.recommendation.reason,

@@ -87,6 +87,20 @@ class JointRecord:
     """[N m or N]; not part of the rigid dynamics."""
 
 
+@dataclass(frozen=True)
+class CouplingRecord:
+    """A joint that others drive: its position is Σ ratio × theirs + offset."""
+
+    joint: str
+    """Name of the joint that is driven."""
+
+    ratios: Mapping[str, float]
+    """By name of the joint that drives [1, rad/m or m/rad]."""
+
+    offset: float
+    """[rad or m]"""
+
+
 @dataclass(frozen=True, kw_only=True)
 class FrameRecord:
     """A frame."""
@@ -274,6 +288,9 @@ class ShowRecord:
 
     joints: Annotated[Sequence[JointRecord], Keywords(minItems=1)]
     """Joints 1 … n; joint j carries body j."""
+
+    couplings: Sequence[CouplingRecord]
+    """Joints that others drive; q, v, a and τ have entries for the other joints, in their order."""
 
     frames: Sequence[FrameRecord]
     """Named frames fixed in the bodies."""
