@@ -118,10 +118,12 @@ def _system(model: RobotModel) -> SystemRecord:
 
 
 def _pattern(matrix: Array) -> NDArray[np.bool_]:
-    """Entries that are more than the rounding of their block (11n, 11n)."""
+    """Entries that are more than the rounding of their block (11n + n_couplings, the same)."""
     n = len(matrix) // (BODY_FREEDOMS + JOINT_CONSTRAINTS)
-    block = np.repeat(np.arange(2 * n), n * [BODY_FREEDOMS] + n * [JOINT_CONSTRAINTS])
-    largest = np.zeros((2 * n, 2 * n))
+    couplings = len(matrix) - n * (BODY_FREEDOMS + JOINT_CONSTRAINTS)
+    sizes = n * [BODY_FREEDOMS] + n * [JOINT_CONSTRAINTS] + couplings * [1]
+    block = np.repeat(np.arange(len(sizes)), sizes)
+    largest = np.zeros((len(sizes), len(sizes)))
     np.maximum.at(largest, (block[:, None], block), np.abs(matrix))
     pattern: NDArray[np.bool_] = np.abs(matrix) > ROUNDING * largest[block[:, None], block]
     return pattern

@@ -456,3 +456,14 @@ class TestPage:
 
     def test_same_arguments_same_page(self, arm):
         assert page_of(arm, ARM) == page_of(arm, ARM)
+
+
+def test_couplings():
+    driven = {TREE.joint_names[2]: 1.5, TREE.joint_names[0]: -2.0}
+    model = dataclasses.replace(TREE, couplings=(graphdyn.Coupling(TREE.joint_names[1], driven, 0.25),))
+    described = describe(model, "tree", {})
+    assert plain(described)["couplings"] == [{"joint": TREE.joint_names[1], "ratios": driven, "offset": 0.25}]
+    assert described.system.size == 11 * model.n_bodies + 1
+    text = page(show_report(described, model))
+    assert f"1.5 {TREE.joint_names[2]} + -2 {TREE.joint_names[0]}" in text
+    assert "Couplings" not in page(show_report(describe(TREE, "tree", {}), TREE))

@@ -8,8 +8,18 @@ from random_trees import NAMED, body_of_points, random_base_motion, random_state
 from witnesses import relative_error
 
 import graphdyn
-from graphdyn import Coupling, InconsistentState, InvalidInput, InvalidModel, Joint, Placement, RobotModel
+from graphdyn import (
+    Coupling,
+    InconsistentState,
+    InvalidInput,
+    InvalidModel,
+    Joint,
+    Placement,
+    RobotModel,
+    identification,
+)
 from graphdyn._verbs import VERBS
+from graphdyn.motion_laws import FourierSeries
 
 ROUNDING = 1e-13
 """Against the projection by K, relative to the largest term: measured 4e-15."""
@@ -197,3 +207,33 @@ def test_models_that_cannot_be(couplings, said):
 def test_couplings_that_cannot_be(arguments, said):
     with pytest.raises(InvalidModel, match=said):
         Coupling(*arguments)
+
+
+def test_a_recording_has_all_joints_and_torques_of_the_free_ones():
+    times, laws = (
+        np.linspace(0, 1, 50),
+        {"joint1": FourierSeries(1.0, [0.3], [0.1]), "joint5": FourierSeries(1.0, [0.2], [0.4])},
+    )
+    recording = graphdyn.record(ROBOT, times, laws)
+    free = list(ROBOT.freedoms.independent)
+    assert recording.joint_names == ROBOT.joint_names
+    assert relative_error(recording.q, ROBOT.joint_positions(recording.q[:, free])) < ROUNDING
+    given = (getattr(recording, name)[:, free] for name in "qva")
+    assert relative_error(recording.tau[:, free], graphdyn.joint_torques(ROBOT, *given)) < ROUNDING
+    assert not recording.tau[:, [1, 3]].any()
+    with pytest.raises(InvalidInput, match="no joint 'joint2'; joints of robot 'tree6': joint1, joint3, joint5"):
+        graphdyn.record(ROBOT, times, {"joint2": laws["joint1"]})
+
+
+def test_identified_from_the_free_joints():
+    rng = np.random.default_rng(6)
+    q, v, a = rng.normal(size=(3, 400, ROBOT.n_freedoms))
+    terms = (identification.terms.RigidBodies(), identification.terms.Viscous())
+    tau = graphdyn.joint_torques(ROBOT, q, v, a) + v * np.array([1.0, 2.0, 3.0, 4.0])
+    problem = identification.Problem(identification.TorqueModel(ROBOT, terms), identification.Samples(q, v, a, tau))
+    found = identification.OrdinaryLeastSquares().estimate(problem)
+    names = [column.name for column in problem.torque_model.columns[-4:]]
+    assert names == [f"{joint} viscous friction" for joint in ROBOT.independent_joints]
+    assert found.parameters[-4:] == pytest.approx([1.0, 2.0, 3.0, 4.0], rel=1e-9)
+    again = ROBOT.with_inertial_parameters(found.parameters[:-4])
+    assert relative_error(graphdyn.joint_torques(again, q, v, a), graphdyn.joint_torques(ROBOT, q, v, a)) < 1e-9
