@@ -322,8 +322,8 @@ class RobotModel:
 
     @cached_property
     def uncoupled(self) -> RobotModel:
-        """The same robot without couplings: every joint is free."""
-        return dataclasses.replace(self, couplings=())
+        """The same robot without couplings: every joint is free. Itself where it has none."""
+        return dataclasses.replace(self, couplings=()) if self.couplings else self
 
     def with_inertial_parameters(self, parameters: ArrayLike) -> RobotModel:
         """The same robot with other inertial parameters (10 n,). Raises InvalidModel for a wrong length."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from threadpoolctl import threadpool_limits
 from crosscheck.referee.answers import forward_answers, passive_answers
 from crosscheck.referee.baseline import compare_identification
 from crosscheck.referee.comparison import Comparison
+from crosscheck.referee.coupled import coupled_case, coupled_errors
 from crosscheck.referee.derived_answers import FEW, DerivedAnswers, derived_answers
 from crosscheck.referee.derived_errors import derived_errors, derived_forward_errors, second_errors
 from crosscheck.referee.error_record import ErrorRecord
@@ -66,12 +68,16 @@ def compare(
         for batches of that size; with fewer it runs on NumPy
     lock, gravity, chain: as in urdf.load, for names and paths only
 
+    Where joints drive each other (RobotModel.couplings), the quantities are those of the robot without couplings, and a
+    few more (quantities.COUPLED) compare the coupled one with their projection.
+
     Raises InvalidInput for invalid samples or seed, and for lock, gravity or chain with a RobotModel; urdf's errors for
     a file that cannot be loaded.
     """
     check_counts(samples, seed)
     compared = subject(robot, lock, gravity, chain)
-    model = compared.model
+    coupled, model = compared.model, compared.model.uncoupled
+    compared = replace(compared, model=model)
     referees, notes = _referees(compared)
     record = ErrorRecord()
     reason = _why_not_forward(model)
@@ -83,6 +89,10 @@ def compare(
             _compare_chunk(record, chunk, referees, with_forward=reason is None, derive=number == 0)
             if progress:
                 progress(chunk.name, len(chunk.q))
+        if coupled.couplings:
+            case = coupled_case(coupled, samples, seed)
+            for route, referee in referees.items():
+                record.add(route, case, dict(coupled_errors(case, referee, forward=reason is None)))
         identification = compare_identification(model, referees["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:

@@ -193,6 +193,18 @@ QUANTITIES = (
 )
 BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 
+COUPLED = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity("coupled_torque", "rnea with fext at K q + o, times Kᵀ", _TORQUE, AGREEMENT),
+        Quantity("coupling_multipliers", "what rnea with fext needs at driven joints", _TORQUE, AGREEMENT),
+        Quantity("coupled_mass_matrix", "Kᵀ crba K", "largest entry of a tensor × (Σ∣K∣)²", AGREEMENT),
+        Quantity("coupled_regressor", "Kᵀ computeJointTorqueRegressor", _BY_TYPE, AGREEMENT),
+        Quantity("coupled_acceleration", "a for which rnea gives τ", _SOLVED, ACCELERATION, forward=True),
+    )
+}
+"""Compared in addition where joints drive each other; the others are then those of the robot without couplings."""
+
 DERIVED = tuple(row.name for row in _DERIVED)
 """Quantities that are compared at the first random states only, by the plain and by the recursive methods."""
 

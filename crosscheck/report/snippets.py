@@ -9,7 +9,7 @@ import numpy as np
 import urdf
 from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
-from crosscheck.referee.quantities import BY_NAME, QUANTITIES, RECURSIVE
+from crosscheck.referee.quantities import BY_NAME, COUPLED, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
 from graphdyn._verbs import VERBS
 from graphdyn.layout import Array
@@ -164,7 +164,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
         return None
     text = "\n".join(expression for pair in calls for expression in pair)
     text += f"\n{_REFERENCE}" if "reference" in text else ""
-    referee = "refer" in text
+    referee, coupled = "refer" in text, not COUPLED.keys().isdisjoint(comparison.quantities)
     lines = ["import numpy as np", "", "import graphdyn"]
     lines += ["import urdf"] if comparison.file else []
     lines += ["from crosscheck.referee.pinocchio_model import PinocchioModel"] if referee else []
@@ -172,7 +172,10 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines += ["from crosscheck.referee.frame_choices import of_frames"] if "of_frames" in text else []
     lines += ["from graphdyn._kinematics import link_origins"] if "link_origins" in text else []
     lines += ["from urdf._catalogue import locate"] if referee and worst.route == "urdf" else []
-    lines += ["", *_robot(_origin(comparison), comparison.locked, comparison.model, comparison.chain)]
+    lines += [
+        "",
+        *_robot(_origin(comparison), comparison.locked, comparison.model, comparison.chain, uncoupled=coupled),
+    ]
     lines += [f"referee = PinocchioModel.{_referee(comparison, worst.route)}"] if referee else []
     lines += _surroundings(worst, comparison.model, referee)
     lines += _numbers(worst, result.quantity.forward, text)
@@ -216,13 +219,19 @@ def _origin(record: Comparison | Judgement) -> str | None:
 
 
 def _robot(
-    origin: str | None, locked: Mapping[str, float], model: RobotModel, chain: tuple[str, str] | None = None
+    origin: str | None,
+    locked: Mapping[str, float],
+    model: RobotModel,
+    chain: tuple[str, str] | None = None,
+    *,
+    uncoupled: bool = False,
 ) -> list[str]:
     if origin is None:
         return ["# model is the RobotModel that was given"]
     cut = f", chain={tuple(chain)!r}" if chain else ""
     lock = f", lock={dict(locked)!r}" if locked else ""
-    return [f"model = urdf.load({origin!r}{cut}{lock}, gravity={model.gravity.tolist()})"]
+    free = ".uncoupled" if uncoupled else ""
+    return [f"model = urdf.load({origin!r}{cut}{lock}, gravity={model.gravity.tolist()}){free}"]
 
 
 def _referee(comparison: Comparison, route: str) -> str:

@@ -464,6 +464,6 @@ def test_couplings():
     described = describe(model, "tree", {})
     assert plain(described)["couplings"] == [{"joint": TREE.joint_names[1], "ratios": driven, "offset": 0.25}]
     assert described.system.size == 11 * model.n_bodies + 1
-    text = page(show_report(described, model))
+    text = page(show_report(described, model), ["graphdyn", "show"], versions())
     assert f"1.5 {TREE.joint_names[2]} + -2 {TREE.joint_names[0]}" in text
-    assert "Couplings" not in page(show_report(describe(TREE, "tree", {}), TREE))
+    assert "Couplings" not in page(show_report(describe(TREE, "tree", {}), TREE), ["graphdyn", "show"], versions())

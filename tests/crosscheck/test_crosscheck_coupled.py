@@ -1,0 +1,72 @@
+"""The cross-check of robots whose joints drive each other: further quantities, which can fail."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from planting import mixed_tree
+from typer.testing import CliRunner
+
+import crosscheck
+import urdf
+from crosscheck.cli import app
+from crosscheck.referee.coupled import PinocchioModel
+from crosscheck.referee.quantities import BY_NAME, COUPLED
+from graphdyn import Coupling
+
+SAMPLES = 20
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """A tree with a turning and a sliding joint that follow another."""
+    tree = mixed_tree().with_gravity((0.0, 0.0, -9.81))  # what a URDF file stands for
+    name = tree.joint_names
+    path = tmp_path_factory.mktemp("coupled") / "tree.urdf"
+    couplings = (Coupling(name[1], {name[0]: -0.5}, 0.1), Coupling(name[2], {name[1]: 2.0}))
+    urdf.save(replace(tree, couplings=couplings), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def comparison(file):
+    return crosscheck.compare(file, samples=SAMPLES)
+
+
+def test_agrees_in_all_quantities(comparison):
+    assert comparison.agrees
+    assert comparison.routes == ("urdf", "model")
+    assert set(comparison.quantities) - set(BY_NAME) == set(COUPLED)
+    assert comparison.model.couplings == ()
+    assert crosscheck.compare(comparison.model, samples=1).quantities.keys().isdisjoint(COUPLED)
+
+
+@pytest.mark.parametrize(
+    ("field", "seen"),
+    [
+        ("tau_external", {"coupled_torque", "coupling_multipliers", "coupled_acceleration"}),
+        ("mass_matrix", {"coupled_mass_matrix"}),
+        ("torque_regressor", {"coupled_regressor"}),
+    ],
+)
+def test_an_error_of_pinocchio_is_seen(file, monkeypatch, field, seen):
+    original = PinocchioModel.evaluate
+
+    def evaluate(referee, *state):
+        values = original(referee, *state)
+        return replace(values, **{field: getattr(values, field) * (1 + 1e-9)})
+
+    monkeypatch.setattr(PinocchioModel, "evaluate", evaluate)
+    found = crosscheck.compare(file, samples=SAMPLES).quantities
+    assert {name for name in COUPLED if not found[name].agrees} == seen
+
+
+def test_on_the_command_line(file, tmp_path):
+    out, page = tmp_path / "out.json", tmp_path / "page.html"
+    command = ["crosscheck", str(file), "--samples", str(SAMPLES), "--json", str(out), "--html", str(page)]
+    result = CliRunner().invoke(app, command)
+    assert result.exit_code == 0
+    assert "coupled_torque" in result.output
+    (robot,) = json.loads(out.read_text())["robots"]
+    assert set(COUPLED) < set(robot["quantities"])
+    assert ").uncoupled" in page.read_text()
