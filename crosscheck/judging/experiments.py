@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.judging.foreign import ForeignFunction
 from graphdyn import RobotModel, inverse_dynamics
 from graphdyn.layout import Array
 
@@ -72,38 +71,6 @@ def split(function: Function, trial: TrialStates) -> Parts:
     rest, accelerated, moving, fast = np.split(function(q, v, a), [size, size + size * n, 2 * size + size * n])
     columns = accelerated.reshape(size, n, *accelerated.shape[1:])
     return Parts(rest, columns - rest[:, None], moving - rest, fast - rest)
-
-
-def observe(foreign: ForeignFunction, model: RobotModel, trial: TrialStates, torque: Array) -> Parts:
-    """The experiments with a foreign function.
-
-    torque: usual size per joint (n,), for forward dynamics, which gives M⁻¹ and from it the same terms
-    Raises numpy.linalg.LinAlgError where forward dynamics give a singular M⁻¹.
-    """
-    if foreign.name == "mass_matrix":
-        return Parts(inertia=np.swapaxes(foreign(trial.q), -1, -2))
-    if foreign.name == "regressor":
-        parameters = model.inertial_parameters
-        return split(lambda q, v, a: foreign(q, v, a) @ parameters, trial)
-    if foreign.name == "inverse_dynamics":
-        return split(foreign, trial)
-    response = split(lambda q, v, a: foreign(q, v, a * torque), trial)  # a (q, v, τ), one torque at a time
-    assert response.gravity is not None
-    assert response.inertia is not None
-    assert response.velocity is not None
-    assert response.doubled is not None
-    mass = np.linalg.inv(np.swapaxes(response.inertia, -1, -2) / torque)
-
-    def required(acceleration: Array) -> Array:
-        needed: Array = -np.einsum("kij,kj->ki", mass, acceleration)
-        return needed
-
-    return Parts(
-        required(response.gravity),
-        np.swapaxes(mass, -1, -2),
-        required(response.velocity),
-        required(response.doubled),
-    )
 
 
 def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str, float]:

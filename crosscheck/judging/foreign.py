@@ -1,4 +1,4 @@
-"""A foreign function: called state by state, in its own joint order, its answers checked for shape."""
+"""A foreign function: called in its own joint order, its answers checked for shape."""
 
 from __future__ import annotations
 
@@ -9,16 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.judging.functions.known_function import KnownFunction
 from graphdyn import GraphDynError, InvalidInput, RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
-
-ARGUMENTS = {
-    "inverse_dynamics": ("q", "v", "a"),
-    "forward_dynamics": ("q", "v", "tau"),
-    "mass_matrix": ("q",),
-    "regressor": ("q", "v", "a"),
-}
-"""Arguments of each function, (n,) each. They return τ (n,), a (n,), M (n, n) and W (n, 10n)."""
 
 
 def in_words(error: BaseException) -> str:
@@ -32,40 +25,118 @@ class ForeignFailure(GraphDynError):
 
 
 @dataclass(frozen=True, eq=False)
-class ForeignFunction:
-    """A function under test, with the joint order of its arrays.
+class Answers:
+    """The answers at N states.
 
-    order: number of our joint at each place of the foreign arrays (n,)
+    values: in our joint order, of the states that were answered   (M, …)
+    answered: which ones these are                          (N,)
+    failures: message by number of the state
+    changed: names of the arguments that the function changed
     """
 
-    name: str
+    values: Array
+    answered: NDArray[np.bool_]
+    failures: dict[int, str]
+    changed: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ForeignFunction:
+    """A function under test.
+
+    order: number of our joint at each place of the foreign arrays (n,)
+    batched: it takes all states at once, arrays (N, n), and answers (N, …)
+    loaded: it takes external wrenches as its last argument, where functions of its kind do
+    """
+
+    known: KnownFunction
     function: Callable[..., object]
     order: NDArray[np.intp]
+    batched: bool = False
+    loaded: bool = False
+
+    @property
+    def name(self) -> str:
+        return self.known.name
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """Names of its arguments."""
+        return self.known.called_with(self.loaded)
 
     def __call__(self, *arguments: Array) -> Array:
-        """The answers at N states, in our joint order: arguments (N, n) each. Raises ForeignFailure."""
-        return np.stack([self._one(row) for row in zip(*arguments, strict=True)])
+        """The answers at N states, in our joint order: arguments (N, …) each.
+
+        External wrenches are zero if they are left out. Raises ForeignFailure where a state has no answer.
+        """
+        if len(arguments) < len(self.arguments):
+            arguments = (*arguments, np.zeros((*arguments[0].shape, 6)))
+        answers = self.ask(*arguments)
+        for message in answers.failures.values():
+            raise ForeignFailure(message)
+        return answers.values
+
+    def ask(self, *arguments: Array) -> Answers:
+        """The answers at N states, in our joint order. Raises ForeignFailure where no state has one."""
+        if self.batched:
+            values, changed = self._call([x[:, self.order] for x in arguments], len(arguments[0]))
+            return Answers(values, np.ones(len(values), dtype=bool), {}, tuple(sorted(changed)))
+        found: list[Array] = []
+        failures: dict[int, str] = {}
+        all_changed: set[str] = set()
+        first = None
+        for k, row in enumerate(zip(*arguments, strict=True)):
+            try:
+                value, changed = self._call([x[self.order] for x in row], None)
+            except ForeignFailure as failure:
+                failures[k] = str(failure)
+                first = first or failure
+            else:
+                found.append(value)
+                all_changed |= changed
+        if first is not None and not found:
+            raise first
+        answered = np.array([k not in failures for k in range(len(arguments[0]))])
+        return Answers(np.stack(found), answered, failures, tuple(sorted(all_changed)))
 
     def foreign_arguments(self, row: Sequence[Array]) -> dict[str, Array]:
         """The arguments of one state as the function gets them, by name."""
-        return {name: x[self.order] for name, x in zip(ARGUMENTS[self.name], row, strict=True)}
+        return {name: x[self.order] for name, x in zip(self.arguments, row, strict=True)}
 
-    def _one(self, row: Sequence[Array]) -> Array:
-        arguments = self.foreign_arguments(row)
+    def _call(self, arguments: list[Array], count: int | None) -> tuple[Array, set[str]]:
+        """The answer in our order, and the names of the changed arguments; count: of states, None for a single one."""
+        kept = [x.copy() for x in arguments]
         try:
-            returned = self.function(*arguments.values())
+            returned = self.function(*arguments)
         except (Exception, SystemExit) as error:  # foreign code may raise anything
-            where = ", ".join(f"{name} = {x.tolist()}" for name, x in arguments.items())
-            raise ForeignFailure(f"{self.name} raised {in_words(error)}{_line(error)}; at {where}") from error
-        answer = self._real(returned)
+            where = "" if count else f"; at {self._said(kept)}"
+            raise ForeignFailure(f"{self.name} raised {in_words(error)}{_line(error)}{where}") from error
+        changed = {
+            name
+            for name, x, y in zip(self.arguments, arguments, kept, strict=True)
+            if not np.array_equal(x, y, equal_nan=True)
+        }
+        return self._in_our_order(self._checked(self._real(returned), count)), changed
+
+    def _said(self, arguments: list[Array]) -> str:
+        return ", ".join(f"{name} = {x.tolist()}" for name, x in zip(self.arguments, arguments, strict=True))
+
+    def _checked(self, answer: Array, count: int | None) -> Array:
+        """Raises ForeignFailure for a wrong shape."""
         n = len(self.order)
-        expected = {"mass_matrix": (n, n), "regressor": (n, BODY_PARAMETERS * n)}.get(self.name, (n,))
-        if answer.shape != expected:
-            raise ForeignFailure(
-                f"{self.name} returned shape {answer.shape}, expected {expected}: it is called with one state at a "
-                f"time, arrays of shape ({n},)"
-            )
-        return self._in_our_order(answer)
+        shape = self.known.shape_for(n) if count is None else (count, *self.known.shape_for(n))
+        if len(shape) == answer.ndim and all(
+            size in (None, there) for size, there in zip(shape, answer.shape, strict=True)
+        ):
+            return answer
+        expected = ", ".join("p" if size is None else str(size) for size in shape)
+        called = f"one state at a time, arrays of shape ({n},)"
+        if count is not None:
+            called = f"all states at once, arrays of shape ({count}, {n})"
+        raise ForeignFailure(
+            f"{self.name} returned shape {answer.shape}, expected ({expected}{',' if len(shape) == 1 else ''}): it is "
+            f"called with {called}"
+        )
 
     def _real(self, returned: object) -> Array:
         try:
@@ -81,15 +152,14 @@ class ForeignFunction:
             ) from error
 
     def _in_our_order(self, answer: Array) -> Array:
-        ours = np.empty_like(answer)
-        if self.name == "mass_matrix":
-            ours[np.ix_(self.order, self.order)] = answer
-        elif self.name == "regressor":
-            blocks = answer.reshape(len(self.order), -1, BODY_PARAMETERS)
-            ours.reshape(blocks.shape)[np.ix_(self.order, self.order)] = blocks
-        else:
-            ours[self.order] = answer
-        return ours
+        """Every axis of joints or of parameters in our order; leading axes are states."""
+        for axis, size in enumerate(reversed(self.known.shape), start=1):
+            if size == "n":
+                answer = np.take(answer, np.argsort(self.order), axis=-axis)
+            elif size == "10 n":
+                columns = BODY_PARAMETERS * np.argsort(self.order)[:, None] + np.arange(BODY_PARAMETERS)
+                answer = np.take(answer, columns.ravel(), axis=-axis)
+        return answer
 
 
 def _line(error: BaseException) -> str:

@@ -4,34 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from numbers import Real
 
-import numpy as np
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 import urdf
-from crosscheck.judging.columns import column_fault
-from crosscheck.judging.diagnosis import diagnose, merged
-from crosscheck.judging.experiments import TrialStates, observe
+from crosscheck.judging.conventions import check_declared
+from crosscheck.judging.diagnosis import merged
+from crosscheck.judging.explaining import diagnoses_of
 from crosscheck.judging.foreign import ForeignFunction, joint_order
+from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall, largest_errors
-from crosscheck.judging.references import (
-    BACKWARD_SCALE,
-    SCALES,
-    Reference,
-    backward_errors,
-    foreign_errors,
-    graphdyn_reference,
-    mujoco_reference,
-    pinocchio_reference,
-)
+from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
+from crosscheck.judging.references import References
+from crosscheck.judging.verdicts import judged
 from crosscheck.referee.mujoco_model import MujocoRefuses
 from crosscheck.referee.subject import Lock, Robot, check_counts, subject
 from crosscheck.referee.tolerances import FOREIGN
-from graphdyn import InvalidInput
-from graphdyn.layout import Array
+from graphdyn import InvalidInput, RobotModel
+from urdf._cutting import Chain
 
 Foreign = Callable[..., ArrayLike]
 """A function of one state: arrays of shape (n,) in the order of joint_names."""
@@ -43,66 +36,71 @@ Progress = Callable[[str], None]
 def judge(
     robot: Robot,
     *,
-    inverse_dynamics: Foreign | None = None,
-    forward_dynamics: Foreign | None = None,
-    mass_matrix: Foreign | None = None,
-    regressor: Foreign | None = None,
     joint_names: Sequence[str] | None = None,
     samples: int = 100,
     seed: int = 0,
     tolerance: float = FOREIGN.bound,
     lock: Lock = None,
+    chain: Chain = None,
     gravity: ArrayLike | None = None,
+    frame: str | None = None,
+    conventions: Mapping[str, str] | None = None,
+    external_wrenches: bool = False,
+    batched: bool = False,
     progress: Progress | None = None,
+    **functions: Foreign | None,
 ) -> Judgement:
     """Compare foreign functions with graphdyn, Pinocchio and MuJoCo (where installed), and say what is wrong with them.
 
+    functions: by the names in docs/judge.md, which lists arguments and answers: inverse_dynamics=f with f(q, v, a) → τ.
+        One state per call, arrays of shape (n,) [rad or m, …/s, …/s², N m or N]. No friction.
     robot: name (urdf.robots), path of a URDF, or RobotModel
-    inverse_dynamics: (q, v, a) → τ (n,); forward_dynamics: (q, v, τ) → a (n,); mass_matrix: q → M (n, n);
-        regressor: (q, v, a) → W (n, 10n) with the parameters of docs/notation.md. All arguments (n,), one state per
-        call; [rad or m, …/s, …/s², N m or N]. No external forces, no friction.
     joint_names: the order of the foreign arrays; default: that of urdf.load
     samples: random states within the limits, to which a few with whole turns are added
     tolerance: largest relative error that counts as agreement, on the scale of each function
-    lock, gravity: as in urdf.load, for names and paths only
+    lock, chain, gravity: as in urdf.load, for names and paths only
+    frame: link or frame of the functions that belong to one, such as frame_jacobian
+    conventions: those that the functions must follow, such as {"reference": "local"}; the others are found out
+    external_wrenches: inverse_dynamics, forward_dynamics, joint_wrenches and multipliers take external wrenches as a
+        last argument: force, moment on each body at its link origin, in link axes (n, 6) [N, N m]
+    batched: functions take all states at once, arrays (N, n), and answer (N, …)
 
     Raises InvalidInput for invalid arguments, ForeignFailure where a foreign function raises or returns the wrong
-    shape, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics where the torques do
-    not determine the accelerations.
+    shape at every state, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics where
+    the torques do not determine the accelerations.
     """
-    given = {
-        "inverse_dynamics": inverse_dynamics,
-        "forward_dynamics": forward_dynamics,
-        "mass_matrix": mass_matrix,
-        "regressor": regressor,
-    }
-    _check(given, tolerance)
+    given = {name: function for name, function in functions.items() if function is not None}
+    declared = dict(conventions or {})
+    _check(given, tolerance, declared)
     check_counts(samples, seed)
-    judged_robot = subject(robot, lock, gravity, mimic="independent")
+    judged_robot = subject(robot, lock, gravity, chain, mimic="independent")
     model = judged_robot.model
-    links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file else {}
+    _check_frame(given, frame, model)
+    links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file and not chain else {}
     order = joint_order(model, joint_names)
-    functions = [ForeignFunction(name, f, order) for name, f in given.items() if f is not None]
     say = progress or (lambda _: None)
-    judged, diagnoses, notes = {}, [], []
+    verdicts: dict[str, JudgedFunction] = {}
+    diagnoses: list[Diagnosis] = []
+    notes: list[str] = []
     if not any(body.mass > 0 for body in model.bodies):
         notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):
-        states = JudgedStates.draw(model, samples, seed, needs_tau=forward_dynamics is not None)
+        needs_tau = any("tau" in FUNCTIONS[name].arguments for name in given)
+        states = JudgedStates.draw(model, samples, seed, needs_tau=needs_tau, loaded=external_wrenches, frame=frame)
         say("evaluating the reference implementations")
-        references = {"graphdyn": graphdyn_reference(states, given), "pinocchio": pinocchio_reference(states)}
-        try:
-            references["mujoco"] = mujoco_reference(states)
-        except MujocoRefuses as refusal:
-            notes.append(f"MuJoCo is not among the reference implementations: {refusal}")
-        trial = states.trial
-        for function in functions:
-            say(f"judging {function.name}")
-            answer = function(*states.arguments(function.name))
-            judged[function.name] = verdict = _verdict(function, answer, references, states, tolerance)
-            if not verdict.agrees:
-                say(f"looking for the fault of {function.name}")
-                diagnoses += _diagnoses(function, answer, verdict, references["graphdyn"].answers, states, trial, links)
+        references = _references(states, notes)
+        unloaded = _references(replace(states, loads=None), notes) if external_wrenches else references
+        for name, f in given.items():
+            say(f"judging {name}")
+            known = FUNCTIONS[name]
+            function = ForeignFunction(known, f, order, batched, external_wrenches)
+            against = references if known.takes_loads else unloaded
+            answers = function.ask(*known.arguments_at(against.states))
+            found = judged(function, answers, against, _declared(known.conventions, declared), tolerance)
+            verdicts[name] = found.verdict
+            if not found.verdict.agrees:
+                say(f"looking for the fault of {name}")
+                diagnoses += diagnoses_of(function, found, links)
     judgement = Judgement(
         robot=judged_robot.name,
         file=judged_robot.file,
@@ -111,89 +109,49 @@ def judge(
         samples=samples,
         seed=seed,
         locked=judged_robot.locked,
-        referees=tuple(references),
-        functions=judged,
+        referees=tuple(dict.fromkeys(referee for verdict in verdicts.values() for referee in verdict.errors)),
+        functions=verdicts,
         diagnoses=merged(diagnoses),
-        notes=tuple(notes),
+        notes=tuple(dict.fromkeys(notes)),
     )
     if not judgement.decided:
         notes.append("the reference implementations disagree: no verdict on the foreign code; please report this robot")
-    return replace(judgement, notes=tuple(notes))
+    return replace(judgement, notes=tuple(dict.fromkeys(notes)))
 
 
-def _verdict(
-    function: ForeignFunction,
-    answer: Array,
-    references: Mapping[str, Reference],
-    states: JudgedStates,
-    tolerance: float,
-) -> JudgedFunction:
-    name = function.name
-    known = {referee: x.answers[name] for referee, x in references.items() if name in x.answers}
-    ours = known["graphdyn"]
-    others = {referee: theirs for referee, theirs in known.items() if referee != "graphdyn"}
-    backward = name == "forward_dynamics"
-    errors = {referee: foreign_errors(name, answer, theirs, states) for referee, theirs in known.items()}
-    backward_of = {referee: backward_errors(answer, references[referee], states) for referee in known if backward}
-    worst = int(largest_errors(errors, backward_of).argmax())
-    row = [x[worst] for x in states.arguments(name)]
-    return JudgedFunction(
-        name=name,
-        errors=errors,
-        referees_differ={referee: foreign_errors(name, theirs, ours, states) for referee, theirs in others.items()},
-        backward_errors=backward_of,
-        referees_differ_backward={
-            referee: backward_errors(theirs, references["graphdyn"], states)
-            for referee, theirs in others.items()
-            if backward
-        },
-        bound=tolerance,
-        scale=SCALES[name],
-        backward_scale=BACKWARD_SCALE if backward else "",
-        worst=WorstCall(
-            {argument: tuple(x.tolist()) for argument, x in function.foreign_arguments(row).items()},
-            tuple(ours[worst].ravel().tolist()),
-            tuple(answer[worst].ravel().tolist()),
-        ),
-    )
-
-
-def _diagnoses(
-    function: ForeignFunction,
-    answer: Array,
-    verdict: JudgedFunction,
-    ours: Mapping[str, Array],
-    states: JudgedStates,
-    trial: TrialStates,
-    links: Mapping[str, tuple[int, Array]],
-) -> list[Diagnosis]:
-    name, model = function.name, states.model
-    wrong = verdict.largest_errors > verdict.bound
-    count = f"{int(wrong.sum())} of {len(wrong)} states deviate"
-    if name == "regressor" and (fault := column_fault(answer, ours["regressor"])):
-        return [
-            Diagnosis(
-                name, fault.kind, fault.message, f"columns compared one by one; {count}", fault.remedy, fault.left
-            )
-        ]
-    torque = np.maximum(np.sqrt(np.mean(ours["inverse_dynamics"] ** 2, axis=0)), np.finfo(float).tiny)
+def _references(states: JudgedStates, notes: list[str]) -> References:
     try:
-        observed = observe(function, model, trial, torque)
-    except np.linalg.LinAlgError:
-        message = "the accelerations do not determine a mass matrix: M⁻¹ from unit torques is singular"
-        return [Diagnosis(name, "unknown", message, count, "ask it for accelerations at unit torques", np.inf)]
-    found = diagnose(name, observed, model, trial, links)
-    if found:
-        return [replace(diagnosis, evidence=f"{diagnosis.evidence}; {count}") for diagnosis in found]
-    message = "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
-    return [Diagnosis(name, "unknown", message, count, "look at the worst state", np.inf)]
+        return References(states, mujoco=True)
+    except MujocoRefuses as refusal:
+        notes.append(f"MuJoCo is not among the reference implementations: {refusal}")
+        return References(states, mujoco=False)
 
 
-def _check(given: Mapping[str, Foreign | None], tolerance: float) -> None:
-    if all(function is None for function in given.values()):
-        raise InvalidInput(f"no function to judge; give at least one of {', '.join(given)}")
+def _declared(conventions: Mapping[str, tuple[str, ...]], declared: Mapping[str, str]) -> dict[str, str]:
+    return {name: way for name, way in declared.items() if name in conventions}
+
+
+def _check(given: Mapping[str, Foreign], tolerance: float, declared: Mapping[str, str]) -> None:
+    if not given:
+        raise InvalidInput(f"no function to judge; give at least one of {', '.join(FUNCTIONS)}")
     for name, function in given.items():
-        if function is not None and not callable(function):
+        if name not in FUNCTIONS:
+            near = get_close_matches(name, FUNCTIONS, n=1)
+            raise InvalidInput(
+                f"there is no function {name!r} to judge{f'; did you mean {near[0]!r}?' if near else ''}; "
+                f"known are {', '.join(FUNCTIONS)}"
+            )
+        if not callable(function):
             raise InvalidInput(f"{name} is of type {type(function).__name__}; give a function")
     if not isinstance(tolerance, Real) or not 0 < tolerance < 1:
         raise InvalidInput(f"tolerance is {tolerance!r}; give a relative error between 0 and 1")
+    check_declared(declared, [FUNCTIONS[name] for name in given])
+
+
+def _check_frame(given: Mapping[str, Foreign], frame: str | None, model: RobotModel) -> None:
+    """Raises UnknownFrame."""
+    of_frames = [name for name in given if FUNCTIONS[name].needs_frame]
+    if of_frames and frame is None:
+        raise InvalidInput(f"{', '.join(of_frames)} belong to one frame of the robot: give frame=, the name of a link")
+    if frame is not None:
+        model.frame(frame)

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from functools import cached_property
+
 import numpy as np
+from numpy.typing import NDArray
 
 import graphdyn
 from crosscheck.judging.experiments import TrialStates
-from crosscheck.referee.states import ACCELERATION_RANGE
-from graphdyn import RobotModel
+from crosscheck.referee.scales import Sizes, term_sizes
+from crosscheck.referee.states import ACCELERATION_RANGE, LOAD
+from graphdyn import InverseDynamics, MaximalState, RobotModel
+from graphdyn._kinematics import link_origins
 from graphdyn.layout import Array
 
 EXPERIMENTS = 6
@@ -20,14 +26,34 @@ TURNS = 2
 """Largest number of whole turns added, in either direction."""
 
 
+@dataclass(frozen=True, eq=False)
 class JudgedStates:
-    """The judged states: q, v, a, tau (N, n)."""
+    """The judged states, and what graphdyn computes there for several functions and scales.
 
-    def __init__(self, model: RobotModel, q: Array, v: Array, a: Array, tau: Array, turn: Array):
-        self.model, self.q, self.v, self.a, self.tau, self.turn = model, q, v, a, tau, turn
+    q, v, a, tau: joint states, torques of forward dynamics  (N, n)
+    loads: external wrenches, None where functions are called without   (N, n, 6)
+    frame: the link of functions of one frame, None where there is no such function
+    """
+
+    model: RobotModel
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+    loads: Array | None = None
+    frame: str | None = None
 
     @classmethod
-    def draw(cls, model: RobotModel, samples: int, seed: int, *, needs_tau: bool) -> JudgedStates:
+    def draw(
+        cls,
+        model: RobotModel,
+        samples: int,
+        seed: int,
+        *,
+        needs_tau: bool,
+        loaded: bool = False,
+        frame: str | None = None,
+    ) -> JudgedStates:
         """Random states, some with whole turns added, and the pose within the limits that is nearest to zero."""
         rng = np.random.default_rng(seed)
         q, v = model.random_state(rng, samples + TURNED + 1)
@@ -38,7 +64,21 @@ class JudgedStates:
         q[-1] = [_nearest_to_zero(joint) for joint in model.joints]
         a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
         tau = graphdyn.inverse_dynamics(model, q, v, a).tau * rng.uniform(0.5, 1.5, q.shape) if needs_tau else 0 * a
-        return cls(model, q, v, a, tau, turn)
+        weight = 9.81 * sum(body.mass for body in model.bodies)
+        loads = LOAD * weight * rng.normal(size=(*q.shape, 6)) if loaded else None
+        return cls(model, q, v, a, tau, loads, frame)
+
+    def rows(self, selected: NDArray[np.bool_]) -> JudgedStates:
+        """Some of the states."""
+        arrays = {
+            name: x[selected] for name in ("q", "v", "a", "tau", "loads") if (x := getattr(self, name)) is not None
+        }
+        return replace(self, **arrays)
+
+    @property
+    def all_loads(self) -> Array:
+        """External wrenches, zeros where there are none (N, n, 6)."""
+        return np.zeros((*self.q.shape, 6)) if self.loads is None else self.loads
 
     @property
     def trial(self) -> TrialStates:
@@ -47,14 +87,36 @@ class JudgedStates:
         rows = [row if row < 0 else row % len(self.q) for row in rows]
         return TrialStates(self.q[rows], self.v[rows])
 
-    def arguments(self, name: str) -> tuple[Array, ...]:
-        """The arguments of the function of this name."""
-        return {
-            "inverse_dynamics": (self.q, self.v, self.a),
-            "forward_dynamics": (self.q, self.v, self.tau),
-            "mass_matrix": (self.q,),
-            "regressor": (self.q, self.v, self.a),
-        }[name]
+    @cached_property
+    def motion(self) -> MaximalState:
+        return graphdyn.maximal_state(self.model, self.q, self.v, self.a)
+
+    @cached_property
+    def origins(self) -> Array:
+        """Of the links, in the world (N, n, 3)."""
+        return link_origins(self.motion)
+
+    @cached_property
+    def inverse(self) -> InverseDynamics:
+        """Inverse dynamics, with the external wrenches."""
+        return graphdyn.inverse_dynamics(self.model, self.q, self.v, self.a, self.loads)
+
+    @cached_property
+    def accelerations(self) -> Array:
+        """Of the given torques, with the external wrenches (N, n)."""
+        return graphdyn.forward_dynamics(self.model, self.q, self.v, self.tau, self.loads).a
+
+    @cached_property
+    def mass(self) -> Array:
+        """M (N, n, n)."""
+        return graphdyn.mass_matrix(self.model, self.q)
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """Of the summed terms, at the given accelerations."""
+        assert self.motion.acceleration is not None
+        sizes = term_sizes(self.model, self.v, self.a, self.origins, self.motion.velocity, self.motion.acceleration)
+        return sizes if self.loads is None else sizes.loaded(self.loads)
 
 
 def _turns_without_end(joint: graphdyn.Joint) -> bool:

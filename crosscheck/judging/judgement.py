@@ -31,18 +31,32 @@ def largest_errors(errors: Mapping[str, Array], backward_errors: Mapping[str, Ar
     return np.maximum(ours, backward_errors.get("graphdyn", ours))
 
 
+@dataclass(frozen=True)
+class FailedState:
+    """A state at which a foreign function gave no answer.
+
+    number: of the state, from 0; message: what the function did, with the arguments
+    """
+
+    number: int
+    message: str
+
+
 @dataclass(frozen=True, eq=False)
 class JudgedFunction:
     """One foreign function against every reference implementation ("referee").
 
-    name: inverse_dynamics, forward_dynamics, mass_matrix or regressor
-    errors: relative error per state (N,) against each referee: "graphdyn", "pinocchio", "mujoco"
+    name: one of those in docs/judge.md
+    errors: relative error per answered state (N,) against each referee: "graphdyn", "pinocchio", "mujoco"
     referees_differ: relative error per state (N,) of each other referee against graphdyn
     bound: of all errors; scale: what they are relative to, in words
     backward_errors: of accelerations, per referee: its torques at the answered accelerations against the given torques
         (N,); empty for other functions
     referees_differ_backward: the same of the accelerations of each other referee, by graphdyn's torques
     backward_scale: what backward errors are relative to, in words
+    conventions: those that the answers follow, where several are right: {"reference": "local"}
+    failures: the states without an answer, which are in none of the errors
+    code: Python that computes graphdyn's answer at one state by the same conventions; None where there is none
     """
 
     name: str
@@ -54,11 +68,14 @@ class JudgedFunction:
     backward_errors: Mapping[str, Array] = field(default_factory=dict)
     referees_differ_backward: Mapping[str, Array] = field(default_factory=dict)
     backward_scale: str = ""
+    conventions: Mapping[str, str] = field(default_factory=dict)
+    failures: tuple[FailedState, ...] = ()
+    code: str | None = None
 
     @property
     def agrees(self) -> bool:
-        """Whether it agrees with every referee, forward and backward; NaN is not agreement."""
-        return self.within(self.errors) and self.within(self.backward_errors)
+        """Whether it agrees with every referee, forward and backward; NaN is not agreement, nor is a missing answer."""
+        return not self.failures and self.within(self.errors) and self.within(self.backward_errors)
 
     @property
     def referees_agree(self) -> bool:

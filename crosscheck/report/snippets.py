@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 import urdf
+from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.referee.quantities import BY_NAME, COUPLED, QUANTITIES, RECURSIVE
@@ -145,14 +146,6 @@ CALLS = {
 }
 """Per quantity, pairs of expressions: what graphdyn computes, and what it must be equal to."""
 
-JUDGED: Mapping[str, str] = {
-    "inverse_dynamics": "graphdyn.inverse_dynamics(model, q, v, a).tau",
-    "forward_dynamics": "graphdyn.forward_dynamics(model, q, v, tau).a",
-    "mass_matrix": "graphdyn.mass_matrix(model, q)",
-    "regressor": "graphdyn.joint_torque_regressor(model, q, v, a)",
-}
-"""Per foreign function, what graphdyn computes instead."""
-
 
 def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     """Both sides of a quantity at its worst state; None for a quantity that belongs to all states together.
@@ -200,11 +193,15 @@ def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
             "order = [names.index(name) for name in model.joint_names]",
         ]
     for name, values in function.worst.arguments.items():
-        lines.append(f"{name} = {_array(values)}{'[order]' if reordered else ''}")
+        shaped = f".reshape({model.n_bodies}, 6)" if name == LOADS else ""
+        lines.append(f"{name} = {_array(values)}{shaped}{'[order]' if reordered else ''}")
+    code = function.code or f"{_array(function.worst.expected)}  # of graphdyn, by the conventions of the function"
+    if LOADS in code and LOADS not in function.worst.arguments:
+        lines.append(f"{LOADS} = None")
     lines += [
         f"answer = {_array(function.worst.answer)}  # of the foreign function, in the order of the model",
         "",
-        f"expected = {JUDGED[function.name]}.ravel()",
+        f"expected = np.ravel({code})" if function.code else f"expected = {code}",
         "print(expected, answer, np.abs(expected - answer).max(), sep='\\n')",
     ]
     return "\n".join(lines) + "\n"

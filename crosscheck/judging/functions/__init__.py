@@ -1,0 +1,1 @@
+"""The functions that can be judged, one row each: arguments, answer, references, how answers are compared."""

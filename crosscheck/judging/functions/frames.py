@@ -1,0 +1,100 @@
+"""Functions that answer how a frame of the robot moves."""
+
+from __future__ import annotations
+
+import graphdyn
+from crosscheck.judging.functions.known_function import Chosen, KnownFunction, Measure
+from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to
+from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.referee.scales import largest
+from graphdyn.layout import ANGULAR, Array
+
+REFERENCES = ("local_world_aligned", "world", "local")
+"""Where the axes and the point of a twist are: at the frame in world axes, at the world's origin, at the frame."""
+
+BY_REFERENCE = {"reference": REFERENCES, **ORDER}
+
+
+def _reach(states: JudgedStates) -> Array:
+    """Largest lever and distance from the world's origin [m]."""
+    return states.sizes.lever + largest(states.origins)
+
+
+def _unit(states: JudgedStates) -> Array:
+    return 1.0 + 0.0 * states.sizes.lever
+
+
+def _velocity(states: JudgedStates) -> Array:
+    return states.sizes.velocity + _omega(states) * largest(states.origins)
+
+
+def _omega(states: JudgedStates) -> Array:
+    return largest(states.motion.velocity[..., ANGULAR])
+
+
+def _acceleration(states: JudgedStates) -> Array:
+    return states.sizes.acceleration + states.sizes.turn * largest(states.origins)
+
+
+def _turn(states: JudgedStates) -> Array:
+    return states.sizes.turn
+
+
+def _of_frame(
+    verb: str,
+    arguments: tuple[str, ...],
+    shape: tuple[int | str, ...],
+    unit: str,
+    errors: Measure,
+    scale: str,
+    *,
+    accelerates: bool = False,
+) -> KnownFunction:
+    """A verb of graphdyn; accelerates: it takes classical= beside reference=."""
+
+    def ours(states: JudgedStates, chosen: Chosen) -> Array:
+        options = {"classical": chosen["acceleration"] == "classical"} if accelerates else {}
+        given = (getattr(states, name) for name in arguments)
+        found: Array = getattr(graphdyn, verb)(
+            states.model, *given, states.frame, reference=chosen["reference"], **options
+        )
+        return linear_first(found, chosen, axis=-len(shape))
+
+    said = ", classical={classical}" if accelerates else ""
+    return KnownFunction(
+        verb,
+        arguments,
+        shape,
+        unit,
+        ours,
+        errors,
+        scale,
+        f"graphdyn.{verb}(model, {', '.join(arguments)}, {{frame!r}}, reference={{reference!r}}{said})",
+        conventions={**BY_REFERENCE, **({"acceleration": ("classical", "spatial")} if accelerates else {})},
+        needs_frame=True,
+    )
+
+
+FRAMES = (
+    _of_frame(
+        "frame_jacobian", ("q",), (6, "n"), "m or 1, 1 or 0",
+        parts_relative_to(_reach, _unit, axis=-2),
+        "linear rows: lever, distance from the world's origin; angular rows: 1",
+    ),
+    _of_frame(
+        "frame_jacobian_derivative", ("q", "v"), (6, "n"), "m/s or 1/s, 1/s or 0",
+        parts_relative_to(_velocity, _omega, axis=-2),
+        "linear rows: ‖ω‖ × (lever, distance from the world's origin); angular rows: ‖ω‖",
+    ),
+    _of_frame(
+        "frame_velocity", ("q", "v"), (6,), "m/s, rad/s",
+        parts_relative_to(_velocity, _omega),
+        "linear: ‖ω‖ × (lever, distance from the world's origin) + slide rate; angular: ‖ω‖",
+    ),
+    _of_frame(
+        "frame_acceleration", ("q", "v", "a"), (6,), "m/s², rad/s²",
+        parts_relative_to(_acceleration, _turn),
+        "linear: (‖ω̇‖ + ‖ω‖²) × (lever, distance from the world's origin) + slides; angular: ‖ω̇‖ + ‖ω‖²",
+        accelerates=True,
+    ),
+)  # fmt: skip

@@ -1,0 +1,65 @@
+"""Errors of answers on scales that cannot vanish: the largest reference value and the sizes of the summed terms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from crosscheck.judging.functions.known_function import Chosen, Measure
+from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.referee.scales import by_parameter_type, by_part, largest, ratio, relative
+from graphdyn.layout import Array
+
+Size = Callable[[JudgedStates], Array]
+"""Size of the summed terms at N states (N,)."""
+
+ORDER = {"order": ("linear first", "angular first")}
+"""Convention: which three of the six entries of a twist or wrench come first."""
+
+
+def linear_first(x: Array, chosen: Chosen, axis: int = -1) -> Array:
+    """A twist or wrench of one order in the usual one; and back: both exchange the halves."""
+    return np.roll(x, 3, axis=axis) if chosen["order"] == "angular first" else x
+
+
+def relative_to(*sizes: Size) -> Measure:
+    """Relative to the largest reference value and the given sizes."""
+    return lambda x, y, states, _: relative(x, y, *(size(states) for size in sizes))
+
+
+def parts_relative_to(linear: Size, angular: Size, axis: int = -1) -> Measure:
+    """The larger error of the linear and angular parts: the first and last three entries of an axis of six."""
+
+    def measure(x: Array, y: Array, states: JudgedStates, chosen: Chosen) -> Array:
+        x, y = (np.moveaxis(linear_first(z, chosen, axis), axis, -1) for z in (x, y))
+        return by_part(x, y, linear(states), angular(states))
+
+    return measure
+
+
+def columns_relative_to(*sizes: Size) -> Measure:
+    """The largest error of the columns of m, of m c and of I of a regressor, each on its own scale."""
+    return lambda x, y, states, _: by_parameter_type(x, y, *(size(states) for size in sizes))
+
+
+THROUGH_MASS = "∣M∣ ∣the matrix∣, of M × the error"
+
+
+def through_mass_matrix(x: Array, y: Array, states: JudgedStates, chosen: Chosen) -> Array:
+    """Of accelerations in columns (N, n, p): M (x - y) over ∣M∣ ∣y∣, so that cond(M) does not enter."""
+    return ratio(largest(states.mass @ (x - y)), largest(np.abs(states.mass) @ np.abs(y)))
+
+
+def wrench_size(states: JudgedStates) -> Array:
+    """Largest entry of the joint wrenches."""
+    return largest(states.inverse.joint_wrenches)
+
+
+def rate_size(states: JudgedStates) -> Array:
+    """Largest entry of M × largest velocity."""
+    return largest(states.mass) * largest(states.v)
+
+
+def nothing(states: JudgedStates) -> Array:
+    return np.zeros(len(states.q))

@@ -1,0 +1,74 @@
+"""The verdict on one foreign function: its answers beside those of the reference implementations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from crosscheck.judging.conventions import FoundConventions, found_conventions, relative_errors
+from crosscheck.judging.foreign import Answers, ForeignFunction
+from crosscheck.judging.functions.known_function import Chosen
+from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.judging.judgement import FailedState, JudgedFunction, WorstCall, largest_errors
+from crosscheck.judging.references import BACKWARD_SCALE, References, backward_errors
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A verdict, and what it is about.
+
+    states: those that were answered
+    answer, ours: the answers there of the function and of graphdyn, by the same conventions   (N, …)
+    """
+
+    verdict: JudgedFunction
+    states: JudgedStates
+    conventions: FoundConventions
+    answer: Array
+    ours: Array
+
+
+def judged(
+    function: ForeignFunction, answers: Answers, references: References, declared: Chosen, tolerance: float
+) -> Judged:
+    """references: at all states; declared: conventions that are known."""
+    known, answer = function.known, answers.values
+    references = references.at(answers.answered)
+    states = references.states
+    found = found_conventions(known, answer, states, declared, tolerance)
+    theirs = references.answers(known, found.chosen)
+    others = {referee: x for referee, x in theirs.items() if referee != "graphdyn"}
+    ours = theirs["graphdyn"]
+
+    def errors(x: Array, y: Array) -> Array:
+        return relative_errors(known, x, y, states, found.chosen)
+
+    def backward(x: Array, referee: str) -> Array:
+        return backward_errors(x, references.required(referee), states)
+
+    solved = known.name == "forward_dynamics"
+    errors_of = {referee: errors(answer, x) for referee, x in theirs.items()}
+    backward_of = {referee: backward(answer, referee) for referee in theirs if solved}
+    worst = int(largest_errors(errors_of, backward_of).argmax())
+    row = [x[worst] for x in known.arguments_at(states)]
+    verdict = JudgedFunction(
+        name=known.name,
+        errors=errors_of,
+        referees_differ={
+            referee: relative_errors(known, x, ours, states, found.chosen) for referee, x in others.items()
+        },
+        backward_errors=backward_of,
+        referees_differ_backward={referee: backward(x, "graphdyn") for referee, x in others.items() if solved},
+        bound=tolerance,
+        scale=known.scale,
+        backward_scale=BACKWARD_SCALE if solved else "",
+        worst=WorstCall(
+            {argument: tuple(x.ravel().tolist()) for argument, x in function.foreign_arguments(row).items()},
+            tuple(ours[worst].ravel().tolist()),
+            tuple(answer[worst].ravel().tolist()),
+        ),
+        conventions=found.said,
+        code=known.code_for(found.chosen, states.frame),
+        failures=tuple(FailedState(number, message) for number, message in answers.failures.items()),
+    )
+    return Judged(verdict, states, found, answer, ours)
