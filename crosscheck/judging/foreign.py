@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.functions.known_function import KnownFunction
 from graphdyn import GraphDynError, InvalidInput, RobotModel
-from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, Array
 
 
 def in_words(error: BaseException) -> str:
@@ -22,6 +23,23 @@ def in_words(error: BaseException) -> str:
 
 class ForeignFailure(GraphDynError):
     """A foreign function raised an exception or returned an array of the wrong shape."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """In place of an answer, where foreign code says that it has none at a state."""
+
+    reason: str
+
+
+@runtime_checkable
+class BatchFunction(Protocol):
+    """Foreign code that is given many states at once: a program, a file of answers."""
+
+    def answers(
+        self, function: str, states: Sequence[Mapping[str, Array]], shape: tuple[int | None, ...]
+    ) -> Sequence[Array | Refusal]:
+        """The answer (shape) at each state. function: its name; states: arguments by name"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +55,7 @@ class Answers:
     values: Array
     answered: NDArray[np.bool_]
     failures: dict[int, str]
-    changed: tuple[str, ...]
+    changed: frozenset[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +68,7 @@ class ForeignFunction:
     """
 
     known: KnownFunction
-    function: Callable[..., object]
+    function: Callable[..., object] | BatchFunction
     order: NDArray[np.intp]
     batched: bool = False
     loaded: bool = False
@@ -70,7 +88,7 @@ class ForeignFunction:
         External wrenches are zero if they are left out. Raises ForeignFailure where a state has no answer.
         """
         if len(arguments) < len(self.arguments):
-            arguments = (*arguments, np.zeros((*arguments[0].shape, 6)))
+            arguments = (*arguments, np.zeros((*arguments[0].shape, BODY_FREEDOMS)))
         answers = self.ask(*arguments)
         for message in answers.failures.values():
             raise ForeignFailure(message)
@@ -78,48 +96,54 @@ class ForeignFunction:
 
     def ask(self, *arguments: Array) -> Answers:
         """The answers at N states, in our joint order. Raises ForeignFailure where no state has one."""
-        if self.batched:
-            values, changed = self._call([x[:, self.order] for x in arguments], len(arguments[0]))
-            return Answers(values, np.ones(len(values), dtype=bool), {}, tuple(sorted(changed)))
-        found: list[Array] = []
-        failures: dict[int, str] = {}
-        all_changed: set[str] = set()
-        first = None
-        for k, row in enumerate(zip(*arguments, strict=True)):
-            try:
-                value, changed = self._call([x[self.order] for x in row], None)
-            except ForeignFailure as failure:
-                failures[k] = str(failure)
-                first = first or failure
-            else:
-                found.append(value)
-                all_changed |= changed
-        if first is not None and not found:
-            raise first
-        answered = np.array([k not in failures for k in range(len(arguments[0]))])
-        return Answers(np.stack(found), answered, failures, tuple(sorted(all_changed)))
+        changed: set[str] = set()
+        found = list(self._answers(arguments, changed))
+        failures = {k: str(answer) for k, answer in enumerate(found) if isinstance(answer, ForeignFailure)}
+        values = [answer for answer in found if not isinstance(answer, ForeignFailure)]
+        if not values:
+            raise next(answer for answer in found if isinstance(answer, ForeignFailure))
+        if len({value.shape for value in values}) > 1:
+            shapes = " and ".join(sorted({str(value.shape) for value in values}))
+            raise ForeignFailure(f"{self.name} returned different shapes at different states: {shapes}")
+        answered = np.array([k not in failures for k in range(len(found))])
+        return Answers(self._in_our_order(np.stack(values)), answered, failures, frozenset(changed))
 
     def foreign_arguments(self, row: Sequence[Array]) -> dict[str, Array]:
-        """The arguments of one state as the function gets them, by name."""
+        """The arguments of one state as the function gets them, by name; copies."""
         return {name: x[self.order] for name, x in zip(self.arguments, row, strict=True)}
 
-    def _call(self, arguments: list[Array], count: int | None) -> tuple[Array, set[str]]:
-        """The answer in our order, and the names of the changed arguments; count: of states, None for a single one."""
-        kept = [x.copy() for x in arguments]
-        try:
-            returned = self.function(*arguments)
-        except (Exception, SystemExit) as error:  # foreign code may raise anything
-            where = "" if count else f"; at {self._said(kept)}"
-            raise ForeignFailure(f"{self.name} raised {in_words(error)}{_line(error)}{where}") from error
-        changed = {
-            name
-            for name, x, y in zip(self.arguments, arguments, kept, strict=True)
-            if not np.array_equal(x, y, equal_nan=True)
-        }
-        return self._in_our_order(self._checked(self._real(returned), count)), changed
+    def _answers(self, arguments: tuple[Array, ...], changed: set[str]) -> Iterator[Array | ForeignFailure]:
+        """The answer at each state, or what was wrong; adds names of changed arguments to `changed`."""
+        if isinstance(self.function, BatchFunction):
+            states = [self.foreign_arguments(row) for row in zip(*arguments, strict=True)]
+            shape = self.known.shape_for(len(self.order))
+            for answer, state in zip(self.function.answers(self.name, states, shape), states, strict=True):
+                if isinstance(answer, Refusal):
+                    yield ForeignFailure(f"{self.name} has no answer: {answer.reason}; at {_where(state)}")
+                else:
+                    yield answer
+        elif self.batched:
+            given = [x[:, self.order] for x in arguments]
+            yield from self._call(self.function, dict(zip(self.arguments, given, strict=True)), len(given[0]), changed)
+        else:
+            for row in zip(*arguments, strict=True):
+                try:
+                    yield self._call(self.function, self.foreign_arguments(row), None, changed)
+                except ForeignFailure as failure:
+                    yield failure
 
-    def _said(self, arguments: list[Array]) -> str:
-        return ", ".join(f"{name} = {x.tolist()}" for name, x in zip(self.arguments, arguments, strict=True))
+    def _call(
+        self, function: Callable[..., object], arguments: dict[str, Array], count: int | None, changed: set[str]
+    ) -> Array:
+        """One call; count: the number of states, None for a single one."""
+        kept = {name: x.copy() for name, x in arguments.items()}
+        try:
+            returned = function(*arguments.values())
+        except (Exception, SystemExit) as error:  # foreign code may raise anything
+            where = "" if count else f"; at {_where(kept)}"
+            raise ForeignFailure(f"{self.name} raised {in_words(error)}{_line(error)}{where}") from error
+        changed |= {name for name, x in arguments.items() if not np.array_equal(x, kept[name])}
+        return self._checked(self._real(returned), count)
 
     def _checked(self, answer: Array, count: int | None) -> Array:
         """Raises ForeignFailure for a wrong shape."""
@@ -160,6 +184,10 @@ class ForeignFunction:
                 columns = BODY_PARAMETERS * np.argsort(self.order)[:, None] + np.arange(BODY_PARAMETERS)
                 answer = np.take(answer, columns.ravel(), axis=-axis)
         return answer
+
+
+def _where(arguments: Mapping[str, Array]) -> str:
+    return ", ".join(f"{name} = {x.tolist()}" for name, x in arguments.items())
 
 
 def _line(error: BaseException) -> str:

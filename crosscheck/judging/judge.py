@@ -14,7 +14,7 @@ import urdf
 from crosscheck.judging.conventions import check_declared
 from crosscheck.judging.diagnosis import merged
 from crosscheck.judging.explaining import diagnoses_of
-from crosscheck.judging.foreign import ForeignFunction, joint_order
+from crosscheck.judging.foreign import BatchFunction, ForeignFunction, joint_order
 from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
@@ -26,8 +26,8 @@ from crosscheck.referee.tolerances import FOREIGN
 from graphdyn import InvalidInput, RobotModel
 from urdf._cutting import Chain
 
-Foreign = Callable[..., ArrayLike]
-"""A function of one state: arrays of shape (n,) in the order of joint_names."""
+Foreign = Callable[..., ArrayLike] | BatchFunction
+"""A function of one state: arrays of shape (n,) in the order of joint_names; or foreign code that is given batches."""
 
 Progress = Callable[[str], None]
 """Called with the name of the next step."""
@@ -141,7 +141,7 @@ def _check(given: Mapping[str, Foreign], tolerance: float, declared: Mapping[str
                 f"there is no function {name!r} to judge{f'; did you mean {near[0]!r}?' if near else ''}; "
                 f"known are {', '.join(FUNCTIONS)}"
             )
-        if not callable(function):
+        if not callable(function) and not isinstance(function, BatchFunction):
             raise InvalidInput(f"{name} is of type {type(function).__name__}; give a function")
     if not isinstance(tolerance, Real) or not 0 < tolerance < 1:
         raise InvalidInput(f"tolerance is {tolerance!r}; give a relative error between 0 and 1")
