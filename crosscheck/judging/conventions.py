@@ -18,13 +18,13 @@ class FoundConventions:
     """How the answers of a function are read.
 
     chosen: the way that fits best
-    said: the same for the reader, where a convention makes no difference with every way that fits: "link or world"
     fits: whether most answers agree when read like this
+    said: what is found out for the reader, "link or world" where both fit; empty if none fits
     """
 
     chosen: Chosen
-    said: Mapping[str, str]
     fits: bool
+    said: Mapping[str, str]
 
 
 def found_conventions(
@@ -39,16 +39,15 @@ def found_conventions(
     deviating = np.array([(error > tolerance).sum() for error in errors])
     middle = np.array([np.median(error) for error in errors])
     best = int(np.lexsort((middle, deviating))[0])
-    fits = bool(middle[best] <= tolerance)
-    as_good = [readings[best]]
-    if fits:
-        as_good = [chosen for chosen, count in zip(readings, deviating, strict=True) if count == deviating[best]]
+    if middle[best] > tolerance:
+        return FoundConventions(readings[best], False, {})
+    as_good = [chosen for chosen, count in zip(readings, deviating, strict=True) if count == deviating[best]]
     said = {
         name: " or ".join(way for way in ways if any(chosen[name] == way for chosen in as_good))
         for name, ways in function.conventions.items()
     }
     said |= {name: as_good[0][name] for name in function.widening}
-    return FoundConventions(as_good[0], said, fits)
+    return FoundConventions(as_good[0], True, said)
 
 
 def relative_errors(

@@ -1,4 +1,4 @@
-"""What is wrong with a foreign function whose answers deviate."""
+"""What is wrong with a foreign function whose answers deviate: the searches, one after the other."""
 
 from __future__ import annotations
 
@@ -7,36 +7,125 @@ from dataclasses import replace
 
 import numpy as np
 
-from crosscheck.judging.columns import column_fault
-from crosscheck.judging.diagnosis import diagnose
-from crosscheck.judging.foreign import ForeignFunction
+from crosscheck.judging.answer_faults import FoundFault, answer_fault
+from crosscheck.judging.conventions import found_conventions, relative_errors
+from crosscheck.judging.diagnosis import EXPLAINED, diagnose
+from crosscheck.judging.foreign import ForeignFailure, ForeignFunction
+from crosscheck.judging.functions.known_function import Chosen
 from crosscheck.judging.judgement import Diagnosis
 from crosscheck.judging.observing import observe
+from crosscheck.judging.own_faults import OWN_FAULTS
+from crosscheck.judging.regions import region
+from crosscheck.judging.repetition import earlier_arguments, kept_between_calls
 from crosscheck.judging.verdicts import Judged
 from graphdyn.layout import Array
 
+MUCH = 10.0
+"""Factor by which a fault must lessen the largest error."""
 
-def diagnoses_of(function: ForeignFunction, found: Judged, links: Mapping[str, tuple[int, Array]]) -> list[Diagnosis]:
-    """links: fixed links by name, as crosscheck.judging.faults.all_faults takes them."""
-    name, states, verdict = function.name, found.states, found.verdict
-    wrong = verdict.largest_errors > verdict.bound
-    count = f"{int(wrong.sum())} of {len(wrong)} states deviate"
-    if name == "regressor" and (fault := column_fault(found.answer, found.ours)):
+WORST = "look at the worst state"
+
+
+def diagnoses_of(
+    function: ForeignFunction, found: Judged, declared: Chosen, links: Mapping[str, tuple[int, Array]]
+) -> list[Diagnosis]:
+    """What is wrong with a function that does not agree.
+
+    declared: conventions that the function must follow
+    links: fixed links by name, as crosscheck.judging.faults.all_faults takes them
+    """
+    verdict, diagnoses = found.verdict, []
+    if verdict.failures:
+        diagnoses.append(_failures(function, found))
+    if not verdict.within({"again": verdict.repeated}):
+        chosen, differences = found.conventions.chosen, verdict.repeated
+        kept = kept_between_calls(function, found.answers, found.asked, chosen, differences, verdict.bound)
+        return [*diagnoses, kept]
+    return [*diagnoses, *_of_numbers(function, found, declared, links)]
+
+
+def _failures(function: ForeignFunction, found: Judged) -> Diagnosis:
+    failures, failed = found.verdict.failures, ~found.answers.answered
+    where = region(failed, found.asked, function.known.arguments)
+    message = f"no answer at {len(failures)} of {len(failed)} states{f', only where {where}' if where else ''}"
+    remedy = "the other states are judged; these are listed with the function"
+    return Diagnosis(function.name, "no_answer", message, failures[0].message, remedy, np.inf)
+
+
+def _of_numbers(
+    function: ForeignFunction, found: Judged, declared: Chosen, links: Mapping[str, tuple[int, Array]]
+) -> list[Diagnosis]:
+    """What is wrong with the numbers; empty if they agree."""
+    name, verdict = function.name, found.verdict
+    errors = verdict.largest_errors
+    wrong = errors > verdict.bound
+    if not wrong.any():
+        return []
+    where = region(wrong, found.states, function.known.arguments)
+    count = f"{int(wrong.sum())} of {len(wrong)} states deviate{f', only where {where}' if where else ''}"
+
+    def one(fault: FoundFault) -> list[Diagnosis]:
+        read = ", ".join(f"{convention} '{way}'" for convention, way in fault.chosen.items())
+        evidence = f"{count}{f'; answers read with {read}' if read else ''}"
+        return [Diagnosis(name, fault.kind, fault.message, evidence, fault.remedy, fault.left)]
+
+    if other := _other_convention(found, declared):
+        return one(other)
+    size = float(verdict.errors["graphdyn"].max())
+    bound = min(max(verdict.bound, EXPLAINED * size), size / MUCH) if np.isfinite(size) else verdict.bound
+    if earlier := earlier_arguments(function, found.answers, found.asked, found.conventions.chosen, bound):
+        return one(earlier)
+    own = OWN_FAULTS.get(name)
+    if own is not None and (fault := own(found.answer, found.ours, found.states, bound)):
+        return one(fault)
+    by_terms = [
+        replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
+        for diagnosis in _of_terms(function, found, links)
+    ]
+    if by_terms and by_terms[0].kind != "unknown":
+        return by_terms
+    if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
+        return one(fault)
+    if where:
+        message = f"the answers deviate only where {where}"
         return [
-            Diagnosis(
-                name, fault.kind, fault.message, f"columns compared one by one; {count}", fault.remedy, fault.left
-            )
+            Diagnosis(name, "region", message, count, "look for a case, a limit or a table that begins there", np.inf)
         ]
+    return by_terms or [
+        Diagnosis(name, "unknown", "no fault that is known here gives the answers", count, WORST, np.inf)
+    ]
+
+
+def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
+    """The answers follow another convention than the declared ones."""
+    if not declared or found.conventions.fits:
+        return None
+    other = found_conventions(found.known, found.answer, found.states, {}, found.verdict.bound)
+    if not other.fits:
+        return None
+    differing = {name: other.said[name] for name, way in declared.items() if way not in other.said[name].split(" or ")}
+    said = ", ".join(f"{name} is '{way}', not '{declared[name]}'" for name, way in differing.items())
+    left = relative_errors(
+        found.known, found.answer, found.known.ours(found.states, other.chosen), found.states, other.chosen
+    )
+    message = f"the answers follow another convention: {said}"
+    return FoundFault("convention", message, "convert them", float(left.max()))
+
+
+def _of_terms(function: ForeignFunction, found: Judged, links: Mapping[str, tuple[int, Array]]) -> list[Diagnosis]:
+    """From experiments, for functions that are parts of the equations of motion; empty for others."""
+    name, states = function.name, found.states
     torque = np.maximum(np.sqrt(np.mean(states.inverse.tau**2, axis=0)), np.finfo(float).tiny)
     try:
         observed = observe(function, states.model, states.trial, torque)
     except np.linalg.LinAlgError:
-        message = "the accelerations do not determine a mass matrix: M⁻¹ from unit torques is singular"
-        return [Diagnosis(name, "unknown", message, count, "ask it for accelerations at unit torques", np.inf)]
+        message = "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular"
+        return [Diagnosis(name, "unknown", message, "", WORST, np.inf)]
+    except ForeignFailure as failure:
+        return [Diagnosis(name, "unknown", f"an experiment has no answer: {failure}", "", WORST, np.inf)]
     if observed is None:
-        return [Diagnosis(name, "unknown", "the answers deviate", count, "look at the worst state", np.inf)]
-    found_faults = diagnose(name, observed, states.model, states.trial, links)
-    if found_faults:
-        return [replace(diagnosis, evidence=f"{diagnosis.evidence}; {count}") for diagnosis in found_faults]
+        return []
+    if faults := diagnose(name, observed, states.model, states.trial, links):
+        return faults
     message = "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
-    return [Diagnosis(name, "unknown", message, count, "look at the worst state", np.inf)]
+    return [Diagnosis(name, "unknown", message, "", WORST, np.inf)]

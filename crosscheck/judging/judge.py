@@ -70,8 +70,8 @@ def judge(
     the torques do not determine the accelerations.
     """
     given = {name: function for name, function in functions.items() if function is not None}
-    declared = dict(conventions or {})
-    _check(given, tolerance, declared)
+    followed = conventions or {}
+    _check(given, tolerance, followed)
     check_counts(samples, seed)
     judged_robot = subject(robot, lock, gravity, chain, mimic="independent")
     model = judged_robot.model
@@ -96,11 +96,13 @@ def judge(
             function = ForeignFunction(known, f, order, batched, external_wrenches)
             against = references if known.takes_loads else unloaded
             answers = function.ask(*known.arguments_at(against.states))
-            found = judged(function, answers, against, _declared(known.conventions, declared), tolerance)
+            declared = {x: way for x, way in followed.items() if x in known.conventions}
+            found = judged(function, answers, against, declared, tolerance)
             verdicts[name] = found.verdict
+            notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
             if not found.verdict.agrees:
                 say(f"looking for the fault of {name}")
-                diagnoses += diagnoses_of(function, found, links)
+                diagnoses += diagnoses_of(function, found, declared, links)
     judgement = Judgement(
         robot=judged_robot.name,
         file=judged_robot.file,
@@ -125,10 +127,6 @@ def _references(states: JudgedStates, notes: list[str]) -> References:
     except MujocoRefuses as refusal:
         notes.append(f"MuJoCo is not among the reference implementations: {refusal}")
         return References(states, mujoco=False)
-
-
-def _declared(conventions: Mapping[str, tuple[str, ...]], declared: Mapping[str, str]) -> dict[str, str]:
-    return {name: way for name, way in declared.items() if name in conventions}
 
 
 def _check(given: Mapping[str, Foreign], tolerance: float, declared: Mapping[str, str]) -> None:

@@ -70,10 +70,12 @@ class JudgedStates:
 
     def rows(self, selected: NDArray[np.bool_]) -> JudgedStates:
         """Some of the states."""
-        arrays = {
-            name: x[selected] for name in ("q", "v", "a", "tau", "loads") if (x := getattr(self, name)) is not None
-        }
-        return replace(self, **arrays)
+        loads = {} if self.loads is None else {"loads": self.loads[selected]}
+        return self.but(q=self.q[selected], v=self.v[selected], a=self.a[selected], tau=self.tau[selected], **loads)
+
+    def but(self, **arrays: Array) -> JudgedStates:
+        """The same robot in other states."""
+        return replace(self, **arrays)  # type: ignore[arg-type]
 
     @property
     def all_loads(self) -> Array:

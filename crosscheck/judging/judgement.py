@@ -54,6 +54,8 @@ class JudgedFunction:
         (N,); empty for other functions
     referees_differ_backward: the same of the accelerations of each other referee, by graphdyn's torques
     backward_scale: what backward errors are relative to, in words
+    repeated: relative difference per answered state (N,) of a second answer to the same question, asked in the reverse
+        order; a function that keeps nothing between calls has zeros
     conventions: those that the answers follow, where several are right: {"reference": "local"}
     failures: the states without an answer, which are in none of the errors
     code: Python that computes graphdyn's answer at one state by the same conventions; None where there is none
@@ -68,14 +70,19 @@ class JudgedFunction:
     backward_errors: Mapping[str, Array] = field(default_factory=dict)
     referees_differ_backward: Mapping[str, Array] = field(default_factory=dict)
     backward_scale: str = ""
+    repeated: Array = field(default_factory=lambda: np.zeros(1))
     conventions: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[FailedState, ...] = ()
     code: str | None = None
 
     @property
     def agrees(self) -> bool:
-        """Whether it agrees with every referee, forward and backward; NaN is not agreement, nor is a missing answer."""
-        return not self.failures and self.within(self.errors) and self.within(self.backward_errors)
+        """Whether it agrees with every referee, forward and backward, and with itself when asked again.
+
+        NaN is not agreement, nor is a missing answer.
+        """
+        own = {"again": self.repeated}
+        return not self.failures and all(map(self.within, (self.errors, self.backward_errors, own)))
 
     @property
     def referees_agree(self) -> bool:

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 from crosscheck.judging.conventions import FoundConventions, found_conventions, relative_errors
 from crosscheck.judging.foreign import Answers, ForeignFunction
-from crosscheck.judging.functions.known_function import Chosen
+from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.judging.judgement import FailedState, JudgedFunction, WorstCall, largest_errors
 from crosscheck.judging.references import BACKWARD_SCALE, References, backward_errors
+from crosscheck.judging.repetition import repeated
 from graphdyn.layout import Array
 
 
@@ -17,11 +18,15 @@ from graphdyn.layout import Array
 class Judged:
     """A verdict, and what it is about.
 
+    asked: all states, answers: what came back
     states: those that were answered
     answer, ours: the answers there of the function and of graphdyn, by the same conventions   (N, …)
     """
 
+    known: KnownFunction
     verdict: JudgedFunction
+    asked: JudgedStates
+    answers: Answers
     states: JudgedStates
     conventions: FoundConventions
     answer: Array
@@ -33,6 +38,7 @@ def judged(
 ) -> Judged:
     """references: at all states; declared: conventions that are known."""
     known, answer = function.known, answers.values
+    all_states = references.states
     references = references.at(answers.answered)
     states = references.states
     found = found_conventions(known, answer, states, declared, tolerance)
@@ -67,8 +73,9 @@ def judged(
             tuple(ours[worst].ravel().tolist()),
             tuple(answer[worst].ravel().tolist()),
         ),
+        repeated=repeated(function, answers, all_states, found.chosen),
         conventions=found.said,
         code=known.code_for(found.chosen, states.frame),
         failures=tuple(FailedState(number, message) for number, message in answers.failures.items()),
     )
-    return Judged(verdict, states, found, answer, ours)
+    return Judged(known, verdict, all_states, answers, states, found, answer, ours)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import graphdyn
 from crosscheck.judging.functions.known_function import KnownFunction
 from crosscheck.judging.functions.measures import columns_relative_to
+from crosscheck.judging.functions.spans import span_errors
 from crosscheck.judging.judged_states import JudgedStates
 from graphdyn.layout import Array
 
@@ -27,6 +28,14 @@ REGRESSORS = (
         ours=lambda states, _: graphdyn.joint_torque_regressor(states.model, states.q, states.v, states.a),
         errors=columns_relative_to(_lever, _compensated, _turn),
         scale="largest entry and term of the parameter type (m, m c, I)",
+        code="graphdyn.joint_torque_regressor(model, q, v, a)",
+        pinocchio=lambda there, _: there.values.torque_regressor,
+    ),
+    KnownFunction(
+        "base_regressor", ("q", "v", "a"), ("n", "p"), "N m or N per parameter",
+        ours=lambda states, _: graphdyn.joint_torque_regressor(states.model, states.q, states.v, states.a),
+        errors=span_errors,
+        scale="largest entry of a column over all states; of what the columns of the other regressor cannot give",
         code="graphdyn.joint_torque_regressor(model, q, v, a)",
         pinocchio=lambda there, _: there.values.torque_regressor,
     ),
