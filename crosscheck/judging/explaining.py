@@ -61,6 +61,11 @@ def _of_numbers(
     wrong = errors > verdict.bound
     if not wrong.any():
         return []
+    unbounded = np.array([not np.isfinite(answer).all() for answer in found.answer])
+    if unbounded.any():
+        where = region(unbounded, found.states, function.known.arguments)
+        evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{f', only where {where}' if where else ''}"
+        return [Diagnosis(name, "not_finite", "the answers are not finite", evidence, WORST, np.inf)]
     where = region(wrong, found.states, function.known.arguments)
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate{f', only where {where}' if where else ''}"
 
@@ -72,7 +77,7 @@ def _of_numbers(
     if other := _other_convention(found, declared):
         return one(other)
     size = float(verdict.errors["graphdyn"].max())
-    bound = min(max(verdict.bound, EXPLAINED * size), size / MUCH) if np.isfinite(size) else verdict.bound
+    bound = min(max(verdict.bound, EXPLAINED * size), size / MUCH)
     if earlier := earlier_arguments(function, found.answers, found.asked, found.conventions.chosen, bound):
         return one(earlier)
     own = OWN_FAULTS.get(name)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from numbers import Real
+from typing import Literal
 
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
@@ -22,12 +23,15 @@ from crosscheck.judging.references import References
 from crosscheck.judging.verdicts import judged
 from crosscheck.referee.mujoco_model import MujocoRefuses
 from crosscheck.referee.subject import Lock, Robot, check_counts, subject
-from crosscheck.referee.tolerances import FOREIGN
+from crosscheck.referee.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
 from graphdyn import InvalidInput, RobotModel
 from urdf._cutting import Chain
 
 Foreign = Callable[..., ArrayLike] | BatchFunction
 """A function of one state: arrays of shape (n,) in the order of joint_names; or foreign code that is given batches."""
+
+Precision = Literal["double", "single"]
+TOLERANCES: Mapping[Precision, Tolerance] = {"double": FOREIGN, "single": FOREIGN_SINGLE}
 
 Progress = Callable[[str], None]
 """Called with the name of the next step."""
@@ -39,7 +43,9 @@ def judge(
     joint_names: Sequence[str] | None = None,
     samples: int = 100,
     seed: int = 0,
-    tolerance: float = FOREIGN.bound,
+    precision: Precision = "double",
+    tolerance: float | None = None,
+    beyond_limits: bool = False,
     lock: Lock = None,
     chain: Chain = None,
     gravity: ArrayLike | None = None,
@@ -57,7 +63,9 @@ def judge(
     robot: name (urdf.robots), path of a URDF, or RobotModel
     joint_names: the order of the foreign arrays; default: that of urdf.load
     samples: random states within the limits, to which a few with whole turns are added
-    tolerance: largest relative error that counts as agreement, on the scale of each function
+    precision: in which the functions compute; "single" means a tolerance of 1e-5 in place of 1e-9
+    tolerance: largest relative error that counts as agreement, on the scale of each function; default: by precision
+    beyond_limits: adds a fifth as many states outside the limits of positions and velocities
     lock, chain, gravity: as in urdf.load, for names and paths only
     frame: link or frame of the functions that belong to one, such as frame_jacobian
     conventions: those that the functions must follow, such as {"reference": "local"}; the others are found out
@@ -71,7 +79,8 @@ def judge(
     """
     given = {name: function for name, function in functions.items() if function is not None}
     followed = conventions or {}
-    _check(given, tolerance, followed)
+    _check(given, precision, tolerance, followed)
+    bound = TOLERANCES[precision].bound if tolerance is None else tolerance
     check_counts(samples, seed)
     judged_robot = subject(robot, lock, gravity, chain, mimic="independent")
     model = judged_robot.model
@@ -86,7 +95,15 @@ def judge(
         notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):
         needs_tau = any("tau" in FUNCTIONS[name].arguments for name in given)
-        states = JudgedStates.draw(model, samples, seed, needs_tau=needs_tau, loaded=external_wrenches, frame=frame)
+        states = JudgedStates.draw(
+            model,
+            samples,
+            seed,
+            needs_tau=needs_tau,
+            loaded=external_wrenches,
+            beyond_limits=beyond_limits,
+            frame=frame,
+        )
         say("evaluating the reference implementations")
         references = _references(states, notes)
         unloaded = _references(replace(states, loads=None), notes) if external_wrenches else references
@@ -97,7 +114,7 @@ def judge(
             against = references if known.takes_loads else unloaded
             answers = function.ask(*known.arguments_at(against.states))
             declared = {x: way for x, way in followed.items() if x in known.conventions}
-            found = judged(function, answers, against, declared, tolerance)
+            found = judged(function, answers, against, declared, bound)
             verdicts[name] = found.verdict
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
             if not found.verdict.agrees:
@@ -114,7 +131,12 @@ def judge(
         referees=tuple(dict.fromkeys(referee for verdict in verdicts.values() for referee in verdict.errors)),
         functions=verdicts,
         diagnoses=merged(diagnoses),
-        notes=tuple(dict.fromkeys(notes)),
+        notes=(),
+        chain=judged_robot.chain,
+        frame=frame,
+        precision=precision,
+        external_wrenches=external_wrenches,
+        beyond_limits=beyond_limits,
     )
     if not judgement.decided:
         notes.append("the reference implementations disagree: no verdict on the foreign code; please report this robot")
@@ -129,7 +151,9 @@ def _references(states: JudgedStates, notes: list[str]) -> References:
         return References(states, mujoco=False)
 
 
-def _check(given: Mapping[str, Foreign], tolerance: float, declared: Mapping[str, str]) -> None:
+def _check(
+    given: Mapping[str, Foreign], precision: Precision, tolerance: float | None, declared: Mapping[str, str]
+) -> None:
     if not given:
         raise InvalidInput(f"no function to judge; give at least one of {', '.join(FUNCTIONS)}")
     for name, function in given.items():
@@ -141,7 +165,9 @@ def _check(given: Mapping[str, Foreign], tolerance: float, declared: Mapping[str
             )
         if not callable(function) and not isinstance(function, BatchFunction):
             raise InvalidInput(f"{name} is of type {type(function).__name__}; give a function")
-    if not isinstance(tolerance, Real) or not 0 < tolerance < 1:
+    if precision not in TOLERANCES:
+        raise InvalidInput(f"precision is {precision!r}; give one of {', '.join(map(repr, TOLERANCES))}")
+    if tolerance is not None and (not isinstance(tolerance, Real) or not 0 < tolerance < 1):
         raise InvalidInput(f"tolerance is {tolerance!r}; give a relative error between 0 and 1")
     check_declared(declared, [FUNCTIONS[name] for name in given])
 

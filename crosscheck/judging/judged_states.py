@@ -22,6 +22,12 @@ EXPERIMENTS = 6
 TURNED = 10
 """Number of judged states with whole turns added, besides the random ones."""
 
+BEYOND = 0.2
+"""States beyond the limits, on request, as a part of the random ones."""
+
+FARTHEST = 0.5
+"""How far they are outside, at most: positions, as a part of the range; velocities, as a part of the limit."""
+
 TURNS = 2
 """Largest number of whole turns added, in either direction."""
 
@@ -52,11 +58,19 @@ class JudgedStates:
         *,
         needs_tau: bool,
         loaded: bool = False,
+        beyond_limits: bool = False,
         frame: str | None = None,
     ) -> JudgedStates:
-        """Random states, some with whole turns added, and the pose within the limits that is nearest to zero."""
+        """Random states, some with whole turns added, and the pose within the limits that is nearest to zero.
+
+        beyond_limits: adds states outside the limits, after the random ones
+        """
         rng = np.random.default_rng(seed)
         q, v = model.random_state(rng, samples + TURNED + 1)
+        if beyond_limits:
+            outside = _beyond(model, np.random.default_rng(seed), int(np.ceil(BEYOND * samples)))
+            q, v = (np.concatenate([x[:samples], y, x[samples:]]) for x, y in zip((q, v), outside, strict=True))
+            samples += len(outside[0])
         endless = np.array([_turns_without_end(joint) for joint in model.joints])
         turn = 2 * np.pi * endless * rng.integers(-TURNS, TURNS + 1, q.shape)
         turn[:samples] = 0
@@ -119,6 +133,21 @@ class JudgedStates:
         assert self.motion.acceleration is not None
         sizes = term_sizes(self.model, self.v, self.a, self.origins, self.motion.velocity, self.motion.acceleration)
         return sizes if self.loads is None else sizes.loaded(self.loads)
+
+
+def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
+    """q, v (count, n): every other position and velocity, on the average, is outside its limits."""
+    q, v = model.random_state(rng, count)
+    for k, joint in enumerate(model.joints):
+        outside, below = rng.integers(2, size=(2, 2, count)).astype(bool)
+        far = FARTHEST * rng.uniform(size=(2, count))
+        lower, upper, speed = joint.limits.lower, joint.limits.upper, joint.limits.velocity
+        if joint.kind != "continuous" and lower is not None and upper is not None:
+            reach = far[0] * (upper - lower)
+            q[:, k] = np.where(outside[0], np.where(below[0], lower - reach, upper + reach), q[:, k])
+        if speed:
+            v[:, k] = np.where(outside[1], np.where(below[1], -1, 1) * (1 + far[1]) * speed, v[:, k])
+    return q, v
 
 
 def _turns_without_end(joint: graphdyn.Joint) -> bool:

@@ -127,6 +127,9 @@ class Judgement:
 
     robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded
     joint_names: the order in which the functions take and return joint quantities
+    chain: base link and tip link of the arm that was cut out; frame: of the functions that belong to one
+    precision: in which the functions are said to compute; external_wrenches: whether they were called with them
+    beyond_limits: whether states outside the limits were added
     referees: "graphdyn", "pinocchio", and "mujoco" where it is installed and can represent the robot
     notes: what the reader must know (a referee that cannot represent the robot, …)
     """
@@ -142,6 +145,11 @@ class Judgement:
     functions: Mapping[str, JudgedFunction]
     diagnoses: tuple[Diagnosis, ...]
     notes: tuple[str, ...]
+    chain: tuple[str, str] | None = None
+    frame: str | None = None
+    precision: str = "double"
+    external_wrenches: bool = False
+    beyond_limits: bool = False
 
     @property
     def agrees(self) -> bool:

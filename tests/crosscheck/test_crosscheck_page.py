@@ -22,6 +22,7 @@ from urdf_text import joint, link, robot_text
 import crosscheck
 import graphdyn
 import urdf
+from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
 from crosscheck.referee.comparison import QUANTILES, WorstState
 from crosscheck.referee.quantities import BY_NAME
@@ -447,7 +448,10 @@ def judged(model, name, factor=1.0, referees_differ=0.0, order=None):
     errors = np.full(STATES, abs(factor - 1))
     call = WorstCall({x: tuple(values[x][here]) for x in names}, tuple(ours), tuple(factor * ours))
     between = {"pinocchio": np.full(STATES, referees_differ)}
-    return JudgedFunction(name, {"graphdyn": errors, "pinocchio": errors}, between, 1e-9, "the largest entry", call)
+    return JudgedFunction(
+        name, {"graphdyn": errors, "pinocchio": errors}, between, 1e-9, "the largest entry", call,
+        code=FUNCTIONS[name].code_for({}, None),
+    )  # fmt: skip
 
 
 def judgement(model, *functions, robot="some robot", file=None, diagnoses=(), order=None):

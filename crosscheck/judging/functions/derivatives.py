@@ -5,7 +5,6 @@ from __future__ import annotations
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import (
-    THROUGH_MASS,
     rate_size,
     relative_to,
     through_mass_matrix,
@@ -59,8 +58,8 @@ DERIVATIVES = (
     KnownFunction(
         "da_dq", ("q", "v", "tau"), ("n", "n"), "1/s², 1/(m s²), m/s²",
         ours=lambda states, _: _of_accelerations(states).da_dq,
-        errors=through_mass_matrix,
-        scale=THROUGH_MASS,
+        errors=through_mass_matrix(wrench_size),
+        scale="∣M∣ ∣∂a/∂q∣ and the largest entry of the joint wrenches, of M × the error",
         code="graphdyn.forward_dynamics_derivatives(model, q, v, tau).da_dq",
         pinocchio=lambda there, _: there.derived.da_dq,
         solves=True,
@@ -68,8 +67,8 @@ DERIVATIVES = (
     KnownFunction(
         "da_dv", ("q", "v", "tau"), ("n", "n"), "1/s, 1/(m s), m/s",
         ours=lambda states, _: _of_accelerations(states).da_dv,
-        errors=through_mass_matrix,
-        scale=THROUGH_MASS,
+        errors=through_mass_matrix(rate_size),
+        scale="∣M∣ ∣∂a/∂v∣ and the largest entry of M × largest velocity, of M × the error",
         code="graphdyn.forward_dynamics_derivatives(model, q, v, tau).da_dv",
         pinocchio=lambda there, _: there.derived.da_dv,
         solves=True,

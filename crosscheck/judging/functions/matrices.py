@@ -6,7 +6,7 @@ import numpy as np
 
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
-from crosscheck.judging.functions.measures import THROUGH_MASS, rate_size, relative_to, through_mass_matrix
+from crosscheck.judging.functions.measures import rate_size, relative_to, through_mass_matrix
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.referee.scales import largest, ratio, relative
 from graphdyn.layout import Array
@@ -44,8 +44,8 @@ MATRICES = (
     KnownFunction(
         "mass_matrix_inverse", ("q",), ("n", "n"), "1/(kg m²), 1/(kg m), 1/kg",
         ours=lambda states, _: graphdyn.mass_matrix_inverse(states.model, states.q),
-        errors=through_mass_matrix,
-        scale=THROUGH_MASS,
+        errors=through_mass_matrix(),
+        scale="∣M∣ ∣M⁻¹∣, of M × the error",
         code="graphdyn.mass_matrix_inverse(model, q)",
         pinocchio=lambda there, _: there.derived.mass_matrix_inverse,
         solves=True,

@@ -43,12 +43,14 @@ def columns_relative_to(*sizes: Size) -> Measure:
     return lambda x, y, states, _: by_parameter_type(x, y, *(size(states) for size in sizes))
 
 
-THROUGH_MASS = "∣M∣ ∣the matrix∣, of M × the error"
+def through_mass_matrix(*sizes: Size) -> Measure:
+    """Of accelerations in columns (N, n, p): M × the error, over the largest of ∣M∣ ∣reference∣ and the given sizes."""
 
+    def measure(x: Array, y: Array, states: JudgedStates, chosen: Chosen) -> Array:
+        required = [largest(np.abs(states.mass) @ np.abs(y)), *(size(states) for size in sizes)]
+        return ratio(largest(states.mass @ (x - y)), np.maximum.reduce(required))
 
-def through_mass_matrix(x: Array, y: Array, states: JudgedStates, chosen: Chosen) -> Array:
-    """Of accelerations in columns (N, n, p): M (x - y) over ∣M∣ ∣y∣, so that cond(M) does not enter."""
-    return ratio(largest(states.mass @ (x - y)), largest(np.abs(states.mass) @ np.abs(y)))
+    return measure
 
 
 def wrench_size(states: JudgedStates) -> Array:

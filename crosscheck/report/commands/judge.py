@@ -27,6 +27,9 @@ from crosscheck.report.report import (
 )
 from graphdyn.layout import Array
 
+MOST_STATES = 20
+"""Numbers of states without an answer that are listed at most; the page and the JSON file have all."""
+
 
 def judge_report(judgement: Judgement) -> Report:
     """The verdict and the diagnoses, then the numbers of every function."""
@@ -36,7 +39,7 @@ def judge_report(judgement: Judgement) -> Report:
         verdict_of(judgement.agrees, judgement.decided, _reason(judgement)),
         (
             *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
-            Section("errors", "Errors", (_errors(judgement), _to_be_known(judgement))),
+            Section("errors", "Errors", (_errors(judgement), *_read(judgement), _to_be_known(judgement))),
             Section("judged", "What was judged", _judged(judgement)),
             *(function_section(judgement, function) for function in judgement.functions.values()),
         ),
@@ -107,6 +110,32 @@ def _errors(judgement: Judgement) -> Table:
         ),
         caption="Largest error over all states against each reference implementation",
     )
+
+
+def _read(judgement: Judgement) -> tuple[Block, ...]:
+    """The conventions that the functions follow, and the states without an answer."""
+    functions = judgement.functions.values()
+    followed = tuple(
+        (function.name, ", ".join(f"{name}: {way}" for name, way in function.conventions.items()))
+        for function in functions
+        if function.conventions
+    )
+    failed = tuple(
+        (function.name, _states([failure.number + 1 for failure in function.failures]))
+        for function in functions
+        if function.failures
+    )
+    return (
+        *([Facts(followed, title="Conventions that the answers follow")] if followed else []),
+        *([Facts(failed, title="States without an answer")] if failed else []),
+    )
+
+
+def _states(numbers: list[int]) -> str:
+    """state 3; states 3, 7, 8"""
+    rest = len(numbers) - MOST_STATES
+    listed = ", ".join(map(str, numbers[:MOST_STATES])) + (f" and {rest} more" if rest > 0 else "")
+    return f"state{'s' if len(numbers) > 1 else ''} {listed}"
 
 
 def _largest(errors: Mapping[str, Array], referee: str) -> float | None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judgement import JudgedFunction, Judgement
 from crosscheck.report.commands.errors import ERROR, distribution, over_states, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
@@ -61,6 +62,7 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
                 "state, the random ones first",
                 "Against every reference implementation.",
             ),
+            *([_failed_states(function)] if function.failures else []),
             _worst_call(judgement.model, function),
             Code(
                 worst_call(judgement, function),
@@ -96,24 +98,24 @@ def _median(errors: Array) -> float:
 
 
 def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
-    """All entries of a vector in their order, or the MOST_ENTRIES of a matrix that differ most, worst first."""
-    names, expected, answer = model.joint_names, function.worst.expected, function.worst.answer
-    width, chosen = len(expected) // len(names), list(range(len(expected)))
-    if width > 1:
-        difference = [math.inf if math.isnan(y) else abs(x - y) for x, y in zip(expected, answer, strict=True)]
+    """All entries of a vector in their order, or the MOST_ENTRIES of an array that differ most, worst first."""
+    shape = FUNCTIONS[function.name].shape
+    expected, answer = function.worst.expected, function.worst.answer
+    sizes = [size or -1 for size in FUNCTIONS[function.name].shape_for(model.n_bodies)]
+    places = np.indices(np.reshape(expected, sizes).shape).reshape(len(shape), -1).T.tolist()
+    chosen = list(range(min(len(expected), len(answer))))
+    if len(shape) > 1:
+        difference = [math.inf if math.isnan(y) else abs(x - y) for x, y in zip(expected, answer, strict=False)]
         chosen = sorted(chosen, key=lambda k: difference[k], reverse=True)[:MOST_ENTRIES]
     differ = "Both answers where they differ most"
+    of_joints = shape[:1] == ("n",)
+    axes = [Column("joint" if of_joints else "row", "name"), *[Column("column", "number")] * (len(shape) - 1)]
     return Table(
-        (
-            Column("joint", "name"),
-            *([Column("column", "number")] if width > 1 else []),
-            *(Column(title, "number") for title in ("expected", "answer", "difference")),
-        ),
+        (*axes[: len(shape)], *(Column(title, "number") for title in ("expected", "answer", "difference"))),
         tuple(
             Row(
                 (
-                    names[k // width],
-                    *([k % width + 1] if width > 1 else []),
+                    *(_place(model, of_joints, axis, number) for axis, number in enumerate(places[k])),
                     f"{expected[k]:.9g}",
                     f"{answer[k]:.9g}",
                     f"{answer[k] - expected[k]:.2g}",
@@ -122,6 +124,19 @@ def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
             for k in chosen
         ),
         title="The worst call",
-        caption=differ if width == 1 else f"Largest differences of {len(expected)} entries",
+        caption=differ if len(shape) <= 1 else f"Largest differences of {len(expected)} entries",
+        on=("page",),
+    )
+
+
+def _place(model: RobotModel, of_joints: bool, axis: int, number: int) -> str | int:
+    return model.joint_names[number] if of_joints and axis == 0 else number + 1
+
+
+def _failed_states(function: JudgedFunction) -> Table:
+    return Table(
+        (Column("state", "number"), Column("what it did")),
+        tuple(Row((failure.number + 1, failure.message)) for failure in function.failures),
+        title="States without an answer",
         on=("page",),
     )

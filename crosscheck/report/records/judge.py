@@ -47,6 +47,17 @@ class JudgeWorstRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FailedStateRecord:
+    """A state at which the function gave no answer."""
+
+    number: int
+    """Of the state, from 0."""
+
+    message: str
+    """What the function did, and its arguments."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class FunctionRecord:
     """One function."""
 
@@ -73,6 +84,19 @@ class FunctionRecord:
 
     referees_differ_backward: Mapping[str, Quantiles]
     """Of each other referee's accelerations, by the torques that graphdyn computes for them."""
+
+    repeated: Quantiles
+    """Of the second answer to every question, asked in the reverse order, against the first: 0 for a function that
+    keeps nothing between calls.
+    """
+
+    conventions: Mapping[str, str]
+    """Those that the answers follow, where codes differ rightly, such as the reference of a Jacobian; empty where
+    there are none, or none is found.
+    """
+
+    failures: Sequence[FailedStateRecord]
+    """The states without an answer, which are in none of the errors."""
 
     worst: JudgeWorstRecord
     """The state of the largest error, to be reproduced."""
@@ -129,6 +153,21 @@ class JudgeRecord:
     joint_names: Sequence[str]
     """The order of the functions' joints."""
 
+    chain: tuple[str, str] | None
+    """Base link and tip link of the arm that was cut out; null for the whole robot."""
+
+    frame: str | None
+    """Of the functions that belong to one frame; null where none does."""
+
+    precision: Literal["double", "single"]
+    """In which the functions are said to compute."""
+
+    external_wrenches: bool
+    """Whether the functions that can take external wrenches were called with them."""
+
+    beyond_limits: bool
+    """Whether states outside the limits were added."""
+
     samples: int
     """Random states; special ones come on top."""
 
@@ -171,6 +210,8 @@ def _function(function: JudgedFunction) -> FunctionRecord:
             name: {referee: _quantiles(error) for referee, error in getattr(function, name).items()}
             for name in ("errors", "referees_differ", "backward_errors", "referees_differ_backward")
         },
+        repeated=_quantiles(function.repeated),
+        failures=[taken(FailedStateRecord, failure) for failure in function.failures],
         worst=taken(JudgeWorstRecord, function.worst),
     )
 
