@@ -7,14 +7,20 @@ from typing import Annotated, Literal
 
 import typer
 
-FUNCTIONS_HELP = """\b
-Functions, with their arguments:
-  q, v, a       inverse_dynamics joint_wrenches multipliers regressor base_regressor body_regressor
-                dtau_dq dtau_dv dwrenches_dq dwrenches_dv dwrenches_da frame_acceleration
-  q, v, tau     forward_dynamics da_dq da_dv
-  q, v          bias_torque coriolis_matrix kinetic_energy frame_velocity frame_jacobian_derivative
-  q             gravity_torque mass_matrix mass_matrix_inverse potential_energy frame_placement
-                frame_jacobian
+FUNCTIONS_HELP = """\\b
+Functions, after their arguments:
+  q, v, a               inverse_dynamics power joint_wrenches multipliers frame_acceleration
+                        dtau_dq dtau_dv dwrenches_dq dwrenches_dv dwrenches_da
+                        dmultipliers_dq dmultipliers_dv dmultipliers_da
+                        regressor base_regressor body_regressor
+  q, v, tau             forward_dynamics da_dq da_dv forward_dynamics_parameter_derivatives
+  q, v                  bias_torque coriolis_matrix frame_velocity frame_jacobian_derivative
+                        center_of_mass_velocity momentum kinetic_energy
+                        momentum_regressor kinetic_energy_regressor
+  q                     gravity_torque mass_matrix mass_matrix_inverse frame_placement frame_jacobian
+                        center_of_mass center_of_mass_jacobian centroidal_map potential_energy
+                        potential_energy_regressor
+  q, external_wrenches  static_torque
 """
 """Shapes and units are in docs/judge.md. Written out, because the help must not import what computes."""
 

@@ -7,20 +7,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from itertools import chain, combinations
+from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
-from crosscheck.judging.conventions import relative_errors
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judged_states import JudgedStates
 from graphdyn import Joint, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array
-
-FIRST = 5
-"""Number of states at which a fault is tried before it is tried at all of them."""
 
 ROUND = 1e-4
 """Distance of a fitted factor from 1 or -1 within which it is that number."""
@@ -39,36 +35,7 @@ class AnswerFault:
     answers: Answering
 
 
-@dataclass(frozen=True)
-class FoundFault:
-    """A fault that gives the answers of a function, the relative error that it leaves, and how the answers are read."""
-
-    kind: str
-    message: str
-    remedy: str
-    left: float
-    chosen: Chosen = field(default_factory=dict)
-
-
-def answer_fault(
-    known: KnownFunction, answer: Array, states: JudgedStates, declared: Chosen, bound: float
-) -> FoundFault | None:
-    """The first fault that leaves no more than the bound, by any reading in keeping with the declared conventions."""
-    few = np.arange(len(states.q)) < FIRST
-    for chosen in known.readings(declared):
-        ours = known.ours(states, chosen)
-        fitted = chain(_scaled(known, answer, ours, chosen), _per_joint(known, answer, ours, states.model))
-        for fault in chain(_faults(known, states), fitted):
-
-            def left(some: JudgedStates, given: Array, fault: AnswerFault = fault, chosen: Chosen = chosen) -> float:
-                return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())
-
-            if left(states.rows(few), answer[few]) <= bound and (rest := left(states, answer)) <= bound:
-                return FoundFault(fault.kind, fault.message, fault.remedy, rest, chosen)
-    return None
-
-
-def _faults(known: KnownFunction, states: JudgedStates) -> Iterator[AnswerFault]:
+def faults(known: KnownFunction, states: JudgedStates) -> Iterator[AnswerFault]:
     """All faults without free numbers."""
     yield AnswerFault("sign", "all answers have the opposite sign", "negate them", lambda s, c: -known.ours(s, c))
     yield from _layouts(known)
@@ -238,6 +205,17 @@ def _reversed(joint: Joint) -> Joint:
 def _back(joint: Joint) -> Joint:
     placement = joint.placement
     return dataclasses.replace(joint, placement=Placement(placement.rotation.T, placement.translation))
+
+
+def fitted_faults(
+    known: KnownFunction, answer: Array, ours: Array, chosen: Chosen, model: RobotModel
+) -> Iterator[AnswerFault]:
+    """Factors on the answers, fitted to those of the foreign function.
+
+    answer, ours: of the foreign function and of graphdyn, read as chosen   (N, …)
+    """
+    yield from _scaled(known, answer, ours, chosen)
+    yield from _per_joint(known, answer, ours, model)
 
 
 def _scaled(known: KnownFunction, answer: Array, ours: Array, chosen: Chosen) -> Iterator[AnswerFault]:

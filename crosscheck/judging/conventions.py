@@ -20,11 +20,13 @@ class FoundConventions:
     chosen: the way that fits best
     fits: whether most answers agree when read like this
     said: what is found out for the reader, "link or world" where both fit; empty if none fits
+    ours: graphdyn's answers, read as chosen                (N, …)
     """
 
     chosen: Chosen
     fits: bool
     said: Mapping[str, str]
+    ours: Array
 
 
 def found_conventions(
@@ -35,19 +37,21 @@ def found_conventions(
     answer: (N, …); declared: conventions that are known
     """
     readings = list(function.readings(declared))
-    errors = [relative_errors(function, answer, function.ours(states, chosen), states, chosen) for chosen in readings]
+    ours = [function.ours(states, chosen) for chosen in readings]
+    errors = [relative_errors(function, answer, x, states, chosen) for x, chosen in zip(ours, readings, strict=True)]
     deviating = np.array([(error > tolerance).sum() for error in errors])
     middle = np.array([np.median(error) for error in errors])
     best = int(np.lexsort((middle, deviating))[0])
     if middle[best] > tolerance:
-        return FoundConventions(readings[best], False, {})
+        return FoundConventions(readings[best], False, {}, ours[best])
+    first = int(np.flatnonzero(deviating == deviating[best])[0])
     as_good = [chosen for chosen, count in zip(readings, deviating, strict=True) if count == deviating[best]]
     said = {
         name: " or ".join(way for way in ways if any(chosen[name] == way for chosen in as_good))
         for name, ways in function.conventions.items()
     }
-    said |= {name: as_good[0][name] for name in function.widening}
-    return FoundConventions(as_good[0], True, said)
+    said |= {name: readings[first][name] for name in function.widening}
+    return FoundConventions(readings[first], True, said, ours[first])
 
 
 def relative_errors(

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from crosscheck.judging.answer_faults import FoundFault, answer_fault
+from crosscheck.judging.answer_search import FoundFault, answer_fault
 from crosscheck.judging.conventions import found_conventions, relative_errors
 from crosscheck.judging.diagnosis import EXPLAINED, diagnose
 from crosscheck.judging.foreign import ForeignFailure, ForeignFunction
@@ -81,7 +81,7 @@ def _of_numbers(
     if earlier := earlier_arguments(function, found.answers, found.asked, found.conventions.chosen, bound):
         return one(earlier)
     own = OWN_FAULTS.get(name)
-    if own is not None and (fault := own(found.answer, found.ours, found.states, bound)):
+    if own is not None and (fault := own(found.answer, found.conventions.ours, found.states, bound)):
         return one(fault)
     by_terms = [
         replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))

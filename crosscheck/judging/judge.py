@@ -16,6 +16,7 @@ from crosscheck.judging.conventions import check_declared
 from crosscheck.judging.diagnosis import merged
 from crosscheck.judging.explaining import diagnoses_of
 from crosscheck.judging.foreign import BatchFunction, ForeignFunction, joint_order
+from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
@@ -100,18 +101,19 @@ def judge(
             samples,
             seed,
             needs_tau=needs_tau,
-            loaded=external_wrenches,
+            loaded=external_wrenches or any(LOADS in FUNCTIONS[name].arguments for name in given),
             beyond_limits=beyond_limits,
             frame=frame,
         )
         say("evaluating the reference implementations")
         references = _references(states, notes)
-        unloaded = _references(replace(states, loads=None), notes) if external_wrenches else references
+        unloaded = references if states.loads is None else _references(replace(states, loads=None), notes)
+        loaded = references if external_wrenches else unloaded
         for name, f in given.items():
             say(f"judging {name}")
             known = FUNCTIONS[name]
             function = ForeignFunction(known, f, order, batched, external_wrenches)
-            against = references if known.takes_loads else unloaded
+            against = references if LOADS in known.arguments else loaded if known.takes_loads else unloaded
             answers = function.ask(*known.arguments_at(against.states))
             declared = {x: way for x, way in followed.items() if x in known.conventions}
             found = judged(function, answers, against, declared, bound)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from crosscheck.judging.answer_faults import FoundFault
+from crosscheck.judging.answer_search import FoundFault
 from crosscheck.judging.columns import column_fault
 from crosscheck.judging.functions.spans import column_space, outside_of
 from crosscheck.judging.judged_states import JudgedStates

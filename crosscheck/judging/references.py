@@ -40,9 +40,9 @@ class References:
         states = self.states
         return self._mujoco.evaluate(states.q, states.v, states.a, states.tau)
 
-    def answers(self, function: KnownFunction, chosen: Chosen) -> dict[str, Array]:
-        """By name of the reference implementation, of those that have the function; graphdyn's first."""
-        found = {"graphdyn": function.ours(self.states, chosen)}
+    def answers(self, function: KnownFunction, chosen: Chosen, ours: Array) -> dict[str, Array]:
+        """By name of the reference implementation, of those that have the function. ours: graphdyn's."""
+        found = {"graphdyn": ours}
         if function.pinocchio is not None:
             found["pinocchio"] = function.pinocchio(self.pinocchio, chosen)
         if function.mujoco is not None and self._mujoco is not None and self.states.loads is None:

@@ -9,7 +9,7 @@ from itertools import chain, combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.answer_faults import FIRST, FoundFault
+from crosscheck.judging.answer_search import FIRST, FoundFault
 from crosscheck.judging.conventions import relative_errors
 from crosscheck.judging.foreign import Answers, ForeignFailure, ForeignFunction
 from crosscheck.judging.functions.known_function import LOADS, Chosen, argument_at

@@ -20,7 +20,8 @@ class Judged:
 
     asked: all states, answers: what came back
     states: those that were answered
-    answer, ours: the answers there of the function and of graphdyn, by the same conventions   (N, …)
+    conventions: of the answers, with those of graphdyn read alike
+    answer: the answers there                               (N, …)
     """
 
     known: KnownFunction
@@ -30,7 +31,6 @@ class Judged:
     states: JudgedStates
     conventions: FoundConventions
     answer: Array
-    ours: Array
 
 
 def judged(
@@ -42,7 +42,7 @@ def judged(
     references = references.at(answers.answered)
     states = references.states
     found = found_conventions(known, answer, states, declared, tolerance)
-    theirs = references.answers(known, found.chosen)
+    theirs = references.answers(known, found.chosen, found.ours)
     others = {referee: x for referee, x in theirs.items() if referee != "graphdyn"}
     ours = theirs["graphdyn"]
 
@@ -78,4 +78,4 @@ def judged(
         code=known.code_for(found.chosen, states.frame),
         failures=tuple(FailedState(number, message) for number, message in answers.failures.items()),
     )
-    return Judged(known, verdict, all_states, answers, states, found, answer, ours)
+    return Judged(known, verdict, all_states, answers, states, found, answer)

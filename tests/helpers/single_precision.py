@@ -3,11 +3,12 @@
 import numpy as np
 
 import graphdyn
+from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.functions.table import FUNCTIONS
 from graphdyn._frame_choice import frame_choice
 from graphdyn.kernels.interpreter import Interpreter
 from graphdyn.kernels.programs import Request, record
-from graphdyn.kernels.recursions import ARRAYS
+from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
 
 RECURSION = {
     "inverse_dynamics": ("inverse_dynamics", "tau"),
@@ -16,11 +17,14 @@ RECURSION = {
     "multipliers": ("inverse_dynamics", "multipliers"),
     "regressor": ("joint_torque_regressor", "joint_torque_regressor"),
     "base_regressor": ("joint_torque_regressor", "joint_torque_regressor"),
+    "momentum": ("momentum", "about_center_of_mass"),
+    "kinetic_energy_regressor": ("energy_regressor", "kinetic"),
+    "potential_energy_regressor": ("energy_regressor", "potential"),
     "dtau_dq": ("inverse_dynamics_derivatives", "dtau_dq"),
     "dtau_dv": ("inverse_dynamics_derivatives", "dtau_dv"),
     "da_dq": ("forward_dynamics_derivatives", "da_dq"),
     "da_dv": ("forward_dynamics_derivatives", "da_dv"),
-    **{f"dwrenches_d{x}": ("reaction_derivatives", f"dwrenches_d{x}") for x in "qva"},
+    **{f"d{of}_d{x}": ("reaction_derivatives", f"d{of}_d{x}") for of in ("multipliers", "wrenches") for x in "qva"},
 }
 """Recursion and output of the functions whose own name is not that of both."""
 
@@ -30,14 +34,15 @@ def single_precision(model: graphdyn.RobotModel, name: str, frame: str | None = 
     recursion, output = RECURSION.get(name, (name, name))
     known = FUNCTIONS[name]
     choice = frame_choice(model, frame, "local") if known.needs_frame else None
-    program = record(model, Request(recursion, (output,), frame=choice))
-    run = Interpreter(program)
+    loaded = LOADS in known.arguments
+    run = Interpreter(record(model, Request(recursion, (output,), loaded, frame=choice)))
     shape = ARRAYS[output].shape_for(model.n_bodies)
 
     def function(*arguments):
-        given = zip(known.arguments, arguments, strict=True)
-        inputs = {key: x.astype(np.float32) for key, x in given}
         count = len(arguments[0])
+        given = dict(zip(known.arguments, arguments, strict=True))
+        given = {key: given.get(key, np.zeros_like(arguments[0])) for key in {*RECURSIONS[recursion].inputs, *given}}
+        inputs = {key: x.reshape(count, -1).astype(np.float32) for key, x in given.items()}
         answer = np.empty((count, int(np.prod(shape))), dtype=np.float32)
         run.bind(inputs, {output: answer})(0, count)
         return answer.reshape(count, *shape)

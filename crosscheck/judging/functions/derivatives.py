@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import (
@@ -11,6 +13,7 @@ from crosscheck.judging.functions.measures import (
     wrench_size,
 )
 from crosscheck.judging.judged_states import JudgedStates
+from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.layout import Array
 
 
@@ -22,19 +25,19 @@ def _of_accelerations(states: JudgedStates) -> graphdyn.ForwardDynamicsDerivativ
     return graphdyn.forward_dynamics_derivatives(states.model, states.q, states.v, states.tau)
 
 
-def _of_wrenches(name: str) -> KnownFunction:
-    """graphdyn alone knows them."""
+def _of_ours(verb: Callable[..., object], name: str) -> KnownFunction:
+    """A field of the answer of a verb; graphdyn alone knows it."""
 
     def ours(states: JudgedStates, chosen: Chosen) -> Array:
-        found: Array = getattr(graphdyn.reaction_derivatives(states.model, states.q, states.v, states.a), name)
+        found: Array = getattr(verb(states.model, states.q, states.v, states.a), name)
         return found
 
     return KnownFunction(
-        name, ("q", "v", "a"), ("n", 6, "n"), f"N, N m per {name[-1]}",
+        name, ("q", "v", "a"), ARRAYS[name].shape, ARRAYS[name].unit,
         ours=ours,
         errors=relative_to(),
         scale="largest entry of the derivatives",
-        code=f"graphdyn.reaction_derivatives(model, q, v, a).{name}",
+        code=f"graphdyn.{verb.__name__}(model, q, v, a).{name}",
     )  # fmt: skip
 
 
@@ -73,5 +76,9 @@ DERIVATIVES = (
         pinocchio=lambda there, _: there.derived.da_dv,
         solves=True,
     ),
-    *map(_of_wrenches, ("dwrenches_dq", "dwrenches_dv", "dwrenches_da")),
+    *(
+        _of_ours(graphdyn.reaction_derivatives, f"d{of}_d{x}")
+        for of in ("multipliers", "wrenches")
+        for x in "qva"
+    ),
 )  # fmt: skip

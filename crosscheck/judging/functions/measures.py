@@ -38,8 +38,9 @@ def parts_relative_to(linear: Size, angular: Size, axis: int = -1) -> Measure:
     return measure
 
 
-def columns_relative_to(*sizes: Size) -> Measure:
+def columns_relative_to(mass: Size, first_moment: Size, tensor: Size) -> Measure:
     """The largest error of the columns of m, of m c and of I of a regressor, each on its own scale."""
+    sizes = mass, first_moment, tensor
     return lambda x, y, states, _: by_parameter_type(x, y, *(size(states) for size in sizes))
 
 

@@ -52,3 +52,8 @@ class PinocchioAnswers:
         """rnea's τ (N, n) for other accelerations a (N, n), with the external wrenches."""
         states = self.states
         return self.referee.inverse_dynamics(states.q, states.v, a, states.loads)[0]
+
+    def required_at_rest(self) -> Array:
+        """rnea's τ (N, n) at rest, with the external wrenches."""
+        zero = np.zeros_like(self.states.q)
+        return self.referee.inverse_dynamics(self.states.q, zero, zero, self.states.all_loads)[0]

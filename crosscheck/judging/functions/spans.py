@@ -11,6 +11,10 @@ from graphdyn.layout import Array
 NO_COLUMN = 1e-10
 """Part of the largest singular value below which a direction of the column space is rounding."""
 
+WEAK = 0.1
+"""Part of the largest entry of all columns below which a column counts as smaller, so that rounding in a column of
+zeros does not count as a direction."""
+
 
 def span_errors(answer: Array, reference: Array, states: JudgedStates, chosen: Chosen) -> Array:
     """Per state, the largest entry of either regressor that no combination of the other's columns gives (N,).
@@ -40,8 +44,9 @@ def column_space(x: Array) -> Array:
 
 
 def _unit_columns(x: Array) -> Array:
-    """Columns over all states with largest entry 1 (N n, p); those of zeros stay."""
+    """Columns over all states with largest entry 1 (N n, p); weak ones with less."""
     columns = x.reshape(-1, x.shape[-1])
     largest = np.abs(columns).max(axis=0, initial=0.0)
-    found: Array = columns / np.where(largest > 0, largest, 1.0)
+    whole = largest.max(initial=0.0)
+    found: Array = columns / np.maximum(largest, WEAK * whole if whole > 0 else 1.0)
     return found

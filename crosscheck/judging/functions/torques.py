@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import graphdyn
-from crosscheck.judging.functions.known_function import Chosen, KnownFunction
+from crosscheck.judging.functions.known_function import LOADS, Chosen, KnownFunction
 from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to, relative_to, wrench_size
 from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
 from crosscheck.judging.judged_states import JudgedStates
@@ -38,6 +38,11 @@ def _gravity(states: JudgedStates, chosen: Chosen) -> Array:
 
 def _gravity_size(states: JudgedStates) -> Array:
     return largest(graphdyn.inverse_dynamics(states.model, states.q, 0 * states.v, 0 * states.a).joint_wrenches)
+
+
+def _static_size(states: JudgedStates) -> Array:
+    zero = np.zeros_like(states.q)
+    return largest(graphdyn.inverse_dynamics(states.model, states.q, zero, zero, states.all_loads).joint_wrenches)
 
 
 def _acceleration_errors(answer: Array, reference: Array, states: JudgedStates, chosen: Chosen) -> Array:
@@ -107,6 +112,23 @@ TORQUES = (
         scale=TORQUE_SCALE,
         code="graphdyn.gravity_torque(model, q)",
         pinocchio=lambda there, _: there.torques("computeGeneralizedGravity"),
+    ),
+    KnownFunction(
+        "static_torque", ("q", LOADS), ("n",), "N m or N",
+        ours=lambda states, _: graphdyn.static_torque(states.model, states.q, states.all_loads),
+        errors=relative_to(_static_size),
+        scale=TORQUE_SCALE,
+        code="graphdyn.static_torque(model, q, external_wrenches)",
+        pinocchio=lambda there, _: there.required_at_rest(),
+    ),
+    KnownFunction(
+        "power", ("q", "v", "a"), ("n",), "W",
+        ours=lambda states, _: graphdyn.power(states.model, states.q, states.v, states.a, states.loads),
+        errors=relative_to(lambda states: wrench_size(states) * largest(states.v)),
+        scale="largest entry of the joint wrenches × largest velocity",
+        code="graphdyn.power(model, q, v, a, external_wrenches)",
+        pinocchio=lambda there, _: there.loaded("tau") * there.states.v,
+        takes_loads=True,
     ),
     KnownFunction(
         "joint_wrenches", ("q", "v", "a"), ("n", 6), "N, N m",

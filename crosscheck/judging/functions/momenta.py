@@ -1,0 +1,106 @@
+"""Functions that answer the center of mass and the momentum of the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import graphdyn
+from crosscheck.judging.functions.known_function import Chosen, KnownFunction
+from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to, relative_to
+from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.referee.scales import center_offset, largest, largest_tensor
+from graphdyn.layout import ANGULAR, LINEAR, Array
+
+CENTER, ORIGIN = "the center of mass", "the world's origin"
+
+POINT = {"about": (CENTER, ORIGIN), **ORDER}
+"""Convention: the point of the angular momentum."""
+
+
+def _reach(states: JudgedStates) -> Array:
+    """Largest position of a link, and offset of a center of mass [m]."""
+    return largest(states.origins) + center_offset(states.model)
+
+
+def _lever(states: JudgedStates) -> Array:
+    return states.sizes.lever
+
+
+def _velocity(states: JudgedStates) -> Array:
+    return states.sizes.velocity
+
+
+def _mass(states: JudgedStates) -> float:
+    return sum(body.mass for body in states.model.bodies)
+
+
+def _linear(states: JudgedStates) -> Array:
+    return _mass(states) * states.sizes.velocity
+
+
+def _angular(states: JudgedStates) -> Array:
+    omega = largest(states.motion.velocity[..., ANGULAR])
+    return _linear(states) * (states.sizes.lever + _reach(states)) + largest_tensor(states.model) * omega
+
+
+def _linear_of_joint(states: JudgedStates) -> Array:
+    return _mass(states) * (1.0 + states.sizes.lever)
+
+
+def _angular_of_joint(states: JudgedStates) -> Array:
+    return _linear_of_joint(states) * (states.sizes.lever + _reach(states)) + largest_tensor(states.model)
+
+
+def _momentum(states: JudgedStates, chosen: Chosen) -> Array:
+    found = graphdyn.momentum(states.model, states.q, states.v)
+    return linear_first(found.about_center_of_mass if chosen["about"] == CENTER else found.about_origin, chosen)
+
+
+def _centroidal_map(states: JudgedStates, chosen: Chosen) -> Array:
+    found = graphdyn.centroidal_map(states.model, states.q)
+    if chosen["about"] == ORIGIN:
+        center = graphdyn.center_of_mass(states.model, states.q)
+        found = np.array(found)
+        found[:, ANGULAR] += np.cross(center[:, :, None], found[:, LINEAR], axis=1)
+    return linear_first(found, chosen, axis=-2)
+
+
+MOMENTA = (
+    KnownFunction(
+        "center_of_mass", ("q",), (3,), "m",
+        ours=lambda states, _: graphdyn.center_of_mass(states.model, states.q),
+        errors=relative_to(_reach),
+        scale="largest position of a link, and offset of a center of mass",
+        code="graphdyn.center_of_mass(model, q)",
+    ),
+    KnownFunction(
+        "center_of_mass_velocity", ("q", "v"), (3,), "m/s",
+        ours=lambda states, _: graphdyn.center_of_mass_velocity(states.model, states.q, states.v),
+        errors=relative_to(_velocity),
+        scale="‖ω‖ × lever + slide rate",
+        code="graphdyn.center_of_mass_velocity(model, q, v)",
+    ),
+    KnownFunction(
+        "center_of_mass_jacobian", ("q",), (3, "n"), "m or 1",
+        ours=lambda states, _: graphdyn.center_of_mass_jacobian(states.model, states.q),
+        errors=relative_to(_lever),
+        scale="lever",
+        code="graphdyn.center_of_mass_jacobian(model, q)",
+    ),
+    KnownFunction(
+        "momentum", ("q", "v"), (6,), "kg m/s, kg m²/s",
+        ours=_momentum,
+        errors=parts_relative_to(_linear, _angular),
+        scale="linear: mass × velocity; angular: the same × (lever, distance from the world's origin), tensor × ‖ω‖",
+        code="graphdyn.momentum(model, q, v).about_center_of_mass",
+        conventions=POINT,
+    ),
+    KnownFunction(
+        "centroidal_map", ("q",), (6, "n"), "kg m or kg, kg m² or kg m",
+        ours=_centroidal_map,
+        errors=parts_relative_to(_linear_of_joint, _angular_of_joint, axis=-2),
+        scale="linear rows: mass × lever; angular rows: the same × (lever, distance from the world's origin), tensor",
+        code="graphdyn.centroidal_map(model, q)",
+        conventions=POINT,
+    ),
+)  # fmt: skip

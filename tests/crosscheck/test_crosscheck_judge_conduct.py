@@ -1,0 +1,298 @@
+"""How a foreign function behaves from call to call, and where among the states it fails or deviates."""
+
+import json
+
+import numpy as np
+import pytest
+from single_precision import single_precision
+
+import crosscheck
+import graphdyn
+import urdf
+from crosscheck.judging.foreign import Refusal
+from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.judging.regions import region, roundest
+from crosscheck.referee.tolerances import FOREIGN, FOREIGN_SINGLE
+from crosscheck.report.commands.judge import judge_report
+from crosscheck.report.json import plain
+from crosscheck.report.records.judge import record
+from crosscheck.report.text import as_text
+from graphdyn import InvalidInput
+
+SAMPLES = 60
+REACTIONS = {f"d{of}_d{x}" for of in ("multipliers", "wrenches") for x in "qva"}
+"""Their programs take seconds to record; dtau_dq stands for them."""
+
+ELBOW, LIFT = 2, 1
+"""Numbers of the joints with faults."""
+
+
+@pytest.fixture(scope="module")
+def ur5():
+    return urdf.load("ur5")
+
+
+def tau_of(model):
+    return lambda q, v, a: graphdyn.inverse_dynamics(model, q, v, a).tau
+
+
+def judged(f, samples=SAMPLES, **options):
+    return crosscheck.judge("ur5", inverse_dynamics=f, samples=samples, **options)
+
+
+def only(judgement):
+    assert not judgement.agrees
+    (diagnosis,) = judgement.diagnoses
+    return diagnosis
+
+
+class TestStateBetweenCalls:
+    @pytest.mark.parametrize(
+        ("stale", "message"),
+        [
+            (["q"], "q is that of the call before"),
+            (["q", "v"], "q and v are those of the call before"),
+            (["q", "v", "a"], "q and v and a are those of the call before"),
+        ],
+    )
+    def test_arguments_of_the_call_before(self, ur5, stale, message):
+        kept = {}
+
+        def delayed(q, v, a):
+            now = {"q": q.copy(), "v": v.copy(), "a": a.copy()}
+            used = {**now, **{name: kept.get(name, now[name]) for name in stale}}
+            kept.update(now)
+            return tau_of(ur5)(used["q"], used["v"], used["a"])
+
+        diagnosis = only(judged(delayed))
+        assert (diagnosis.kind, diagnosis.message) == ("kept_state", message)
+        assert diagnosis.evidence.startswith("asked again in the reverse order, 71 of 71 answers differ, by a relative")
+        assert diagnosis.explains <= FOREIGN.bound
+
+    def test_what_is_computed_once(self, ur5):
+        kept = []
+
+        def once(q):
+            kept.append(graphdyn.mass_matrix(ur5, q))
+            return kept[0]
+
+        judgement = crosscheck.judge("ur5", mass_matrix=once, samples=SAMPLES)
+        assert only(judgement).message == "q is that of the first call"
+
+    def test_an_order_that_matters_in_another_way(self, ur5):
+        """Once it has seen a stretched elbow, it stays off."""
+        seen = []
+
+        def spoilt(q, v, a):
+            seen.append(q[ELBOW] > 2.5)
+            return tau_of(ur5)(q, v, a) + 1e-3 * any(seen)
+
+        diagnosis = only(judged(spoilt))
+        assert (diagnosis.kind, diagnosis.message) == ("kept_state", "an answer depends on the calls before it")
+
+    def test_right_the_first_time_alone(self, ur5):
+        """The first round agrees at every state; it does not count as agreement."""
+        calls = []
+
+        def worn(q, v, a):
+            calls.append(1)
+            return tau_of(ur5)(q, v, a) + 1e-3 * (len(calls) > SAMPLES + 11)
+
+        judgement = judged(worn)
+        (function,) = judgement.functions.values()
+        assert function.within(function.errors)
+        assert only(judgement).kind == "kept_state"
+        assert function.repeated.min() > FOREIGN.bound
+
+    def test_not_repeatable(self, ur5):
+        rng = np.random.default_rng(1)
+        diagnosis = only(judged(lambda q, v, a: tau_of(ur5)(q, v, a) + 1e-5 * rng.normal(size=6)))
+        assert diagnosis.kind == "not_repeatable"
+        assert diagnosis.message == "the same question, asked several times in a row, has different answers"
+
+    def test_an_answer_only_the_first_time(self, ur5):
+        calls = []
+
+        def tired(q, v, a):
+            calls.append(1)
+            if len(calls) > SAMPLES + 11:
+                raise RuntimeError("tired")
+            return tau_of(ur5)(q, v, a)
+
+        diagnosis = only(judged(tired))
+        assert diagnosis.kind == "kept_state"
+        assert diagnosis.evidence.endswith("71 of 71 answers differ, or fail")
+
+    def test_a_memory_that_does_no_harm(self, ur5):
+        memory = np.empty(6)
+
+        def reused(q, v, a):
+            memory[:] = tau_of(ur5)(q, v, a)
+            return memory
+
+        judgement = judged(reused)
+        assert judgement.agrees
+        assert judgement.functions["inverse_dynamics"].repeated.max() == 0.0
+
+    def test_changed_arguments_are_told(self, ur5):
+        def destructive(q, v, a):
+            tau = tau_of(ur5)(q, v, a)
+            q[0] += 1
+            a *= 0
+            return tau
+
+        judgement = judged(destructive, samples=3)
+        assert judgement.agrees
+        assert judgement.notes == (
+            "inverse_dynamics changes its argument a: give it a copy",
+            "inverse_dynamics changes its argument q: give it a copy",
+        )
+
+
+class TestSingleStates:
+    @pytest.fixture(scope="class")
+    def failing(self, ur5):
+        def narrow(q, v, a):
+            if q[ELBOW] > 2.5:
+                raise ValueError("elbow too far")
+            return tau_of(ur5)(q, v, a)
+
+        return judged(narrow)
+
+    def test_the_others_are_judged(self, failing):
+        (function,) = failing.functions.values()
+        states = np.random.default_rng(0)
+        q, _ = failing.model.random_state(states, SAMPLES + 11)
+        expected = np.flatnonzero(q[:-1, ELBOW] > 2.5)
+        assert [failure.number for failure in function.failures] == expected.tolist()
+        assert all(len(errors) == SAMPLES + 11 - len(expected) for errors in function.errors.values())
+        assert function.within(function.errors)
+        assert not function.agrees
+
+    def test_they_are_named(self, failing):
+        diagnosis = only(failing)
+        assert diagnosis.kind == "no_answer"
+        assert diagnosis.message == "no answer at 12 of 71 states, only where q of joint 'elbow_joint' > 2.5 rad"
+        assert diagnosis.evidence.startswith("inverse_dynamics raised ValueError: elbow too far (")
+
+    def test_they_are_shown(self, failing):
+        text = " ".join(as_text(judge_report(failing), 100).split())
+        assert "States without an answer inverse_dynamics states " in text
+        written = plain(record(failing, []))["functions"]["inverse_dynamics"]["failures"]
+        assert len(written) == 12
+        assert set(written[0]) == {"number", "message"}
+        json.dumps(written, allow_nan=False)
+
+    def test_refusals_of_a_batch(self, ur5):
+        class Batch:
+            def answers(self, function, states, shape):
+                assert (function, shape) == ("inverse_dynamics", (6,))
+                return [Refusal("too far") if state["q"][ELBOW] > 2.5 else tau_of(ur5)(**state) for state in states]
+
+        diagnosis = only(judged(Batch()))
+        assert diagnosis.message == "no answer at 12 of 71 states, only where q of joint 'elbow_joint' > 2.5 rad"
+        assert diagnosis.evidence.startswith("inverse_dynamics has no answer: too far; at q = [")
+
+    def test_numbers_that_are_not_finite(self, ur5):
+        diagnosis = only(judged(lambda q, v, a: tau_of(ur5)(q, v, a) + (np.nan if q[ELBOW] > 2.5 else 0.0)))
+        assert diagnosis.message == "the answers are not finite"
+        assert diagnosis.evidence == "12 of 71 answers, only where q of joint 'elbow_joint' > 2.5 rad"
+
+    def test_shapes_that_differ(self, ur5):
+        with pytest.raises(
+            crosscheck.judging.foreign.ForeignFailure, match=r"returned different shapes at different sta"
+        ):
+            crosscheck.judge(
+                "ur5",
+                base_regressor=lambda q, v, a: graphdyn.joint_torque_regressor(ur5, q, v, a)[:, : 60 - (q[0] > 0)],
+                samples=5,
+            )
+
+
+class TestRegions:
+    @pytest.mark.parametrize(
+        ("within", "where"),
+        [
+            (lambda m, q, v, a: q[ELBOW] > 2, "q of joint 'elbow_joint' > 2 rad"),
+            (lambda m, q, v, a: q[ELBOW] < -1.5, "q of joint 'elbow_joint' < -1.5 rad"),
+            (
+                lambda m, q, v, a: abs(v[LIFT]) > 0.8 * m.joints[LIFT].limits.velocity,
+                "∣v∣ of joint 'shoulder_lift_joint' > 2.52 rad/s (80 % of its limit)",
+            ),
+            (
+                lambda m, q, v, a: q[0] > 0 and a[LIFT] > 3,
+                "q of joint 'shoulder_pan_joint' > 0 rad and a of joint 'shoulder_lift_joint' > 3 rad/s²",
+            ),
+        ],
+    )
+    def test_found(self, ur5, within, where):
+        def foreign(q, v, a):
+            return tau_of(ur5)(q, v, a) + 0.3 * bool(within(ur5, q, v, a))
+
+        diagnosis = only(judged(foreign, samples=100))
+        assert (diagnosis.kind, diagnosis.message) == ("region", f"the answers deviate only where {where}")
+        assert diagnosis.evidence.endswith(f"states deviate, only where {where}")
+
+    def test_chance_is_no_region(self, ur5):
+        """Two of 71 states, at random: some quantity always separates them."""
+        states = crosscheck.judging.judged_states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
+        for seed in range(200):
+            chosen = np.zeros(SAMPLES + 11, dtype=bool)
+            chosen[np.random.default_rng(seed).choice(len(chosen), 2, replace=False)] = True
+            assert region(chosen, states, ("q", "v", "a")) is None
+
+    def test_no_state_and_all_states_are_no_region(self, ur5):
+        states = crosscheck.judging.judged_states.JudgedStates.draw(ur5, 3, 0, needs_tau=False)
+        for all_or_none in (np.ones(14, dtype=bool), np.zeros(14, dtype=bool)):
+            assert region(all_or_none, states, "q") is None
+
+    @pytest.mark.parametrize(
+        ("x", "y", "between"),
+        [(1.93, 2.14, 2.0), (-0.02, 0.03, 0.0), (0.71, 0.752, 0.71), (-3.3, -2.6, -3.0), (480.0, 770.0, 500.0)],
+    )
+    def test_the_roundest_number_between(self, x, y, between):
+        assert roundest(x, y) == roundest(y, x) == between
+
+    def test_beyond_the_limits(self, ur5):
+        """A function that cuts off at the limits is right within them."""
+        lower, upper = np.transpose([(joint.limits.lower, joint.limits.upper) for joint in ur5.joints])
+
+        def cut(q, v, a):
+            return tau_of(ur5)(np.clip(q, lower, upper), v, a)
+
+        assert judged(cut).agrees
+        judgement = judged(cut, beyond_limits=True)
+        assert not judgement.agrees
+        assert judgement.beyond_limits
+        (function,) = judgement.functions.values()
+        assert all(len(errors) == SAMPLES + 11 + SAMPLES // 5 for errors in function.errors.values())
+        assert (function.largest_errors[:SAMPLES] <= function.bound).all()
+
+    def test_a_fault_beyond_the_limits_of_velocity(self, ur5):
+        limit = ur5.joints[LIFT].limits.velocity
+
+        def saturated(q, v, a):
+            return tau_of(ur5)(q, v, a) * (1.1 if abs(v[LIFT]) > limit else 1.0)
+
+        diagnosis = only(judged(saturated, samples=100, beyond_limits=True))
+        assert diagnosis.message == (
+            "the answers deviate only where ∣v∣ of joint 'shoulder_lift_joint' > 3.15 rad/s (100 % of its limit)"
+        )
+
+
+class TestPrecision:
+    @pytest.mark.parametrize("name", sorted(set(FUNCTIONS) - {"frame_placement", *REACTIONS}))
+    def test_single(self, ur5, name):
+        """The recursions in single precision: no agreement in double, agreement in single."""
+        options = {name: single_precision(ur5, name, "wrist_3_link"), "frame": "wrist_3_link", "batched": True}
+        judgement = crosscheck.judge("ur5", **options, precision="single", samples=10)
+        assert judgement.agrees
+        (function,) = judgement.functions.values()
+        assert FOREIGN.bound < function.errors["graphdyn"].max() <= function.bound == FOREIGN_SINGLE.bound
+        assert judgement.precision == "single"
+
+    def test_tolerance_comes_first(self, ur5):
+        f = single_precision(ur5, "inverse_dynamics")
+        assert not judged(f, precision="single", tolerance=1e-12, batched=True, samples=3).agrees
+        with pytest.raises(InvalidInput, match="precision is 'half'; give one of 'double', 'single'"):
+            judged(f, precision="half")
