@@ -39,25 +39,28 @@ class Quantity:
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """The states on one side of a threshold: all those that deviate, and others.
+    """One side of a threshold: all states that deviate, and others.
 
-    inside: (N,); nearest: the values between which the threshold lies
+    inside: the states on this side (N,)
     """
 
     quantity: Quantity
     above: bool
     inside: NDArray[np.bool_]
-    nearest: tuple[float, float]
 
-    def __str__(self) -> str:
-        """Such as "q of joint 'elbow' > 2 rad", "∣v∣ of joint 'elbow' > 2.4 rad/s (80 % of its limit)"."""
-        sign, limit, (x, y) = ">" if self.above else "<", self.quantity.limit, self.nearest
-        edge = roundest(x, y)
-        part = ""
+    def said(self, among: NDArray[np.bool_]) -> str:
+        """Such as "q of joint 'elbow' > 2 rad", "∣v∣ of joint 'elbow' > 2.4 rad/s (80 % of its limit)".
+
+        among: the states that tell where the threshold is (N,)
+        """
+        values, limit = self.quantity.values, self.quantity.limit
+        sign = 1.0 if self.above else -1.0
+        x, y = sign * (sign * values[self.inside]).min(), sign * (sign * values[among & ~self.inside]).max()
+        edge, part = roundest(x, y), ""
         if limit:
             percent = roundest(100 * x / limit, 100 * y / limit)
             edge, part = percent * limit / 100, f" ({percent:.12g} % of its limit)"
-        return f"{self.quantity.name} {sign} {edge:.6g}{self.quantity.unit}{part}"
+        return f"{self.quantity.name} {'>' if self.above else '<'} {edge:.6g}{self.quantity.unit}{part}"
 
 
 def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collection[str]) -> str | None:
@@ -75,22 +78,23 @@ def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collec
         return None
     single = [side for side in sides if np.array_equal(side.inside, deviating)]
     if single:
-        return str(single[0])
+        return single[0].said(np.ones(total, dtype=bool))
     if (2 * len(known)) ** 2 * total * by_chance > CHANCE:
         return None
     pairs = ((x, y) for x, y in combinations(sides, 2) if np.array_equal(x.inside & y.inside, deviating))
     found = next(pairs, None)
-    return None if found is None else f"{found[0]} and {found[1]}"
+    if found is None:
+        return None
+    x, y = found
+    return f"{x.said(y.inside)} and {y.said(x.inside)}"
 
 
 def _sides(quantity: Quantity, deviating: NDArray[np.bool_]) -> Iterator[Side]:
     """The tightest threshold from either side that has all deviating states beyond it."""
-    values = quantity.values
-    for above, sign in ((True, 1.0), (False, -1.0)):
-        edge = (sign * values[deviating]).min()
-        inside = sign * values >= edge
+    for above, values in ((True, quantity.values), (False, -quantity.values)):
+        inside = values >= values[deviating].min()
         if not inside.all():
-            yield Side(quantity, above, inside, (float(sign * edge), float(sign * (sign * values[~inside]).max())))
+            yield Side(quantity, above, inside)
 
 
 def quantities(states: JudgedStates, arguments: Collection[str]) -> Iterator[Quantity]:
@@ -111,11 +115,11 @@ def quantities(states: JudgedStates, arguments: Collection[str]) -> Iterator[Qua
 
 
 def roundest(x: float, y: float) -> float:
-    """The number with the fewest digits between two numbers."""
+    """The roundest number between two numbers: a multiple of as large a power of ten as can be, or of half of one."""
     lower, upper = min(x, y), max(x, y)
     for digits in range(-6, 16):
-        step = 10.0**-digits
-        rounded = np.ceil(lower / step) * step
-        if rounded <= upper:
-            return float(round(rounded, max(digits, 0)))
+        for step in (10.0**-digits, 0.5 * 10.0**-digits):
+            rounded = round(float(np.ceil(lower / step)) * step, max(digits + 1, 0))
+            if rounded <= upper:
+                return rounded + 0.0  # not -0
     return lower

@@ -28,6 +28,17 @@ def rnea(q, v, a):
 def upside_down(q, v, a):
     return graphdyn.inverse_dynamics(ur5.with_gravity(-ur5.gravity), q, v, a).tau
 
+def loaded(q, v, a, external_wrenches):
+    return graphdyn.inverse_dynamics(ur5, q, v, a, external_wrenches).tau
+
+def jacobian(q):
+    return graphdyn.frame_jacobian(ur5, q, "wrist_3_link", reference="local")
+
+def picky(q, v, a):
+    if q[0] > 2:
+        raise ValueError("too far")
+    return rnea(q, v, a)
+
 def broken(q, v, a):
     raise RuntimeError("out of ideas")
 """

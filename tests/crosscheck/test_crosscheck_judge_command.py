@@ -51,6 +51,57 @@ class TestJudge:
         assert done.code == BAD_INPUT  # the foreign code does not know of the lock
         assert "inverse_dynamics raised" in done.err
 
+    def test_any_function_of_the_table(self, program, my_code, tmp_path):
+        """A function of a frame, with a convention; what it follows is on the terminal and in the JSON file."""
+        given = ("--function", "frame_jacobian=my_code.py:jacobian", "--frame", "wrist_3_link", "--samples", 3)
+        done = program("judge", "ur5", *given, "--json", tmp_path / "x.json")
+        assert done.code == AGREED
+        assert "Conventions that the answers follow" in done.out
+        assert re.search(r"frame_jacobian +reference: local, order: linear first", done.out)
+        written = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+        assert written["frame"] == "wrist_3_link"
+        assert written["functions"]["frame_jacobian"]["conventions"] == {"reference": "local", "order": "linear first"}
+        assert program("judge", "ur5", *given, "--convention", "reference=local").code == AGREED
+        other = program("judge", "ur5", *given, "--convention", "reference=world")
+        assert other.code == DISAGREED
+        assert "follow another convention: reference is 'local', not 'world' [convention]" in other.out
+
+    def test_loads_batches_chain_gravity_precision(self, program, my_code):
+        loaded = ("--inverse-dynamics", "my_code.py:loaded", "--external-wrenches", "--batched")
+        assert program("judge", "ur5", *loaded, "--precision", "single", "--samples", 3).code == AGREED
+        cut = ("--chain", "base_link", "wrist_3_link", "--gravity", 0, 0, -1.62, "--beyond-limits", "--samples", 3)
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", *cut)
+        assert done.code == DISAGREED
+        assert "gravity is 9.81 m/s², not 1.62 m/s²" in done.out
+
+    def test_states_without_an_answer(self, program, my_code):
+        done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:picky", "--samples", 20)
+        assert done.code == DISAGREED
+        assert "States without an answer" in done.out
+        assert re.search(r"inverse_dynamics +states \d+, \d+", done.out)
+        assert "[no_answer]" in done.out
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            (("--function", "rnea"), "--function rnea: give NAME=FILE.py:FUNCTION"),
+            (("--function", "no_such=my_code.py:rnea"), "there is no function 'no_such' to judge; known are "),
+            (
+                ("--function", "inverse_dynamics=my_code.py:rnea", "--inverse-dynamics", "my_code.py:rnea"),
+                "--function inverse_dynamics=my_code.py:rnea: inverse_dynamics is given twice",
+            ),
+            (
+                ("--inverse-dynamics", "my_code.py:rnea", "--convention", "reference"),
+                "--convention reference: give NAME=WAY",
+            ),
+            (("--function", "frame_jacobian=my_code.py:jacobian"), "give frame=, the name of a link"),
+        ],
+    )
+    def test_refused(self, program, my_code, options, message):
+        done = program("judge", "ur5", *options)
+        assert done.code == BAD_INPUT
+        assert message in " ".join(re.sub("[│╭╰─╮╯]", " ", done.err).split())
+
     @pytest.mark.parametrize(
         ("text", "message"),
         [

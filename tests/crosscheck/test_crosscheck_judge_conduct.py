@@ -149,16 +149,17 @@ class TestStateBetweenCalls:
         )
 
 
+@pytest.fixture(scope="module")
+def failing(ur5):
+    def narrow(q, v, a):
+        if q[ELBOW] > 2.5:
+            raise ValueError("elbow too far")
+        return tau_of(ur5)(q, v, a)
+
+    return judged(narrow)
+
+
 class TestSingleStates:
-    @pytest.fixture(scope="class")
-    def failing(self, ur5):
-        def narrow(q, v, a):
-            if q[ELBOW] > 2.5:
-                raise ValueError("elbow too far")
-            return tau_of(ur5)(q, v, a)
-
-        return judged(narrow)
-
     def test_the_others_are_judged(self, failing):
         (function,) = failing.functions.values()
         states = np.random.default_rng(0)
@@ -248,7 +249,7 @@ class TestRegions:
 
     @pytest.mark.parametrize(
         ("x", "y", "between"),
-        [(1.93, 2.14, 2.0), (-0.02, 0.03, 0.0), (0.71, 0.752, 0.71), (-3.3, -2.6, -3.0), (480.0, 770.0, 500.0)],
+        [(1.93, 2.14, 2.0), (-0.02, 0.03, 0.0), (0.71, 0.752, 0.75), (-3.3, -2.6, -3.0), (480.0, 770.0, 500.0)],
     )
     def test_the_roundest_number_between(self, x, y, between):
         assert roundest(x, y) == roundest(y, x) == between
@@ -288,7 +289,7 @@ class TestPrecision:
         judgement = crosscheck.judge("ur5", **options, precision="single", samples=10)
         assert judgement.agrees
         (function,) = judgement.functions.values()
-        assert FOREIGN.bound < function.errors["graphdyn"].max() <= function.bound == FOREIGN_SINGLE.bound
+        assert FOREIGN.bound < function.largest_errors.max() <= function.bound == FOREIGN_SINGLE.bound
         assert judgement.precision == "single"
 
     def test_tolerance_comes_first(self, ur5):
