@@ -51,5 +51,6 @@ FOREIGN = Tolerance(
 )
 FOREIGN_SINGLE = Tolerance(
     1e-5,
-    "the recursions of graphdyn, carried out in single precision, err by up to TODO",
+    "graphdyn's recursions, every operation in single precision, err by up to 2.3e-6, derivatives of accelerations by "
+    "the parameters by 7e-6; measured on 55 robots, all but a five-bar linkage cut open, whose errors reach 4e-5",
 )

@@ -1,6 +1,7 @@
 """Every function of the table: a right one agrees, whatever convention it follows; a wrong one is found and named."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -389,3 +390,12 @@ class TestOptions:
         listed = {name: arguments for arguments, first, rest in lines for name in (first + rest).split()}
         assert listed == {name: ", ".join(known.arguments) for name, known in FUNCTIONS.items()}
         assert "base_regressor" in CliRunner().invoke(app, ["judge", "--help"]).output
+
+
+def test_the_guide_lists_every_function():
+    """Name and arguments of each row of the table in docs/judge.md."""
+    guide = (Path(__file__).parents[2] / "docs" / "judge.md").read_text(encoding="utf-8")
+    table = guide.split("| argument of `judge` |")[1].split("\n\n")[0]
+    rows = [line.split("|")[1:3] for line in table.splitlines() if line.startswith("| `")]
+    listed = {name: arguments.strip() for names, arguments in rows for name in re.findall(r"`(\w+)`", names)}
+    assert listed == {name: ", ".join(known.arguments) for name, known in FUNCTIONS.items()}
