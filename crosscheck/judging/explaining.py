@@ -37,7 +37,7 @@ def diagnoses_of(
     verdict, diagnoses = found.verdict, []
     if verdict.failures:
         diagnoses.append(_failures(function, found))
-    if not verdict.within({"again": verdict.repeated}):
+    if not verdict.repeats:
         chosen, differences = found.conventions.chosen, verdict.repeated
         kept = kept_between_calls(function, found.answers, found.asked, chosen, differences, verdict.bound)
         return [*diagnoses, kept]

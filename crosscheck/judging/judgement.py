@@ -81,8 +81,17 @@ class JudgedFunction:
 
         NaN is not agreement, nor is a missing answer.
         """
-        own = {"again": self.repeated}
-        return not self.failures and all(map(self.within, (self.errors, self.backward_errors, own)))
+        return self.right_where_answered and self.repeats and not self.failures
+
+    @property
+    def right_where_answered(self) -> bool:
+        """Whether the answers that there are agree with every referee, forward and backward."""
+        return self.within(self.errors) and self.within(self.backward_errors)
+
+    @property
+    def repeats(self) -> bool:
+        """Whether it agrees with itself when asked again."""
+        return self.within({"again": self.repeated})
 
     @property
     def referees_agree(self) -> bool:

@@ -103,6 +103,7 @@ class TestStateBetweenCalls:
         assert function.within(function.errors)
         assert only(judgement).kind == "kept_state"
         assert function.repeated.min() > FOREIGN.bound
+        assert "inverse_dynamics: other answers when asked again." in as_text(judge_report(judgement), 100)
 
     def test_not_repeatable(self, ur5):
         rng = np.random.default_rng(1)
@@ -178,6 +179,7 @@ class TestSingleStates:
 
     def test_they_are_shown(self, failing):
         text = " ".join(as_text(judge_report(failing), 100).split())
+        assert "Foreign functions for ur5: DISAGREES inverse_dynamics: no answer at single states. " in text
         assert "States without an answer inverse_dynamics states " in text
         written = plain(record(failing, []))["functions"]["inverse_dynamics"]["failures"]
         assert len(written) == 12

@@ -13,7 +13,13 @@ import graphdyn
 import urdf
 from crosscheck.cli.application import app
 from crosscheck.cli.judge_options import FUNCTIONS_HELP
+from crosscheck.judging import judge as judging
 from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.report.commands.judge import judge_report
+from crosscheck.report.html import page as page_of
+from crosscheck.report.snippets import worst_call
+from crosscheck.report.text import as_text
+from crosscheck.report.versions import versions
 from graphdyn import InvalidInput, UnknownFrame
 
 SAMPLES = 20
@@ -399,3 +405,41 @@ def test_the_guide_lists_every_function():
     rows = [line.split("|")[1:3] for line in table.splitlines() if line.startswith("| `")]
     listed = {name: arguments.strip() for names, arguments in rows for name in re.findall(r"`(\w+)`", names)}
     assert listed == {name: ", ".join(known.arguments) for name, known in FUNCTIONS.items()}
+
+
+class TestReport:
+    @pytest.fixture(scope="class")
+    @classmethod
+    def judgement(cls, code):
+        """All functions, each off by a part in a thousand of its own answer; those of frames by the reference local."""
+        right = {**code.functions(), **code.of_frame("local"), **own_functions(code.model)}
+        wrong = {name: lambda *state, f=f: 1.001 * np.asarray(f(*state)) for name, f in right.items()}
+        del wrong["base_regressor"]  # every multiple of it is right
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(judging, "diagnoses_of", lambda *_: [])  # not what this is about
+            return judged(**wrong, joint_names=code.names, samples=1)
+
+    def test_code_reproduces_what_was_expected(self, judgement, capsys):
+        """The Python that the page shows, run as it stands."""
+        for name, function in judgement.functions.items():
+            names = {}
+            exec(worst_call(judgement, function), names)
+            assert np.allclose(names["expected"], function.worst.expected, rtol=0, atol=1e-9), name
+        assert capsys.readouterr().out
+        without = {name for name, function in judgement.functions.items() if function.code is None}
+        assert without == {"potential_energy"}  # nearest to the wrong one with another zero: the numbers are shown
+
+    def test_page_and_terminal(self, judgement):
+        report = judge_report(judgement)
+        assert "kinetic_energy" in as_text(report, 100)
+        page = page_of(report, ["graphdyn", "judge"], versions())
+        for name in judgement.functions:
+            assert f'id="{name}"' in page
+        assert "Largest differences of 36 entries" in page
+        assert "Conventions that the answers follow" not in page
+
+    def test_conventions_are_shown(self, code):
+        report = judge_report(judged(frame_velocity=code.of_frame("local")["frame_velocity"], samples=1))
+        for shown in (as_text(report, 100), page_of(report, ["graphdyn", "judge"], versions())):
+            assert "Conventions that the answers follow" in shown
+            assert "reference: local, order: linear first" in shown

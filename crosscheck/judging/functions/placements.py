@@ -44,7 +44,7 @@ PLACEMENTS = (
         ours=_placement,
         errors=_errors,
         scale="rotations: 1; positions: largest position of a link, offset of a center of mass",
-        code="graphdyn.frame_placement(model, q, {frame!r})",
+        code="np.vstack([np.column_stack(graphdyn.frame_placement(model, q, {frame!r})), [0, 0, 0, 1]])",
         pinocchio=_placement_of_pinocchio,
         needs_frame=True,
     ),

@@ -53,9 +53,16 @@ def _reason(judgement: Judgement) -> str:
         return (
             f"Every function gives the same numbers as every reference implementation ({referees}), within its bound."
         )
-    wrong = ", ".join(function.name for function in functions if function.referees_agree and not function.agrees)
+    faulty = [function for function in functions if function.referees_agree and not function.agrees]
+    wrong = ", ".join(function.name for function in faulty if not function.right_where_answered)
     if judgement.decided:
-        return f"{wrong}: other numbers than the reference implementations ({referees}), which agree among themselves."
+        other = f"{wrong}: other numbers than the reference implementations ({referees}), which agree among themselves."
+        told = [other] if wrong else []
+        if unanswered := ", ".join(function.name for function in faulty if function.failures):
+            told.append(f"{unanswered}: no answer at single states.")
+        if changing := ", ".join(function.name for function in faulty if not function.repeats):
+            told.append(f"{changing}: other answers when asked again.")
+        return " ".join(told)
     undecided = ", ".join(function.name for function in functions if not function.referees_agree)
     others = f" {wrong}: other numbers than all of them, which agree among themselves there." if wrong else ""
     return (

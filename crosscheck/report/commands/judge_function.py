@@ -102,7 +102,7 @@ def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
     shape = FUNCTIONS[function.name].shape
     expected, answer = function.worst.expected, function.worst.answer
     sizes = [size or -1 for size in FUNCTIONS[function.name].shape_for(model.n_bodies)]
-    places = np.indices(np.reshape(expected, sizes).shape).reshape(len(shape), -1).T.tolist()
+    places = list(np.ndindex(np.reshape(expected, sizes).shape))
     chosen = list(range(min(len(expected), len(answer))))
     if len(shape) > 1:
         difference = [math.inf if math.isnan(y) else abs(x - y) for x, y in zip(expected, answer, strict=False)]
