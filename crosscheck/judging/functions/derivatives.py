@@ -48,7 +48,7 @@ DERIVATIVES = (
         errors=relative_to(wrench_size, lambda states: states.sizes.spin),
         scale="largest entry of the joint wrenches",
         code="graphdyn.inverse_dynamics_derivatives(model, q, v, a).dtau_dq",
-        pinocchio=lambda there, _: there.derived.dtau_dq,
+        pinocchio=lambda there, _: there.derived("dtau_dq"),
     ),
     KnownFunction(
         "dtau_dv", ("q", "v", "a"), ("n", "n"), "N m s, N s, N s/m",
@@ -56,7 +56,7 @@ DERIVATIVES = (
         errors=relative_to(rate_size),
         scale="largest entry of M × largest velocity",
         code="graphdyn.inverse_dynamics_derivatives(model, q, v, a).dtau_dv",
-        pinocchio=lambda there, _: there.derived.dtau_dv,
+        pinocchio=lambda there, _: there.derived("dtau_dv"),
     ),
     KnownFunction(
         "da_dq", ("q", "v", "tau"), ("n", "n"), "1/s², 1/(m s²), m/s²",
@@ -64,7 +64,7 @@ DERIVATIVES = (
         errors=through_mass_matrix(wrench_size),
         scale="∣M∣ ∣∂a/∂q∣ and the largest entry of the joint wrenches, of M × the error",
         code="graphdyn.forward_dynamics_derivatives(model, q, v, tau).da_dq",
-        pinocchio=lambda there, _: there.derived.da_dq,
+        pinocchio=lambda there, _: there.derived("da_dq"),
         solves=True,
     ),
     KnownFunction(
@@ -73,7 +73,7 @@ DERIVATIVES = (
         errors=through_mass_matrix(rate_size),
         scale="∣M∣ ∣∂a/∂v∣ and the largest entry of M × largest velocity, of M × the error",
         code="graphdyn.forward_dynamics_derivatives(model, q, v, tau).da_dv",
-        pinocchio=lambda there, _: there.derived.da_dv,
+        pinocchio=lambda there, _: there.derived("da_dv"),
         solves=True,
     ),
     *(

@@ -35,7 +35,7 @@ ENERGIES = (
         errors=relative_to(),
         scale="the kinetic energy",
         code="graphdyn.kinetic_energy(model, q, v)",
-        pinocchio=lambda there, _: there.derived.kinetic_energy,
+        pinocchio=lambda there, _: there.derived("kinetic_energy"),
     ),
     KnownFunction(
         "potential_energy", ("q",), (), "J",
@@ -43,7 +43,7 @@ ENERGIES = (
         errors=_potential_errors,
         scale="weight × (largest position of a link + offset of a center of mass)",
         code="graphdyn.potential_energy(model, q)",
-        pinocchio=lambda there, _: there.derived.potential_energy,
+        pinocchio=lambda there, _: there.derived("potential_energy"),
         conventions={"zero": (WORLD_ORIGIN, "elsewhere")},
         widening=("zero",),
     ),

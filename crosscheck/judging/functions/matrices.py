@@ -47,7 +47,7 @@ MATRICES = (
         errors=through_mass_matrix(),
         scale="∣M∣ ∣M⁻¹∣, of M × the error",
         code="graphdyn.mass_matrix_inverse(model, q)",
-        pinocchio=lambda there, _: there.derived.mass_matrix_inverse,
+        pinocchio=lambda there, _: there.derived("mass_matrix_inverse"),
         solves=True,
     ),
     KnownFunction(
@@ -56,7 +56,7 @@ MATRICES = (
         errors=_coriolis_errors,
         scale="largest entry of M × largest velocity",
         code="graphdyn.coriolis_matrix(model, q, v)",
-        pinocchio=lambda there, _: there.derived.coriolis_matrix,
+        pinocchio=lambda there, _: there.derived("coriolis_matrix"),
         conventions={"matrix": (CHRISTOFFEL, "another with the same C v and Ṁ - 2C skew")},
         widening=("matrix",),
     ),

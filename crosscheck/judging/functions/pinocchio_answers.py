@@ -25,9 +25,14 @@ class PinocchioAnswers:
         return self.referee.evaluate(states.q, states.v, states.a, states.tau, states.all_loads)
 
     @cached_property
-    def derived(self) -> DerivedValues:
+    def _derived(self) -> DerivedValues:
         states = self.states
         return self.referee.derive(states.q, states.v, states.a, states.tau)
+
+    def derived(self, name: str) -> Array:
+        """A quantity that Pinocchio derives from the dynamics, without external wrenches."""
+        found: Array = getattr(self._derived, name)
+        return found
 
     def loaded(self, name: str) -> Array:
         """The field of `values` of this name, or the one with external wrenches where there are."""
