@@ -23,6 +23,9 @@ from graphdyn.layout import Array
 MUCH = 10.0
 """Factor by which a fault must lessen the largest error."""
 
+ABSURD = 1e100
+"""A number beyond this is no answer that a fault could be found in: squares of it overflow."""
+
 WORST = "look at the worst state"
 
 
@@ -61,11 +64,12 @@ def _of_numbers(
     wrong = errors > verdict.bound
     if not wrong.any():
         return []
-    unbounded = np.array([not np.isfinite(answer).all() for answer in found.answer])
+    unbounded = np.array([not (np.abs(answer) < ABSURD).all() for answer in found.answer])
     if unbounded.any():
         where = region(unbounded, found.states, function.known.arguments)
         evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{f', only where {where}' if where else ''}"
-        return [Diagnosis(name, "not_finite", "the answers are not finite", evidence, WORST, np.inf)]
+        message = "the answers are not finite" if not np.isfinite(found.answer).all() else f"answers beyond {ABSURD:g}"
+        return [Diagnosis(name, "not_finite", message, evidence, WORST, np.inf)]
     where = region(wrong, found.states, function.known.arguments)
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate{f', only where {where}' if where else ''}"
 

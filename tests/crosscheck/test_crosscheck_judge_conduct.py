@@ -201,6 +201,11 @@ class TestSingleStates:
         assert diagnosis.message == "the answers are not finite"
         assert diagnosis.evidence == "12 of 71 answers, only where q of joint 'elbow_joint' > 2.5 rad"
 
+    @pytest.mark.parametrize("name", ["bias_torque", "inverse_dynamics"])
+    def test_absurd_numbers(self, name):
+        judgement = crosscheck.judge("ur5", **{name: lambda *state: np.full(6, 1e300)}, samples=3)
+        assert only(judgement).message == "answers beyond 1e+100"
+
     def test_shapes_that_differ(self, ur5):
         with pytest.raises(
             crosscheck.judging.foreign.ForeignFailure, match=r"returned different shapes at different sta"
