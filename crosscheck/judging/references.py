@@ -43,8 +43,9 @@ class References:
     def answers(self, function: KnownFunction, chosen: Chosen, ours: Array) -> dict[str, Array]:
         """By name of the reference implementation, of those that have the function. ours: graphdyn's."""
         found = {"graphdyn": ours}
-        if function.pinocchio is not None:
-            found["pinocchio"] = function.pinocchio(self.pinocchio, chosen)
+        theirs = function.pinocchio(self.pinocchio, chosen)
+        if theirs is not None:
+            found["pinocchio"] = theirs
         if function.mujoco is not None and self._mujoco is not None and self.states.loads is None:
             found["mujoco"] = self._mujoco_answers[function.mujoco]
         return found

@@ -62,9 +62,18 @@ class TestRightFunctions:
         for name, function in judgement.functions.items():
             assert function.errors["graphdyn"].max() <= ROUNDED, name
 
-    def test_those_that_graphdyn_alone_has(self, ur5):
+    def test_the_others(self, ur5):
         judgement = judged(**own_functions(ur5), samples=3, batched=True)
         assert judgement.agrees, judgement.diagnoses
+        for name, function in judgement.functions.items():
+            assert {"graphdyn", "pinocchio"} <= set(function.errors), name
+
+    def test_a_frame_of_the_ground(self, ur5):
+        """Pinocchio gives no motion of it."""
+        still = {"frame_jacobian": lambda q: np.zeros((6, 6)), "frame_velocity": lambda q, v: np.zeros(6)}
+        judgement = crosscheck.judge("ur5", **still, frame="base_link", samples=3)
+        assert judgement.agrees
+        assert judgement.referees == ("graphdyn",)
 
     @pytest.mark.parametrize("reference", ["local", "world", "local_world_aligned"])
     def test_references_are_found_out(self, code, reference):

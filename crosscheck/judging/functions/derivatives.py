@@ -26,7 +26,7 @@ def _of_accelerations(states: JudgedStates) -> graphdyn.ForwardDynamicsDerivativ
 
 
 def _of_ours(verb: Callable[..., object], name: str) -> KnownFunction:
-    """A field of the answer of a verb; graphdyn alone knows it."""
+    """A field of the answer of a verb."""
 
     def ours(states: JudgedStates, chosen: Chosen) -> Array:
         found: Array = getattr(verb(states.model, states.q, states.v, states.a), name)
@@ -38,6 +38,7 @@ def _of_ours(verb: Callable[..., object], name: str) -> KnownFunction:
         errors=relative_to(),
         scale="largest entry of the derivatives",
         code=f"graphdyn.{verb.__name__}(model, q, v, a).{name}",
+        pinocchio=lambda there, _: there.derived(name),
     )  # fmt: skip
 
 

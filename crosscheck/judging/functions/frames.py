@@ -5,6 +5,7 @@ from __future__ import annotations
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction, Measure
 from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to
+from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.referee.scales import largest
 from graphdyn.layout import ANGULAR, Array
@@ -60,6 +61,11 @@ def _of_frame(
         )
         return linear_first(found, chosen, axis=-len(shape))
 
+    def theirs(there: PinocchioAnswers, chosen: Chosen) -> Array | None:
+        spatial = "_spatial" if chosen.get("acceleration") == "spatial" else ""
+        found = there.of_frame(f"{verb}{spatial}", chosen["reference"])
+        return None if found is None else linear_first(found, chosen, axis=-len(shape))
+
     said = ", classical={classical}" if accelerates else ""
     return KnownFunction(
         verb,
@@ -70,6 +76,7 @@ def _of_frame(
         errors,
         scale,
         f"graphdyn.{verb}(model, {', '.join(arguments)}, {{frame!r}}, reference={{reference!r}}{said})",
+        theirs,
         conventions={**BY_REFERENCE, **({"acceleration": ("classical", "spatial")} if accelerates else {})},
         needs_frame=True,
     )

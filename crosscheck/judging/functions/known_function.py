@@ -33,7 +33,7 @@ class KnownFunction:
     scale: what the errors are relative to, in words
     code: Python for graphdyn's answer at one state, of the names model, q, v, a, tau, external_wrenches; in braces what
         is filled in: frame, reference, classical
-    pinocchio: Pinocchio's answer; None where it has no such function
+    pinocchio: Pinocchio's answer; None where it has none, as of a frame that is fixed in the ground
     mujoco: name of its answer in MujocoModel.evaluate; None where it has none
     conventions: for each thing that codes do differently and rightly, the ways to do it; the usual one first
     widening: names of the conventions of which every way includes those before it
@@ -50,7 +50,7 @@ class KnownFunction:
     errors: Measure
     scale: str
     code: str
-    pinocchio: Callable[[PinocchioAnswers, Chosen], Array] | None = None
+    pinocchio: Callable[[PinocchioAnswers, Chosen], Array | None]
     mujoco: str | None = None
     conventions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     widening: tuple[str, ...] = ()

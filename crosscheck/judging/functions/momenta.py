@@ -7,6 +7,7 @@ import numpy as np
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to, relative_to
+from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.referee.scales import center_offset, largest, largest_tensor
 from graphdyn.layout import ANGULAR, LINEAR, Array
@@ -56,10 +57,23 @@ def _momentum(states: JudgedStates, chosen: Chosen) -> Array:
     return linear_first(found.about_center_of_mass if chosen["about"] == CENTER else found.about_origin, chosen)
 
 
+def _momentum_of_pinocchio(there: PinocchioAnswers, chosen: Chosen) -> Array:
+    name = "centroidal_momentum" if chosen["about"] == CENTER else "momentum_about_origin"
+    return linear_first(there.derived(name), chosen)
+
+
 def _centroidal_map(states: JudgedStates, chosen: Chosen) -> Array:
-    found = graphdyn.centroidal_map(states.model, states.q)
+    center = graphdyn.center_of_mass(states.model, states.q)
+    return _map_about(graphdyn.centroidal_map(states.model, states.q), center, chosen)
+
+
+def _map_of_pinocchio(there: PinocchioAnswers, chosen: Chosen) -> Array:
+    return _map_about(there.derived("centroidal_map"), there.derived("center_of_mass"), chosen)
+
+
+def _map_about(found: Array, center: Array, chosen: Chosen) -> Array:
+    """The map to the momentum about the center of mass, as chosen (N, 6, n). center: of mass (N, 3)"""
     if chosen["about"] == ORIGIN:
-        center = graphdyn.center_of_mass(states.model, states.q)
         found = np.array(found)
         found[:, ANGULAR] += np.cross(center[:, :, None], found[:, LINEAR], axis=1)
     return linear_first(found, chosen, axis=-2)
@@ -72,6 +86,7 @@ MOMENTA = (
         errors=relative_to(_reach),
         scale="largest position of a link, and offset of a center of mass",
         code="graphdyn.center_of_mass(model, q)",
+        pinocchio=lambda there, _: there.derived("center_of_mass"),
     ),
     KnownFunction(
         "center_of_mass_velocity", ("q", "v"), (3,), "m/s",
@@ -79,6 +94,7 @@ MOMENTA = (
         errors=relative_to(_velocity),
         scale="‖ω‖ × lever + slide rate",
         code="graphdyn.center_of_mass_velocity(model, q, v)",
+        pinocchio=lambda there, _: there.derived("center_of_mass_velocity"),
     ),
     KnownFunction(
         "center_of_mass_jacobian", ("q",), (3, "n"), "m or 1",
@@ -86,6 +102,7 @@ MOMENTA = (
         errors=relative_to(_lever),
         scale="lever",
         code="graphdyn.center_of_mass_jacobian(model, q)",
+        pinocchio=lambda there, _: there.derived("center_of_mass_jacobian"),
     ),
     KnownFunction(
         "momentum", ("q", "v"), (6,), "kg m/s, kg m²/s",
@@ -93,6 +110,7 @@ MOMENTA = (
         errors=parts_relative_to(_linear, _angular),
         scale="linear: mass × velocity; angular: the same × (lever, distance from the world's origin), tensor × ‖ω‖",
         code="graphdyn.momentum(model, q, v).about_center_of_mass",
+        pinocchio=_momentum_of_pinocchio,
         conventions=POINT,
     ),
     KnownFunction(
@@ -101,6 +119,7 @@ MOMENTA = (
         errors=parts_relative_to(_linear_of_joint, _angular_of_joint, axis=-2),
         scale="linear rows: mass × lever; angular rows: the same × (lever, distance from the world's origin), tensor",
         code="graphdyn.centroidal_map(model, q)",
+        pinocchio=_map_of_pinocchio,
         conventions=POINT,
     ),
 )  # fmt: skip

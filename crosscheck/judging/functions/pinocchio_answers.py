@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cached_property
 
 import numpy as np
 
 from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.referee.frame_choices import REFERENCES, compared_frames
 from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.reference_values import DerivedValues, RefereeValues
+from crosscheck.referee.reference_values import RefereeValues
 from graphdyn.layout import Array
 
 
@@ -17,7 +19,13 @@ class PinocchioAnswers:
 
     def __init__(self, states: JudgedStates):
         self.states = states
-        self.referee = PinocchioModel.from_model(states.model)
+        model, self._frame = states.model, ""
+        if states.frame is not None:  # as a frame of its own, also where it is a body
+            chosen = model.frame(states.frame)
+            self._frame = f"{chosen.name}, judged"
+            model = dataclasses.replace(model, frames=(dataclasses.replace(chosen, name=self._frame, aliases=()),))
+        self.referee = PinocchioModel.from_model(model)
+        self._compared = compared_frames(model)
 
     @cached_property
     def values(self) -> RefereeValues:
@@ -25,14 +33,26 @@ class PinocchioAnswers:
         return self.referee.evaluate(states.q, states.v, states.a, states.tau, states.all_loads)
 
     @cached_property
-    def _derived(self) -> DerivedValues:
+    def _derived(self) -> dict[str, Array]:
         states = self.states
-        return self.referee.derive(states.q, states.v, states.a, states.tau)
+        return self.referee.derive(states.q, states.v, states.a, states.tau, states.all_loads)
 
     def derived(self, name: str) -> Array:
-        """A quantity that Pinocchio derives from the dynamics, without external wrenches."""
-        found: Array = getattr(self._derived, name)
+        """A quantity that Pinocchio derives from the dynamics."""
+        return self._derived[name]
+
+    def of_frame(self, name: str, reference: str) -> Array | None:
+        """A quantity of the judged frame by one reference; None for one that is fixed in the ground."""
+        if self._frame not in self._compared:
+            return None
+        by_reference = np.moveaxis(self._derived[name], (1, 2), (0, 1))
+        found: Array = by_reference[[*map(str, REFERENCES)].index(reference)][self._compared.index(self._frame)]
         return found
+
+    def frame_placement(self) -> tuple[Array, Array]:
+        """Rotation (N, 3, 3) and position (N, 3) of the judged frame."""
+        rotation, position = self.referee.frame_placements(self.states.q, [self._frame])
+        return rotation[:, 0], position[:, 0]
 
     def loaded(self, name: str) -> Array:
         """The field of `values` of this name, or the one with external wrenches where there are."""
@@ -43,22 +63,7 @@ class PinocchioAnswers:
         """τ (N, n) of one of Pinocchio's functions of q and the rates."""
         return self.referee.joint_torques(function, self.states.q, *rates)
 
-    def frame_placement(self, name: str) -> tuple[Array, Array]:
-        """Rotation (N, 3, 3) and position (N, 3) of a frame: oMi of its body, and from there as in the model."""
-        frame = self.states.model.frame(name)
-        if frame.body == 0:
-            placed = self.states.model.base @ frame.placement
-            count = len(self.states.q)
-            return np.tile(placed.rotation, (count, 1, 1)), np.tile(placed.translation, (count, 1))
-        rotation, origin = (x[:, frame.body - 1] for x in (self.values.rotation, self.values.position))
-        return rotation @ frame.placement.rotation, origin + rotation @ frame.placement.translation
-
     def required(self, a: Array) -> Array:
         """rnea's τ (N, n) for other accelerations a (N, n), with the external wrenches."""
         states = self.states
         return self.referee.inverse_dynamics(states.q, states.v, a, states.loads)[0]
-
-    def required_at_rest(self) -> Array:
-        """rnea's τ (N, n) at rest, with the external wrenches."""
-        zero = np.zeros_like(self.states.q)
-        return self.referee.inverse_dynamics(self.states.q, zero, zero, self.states.all_loads)[0]

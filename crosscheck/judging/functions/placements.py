@@ -18,9 +18,7 @@ def _placement(states: JudgedStates, chosen: Chosen) -> Array:
 
 
 def _placement_of_pinocchio(there: PinocchioAnswers, chosen: Chosen) -> Array:
-    assert there.states.frame is not None
-    rotation, position = there.frame_placement(there.states.frame)
-    return homogeneous(rotation, position)
+    return homogeneous(*there.frame_placement())
 
 
 def homogeneous(rotation: Array, position: Array) -> Array:

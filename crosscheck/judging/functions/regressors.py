@@ -30,7 +30,7 @@ def _potential_energy_regressor(states: JudgedStates, chosen: Chosen) -> Array:
 
 
 def _accelerations_by_parameters(states: JudgedStates, chosen: Chosen) -> Array:
-    return graphdyn.forward_dynamics_parameter_derivatives(states.model, states.q, states.v, states.tau, states.loads)
+    return graphdyn.forward_dynamics_parameter_derivatives(states.model, states.q, states.v, states.tau)
 
 
 def _by_parameters_through_mass(x: Array, y: Array, states: JudgedStates, chosen: Chosen) -> Array:
@@ -78,6 +78,7 @@ REGRESSORS = (
         errors=columns_relative_to(nothing, nothing, nothing),
         scale="largest entry of the parameter type (m, m c, I)",
         code="graphdyn.momentum_regressor(model, q, v)",
+        pinocchio=lambda there, _: there.derived("momentum_regressor"),
     ),
     KnownFunction(
         "kinetic_energy_regressor", ("q", "v"), ("10 n",), "J per parameter",
@@ -85,6 +86,7 @@ REGRESSORS = (
         errors=columns_relative_to(_speed_squared, _speed_omega, _omega_squared),
         scale="largest entry and term of the parameter type (m, m c, I)",
         code="graphdyn.energy_regressor(model, q, v).kinetic",
+        pinocchio=lambda there, _: there.derived("kinetic_energy_regressor"),
     ),
     KnownFunction(
         "potential_energy_regressor", ("q",), ("10 n",), "J per parameter",
@@ -92,14 +94,15 @@ REGRESSORS = (
         errors=columns_relative_to(nothing, nothing, nothing),
         scale="largest entry of the parameter type (m, m c, I)",
         code="graphdyn.energy_regressor(model, q, 0 * q).potential",
+        pinocchio=lambda there, _: there.derived("potential_energy_regressor"),
     ),
     KnownFunction(
         "forward_dynamics_parameter_derivatives", ("q", "v", "tau"), ("n", "10 n"), "rad/s² or m/s² per parameter",
         ours=_accelerations_by_parameters,
         errors=_by_parameters_through_mass,
         scale="∣M∣ ∣the derivatives∣ of the parameter type (m, m c, I), of M × the error",
-        code="graphdyn.forward_dynamics_parameter_derivatives(model, q, v, tau, external_wrenches)",
-        takes_loads=True,
+        code="graphdyn.forward_dynamics_parameter_derivatives(model, q, v, tau)",
+        pinocchio=lambda there, _: there.derived("da_dpi"),
         solves=True,
     ),
     KnownFunction(

@@ -9,7 +9,7 @@ from crosscheck.judging.functions.known_function import LOADS, Chosen, KnownFunc
 from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to, relative_to, wrench_size
 from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
 from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.quantities import multipliers_of
+from crosscheck.referee.multipliers import multipliers_of
 from crosscheck.referee.scales import acceleration_scale, largest, ratio
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
@@ -72,7 +72,8 @@ def _as_chosen(wrenches: Array, states: JudgedStates, chosen: Chosen) -> Array:
 
 
 def _multipliers_of_pinocchio(there: PinocchioAnswers, chosen: Chosen) -> Array:
-    return multipliers_of(there.states.model, there.values.rotation, there.loaded("joint_wrenches"))
+    found: Array = multipliers_of(there.states.model, there.values.rotation, there.loaded("joint_wrenches"))
+    return found
 
 
 TORQUES = (
@@ -119,7 +120,7 @@ TORQUES = (
         errors=relative_to(_static_size),
         scale=TORQUE_SCALE,
         code="graphdyn.static_torque(model, q, external_wrenches)",
-        pinocchio=lambda there, _: there.required_at_rest(),
+        pinocchio=lambda there, _: there.derived("static_torque"),
     ),
     KnownFunction(
         "power", ("q", "v", "a"), ("n",), "W",
@@ -127,7 +128,7 @@ TORQUES = (
         errors=relative_to(lambda states: wrench_size(states) * largest(states.v)),
         scale="largest entry of the joint wrenches × largest velocity",
         code="graphdyn.power(model, q, v, a, external_wrenches)",
-        pinocchio=lambda there, _: there.loaded("tau") * there.states.v,
+        pinocchio=lambda there, _: there.derived("power"),
         takes_loads=True,
     ),
     KnownFunction(
