@@ -84,7 +84,7 @@ def judge(
     bound = TOLERANCES[precision].bound if tolerance is None else tolerance
     check_counts(samples, seed)
     judged_robot = subject(robot, lock, gravity, chain, mimic="independent")
-    model = judged_robot.model
+    model = judged_robot.model.uncoupled
     _check_frame(given, frame, model)
     links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file and not chain else {}
     order = joint_order(model, joint_names)
@@ -92,6 +92,8 @@ def judge(
     verdicts: dict[str, JudgedFunction] = {}
     diagnoses: list[Diagnosis] = []
     notes: list[str] = []
+    if judged_robot.model.couplings:
+        notes.append("joints that others drive are judged as if they were independent")
     if not any(body.mass > 0 for body in model.bodies):
         notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):

@@ -185,7 +185,7 @@ def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
     """
     origin, model = _origin(judgement), judgement.model
     lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if origin else []), ""]
-    lines += _robot(origin, judgement.locked, model)
+    lines += _robot(origin, judgement.locked, model, judgement.chain)
     reordered = judgement.joint_names != model.joint_names
     if reordered:
         lines += [

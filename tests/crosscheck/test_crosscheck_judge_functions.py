@@ -390,6 +390,12 @@ class TestOptions:
         assert judgement.agrees
         assert judgement.chain == ("base_link", "forearm_link")
 
+    def test_couplings_are_left_out(self, ur5):
+        coupled = dataclasses.replace(ur5, couplings=(graphdyn.Coupling("elbow_joint", {"shoulder_lift_joint": 0.5}),))
+        judgement = judged(coupled, mass_matrix=lambda q: graphdyn.mass_matrix(ur5, q), samples=3)
+        assert judgement.agrees
+        assert judgement.notes == ("joints that others drive are judged as if they were independent",)
+
     def test_frame_is_needed(self, ur5):
         f = lambda q: np.eye(4)  # noqa: E731
         with pytest.raises(InvalidInput, match="frame_placement belong to one frame of the robot: give frame="):
