@@ -36,7 +36,7 @@ def single_precision(model: graphdyn.RobotModel, name: str, frame: str | None = 
     choice = frame_choice(model, frame, "local") if known.needs_frame else None
     loaded = LOADS in known.arguments
     run = Interpreter(record(model, Request(recursion, (output,), loaded, frame=choice)))
-    shape = ARRAYS[output].shape_for(model.n_bodies)
+    shape = ARRAYS[output].shape_for(model)
 
     def function(*arguments):
         count = len(arguments[0])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import (
@@ -13,8 +11,7 @@ from crosscheck.judging.functions.measures import (
     wrench_size,
 )
 from crosscheck.judging.judged_states import JudgedStates
-from graphdyn.kernels.recursions import ARRAYS
-from graphdyn.layout import Array
+from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
 
 
 def _of_torques(states: JudgedStates) -> graphdyn.InverseDynamicsDerivatives:
@@ -25,19 +22,19 @@ def _of_accelerations(states: JudgedStates) -> graphdyn.ForwardDynamicsDerivativ
     return graphdyn.forward_dynamics_derivatives(states.model, states.q, states.v, states.tau)
 
 
-def _of_ours(verb: Callable[..., object], name: str) -> KnownFunction:
-    """A field of the answer of a verb."""
+def _of_reactions(name: str, size: int) -> KnownFunction:
+    """A field of the answer of reaction_derivatives; size: of the reaction of one joint."""
 
     def ours(states: JudgedStates, chosen: Chosen) -> Array:
-        found: Array = getattr(verb(states.model, states.q, states.v, states.a), name)
+        found: Array = getattr(graphdyn.reaction_derivatives(states.model, states.q, states.v, states.a), name)
         return found
 
     return KnownFunction(
-        name, ("q", "v", "a"), ARRAYS[name].shape, ARRAYS[name].unit,
+        name, ("q", "v", "a"), ("n", size, "n"), f"N, N m per {name[-1]}",
         ours=ours,
         errors=relative_to(),
         scale="largest entry of the derivatives",
-        code=f"graphdyn.{verb.__name__}(model, q, v, a).{name}",
+        code=f"graphdyn.reaction_derivatives(model, q, v, a).{name}",
         pinocchio=lambda there, _: there.derived(name),
     )  # fmt: skip
 
@@ -77,9 +74,6 @@ DERIVATIVES = (
         pinocchio=lambda there, _: there.derived("da_dv"),
         solves=True,
     ),
-    *(
-        _of_ours(graphdyn.reaction_derivatives, f"d{of}_d{x}")
-        for of in ("multipliers", "wrenches")
-        for x in "qva"
-    ),
+    *(_of_reactions(f"dmultipliers_d{x}", JOINT_CONSTRAINTS) for x in "qva"),
+    *(_of_reactions(f"dwrenches_d{x}", BODY_FREEDOMS) for x in "qva"),
 )  # fmt: skip
