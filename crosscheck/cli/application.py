@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli import bench, crosscheck, errata, identify, inspect, judge, paper, robots, show
+from crosscheck.cli import bench, crosscheck, errata, export, identify, inspect, judge, paper, robots, show
 from crosscheck.cli.encodings import accept_all_characters
 from crosscheck.cli.ending_signals import ended_by_signals
 from crosscheck.cli.exits import AGREED, Command, CommandGroup
@@ -15,6 +15,7 @@ COMMANDS = (
     (crosscheck.run, "crosscheck", crosscheck.EPILOG),
     (judge.run, "judge", judge.EPILOG),
     (show.run, "show", show.EPILOG),
+    (export.run, "export", export.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),
     (identify.run, "identify", identify.EPILOG),
     (paper.run, "paper", paper.EPILOG),

@@ -41,12 +41,24 @@ def plain(value: Any) -> Any:
 
 def schemas() -> dict[str, dict[str, Any]]:
     """The schemas of all formats by file name."""
-    from crosscheck.report.records import bench, crosscheck, errata, identify, inspect, judge, paper, robots, show
+    from crosscheck.report.records import (
+        bench,
+        crosscheck,
+        errata,
+        export,
+        identify,
+        inspect,
+        judge,
+        paper,
+        robots,
+        show,
+    )
 
     formats = (
         bench.BenchRecord,
         crosscheck.CrosscheckRecord,
         errata.ErrataRecord,
+        export.ExportRecord,
         identify.IdentifyRecord,
         inspect.InspectRecord,
         judge.JudgeRecord,

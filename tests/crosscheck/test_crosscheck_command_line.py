@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -25,7 +26,10 @@ from crosscheck.studies.bench.benchmark import Effort
 from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 from graphdyn import __version__
 
-COMMANDS = ("crosscheck", "judge", "show", "inspect", "identify", "paper", "bench", "robots", "errata")
+COMMANDS = ("crosscheck", "judge", "show", "export", "inspect", "identify", "paper", "bench", "robots", "errata")
+
+WRITES = {"export": "--to FILE"}
+"""The option that writes what a program reads, where it is not --json."""
 
 
 class TestExitCodes:
@@ -203,7 +207,7 @@ class TestExamples:
     """What the help shows can be typed."""
 
     EXAMPLES = tuple(
-        (info.name, line.split()[2:]) for info in app.registered_commands for line in info.epilog.splitlines()[2:]
+        (info.name, shlex.split(line)[2:]) for info in app.registered_commands for line in info.epilog.splitlines()[2:]
     )
 
     @pytest.mark.parametrize(("command", "arguments"), EXAMPLES, ids=lambda value: str(value))
@@ -331,7 +335,7 @@ class TestOtherCommands:
         assert done.code == AGREED
         assert re.search(r"Usage: .*graphdyn", done.out)
         if command:
-            assert "--json" in done.out
+            assert WRITES.get(command[0], "--json") in done.out
             examples = done.out.partition("Examples:\n")[2].splitlines()
             assert examples
             assert all(line.startswith(f"    graphdyn {command[0]}") for line in examples)

@@ -16,8 +16,12 @@ from crosscheck.cli.output_files import OutputFile
 
 READS = {
     "crosscheck": ("{robot}",),
-    "judge": ("{robot}", "--mass-matrix", "{code}:M"),
+    "judge": (
+        *("{robot}", "--mass-matrix", "{code}:M"),
+        *("--command", "inverse_dynamics=python {program} --fast", "--library", "forward_dynamics={library}:aba"),
+    ),
     "show": ("{robot}", "--state", "{log}"),
+    "export": ("{robot}",),
     "inspect": ("{robot}",),
     "identify": (
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),
@@ -60,7 +64,7 @@ def refuses(program, no_work, tmp_path, monkeypatch):
 def files(tmp_path, small_arm):
     """A file for each name in READS, with endings that do not give them away."""
     named = {"robot": small_arm}
-    for name in ("log", "other", "mapping"):
+    for name in ("log", "other", "mapping", "program", "library"):
         named[name] = tmp_path / f"{name}.json"
         named[name].write_text(name, encoding="utf-8")
     for name in ("code", "method"):
@@ -76,7 +80,7 @@ class TestCommands:
 
     def test_every_option_that_writes_is_known(self):
         """A new one has to be an OutputFile, which alone is checked."""
-        assert {option for _, option in OUTPUTS} == {"--json", "--html", "--urdf"}
+        assert {option for _, option in OUTPUTS} == {"--json", "--html", "--urdf", "--to"}
         for name, option in OUTPUTS:
             (parameter,) = (p for p in COMMANDS[name].params if option in p.opts)
             context = COMMANDS[name].make_context(name, [*READS[name], option, "x"])

@@ -1,0 +1,1 @@
+"""A rigid-body model as source code in other languages."""
