@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli import bench, crosscheck, errata, export, identify, inspect, judge, paper, robots, show
+from crosscheck.cli import bench, crosscheck, errata, export, identify, inspect, judge, paper, questions, robots, show
 from crosscheck.cli.encodings import accept_all_characters
 from crosscheck.cli.ending_signals import ended_by_signals
 from crosscheck.cli.exits import AGREED, Command, CommandGroup
@@ -14,6 +14,7 @@ from crosscheck.cli.exits import AGREED, Command, CommandGroup
 COMMANDS = (
     (crosscheck.run, "crosscheck", crosscheck.EPILOG),
     (judge.run, "judge", judge.EPILOG),
+    (questions.run, "questions", questions.EPILOG),
     (show.run, "show", show.EPILOG),
     (export.run, "export", export.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),
@@ -32,7 +33,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Constrained dynamics of robot arms as one linear system, checked number by number against Pinocchio.",
     epilog="`graphdyn COMMAND --help` explains a command and ends with examples. Exit codes: 0 agreed or done, "
-    "1 disagreement found, 2 bad input, 3 error of the program itself, 130 interrupted, 143 terminated.",
+    "1 disagreement found, 2 bad input, 3 error of the program itself, 4 further questions written, 130 interrupted, "
+    "143 terminated.",
 )
 for function, name, epilog in COMMANDS:
     app.command(name, cls=Command, epilog=epilog)(function)

@@ -15,8 +15,9 @@ from crosscheck.cli.output_files import OutputFile, refuse_harm
 from crosscheck.report.plain_text import printable
 from graphdyn import GraphDynError
 
-AGREED, DISAGREED, BAD_INPUT, INTERNAL_ERROR = 0, 1, 2, 3
-"""Exit codes: agreed or done; a disagreement; bad input or a file that cannot be read or written; an internal error."""
+AGREED, DISAGREED, BAD_INPUT, INTERNAL_ERROR, PENDING = 0, 1, 2, 3, 4
+"""Exit codes: agreed or done; a disagreement; bad input or a file that cannot be read or written; an internal error; a
+disagreement whose cause needs answers to further questions."""
 
 BROKEN_PIPE = 141
 """Exit code where the reader of a pipe has closed it, as shells report it: 128 + SIGPIPE."""

@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 import typer
 
+from crosscheck.cli.answers import AnswersOption, FurtherOption, warn_of_unused, write_further
 from crosscheck.cli.console import progress, warnings_shown
 from crosscheck.cli.delivery import deliver
-from crosscheck.cli.exits import AGREED, DISAGREED
+from crosscheck.cli.exits import AGREED, DISAGREED, PENDING
 from crosscheck.cli.foreign import foreign_function
+from crosscheck.cli.foreign_programs import (
+    CommandOption,
+    LibraryOption,
+    ProtocolOption,
+    RestartOption,
+    TimeLimitOption,
+    foreign_programs,
+)
 from crosscheck.cli.judge_options import (
     FUNCTIONS_HELP,
     BatchedOption,
@@ -24,6 +36,7 @@ from crosscheck.cli.judge_options import (
     PrecisionOption,
     RegressorOption,
     ToleranceOption,
+    names,
     pairs,
 )
 from crosscheck.cli.options import (
@@ -42,6 +55,9 @@ EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --forward-dynamics my_package.dynamics:aba --html verdict.html
   graphdyn judge arm.urdf --function gravity_torque=my_code.py:g --function coriolis_matrix=my_code.py:C
   graphdyn judge ur5 --function frame_jacobian=my_code.py:J --frame tool0 --convention reference=local
+  graphdyn judge arm.urdf --command 'inverse_dynamics=./my_rnea --model arm'
+  graphdyn judge arm.urdf --library inverse_dynamics=libarm.so:rnea
+  graphdyn judge arm.urdf --answers answers.csv
 
 {FUNCTIONS_HELP}
 """
@@ -54,6 +70,13 @@ def run(
     mass_matrix: MassOption = None,
     regressor: RegressorOption = None,
     function: FunctionOption = None,
+    command: CommandOption = None,
+    protocol: ProtocolOption = "plain",
+    time_limit: TimeLimitOption = 30.0,
+    restart_after: RestartOption = None,
+    library: LibraryOption = None,
+    answers: AnswersOption = None,
+    further: FurtherOption = None,
     frame: FrameOption = None,
     convention: ConventionOption = None,
     external_wrenches: ExternalWrenchesOption = False,
@@ -74,10 +97,11 @@ def run(
 
     It is compared with graphdyn and Pinocchio at once.
 
-    Functions are named as FILE.py:NAME or MODULE:NAME and called with one state at a time. Where one is wrong, the
-    fault is looked for: gravity, velocity terms, a sign, an order, a frame, a unit, and more (docs/judge.md). Where
-    codes differ rightly, as in the reference of a Jacobian, it is found out and said which convention yours follows.
-    MuJoCo takes part where it is installed.
+    Functions in Python are named as FILE.py:NAME or MODULE:NAME and called with one state at a time; those in other
+    languages by --command, --library or --answers (docs/languages.md). Where one is wrong, the fault is looked for:
+    gravity, velocity terms, a sign, an order, a frame, a unit, and more (docs/judge.md). Where codes differ rightly, as
+    in the reference of a Jacobian, it is found out and said which convention yours follows. MuJoCo takes part where it
+    is installed.
     """
     given = {
         "inverse_dynamics": inverse_dynamics,
@@ -85,36 +109,64 @@ def run(
         "mass_matrix": mass_matrix,
         "regressor": regressor,
     }
-    named = {name: (f"--{name.replace('_', '-')}", text) for name, text in given.items() if text is not None}
-    for name, text in pairs("--function", function, "NAME=FILE.py:FUNCTION"):
-        if name in named:
-            raise typer.BadParameter(f"--function {name}={text}: {name} is given twice")
-        named[name] = f"--function {name}", text
-    if not named:
-        options = ", ".join(f"--{name.replace('_', '-')}" for name in given)
-        raise typer.BadParameter(f"no function to judge; give at least one of {options}, --function")
-    functions = {name: foreign_function(option, text) for name, (option, text) in named.items()}
-    from crosscheck.judging.judge import judge
-    from crosscheck.report.commands.judge import judge_report
+    with foreign_programs(command, library, protocol, time_limit, restart_after) as programs:
+        functions: dict[str, Any] = {**_in_python(given, function, programs, bool(answers)), **programs}
+        from crosscheck.judging.exchange.answer_files import read_answers
+        from crosscheck.judging.exchange.replay import AnswersPending
+        from crosscheck.judging.exchange.rounds import Setting, judge_answers
+        from crosscheck.report.commands.judge import judge_report
 
-    with progress(robot) as advance, warnings_shown():
-        judgement = judge(
-            robot,
-            **functions,  # type: ignore[arg-type]
-            frame=frame,
-            conventions=dict(pairs("--convention", convention, "NAME=WAY")),
-            external_wrenches=external_wrenches,
-            batched=batched,
-            joint_names=None if joint_names is None else [name.strip() for name in joint_names.split(",")],
+        setting = Setting(
+            robot=robot,
+            joint_names=names(joint_names),
             samples=samples,
             seed=seed,
-            precision=precision,
-            tolerance=tolerance,
             beyond_limits=beyond_limits,
             lock=locked_joints(lock) or None,
             chain=chain,
             gravity=gravity,
-            progress=lambda what: advance(what, 1),
+            frame=frame,
+            external_wrenches=external_wrenches,
         )
+        try:
+            with progress(robot) as advance, warnings_shown():
+                judgement, unused = judge_answers(
+                    setting,
+                    read_answers(answers or []),
+                    functions,
+                    conventions=dict(pairs("--convention", convention, "NAME=WAY")),
+                    batched=batched,
+                    precision=precision,
+                    tolerance=tolerance,
+                    progress=lambda what: advance(what, 1),
+                )
+        except AnswersPending as pending:
+            write_further(further, pending, setting, answers or [])
+            raise typer.Exit(PENDING) from None
+    if unused:
+        warn_of_unused(unused)
     deliver(judge_report(judgement), html_file, json_file)
     raise typer.Exit(AGREED if judgement.agrees and judgement.decided else DISAGREED)
+
+
+def _in_python(
+    given: Mapping[str, str | None], more: list[str] | None, programs: Mapping[str, object], answered: bool
+) -> dict[str, Callable[..., Any]]:
+    """given: texts of the options of their own, more: of --function, by the names of the functions
+    answered: whether there are files of answers
+
+    Raises typer.BadParameter where there is no function at all, or one is named twice.
+    """
+    options = {name: f"--{name.replace('_', '-')}" for name in given}
+    named = {name: (options[name], text) for name, text in given.items() if text is not None}
+    for name, text in pairs("--function", more, "NAME=FILE.py:FUNCTION"):
+        if name in named:
+            raise typer.BadParameter(f"--function {name}={text}: {name} is given twice")
+        named[name] = f"--function {name}", text
+    if not named and not programs and not answered:
+        known = ", ".join([*options.values(), "--function", "--command", "--library"])
+        raise typer.BadParameter(f"no function to judge; give at least one of {known}, --answers")
+    for name in programs:
+        if name in named:
+            raise typer.BadParameter(f"{name} is named by {named[name][0]} and by --command or --library; name it once")
+    return {name: foreign_function(option, text) for name, (option, text) in named.items()}

@@ -70,6 +70,11 @@ GravityOption = Annotated[
 ]
 
 
+def names(text: str | None) -> list[str] | None:
+    """NAME,NAME,… as a list; None where the option is left out."""
+    return None if text is None else [name.strip() for name in text.split(",")]
+
+
 def pairs(option: str, texts: list[str] | None, form: str) -> Iterator[tuple[str, str]]:
     """NAME=VALUE of a repeatable option. Raises typer.BadParameter for another form, and a name given twice."""
     seen = set()

@@ -122,11 +122,15 @@ def _texts(value: object) -> Iterator[str]:
 
 
 def _candidates(text: str) -> Iterator[str]:
-    """The files that a parameter may mean: a path, a robot's name, FILE.py:NAME, MODULE:NAME, several with commas."""
+    """The files that a parameter may mean.
+
+    A path, a robot's name, FILE.py:NAME, MODULE:NAME, several with commas, NAME=PROGRAM ARGUMENT ….
+    """
     from urdf._catalogue import robots
 
     yield text
     yield from (str(entry.path) for entry in robots() if entry.name == text)
+    yield from (word.rpartition(":")[0] or word for word in text.partition("=")[2].split())
     for part in text.split(","):
         yield part.strip()
         head = part.strip().rpartition(":")[0]

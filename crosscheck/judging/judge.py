@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from numbers import Real
 from typing import Literal
 
@@ -17,7 +16,7 @@ from crosscheck.judging.diagnosis import merged
 from crosscheck.judging.explaining import diagnoses_of
 from crosscheck.judging.foreign import BatchFunction, ForeignFunction, joint_order
 from crosscheck.judging.functions.known_function import LOADS
-from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
 from crosscheck.judging.references import References
@@ -85,7 +84,7 @@ def judge(
     check_counts(samples, seed)
     judged_robot = subject(robot, lock, gravity, chain, mimic="independent")
     model = judged_robot.model.uncoupled
-    _check_frame(given, frame, model)
+    check_frame(given, frame, model)
     links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file and not chain else {}
     order = joint_order(model, joint_names)
     say = progress or (lambda _: None)
@@ -161,12 +160,7 @@ def _check(
     if not given:
         raise InvalidInput(f"no function to judge; give at least one of {', '.join(FUNCTIONS)}")
     for name, function in given.items():
-        if name not in FUNCTIONS:
-            near = get_close_matches(name, FUNCTIONS, n=1)
-            raise InvalidInput(
-                f"there is no function {name!r} to judge{f'; did you mean {near[0]!r}?' if near else ''}; "
-                f"known are {', '.join(FUNCTIONS)}"
-            )
+        known_function(name)
         if not callable(function) and not isinstance(function, BatchFunction):
             raise InvalidInput(f"{name} is of type {type(function).__name__}; give a function")
     if precision not in TOLERANCES:
@@ -176,9 +170,9 @@ def _check(
     check_declared(declared, [FUNCTIONS[name] for name in given])
 
 
-def _check_frame(given: Mapping[str, Foreign], frame: str | None, model: RobotModel) -> None:
-    """Raises UnknownFrame."""
-    of_frames = [name for name in given if FUNCTIONS[name].needs_frame]
+def check_frame(names: Collection[str], frame: str | None, model: RobotModel) -> None:
+    """Raises UnknownFrame, and InvalidInput where functions need a frame and there is none."""
+    of_frames = [name for name in names if FUNCTIONS[name].needs_frame]
     if of_frames and frame is None:
         raise InvalidInput(f"{', '.join(of_frames)} belong to one frame of the robot: give frame=, the name of a link")
     if frame is not None:

@@ -77,7 +77,8 @@ class JudgedStates:
         q = q + turn
         q[-1] = [_nearest_to_zero(joint) for joint in model.joints]
         a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
-        tau = graphdyn.inverse_dynamics(model, q, v, a).tau * rng.uniform(0.5, 1.5, q.shape) if needs_tau else 0 * a
+        factors = rng.uniform(0.5, 1.5, q.shape)  # drawn in any case: what follows is the same for all functions
+        tau = graphdyn.inverse_dynamics(model, q, v, a).tau * factors if needs_tau else 0 * a
         weight = 9.81 * sum(body.mass for body in model.bodies)
         loads = LOAD * weight * rng.normal(size=(*q.shape, 6)) if loaded else None
         return cls(model, q, v, a, tau, loads, frame)

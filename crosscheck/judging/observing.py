@@ -47,16 +47,14 @@ def _of_accelerations(foreign: ForeignFunction, trial: TrialStates, torque: Arra
 
 
 def _of_bias(foreign: ForeignFunction, trial: TrialStates) -> Parts:
-    rest = foreign(trial.q, 0 * trial.v)
-    return Parts(
-        gravity=rest,
-        velocity=foreign(trial.q, trial.v) - rest,
-        doubled=foreign(trial.q, 2 * trial.v) - rest,
-    )
+    q, v = (np.concatenate(x) for x in ([trial.q] * 3, [0 * trial.v, trial.v, 2 * trial.v]))
+    rest, moving, fast = np.split(foreign(q, v), 3)
+    return Parts(gravity=rest, velocity=moving - rest, doubled=fast - rest)
 
 
 def _of_coriolis(foreign: ForeignFunction, trial: TrialStates) -> Parts:
-    once, twice = (np.einsum("kij,kj->ki", foreign(trial.q, v), v) for v in (trial.v, 2 * trial.v))
+    q, v = np.concatenate([trial.q, trial.q]), np.concatenate([trial.v, 2 * trial.v])
+    once, twice = np.split(np.einsum("kij,kj->ki", foreign(q, v), v), 2)
     return Parts(velocity=once, doubled=twice)
 
 

@@ -50,6 +50,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         inspect,
         judge,
         paper,
+        questions,
         robots,
         show,
     )
@@ -63,6 +64,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         inspect.InspectRecord,
         judge.JudgeRecord,
         paper.PaperRecord,
+        questions.QuestionsRecord,
         robots.RobotsRecord,
         show.ShowRecord,
     )

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -112,6 +113,12 @@ def program(monkeypatch, capsys):
         return Outcome(caught.value.code or 0, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture
+def words():
+    """words(text): a message of the program without the frames of typer and the line breaks."""
+    return lambda text: " ".join(re.sub("[│╭╰─╮╯]", " ", text).split())
 
 
 @pytest.fixture

@@ -26,9 +26,21 @@ from crosscheck.studies.bench.benchmark import Effort
 from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 from graphdyn import __version__
 
-COMMANDS = ("crosscheck", "judge", "show", "export", "inspect", "identify", "paper", "bench", "robots", "errata")
+COMMANDS = (
+    "crosscheck",
+    "judge",
+    "questions",
+    "show",
+    "export",
+    "inspect",
+    "identify",
+    "paper",
+    "bench",
+    "robots",
+    "errata",
+)
 
-WRITES = {"export": "--to FILE"}
+WRITES = {"export": "--to FILE", "questions": "--out FILE"}
 """The option that writes what a program reads, where it is not --json."""
 
 

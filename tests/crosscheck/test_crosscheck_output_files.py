@@ -19,7 +19,9 @@ READS = {
     "judge": (
         *("{robot}", "--mass-matrix", "{code}:M"),
         *("--command", "inverse_dynamics=python {program} --fast", "--library", "forward_dynamics={library}:aba"),
+        *("--answers", "{log}"),
     ),
+    "questions": ("{robot}", "--for", "mass_matrix"),
     "show": ("{robot}", "--state", "{log}"),
     "export": ("{robot}",),
     "inspect": ("{robot}",),
@@ -80,7 +82,7 @@ class TestCommands:
 
     def test_every_option_that_writes_is_known(self):
         """A new one has to be an OutputFile, which alone is checked."""
-        assert {option for _, option in OUTPUTS} == {"--json", "--html", "--urdf", "--to"}
+        assert {option for _, option in OUTPUTS} == {"--json", "--html", "--urdf", "--to", "--out", "--further"}
         for name, option in OUTPUTS:
             (parameter,) = (p for p in COMMANDS[name].params if option in p.opts)
             context = COMMANDS[name].make_context(name, [*READS[name], option, "x"])

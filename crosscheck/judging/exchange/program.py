@@ -1,0 +1,74 @@
+"""A program as a foreign function: states as lines to it, its lines as answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import TracebackType
+
+from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed
+from crosscheck.judging.exchange.protocols import Protocol, Shape, Unreadable
+from crosscheck.judging.foreign import Refusal
+from graphdyn.layout import Array
+
+TIME_LIMIT = 30.0
+"""Time limit of an answer unless another one is given, the start of the program included [s]."""
+
+
+class ProgramFunction:
+    """A foreign function that a program computes. It runs from the first question to close(), or once per batch.
+
+    command: name of the program and its arguments; what: its name in messages
+    time_limit: of each answer [s]
+    restart_after: number of questions after which the input is closed and the program started anew; None for never
+    """
+
+    def __init__(
+        self, command: Sequence[str], what: str, protocol: Protocol, time_limit: float, restart_after: int | None = None
+    ):
+        self._command, self._what, self._protocol = command, what, protocol
+        self._time_limit, self._restart_after = time_limit, restart_after
+        self._process: LineProcess | None = None
+        self._asked = 0
+
+    def answers(self, function: str, states: Sequence[Mapping[str, Array]], shape: Shape) -> list[Array | Refusal]:
+        """The answer (shape) at each state. states: arguments by name. Raises ProgramFailed."""
+        size = self._restart_after or len(states)
+        found: list[Array | Refusal] = []
+        for start in range(0, len(states), size):
+            found += self._of_batch(function, states[start : start + size], shape)
+        return found
+
+    def _of_batch(self, function: str, states: Sequence[Mapping[str, Array]], shape: Shape) -> list[Array | Refusal]:
+        if self._process is None:
+            self._process = LineProcess(self._command, self._what, self._time_limit)
+        numbers = range(self._asked + 1, self._asked + len(states) + 1)
+        ask = self._protocol.question
+        questions = [ask(k, function, state, shape) for k, state in zip(numbers, states, strict=True)]
+        lines = self._process.answers(questions, last=self._restart_after is not None)
+        self._asked += len(states)
+        if self._restart_after is not None:
+            self.close()
+        return [self._read(line, k, shape) for k, line in zip(numbers, lines, strict=True)]
+
+    def _read(self, line: str, number: int, shape: Shape) -> Array | Refusal:
+        try:
+            return self._protocol.answer(line, number, shape)
+        except Unreadable as error:
+            raise ProgramFailed(
+                f"{self._what}: answer {number} is {error}; write answers alone to standard output, and everything "
+                "else to standard error"
+            ) from None
+
+    def close(self) -> None:
+        """End the program, if it runs."""
+        if self._process is not None:
+            self._process.close()
+            self._process = None
+
+    def __enter__(self) -> ProgramFunction:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

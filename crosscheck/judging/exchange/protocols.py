@@ -1,0 +1,107 @@
+"""How a question and its answer are written in one line: plain numbers, or JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from crosscheck.judging.exchange.line_process import shown
+from crosscheck.judging.foreign import Refusal
+from graphdyn.layout import Array
+
+Shape = tuple[int | None, ...]
+"""Of an answer; None for any number."""
+
+
+class Unreadable(Exception):
+    """A line that is no answer. Its text says what was expected."""
+
+
+@dataclass(frozen=True)
+class Protocol:
+    """question: its number, the function, its arguments by name, the shape of the answer → a line
+    answer: a line, the number of the question, the shape → the answer
+
+    Raises Unreadable of a line that is no answer to the question.
+    """
+
+    question: Callable[[int, str, Mapping[str, Array], Shape], str]
+    answer: Callable[[str, int, Shape], Array | Refusal]
+
+
+def _plain_question(_number: int, _function: str, arguments: Mapping[str, Array], _shape: Shape) -> str:
+    return " ".join(number_text(x) for values in arguments.values() for x in values.flat)
+
+
+def _plain_answer(line: str, _number: int, shape: Shape) -> Array | Refusal:
+    if line.startswith("error"):
+        return Refusal(line.removeprefix("error").lstrip(": ") or "error")
+    try:
+        numbers = np.array([float(x) for x in line.replace(",", " ").split()])
+    except ValueError:
+        raise Unreadable(f"{shown(line)}, which is no line of numbers") from None
+    return shaped(numbers, shape, shown(line))
+
+
+def _json_question(number: int, function: str, arguments: Mapping[str, Array], shape: Shape) -> str:
+    given = {name: x.tolist() for name, x in arguments.items()}
+    return json.dumps({"id": number, "function": function, "shape": shape, "arguments": given})
+
+
+def _json_answer(line: str, number: int, shape: Shape) -> Array | Refusal:
+    form = '{"id": …, "answer": […]}'
+    try:
+        found = json.loads(line)
+    except ValueError:
+        raise Unreadable(f"{shown(line)}, which is no JSON; an answer is {form}") from None
+    if not isinstance(found, dict) or not ("answer" in found or "error" in found):
+        raise Unreadable(f"{shown(line)}; an answer is {form}")
+    if found.get("id") != number:
+        raise Unreadable(f"{shown(line)}, whose id is not {number}; answer the questions in their order")
+    if "error" in found:
+        return Refusal(str(found["error"]))
+    try:
+        numbers = flat_numbers(found["answer"])
+    except Unreadable as error:
+        raise Unreadable(f"{shown(line)}: {error}") from None
+    return shaped(numbers, shape, shown(line))
+
+
+def flat_numbers(nested: Any) -> Array:
+    """Numbers in nested lists, row by row (m,); null is no number. Raises Unreadable for anything else."""
+    numbers = list(_flat(nested))
+    if not all(x is None or (isinstance(x, int | float) and not isinstance(x, bool)) for x in numbers):
+        raise Unreadable("the answer is no array of numbers")
+    return np.array([np.nan if x is None else x for x in numbers], dtype=float)
+
+
+def shaped(numbers: Array, shape: Shape, what: str) -> Array:
+    """Numbers (m,), a matrix row by row, as an answer. what: the numbers in messages. Raises Unreadable."""
+    known = math.prod(size for size in shape if size is not None)
+    if numbers.size == 0 or (numbers.size % known if None in shape else numbers.size != known):
+        expected = f"a multiple of {known}" if None in shape else f"{known}"
+        raise Unreadable(f"{what}: {numbers.size} numbers, expected {expected}")
+    return numbers.reshape([-1 if size is None else size for size in shape])
+
+
+def _flat(nested: Any) -> Iterator[Any]:
+    """The numbers of nested lists, row by row."""
+    if isinstance(nested, list):
+        for inner in nested:
+            yield from _flat(inner)
+    else:
+        yield nested
+
+
+def number_text(x: float) -> str:
+    """With 17 digits, which make it the same number again."""
+    return f"{x:.17g}"
+
+
+PROTOCOLS = {"plain": Protocol(_plain_question, _plain_answer), "json": Protocol(_json_question, _json_answer)}
+"""By name, as --protocol takes them."""

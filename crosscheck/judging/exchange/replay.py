@@ -1,0 +1,82 @@
+"""Answers from files as a foreign function, and the questions that are still to be answered."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
+from crosscheck.judging.exchange.protocols import Shape, Unreadable, shaped
+from crosscheck.judging.exchange.questions import Question, once, question
+from crosscheck.judging.foreign import ForeignFailure, Refusal
+from graphdyn import GraphDynError
+from graphdyn.layout import Array
+
+ROUNDS = 2
+"""Of questions at most: the judged states, and the experiments on a function that deviates."""
+
+LISTED = 5
+"""Ids that a message lists at most."""
+
+
+class AnswersPending(GraphDynError):
+    """The diagnosis needs answers to further questions."""
+
+    def __init__(self, questions: Sequence[Question]):
+        super().__init__(f"{len(questions)} further questions need answers: {listed([one.id for one in questions])}")
+        self.questions = questions
+
+
+class Replay:
+    """A foreign function whose answers are in files.
+
+    given: the answers by id, those of other functions among them
+    used: the ids that were asked for, added to at each call
+    """
+
+    def __init__(self, given: Mapping[int, GivenAnswer], used: set[int]):
+        self._given, self._used = given, used
+        self._rounds = 0
+
+    def answers(self, function: str, states: Sequence[Mapping[str, Array]], shape: Shape) -> list[Array | Refusal]:
+        """The answer (shape) at each state; none where a number is not finite.
+
+        Raises BadAnswers where some answers of a round are missing, or of another size; AnswersPending where a second
+        round is needed; ForeignFailure where another one would be.
+        """
+        asked = [question(function, state) for state in states]
+        new = once(one for one in asked if one.id not in self._used)
+        missing = [one for one in new if one.id not in self._given]
+        if new:
+            self._begin_round(function, missing, partly=len(missing) < len(new))
+        self._used |= {one.id for one in new}
+        return [self._answer(one, shape) for one in asked]
+
+    def _begin_round(self, function: str, missing: Sequence[Question], *, partly: bool) -> None:
+        """missing: questions without an answer; partly: others have one"""
+        if missing and self._rounds == ROUNDS:
+            raise ForeignFailure(f"{function} would have to answer questions in a further round")
+        if missing and (partly or self._rounds == 0):
+            ids = listed([one.id for one in missing])
+            raise BadAnswers(f"{function}: no answers to {len(missing)} questions, ids {ids}")
+        if missing:
+            raise AnswersPending(missing)
+        self._rounds += 1
+
+    def _answer(self, one: Question, shape: Shape) -> Array | Refusal:
+        given = self._given[one.id]
+        wrong = np.flatnonzero(~np.isfinite(given.numbers))
+        try:
+            found = shaped(given.numbers, shape, f"{given.where}, id {one.id}, {one.function}")
+        except Unreadable as error:
+            raise BadAnswers(str(error)) from None
+        if len(wrong):
+            return Refusal(f"{given.where}, id {one.id}: number {wrong[0] + 1} is {given.numbers[wrong[0]]}")
+        return found
+
+
+def listed(ids: Sequence[int]) -> str:
+    """The first ones."""
+    rest = len(ids) - LISTED
+    return ", ".join(map(str, ids[:LISTED])) + (f" and {rest} more" if rest > 0 else "")

@@ -1,0 +1,118 @@
+"""Judging by files: the questions of the first round, and a judgement of answers or the questions of the second."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
+from crosscheck.judging.exchange.questions import Question, once, questions
+from crosscheck.judging.exchange.replay import AnswersPending, Replay, listed
+from crosscheck.judging.foreign import ForeignFunction, joint_order
+from crosscheck.judging.functions.table import FUNCTIONS, known_function
+from crosscheck.judging.judge import check_frame, judge
+from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.judging.judgement import Judgement
+from crosscheck.referee.subject import Lock, Robot, check_counts, subject
+from graphdyn import RobotModel
+from urdf._cutting import Chain
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """What questions depend on; as crosscheck.judge takes it."""
+
+    robot: Robot
+    joint_names: Sequence[str] | None = None
+    samples: int = 100
+    seed: int = 0
+    beyond_limits: bool = False
+    lock: Lock = None
+    chain: Chain = None
+    gravity: tuple[float, float, float] | None = None
+    frame: str | None = None
+    external_wrenches: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class FirstRound:
+    """Questions about one robot. joint_names: their joint order"""
+
+    model: RobotModel
+    joint_names: tuple[str, ...]
+    questions: tuple[Question, ...]
+
+
+def first_round(setting: Setting, names: Collection[str]) -> FirstRound:
+    """The questions at the judged states. names: of FUNCTIONS
+
+    Raises InvalidInput, UnknownFrame, SameId, and urdf's errors for a file that cannot be loaded.
+    """
+    functions = [known_function(name) for name in names]
+    check_counts(setting.samples, setting.seed)
+    model = subject(setting.robot, setting.lock, setting.gravity, setting.chain).model
+    check_frame(names, setting.frame, model)
+    order = joint_order(model, setting.joint_names)
+    loaded = setting.external_wrenches
+    states = JudgedStates.draw(
+        model,
+        setting.samples,
+        setting.seed,
+        needs_tau=any("tau" in known.arguments for known in functions),
+        loaded=loaded,
+        beyond_limits=setting.beyond_limits,
+        frame=setting.frame,
+    )
+    asked: list[Question] = []
+    for known in functions:
+        function = ForeignFunction(known, Replay({}, set()), order, loaded=loaded)
+        there = states if known.takes_loads else replace(states, loads=None)
+        asked += questions(function, known.arguments_at(there))
+    return FirstRound(model, tuple(model.joint_names[k] for k in order), tuple(once(asked)))
+
+
+def answered_functions(setting: Setting, given: Mapping[int, GivenAnswer]) -> list[str]:
+    """Names of the functions to whose questions there are answers. Raises BadAnswers where there is none."""
+    candidates = [name for name, known in FUNCTIONS.items() if setting.frame is not None or not known.needs_frame]
+    known = first_round(setting, candidates).questions
+    found = {one.function for one in known if one.id in given}
+    if not found:
+        raise BadAnswers(
+            f"{next(iter(given.values())).where}: none of the {len(given)} ids ({listed(list(given))}) is that of a "
+            "question; give the same robot and options (--samples, --seed, --joint-names, --lock and so on) as to "
+            "`graphdyn questions`, and leave the ids as they are"
+        )
+    return [name for name in candidates if name in found]
+
+
+def judge_answers(
+    setting: Setting, given: Mapping[int, GivenAnswer], others: Mapping[str, Any], **options: Any
+) -> tuple[Judgement, list[int]]:
+    """The judgement of answers and of other functions, and the ids that belong to no question.
+
+    given: answers by id, may be none; others: functions besides, by name; options: more for crosscheck.judge
+
+    Raises AnswersPending with the questions of the second round of all functions, BadAnswers, and what crosscheck.judge
+    raises.
+    """
+    names = answered_functions(setting, given) if given else []
+    if both := [name for name in names if name in others]:
+        raise BadAnswers(f"there are answers of {both[0]}, which an option names as well; leave one of them out")
+    used: set[int] = set()
+
+    def judged(**functions: Any) -> Judgement:
+        return judge(**vars(setting), **functions, **options)
+
+    def pending(name: str) -> Sequence[Question]:
+        try:
+            judged(**{name: Replay(given, set())})
+        except AnswersPending as found:
+            return found.questions
+        return ()
+
+    try:
+        judgement = judged(**{name: Replay(given, used) for name in names}, **others)
+    except AnswersPending:
+        raise AnswersPending([one for name in names for one in pending(name)]) from None
+    return judgement, [number for number in given if number not in used]
