@@ -6,7 +6,20 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli import bench, crosscheck, errata, export, identify, inspect, judge, paper, questions, robots, show
+from crosscheck.cli import (
+    bench,
+    crosscheck,
+    errata,
+    export,
+    identify,
+    inspect,
+    judge,
+    paper,
+    questions,
+    robots,
+    show,
+    vectors,
+)
 from crosscheck.cli.encodings import accept_all_characters
 from crosscheck.cli.ending_signals import ended_by_signals
 from crosscheck.cli.exits import AGREED, Command, CommandGroup
@@ -17,6 +30,7 @@ COMMANDS = (
     (questions.run, "questions", questions.EPILOG),
     (show.run, "show", show.EPILOG),
     (export.run, "export", export.EPILOG),
+    (vectors.run, "vectors", vectors.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),
     (identify.run, "identify", identify.EPILOG),
     (paper.run, "paper", paper.EPILOG),

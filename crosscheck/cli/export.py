@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from crosscheck.cli.console import warnings_shown
+from crosscheck.cli.judge_options import GravityOption
 from crosscheck.cli.options import EXAMPLES, ChainOption, LockOption, RobotArgument, locked_joints
 from crosscheck.cli.output_files import OutputFile
 
@@ -29,7 +30,13 @@ ToOption = Annotated[
 ]
 
 
-def run(robot: RobotArgument, to: ToOption, lock: LockOption = None, chain: ChainOption = None) -> None:
+def run(
+    robot: RobotArgument,
+    to: ToOption,
+    lock: LockOption = None,
+    chain: ChainOption = None,
+    gravity: GravityOption = None,
+) -> None:
     """Write the model of a robot as JSON, C or MATLAB.
 
     Joint placements and axes, masses, centers of mass, tensors, parents, gravity, named frames: as JSON, as constants
@@ -50,7 +57,7 @@ def run(robot: RobotArgument, to: ToOption, lock: LockOption = None, chain: Chai
     from crosscheck.report.records.export import record
 
     with warnings_shown():
-        model = urdf.load(robot, lock=locked or None, chain=chain)
+        model = urdf.load(robot, lock=locked or None, chain=chain, gravity=gravity)
     exported = record(model, robot, locked)
     if ending == ".json":
         to.write(as_bytes(plain(exported)))

@@ -53,6 +53,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         questions,
         robots,
         show,
+        vectors,
     )
 
     formats = (
@@ -67,6 +68,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         questions.QuestionsRecord,
         robots.RobotsRecord,
         show.ShowRecord,
+        vectors.VectorsRecord,
     )
     return {f"{_name(record)}.schema.json": schema(record) for record in formats}
 

@@ -14,7 +14,7 @@ int main(void)
 {
     long long id;
     double x[3 * N], tau[N]; /* q, v, a */
-    scanf("%*[^\n]"); /* the head */
+    if (scanf("%*[^\n]") == EOF) return 1; /* the head */
     while (scanf("%lld,%*[^,]", &id) == 1) { /* id and name of the function */
         for (int k = 0; k < 3 * N; k++)
             if (scanf(",%lf", &x[k]) != 1) return 1;

@@ -27,20 +27,11 @@ from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 from graphdyn import __version__
 
 COMMANDS = (
-    "crosscheck",
-    "judge",
-    "questions",
-    "show",
-    "export",
-    "inspect",
-    "identify",
-    "paper",
-    "bench",
-    "robots",
-    "errata",
+    *("crosscheck", "judge", "questions", "show", "export", "vectors", "inspect", "identify", "paper", "bench"),
+    *("robots", "errata"),
 )
 
-WRITES = {"export": "--to FILE", "questions": "--out FILE"}
+WRITES = {"export": "--to FILE", "questions": "--out FILE", "vectors": "--out FOLDER"}
 """The option that writes what a program reads, where it is not --json."""
 
 
@@ -219,7 +210,10 @@ class TestExamples:
     """What the help shows can be typed."""
 
     EXAMPLES = tuple(
-        (info.name, shlex.split(line)[2:]) for info in app.registered_commands for line in info.epilog.splitlines()[2:]
+        (info.name, shlex.split(line)[2:])
+        for info in app.registered_commands
+        for line in info.epilog.splitlines()
+        if line.startswith("  graphdyn ")
     )
 
     @pytest.mark.parametrize(("command", "arguments"), EXAMPLES, ids=lambda value: str(value))
@@ -348,7 +342,7 @@ class TestOtherCommands:
         assert re.search(r"Usage: .*graphdyn", done.out)
         if command:
             assert WRITES.get(command[0], "--json") in done.out
-            examples = done.out.partition("Examples:\n")[2].splitlines()
+            examples = done.out.partition("Examples:\n")[2].partition("\n\n")[0].splitlines()
             assert examples
             assert all(line.startswith(f"    graphdyn {command[0]}") for line in examples)
         else:

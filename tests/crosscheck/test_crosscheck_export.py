@@ -171,7 +171,9 @@ class TestCommand:
             assert text == (matlab_text(own, "arm") if ending == "m" else c_text(own))
 
     def test_standard_output(self, program, small_arm):
-        done = program("export", small_arm, "--chain", "base", "tool", "--to", "-")
+        options = ("--chain", "base", "tool", "--gravity", "0", "0", "-1.62")
+        done = program("export", small_arm, *options, "--to", "-")
+        assert json.loads(done.out)["gravity"] == [0.0, 0.0, -1.62]
         assert [body["name"] for body in json.loads(done.out)["bodies"]] == ["upper", "fore"]
 
     @pytest.mark.parametrize(

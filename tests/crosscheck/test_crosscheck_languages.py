@@ -1,5 +1,6 @@
 """The examples of docs/languages in other languages, and C functions that misbehave."""
 
+import os
 import shutil
 import signal
 import subprocess
@@ -141,6 +142,62 @@ class TestFiles:
         script = Path("rnea_file.m").read_text(encoding="utf-8")
         Path("run.m").write_text(script.replace("3 * n));", "3 * n), 1);") if wrong else script, encoding="utf-8")
         self.verdict(program, lambda: subprocess.run([OCTAVE, "run.m"], check=True), wrong)
+
+
+@pytest.fixture(scope="session")
+def vectors(examples):
+    """The folder of the examples, with test vectors in it."""
+    arguments = ["vectors", "ur5", "--for", "inverse_dynamics", "--samples", "2", "--out", str(examples / "vectors")]
+    assert CliRunner().invoke(app, arguments).exit_code == AGREED
+    return examples
+
+
+class TestVectors:
+    """The readers of test vectors: right, and with the library that has one wrong sign."""
+
+    def check(self, folder, command, wrong):
+        environment = {**os.environ, "LD_LIBRARY_PATH": str(folder)}
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", check=False)
+        assert done.stdout == f"inverse_dynamics: {13 if wrong else 0} rows fail\n", done.stderr
+        assert done.returncode == wrong
+
+    @pytest.fixture(params=[False, True], ids=["right", "wrong"])
+    def wrong(self, request):
+        return request.param
+
+    @pytest.fixture
+    def folder(self, vectors, tmp_path, wrong):
+        """With a library librnea.so, right or wrong."""
+        shutil.copytree(vectors, tmp_path, dirs_exist_ok=True)
+        if wrong:
+            (tmp_path / "librnea_wrong.so").replace(tmp_path / "librnea.so")
+        return tmp_path
+
+    def test_c(self, folder, wrong):
+        self.check(folder, compiled(folder / "vectors_c", "vectors.c", "librnea.so"), wrong)
+
+    @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler (c++) on this machine")
+    def test_cpp(self, folder, wrong):
+        command = ["c++", "-Wall", "-Wextra", "-Werror", "-o", "vectors_cpp", "vectors.cpp", "librnea.so"]
+        subprocess.run(command, check=True, cwd=folder)
+        self.check(folder, folder / "vectors_cpp", wrong)
+
+    @pytest.mark.skipif(shutil.which("rustc") is None, reason="there is no Rust compiler (rustc) on this machine")
+    def test_rust(self, folder, wrong):
+        subprocess.run(["rustc", "-D", "warnings", "-o", "vectors_rs", "vectors.rs", "-L", "."], check=True, cwd=folder)
+        self.check(folder, folder / "vectors_rs", wrong)
+
+    @pytest.mark.skipif(shutil.which("julia") is None, reason="there is no julia on this machine")
+    def test_julia(self, folder, wrong):
+        self.check(folder, ["julia", "vectors.jl"], wrong)
+
+    @pytest.mark.skipif(OCTAVE is None, reason="there is no octave-cli on this machine")
+    def test_octave(self, program, folder, wrong):
+        assert program("export", "ur5", "--to", folder / "model.m").code == AGREED
+        if wrong:
+            code = (folder / "rnea.m").read_text(encoding="utf-8").replace("1 - 2 * (nargin > 4)", "-1")
+            (folder / "rnea.m").write_text(code, encoding="utf-8")
+        self.check(folder, [OCTAVE, "vectors.m"], wrong)
 
 
 class TestLibrary:

@@ -24,6 +24,7 @@ READS = {
     "questions": ("{robot}", "--for", "mass_matrix"),
     "show": ("{robot}", "--state", "{log}"),
     "export": ("{robot}",),
+    "vectors": ("{robot}", "--out", "vectors"),
     "inspect": ("{robot}",),
     "identify": (
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),

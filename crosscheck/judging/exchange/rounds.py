@@ -10,6 +10,7 @@ from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.questions import Question, once, questions
 from crosscheck.judging.exchange.replay import AnswersPending, Replay, listed
 from crosscheck.judging.foreign import ForeignFunction, joint_order
+from crosscheck.judging.functions.known_function import LOADS, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judge import check_frame, judge
 from crosscheck.judging.judged_states import JudgedStates
@@ -44,32 +45,40 @@ class FirstRound:
     questions: tuple[Question, ...]
 
 
-def first_round(setting: Setting, names: Collection[str]) -> FirstRound:
-    """The questions at the judged states. names: of FUNCTIONS
-
-    Raises InvalidInput, UnknownFrame, SameId, and urdf's errors for a file that cannot be loaded.
-    """
-    functions = [known_function(name) for name in names]
+def drawn_states(setting: Setting, functions: Collection[KnownFunction]) -> JudgedStates:
+    """The judged states. Raises InvalidInput, UnknownFrame, and urdf's errors for a file that cannot be loaded."""
     check_counts(setting.samples, setting.seed)
     model = subject(setting.robot, setting.lock, setting.gravity, setting.chain).model
-    check_frame(names, setting.frame, model)
-    order = joint_order(model, setting.joint_names)
-    loaded = setting.external_wrenches
-    states = JudgedStates.draw(
+    check_frame([known.name for known in functions], setting.frame, model)
+    return JudgedStates.draw(
         model,
         setting.samples,
         setting.seed,
         needs_tau=any("tau" in known.arguments for known in functions),
-        loaded=loaded,
+        loaded=setting.external_wrenches or any(LOADS in known.arguments for known in functions),
         beyond_limits=setting.beyond_limits,
         frame=setting.frame,
     )
+
+
+def states_of(known: KnownFunction, states: JudgedStates, setting: Setting) -> JudgedStates:
+    """The states of one function: without external wrenches, where it is not called with them."""
+    return states if LOADS in known.called_with(setting.external_wrenches) else replace(states, loads=None)
+
+
+def first_round(setting: Setting, names: Collection[str]) -> FirstRound:
+    """The questions at the judged states. names: of FUNCTIONS
+
+    Raises SameId, and what drawn_states raises.
+    """
+    functions = [known_function(name) for name in names]
+    states = drawn_states(setting, functions)
+    order = joint_order(states.model, setting.joint_names)
     asked: list[Question] = []
     for known in functions:
-        function = ForeignFunction(known, Replay({}, set()), order, loaded=loaded)
-        there = states if known.takes_loads else replace(states, loads=None)
-        asked += questions(function, known.arguments_at(there))
-    return FirstRound(model, tuple(model.joint_names[k] for k in order), tuple(once(asked)))
+        function = ForeignFunction(known, Replay({}, set()), order, loaded=setting.external_wrenches)
+        asked += questions(function, known.arguments_at(states_of(known, states, setting)))
+    return FirstRound(states.model, tuple(states.model.joint_names[k] for k in order), tuple(once(asked)))
 
 
 def answered_functions(setting: Setting, given: Mapping[int, GivenAnswer]) -> list[str]:

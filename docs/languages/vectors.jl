@@ -1,0 +1,28 @@
+# A function against a file of test vectors, after
+#
+#     graphdyn vectors ur5 --out vectors
+#     julia vectors.jl     (librnea.so: see rnea.c)
+
+"The number of rows with a number beyond its tolerance."
+function failures(path, arguments, f)
+    failed = 0
+    for line in Iterators.drop(eachline(path), 1)
+        row = parse.(Float64, split(line, ','))
+        numbers = (length(row) - arguments) ÷ 2
+        answer = f(row[1:arguments])  # of a matrix M: vec(permutedims(M)), since columns come first here
+        expected, tolerances = row[arguments+1:arguments+numbers], row[arguments+numbers+1:end]
+        failed += !all(abs.(answer .- expected) .<= tolerances)  # NaN is wrong
+    end
+    return failed
+end
+
+function rnea(x)
+    tau = zeros(6)
+    q, v, a = x[1:6], x[7:12], x[13:18]
+    ccall((:rnea, "./librnea.so"), Cint, (Cint, Ptr{Cdouble}, Ptr{Cdouble}, Ptr{Cdouble}, Ptr{Cdouble}), 6, q, v, a, tau)
+    return tau
+end
+
+failed = failures("vectors/inverse_dynamics.csv", 18, rnea)
+println("inverse_dynamics: $failed rows fail")
+exit(failed != 0)

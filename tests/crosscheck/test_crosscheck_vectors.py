@@ -1,0 +1,163 @@
+"""graphdyn vectors: states, answers and tolerances, confirmed by two implementations, whole or not at all."""
+
+import errno
+import json
+import os
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from textbook import TextbookArm
+
+import urdf
+from crosscheck.cli.exits import AGREED, BAD_INPUT
+from crosscheck.cli.output_folder import write_folder
+from crosscheck.judging.conventions import relative_errors
+from crosscheck.judging.exchange.rounds import Setting, drawn_states
+from crosscheck.judging.exchange.vectors import confirmed_functions, tolerances, vector_tables
+from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.report.json import schemas
+from graphdyn import InvalidInput
+
+BOUND = 1e-9
+SAMPLES = 3
+
+
+@pytest.fixture
+def folder(program, small_arm, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    done = program("vectors", "small.urdf", "--samples", SAMPLES, "--frame", "tool", "--out", "vectors")
+    assert done.code == AGREED
+    return tmp_path / "vectors"
+
+
+def numbers(path):
+    return np.loadtxt(path, delimiter=",", skiprows=1)
+
+
+class TestFolder:
+    def test_what_is_listed_is_there(self, folder):
+        listed = json.loads((folder / "vectors.json").read_text(encoding="utf-8"))
+        Draft202012Validator(schemas()["vectors-1.schema.json"]).validate(listed)
+        assert {path.name for path in folder.iterdir()} == {"vectors.json", *listed["files"]}
+        assert [table["function"] for table in listed["tables"]] == confirmed_functions("tool")
+        hashes = [sha256((folder / listed["model"]).read_bytes()).hexdigest()]
+        for table in listed["tables"]:
+            rows = numbers(folder / table["file"])
+            assert rows.shape == (listed["states"], table["argument_count"] + 2 * table["answer_count"])
+            assert table["answer_count"] == np.prod(table["shape"], dtype=int)
+            assert {"graphdyn", "pinocchio"} <= set(table["references"])
+            assert table["sha256"] == sha256((folder / table["file"]).read_bytes()).hexdigest()
+            hashes.append(table["sha256"])
+        assert listed["sha256"] == sha256("".join(hashes).encode()).hexdigest()
+
+    def test_another_code_is_right(self, folder, small_arm):
+        """The textbook recursion, which shares no line with graphdyn, passes; with one wrong sign it fails."""
+        arm = TextbookArm.of(urdf.load(small_arm))
+        rows = numbers(folder / "inverse_dynamics.csv")
+        q, v, a, expected, tolerance = np.split(rows, 5, axis=1)
+
+        def within(arm):
+            tau = [arm.inverse_dynamics(*row) for row in zip(q, v, a, strict=True)]
+            return (np.abs(tau - expected) <= tolerance).all(axis=1)
+
+        assert within(arm).all()
+        assert not within(arm.but(cross=-1.0)).any()
+        mass = np.split(numbers(folder / "mass_matrix.csv")[:, 3:], 2, axis=1)
+        found = np.array([arm.mass_matrix(row).ravel() for row in q])
+        assert (np.abs(found - mass[0]) <= mass[1]).all()
+
+    def test_again(self, program, folder):
+        """The same folder; files of functions that are no longer asked for go."""
+        before = (folder / "gravity_torque.csv").read_bytes()
+        done = program("vectors", "small.urdf", "--samples", SAMPLES, "--for", "gravity_torque", "--out", folder)
+        assert done.code == AGREED
+        assert {path.name for path in folder.iterdir()} == {"vectors.json", "model.json", "gravity_torque.csv"}
+        assert (folder / "gravity_torque.csv").read_bytes() == before
+        assert [path.name for path in folder.parent.iterdir() if path.name.startswith(".")] == []
+
+    def test_conventions_and_precision(self, program, folder):
+        options = ("--frame", "tool", "--convention", "reference=local", "--precision", "single", "--samples", SAMPLES)
+        program("vectors", "small.urdf", "--for", "frame_jacobian", *options, "--out", "other")
+        listed = json.loads(Path("other/vectors.json").read_text(encoding="utf-8"))
+        assert listed["tables"][0]["conventions"]["reference"] == "local"
+        assert listed["bound"] == 1e-5
+
+
+class TestTolerances:
+    @pytest.mark.parametrize("name", confirmed_functions("tool0"))
+    def test_a_number_may_be_wrong_by_its_tolerance(self, name):
+        """By a little more, and the judge disagrees."""
+        known = FUNCTIONS[name]
+        states = drawn_states(Setting(robot="ur5", samples=1, frame="tool0"), [known])
+        chosen = next(known.readings({}))
+        answer = known.ours(states, chosen)
+        tolerance = tolerances(known, answer, states, chosen, BOUND)
+        rng = np.random.default_rng(0)
+        for k in rng.choice(answer[0].size, min(6, answer[0].size), replace=False):
+            one = np.zeros(answer[0].size)
+            one[k] = 1.0
+            part = one.reshape(answer.shape[1:]) * np.where(np.isfinite(tolerance), tolerance, 0.0)
+            for factor in (0.9, 1.1):
+                wrong = relative_errors(known, answer + factor * part, answer, states, chosen)
+                worst = factor * BOUND * (part != 0).reshape(len(part), -1).any(axis=1)
+                np.testing.assert_allclose(wrong, worst, rtol=0.05, atol=0)
+
+
+class TestRefused:
+    def test_a_reference_that_disagrees(self, program, small_arm, tmp_path, plant):
+        plant.referee_value("mass_matrix", lambda x: x * (1 + 1e-8))
+        done = program("vectors", small_arm, "--samples", 1, "--out", tmp_path / "v")
+        assert done.code == BAD_INPUT
+        assert (
+            done.err == "error: mass_matrix: pinocchio and graphdyn disagree on this robot; see `graphdyn crosscheck`\n"
+        )
+        assert not (tmp_path / "v").exists()
+
+    def test_any_number_of_columns(self):
+        with pytest.raises(InvalidInput, match="base_regressor has no test vectors: answers of any number of columns"):
+            next(vector_tables(Setting(robot="ur5"), ["base_regressor"], {}, BOUND))
+
+    def test_other_files(self, program, small_arm, tmp_path, words):
+        (tmp_path / "v").mkdir()
+        (tmp_path / "v" / "vectors.json").write_text('{"files": ["a.csv"]}', encoding="utf-8")
+        for name in ("a.csv", "arm.urdf"):
+            (tmp_path / "v" / name).write_text("precious", encoding="utf-8")
+        done = program("vectors", small_arm, "--out", tmp_path / "v")
+        assert done.code == BAD_INPUT
+        assert "holds other files, such as arm.urdf, which would be lost; name another folder" in words(done.err)
+        assert (tmp_path / "v" / "a.csv").read_text(encoding="utf-8") == "precious"
+
+    @pytest.mark.parametrize("table", ["", "[]", '{"files": 3}', '{"files": [[]]}'])
+    def test_a_table_of_others(self, program, small_arm, tmp_path, table):
+        (tmp_path / "v").mkdir()
+        (tmp_path / "v" / "vectors.json").write_text(table, encoding="utf-8")
+        assert program("vectors", small_arm, "--out", tmp_path / "v").code == BAD_INPUT
+
+    @pytest.mark.parametrize(("name", "message"), [("small.urdf", "is no folder"), ("no/such", "does not exist")])
+    def test_no_folder(self, program, small_arm, tmp_path, words, name, message):
+        done = program("vectors", small_arm, "--out", tmp_path / name)
+        assert done.code == BAD_INPUT
+        assert message in words(done.err)
+
+
+class TestWholeFolder:
+    def test_a_full_disk(self, tmp_path, full_disk):
+        with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
+            write_folder(tmp_path / "v", {"a": b"12", "b": b"34"})
+        assert list(tmp_path.iterdir()) == []
+
+    def test_the_old_one_stays(self, tmp_path, full_disk, monkeypatch):
+        (tmp_path / "v").mkdir()
+        (tmp_path / "v" / "a").write_text("old", encoding="utf-8")
+        with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
+            write_folder(tmp_path / "v", {"a": b"new"})
+        assert (tmp_path / "v" / "a").read_text(encoding="utf-8") == "old"
+        assert [path.name for path in tmp_path.iterdir()] == ["v"]
+
+    def test_permissions(self, tmp_path):
+        write_folder(tmp_path / "v", {"a": b""})
+        (tmp_path / "usual").mkdir()
+        assert (tmp_path / "v").stat().st_mode == (tmp_path / "usual").stat().st_mode
