@@ -59,6 +59,7 @@ def foreign_programs(
     from crosscheck.judging.exchange.library import library_function
     from crosscheck.judging.exchange.program import ProgramFunction
     from crosscheck.judging.exchange.protocols import PROTOCOLS
+    from crosscheck.judging.functions.table import FUNCTIONS
 
     found: dict[str, ProgramFunction] = {}
     for name, text in pairs("--command", commands, "NAME='PROGRAM …'"):
@@ -67,6 +68,8 @@ def foreign_programs(
     for name, text in pairs("--library", libraries, "NAME=FILE:SYMBOL"):
         if name in found:
             raise typer.BadParameter(f"{name} is named by --command and by --library; name it once")
+        if name in FUNCTIONS and "p" in FUNCTIONS[name].shape:
+            raise typer.BadParameter(f"--library {name}={text}: nobody knows the size of its answer; use --command")
         found[name] = library_function(*_file_and_symbol(name, text), time_limit)
     try:
         yield found

@@ -225,19 +225,27 @@ class TestEveryFunction:
         for name in ("inverse_dynamics", "forward_dynamics", "joint_wrenches"):
             assert {one.id for one in first_round(self.SETTING, [name]).questions} <= every
 
-    def test_they_are_those_of_the_judge(self):
-        names = ["forward_dynamics", "frame_placement"]
-        setting = Setting(robot="ur5", samples=2, frame="tool0", seed=3, beyond_limits=True, gravity=(0, 1, -9))
+    @pytest.mark.parametrize("external_wrenches", [False, True])
+    def test_they_are_those_of_the_judge(self, external_wrenches):
+        chosen = {"seed": 3, "beyond_limits": True, "gravity": (0, 1, -9), "external_wrenches": external_wrenches}
+        setting = Setting(robot="ur5", samples=2, frame="tool0", **chosen)
         model = urdf.load("ur5", gravity=(0, 1, -9))
-        given = {}
-        for one in first_round(setting, names).questions:
-            if one.function == "frame_placement":
-                x = np.eye(4)
-                x[:3, :3], x[:3, 3] = graphdyn.frame_placement(model, one.arguments["q"], "tool0")
-            else:
-                x = graphdyn.joint_accelerations(model, *one.arguments.values())
-            given[one.id] = GivenAnswer(x.ravel(), "here")
-        assert answered_functions(setting, given) == names
+
+        def placement(q):
+            rotation, position = graphdyn.frame_placement(model, q, "tool0")
+            return np.block([[rotation, position[:, None]], [0, 0, 0, 1]])
+
+        codes = {
+            "forward_dynamics": lambda *x: graphdyn.joint_accelerations(model, *x),
+            "static_torque": lambda *x: graphdyn.static_torque(model, *x),
+            "mass_matrix": lambda *x: graphdyn.mass_matrix(model, *x),
+            "frame_placement": placement,
+        }
+        given = {
+            one.id: GivenAnswer(codes[one.function](*one.arguments.values()).ravel(), "here")
+            for one in first_round(setting, list(codes)).questions
+        }
+        assert set(answered_functions(setting, given)) == set(codes)
         judgement, unused = judge_answers(setting, given, {})
         assert judgement.agrees
         assert unused == []

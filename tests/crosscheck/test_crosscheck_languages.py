@@ -101,6 +101,13 @@ class TestC:
         assert f"inverse_dynamics: {WRONG_SIGN}" in done.out
 
 
+@pytest.mark.skipif(OCTAVE is None, reason="there is no octave-cli on this machine")
+def test_octave_by_lines(judged, examples, program):
+    assert program("export", "ur5", "--to", examples / "model.m").code == AGREED
+    command = f"--command=inverse_dynamics={OCTAVE} rnea_lines.m"
+    assert judged(command, "--restart-after", 1000).code == AGREED
+
+
 class TestFiles:
     """Questions and answers as files; two rounds where a sign is wrong."""
 
@@ -255,11 +262,12 @@ class TestLibrary:
     @pytest.mark.parametrize(
         ("text", "message"),
         [
-            ("librnea.so", "--library inverse_dynamics=librnea.so: give FILE:SYMBOL"),
-            ("no.so:rnea", "--library inverse_dynamics=no.so:rnea: there is no file no.so"),
+            ("inverse_dynamics=librnea.so", "--library inverse_dynamics=librnea.so: give FILE:SYMBOL"),
+            ("inverse_dynamics=no.so:rnea", "--library inverse_dynamics=no.so:rnea: there is no file no.so"),
+            ("base_regressor=librnea.so:W", "librnea.so:W: nobody knows the size of its answer; use --command"),
         ],
     )
-    def test_wrong_options(self, judged, text, message):
-        done = judged("--library", f"inverse_dynamics={text}")
+    def test_wrong_options(self, judged, words, text, message):
+        done = judged("--library", text)
         assert done.code == BAD_INPUT
-        assert message in " ".join(done.err.replace("│", " ").split())
+        assert message in words(done.err)

@@ -164,9 +164,9 @@ class TestFailure:
         with pytest.raises(ProgramFailed) as caught:
             answers(echo(AT_THE_END, time_limit=SOON))
         assert str(caught.value) == (
-            "echo did not write answer 1 of 3 within 0.3 s, but wrote 3 more once its input was closed: it holds its "
-            "output back; flush the output after each answer (C: fflush(stdout); C++: std::endl; Fortran: flush(6)), "
-            "or give --restart-after"
+            "echo did not write answer 1 of 3 within 0.3 s, but wrote 3 more once its input was closed: it holds "
+            "answers back; flush the output after each answer (C: fflush(stdout); C++: std::endl; Fortran: flush(6)), "
+            "or give --restart-after if it waits for more input, as Octave's fgetl does"
         )
 
     def test_what_answers_at_the_end_of_its_input(self):

@@ -165,8 +165,8 @@ class LineProcess:
         flush = "flush the output after each answer (C: fflush(stdout); C++: std::endl; Fortran: flush(6))"
         if held:
             return ProgramFailed(
-                f"{late}, but wrote {held} more once its input was closed: it holds its output back; {flush}, or give "
-                "--restart-after"
+                f"{late}, but wrote {held} more once its input was closed: it holds answers back; {flush}, or give "
+                "--restart-after if it waits for more input, as Octave's fgetl does"
             )
         return ProgramFailed(
             f"{late}; if it does answer, {flush}, or give more time by --time-limit; the question was "
