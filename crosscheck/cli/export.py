@@ -40,7 +40,8 @@ def run(
     """Write the model of a robot as JSON, C or MATLAB.
 
     Joint placements and axes, masses, centers of mass, tensors, parents, gravity, named frames: as JSON, as constants
-    in C (and C++), or as a function for MATLAB and Octave. Units and frames are said in the file.
+    in C (and C++), or as a function for MATLAB and Octave. Units and frames are said in the file. Mimic joints are
+    joints like others, as in `graphdyn judge`.
     """
     ending = ".json" if to.is_standard_output else to.path.suffix.lower()
     if ending not in ENDINGS:
@@ -57,7 +58,7 @@ def run(
     from crosscheck.report.records.export import record
 
     with warnings_shown():
-        model = urdf.load(robot, lock=locked or None, chain=chain, gravity=gravity)
+        model = urdf.load(robot, lock=locked or None, chain=chain, mimic="independent", gravity=gravity)
     exported = record(model, robot, locked)
     if ending == ".json":
         to.write(as_bytes(plain(exported)))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import faulthandler
 import os
-import signal
 import sys
 from collections.abc import Callable
 from multiprocessing import get_context
@@ -20,6 +19,7 @@ import typer
 from crosscheck.cli import console
 from crosscheck.cli.encodings import accept_all_characters
 from crosscheck.cli.processes import end_with_parent
+from crosscheck.judging.exchange.line_process import end_in_words
 from graphdyn import GraphDynError
 
 PATIENCE = 5.0
@@ -55,8 +55,8 @@ def enter(what: str) -> None:
         raise
     if code is None:
         raise ForeignCodeEnded(
-            f"{_end_in_words(process.exitcode)} while it ran {' and '.join(running) or what}; there is no result: a "
-            "function has to return, or to raise an exception"
+            f"the process {end_in_words(process.exitcode)} while it ran {' and '.join(running) or what}; there is no "
+            "result: a function has to return, or to raise an exception"
         )
     raise typer.Exit(code)
 
@@ -81,12 +81,6 @@ def _end(process: BaseProcess) -> None:
     if process.exitcode is None:
         process.kill()
         process.join()
-
-
-def _end_in_words(code: int | None) -> str:
-    if code is None or code >= 0:
-        return f"the process ended itself with exit code {code}"
-    return f"the process was ended by signal {-code} ({signal.strsignal(-code)})"
 
 
 def _run(theirs: Connection) -> None:

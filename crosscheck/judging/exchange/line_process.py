@@ -14,6 +14,7 @@ import tempfile
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from errno import ENOEXEC
 from pathlib import Path
 
 from crosscheck.judging.exchange.watcher import Watcher
@@ -214,6 +215,6 @@ def _reason(program: str, error: OSError) -> str:
         return f"there is no program {program}"
     if isinstance(error, PermissionError) and shutil.which(program) is None:
         return f"{program} is no executable program; compile it, or chmod +x a script"
-    if error.errno == 8:  # ENOEXEC
+    if error.errno == ENOEXEC:
         return f"{program} is no program; begin with the one that runs it, such as 'octave-cli {program}'"
     return f"{error.strerror}"
