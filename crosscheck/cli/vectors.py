@@ -95,7 +95,7 @@ def run(
     chosen, bound = names(functions) or confirmed_functions(frame), TOLERANCES[precision].bound
     tables = {}
     with progress(robot, len(chosen)) as advance, warnings_shown():
-        model = subject(robot, setting.lock, gravity, chain, mimic="independent").model
+        model = subject(robot, setting.lock, gravity, chain).model.uncoupled
         for table in vector_tables(setting, chosen, dict(pairs("--convention", convention, "NAME=WAY")), bound):
             tables[f"{table.known.name}.csv"] = table, table.csv()
             advance(table.known.name, 1)

@@ -18,7 +18,7 @@ from crosscheck.judging.foreign import BatchFunction, ForeignFunction, joint_ord
 from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
+from crosscheck.judging.judgement import UNCOUPLED, Diagnosis, JudgedFunction, Judgement
 from crosscheck.judging.references import References
 from crosscheck.judging.verdicts import judged
 from crosscheck.referee.mujoco_model import MujocoRefuses
@@ -82,7 +82,7 @@ def judge(
     _check(given, precision, tolerance, followed)
     bound = TOLERANCES[precision].bound if tolerance is None else tolerance
     check_counts(samples, seed)
-    judged_robot = subject(robot, lock, gravity, chain, mimic="independent")
+    judged_robot = subject(robot, lock, gravity, chain)
     model = judged_robot.model.uncoupled
     check_frame(given, frame, model)
     links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file and not chain else {}
@@ -92,7 +92,7 @@ def judge(
     diagnoses: list[Diagnosis] = []
     notes: list[str] = []
     if judged_robot.model.couplings:
-        notes.append("joints that others drive are judged as if they were independent")
+        notes.append(UNCOUPLED)
     if not any(body.mass > 0 for body in model.bodies):
         notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):

@@ -11,6 +11,9 @@ import numpy as np
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
+UNCOUPLED = "joints that others drive are judged as if they were independent"
+"""A note about a robot with couplings: other codes see it so."""
+
 
 @dataclass(frozen=True)
 class WorstCall:

@@ -14,7 +14,6 @@ import urdf
 from graphdyn import InvalidInput, RobotModel
 from urdf._catalogue import locate
 from urdf._cutting import Chain
-from urdf._mimics import Mimic
 from urdf._opening import UNNAMED, content_of, path_of
 
 Robot = str | PathLike[str] | RobotModel
@@ -39,9 +38,7 @@ class Subject:
     chain: Chain
 
 
-def subject(
-    robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = None, mimic: Mimic = "coupled"
-) -> Subject:
+def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = None) -> Subject:
     """Load a name or path; take a RobotModel as it is.
 
     Raises InvalidInput for lock, gravity or chain with a RobotModel, and for XML or another type.
@@ -57,7 +54,7 @@ def subject(
     if path_of(robot) in UNNAMED:
         raise InvalidInput("XML is given in place of a name or path; give the file, or urdf.load(…) of the XML")
     lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
-    model = urdf.load(robot, chain=chain, lock=lock, mimic=mimic, gravity=gravity)
+    model = urdf.load(robot, chain=chain, lock=lock, gravity=gravity)
     locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
     return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 import urdf
 from crosscheck.judging.functions.known_function import LOADS
-from crosscheck.judging.judgement import JudgedFunction, Judgement
+from crosscheck.judging.judgement import UNCOUPLED, JudgedFunction, Judgement
 from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.referee.quantities import BY_NAME, COUPLED, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
@@ -185,7 +185,7 @@ def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
     """
     origin, model = _origin(judgement), judgement.model
     lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if origin else []), ""]
-    lines += _robot(origin, judgement.locked, model, judgement.chain)
+    lines += _robot(origin, judgement.locked, model, judgement.chain, uncoupled=UNCOUPLED in judgement.notes)
     reordered = judgement.joint_names != model.joint_names
     if reordered:
         lines += [

@@ -8,10 +8,12 @@ from planting import mixed_tree
 from typer.testing import CliRunner
 
 import crosscheck
+import graphdyn
 import urdf
 from crosscheck.cli import app
 from crosscheck.referee.coupled import PinocchioModel
 from crosscheck.referee.quantities import BY_NAME, COUPLED
+from crosscheck.report.snippets import worst_call
 from graphdyn import Coupling
 
 SAMPLES = 20
@@ -70,3 +72,11 @@ def test_on_the_command_line(file, tmp_path):
     (robot,) = json.loads(out.read_text())["robots"]
     assert set(COUPLED) < set(robot["quantities"])
     assert ").uncoupled" in page.read_text()
+
+
+def test_judged_as_if_independent(file):
+    free = urdf.load(file).uncoupled
+    judgement = crosscheck.judge(file, mass_matrix=lambda q: graphdyn.mass_matrix(free, q), samples=5)
+    assert judgement.agrees
+    assert judgement.notes == ("joints that others drive are judged as if they were independent",)
+    assert ").uncoupled" in worst_call(judgement, judgement.functions["mass_matrix"])

@@ -48,7 +48,7 @@ class FirstRound:
 def drawn_states(setting: Setting, functions: Collection[KnownFunction]) -> JudgedStates:
     """The judged states. Raises InvalidInput, UnknownFrame, and urdf's errors for a file that cannot be loaded."""
     check_counts(setting.samples, setting.seed)
-    given = subject(setting.robot, setting.lock, setting.gravity, setting.chain, mimic="independent")
+    given = subject(setting.robot, setting.lock, setting.gravity, setting.chain)
     model = given.model.uncoupled
     check_frame([known.name for known in functions], setting.frame, model)
     return JudgedStates.draw(
