@@ -1,153 +1,227 @@
-"""From experiments to diagnoses: which fault, put into graphdyn, gives the numbers of a foreign function."""
+"""From observations to diagnoses: which faults, put into graphdyn, give the numbers of a foreign function."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from itertools import chain
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from crosscheck.judging.experiments import PARTS, Parts, TrialStates, deviations, scales, split, torques
-from crosscheck.judging.faults.all_faults import faults
-from crosscheck.judging.faults.fault import Fault
-from crosscheck.judging.fits import (
-    FittedFault,
-    ParameterFits,
-    friction,
-    gravity_vector,
-    rotor_inertia,
-    velocity_factors,
-)
-from crosscheck.judging.judgement import Diagnosis
-from crosscheck.judging.orders import order_faults
+from crosscheck.judging.judgement import Diagnosis, Standing
+from crosscheck.judging.observation import Observation, of_experiments
+from crosscheck.judging.precision import precision_said
+from crosscheck.judging.search import FIRSTS, Explanation, Search
+from crosscheck.judging.telling_apart import same_everywhere, what_tells_apart
 from graphdyn import RobotModel
-from graphdyn.layout import Array
+from urdf._misreading import Misreadings
 
-NOISE = 1e-9
-"""Relative deviation below which a part agrees: experiments are differences of torques, which lose some digits."""
+TIMES_NOISE = 10.0
+"""A fault explains a deviation if it leaves at most this many times the noise of the function, at every state."""
 
-EXPLAINED = 1e-5
-"""Part of a deviation that a fault may leave and still explain it: foreign codes round their constants."""
+AS_GOOD = 1.5
+"""Factor on the least that an explanation leaves: those that leave no more are as good."""
 
-AS_GOOD = 30.0
-"""Factor on what the best explanation leaves: explanations that leave no more are as good."""
-
-SMALL = 1e-4
-"""Relative deviation below which one without an explanation is a lack of precision."""
+ROUNDING = 1e-12
+"""What explanations leave below this is rounding of ours."""
 
 MOST_ALTERNATIVES = 4
 
 
-def diagnose(
-    function: str, observed: Parts, model: RobotModel, trial: TrialStates, links: Mapping[str, tuple[int, Array]]
-) -> list[Diagnosis]:
-    """What is wrong, from the experiments on one function; empty if all of them agree."""
-    own = split(torques(model), trial)
-    scale = scales(model, trial, own, observed)
-    before = deviations(observed, own, scale)
-    wrong = [part for part, error in before.items() if error > NOISE]
-    if not wrong:
-        return []
-    evidence = _evidence(before, observed, own)
+@dataclass(frozen=True, eq=False)
+class Deviation:
+    """A function that deviates, and what was seen of it.
+
+    observed: the experiments
+    judged: the answers at all judged states, None where no torques follow from them
+    readings: gives the misreadings of the robot's file, None where it has none
+    noise: relative, of the function; tolerance: relative error that counts as agreement
+    """
+
+    function: str
+    model: RobotModel
+    trial: TrialStates
+    observed: Parts
+    judged: Observation | None
+    readings: Callable[[], Misreadings | None]
+    noise: float
+    tolerance: float
+
+    @property
+    def bound(self) -> float:
+        return max(self.tolerance, TIMES_NOISE * self.noise)
+
+
+def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnosis]:
+    """What is wrong with a function that deviates."""
+    model, trial, observed = deviation.model, deviation.trial, deviation.observed
+    own = split(torques(model), trial, observed.acceleration)
+    before = deviations(observed, own, scales(model, trial, own, observed))
     if not np.isfinite(list(before.values())).all():
-        return [_unknown(function, "the answers are not finite", evidence)]
+        return [_unknown(deviation, "the answers are not finite", "", np.inf)]
+    experiments = of_experiments(model, trial, observed)
+    search = Search(model, deviation.readings(), experiments, deviation.judged, deviation.noise, deviation.bound)
+    nothing = search.nothing()
+    evidence = _evidence(deviation, before, observed, own)
+    if nothing.worst.max() <= deviation.bound:
+        remedy = "judge it with a tolerance that its precision allows"
+        left = float(nothing.worst.max())
+        return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
+    found = search.alone(nothing)
+    holding = [explanation for explanation in found if search.holds(explanation)]
+    if not holding:
+        say("looking for two faults at once")
+        firsts = _firsts(found, nothing, deviation.bound)
+        pairs = search.together(firsts, lambda: None)
+        holding = [pair for pair in pairs if search.holds(pair)]
+        if not holding:
+            return _unexplained(deviation, search, nothing, found, evidence)
+    return _explained(deviation, search, holding, evidence)
 
-    def explained(findings: Iterator[FittedFault], size: float) -> list[FittedFault]:
-        good = [found for found in findings if found.left <= _bound(size)]
-        least = min((found.left for found in good), default=0.0)
-        return [found for found in good if found.left <= max(NOISE, AS_GOOD * least)]
 
-    by_part = {part: explained(_of_part(part, model, trial, observed, own, scale), before[part]) for part in wrong}
-    if len(wrong) == 1 and by_part[wrong[0]]:
-        return [_diagnosis(function, by_part[wrong[0]], evidence)]
-    fits, size = ParameterFits(model, trial, _difference(observed, own), scale), max(before.values())
-    of_all = _of_all(model, trial, observed, scale, links, _bound(size))
-    if together := explained(chain(of_all, fits.named()), size):
-        return [_diagnosis(function, together, evidence)]
-    if all(by_part.values()):
-        return [_diagnosis(function, found, evidence) for found in by_part.values()]
-    if other := explained(fits.unnamed(), size):
-        return [_diagnosis(function, other[:1], evidence)]
-    found = [_diagnosis(function, findings, evidence) for findings in by_part.values() if findings]
-    rest = [part for part in wrong if not by_part[part]]
-    if max(before[part] for part in rest) < SMALL:
-        message = (
-            f"the answers agree to {-np.log10(max(before.values())):.0f} digits: single precision, or rounded constants"
+def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanation], evidence: str) -> list[Diagnosis]:
+    """The smallest of the explanations that fit equally well, and the others."""
+    least = min(explanation.left for explanation in holding)
+    good = [x for x in holding if x.left <= max(AS_GOOD * least, ROUNDING)]
+    good = _distinct(sorted(good, key=lambda x: x.size))
+    first, others = good[0], good[1:]
+    alike = [x for x in others if x.size == first.size]
+    listed = [x for x in others if x.size == first.size or not any(said.numbers for said in x.said)]
+    standing: Standing = "holds" if all(same_everywhere(first, x, search) for x in alike) else "candidate"
+    also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MOST_ALTERNATIVES]
+    apart = what_tells_apart(first, listed[:MOST_ALTERNATIVES], search) if listed else ""
+    return [
+        Diagnosis(
+            deviation.function,
+            said.kind,
+            said.message,
+            evidence,
+            said.remedy,
+            float(first.worst.max()),
+            standing,
+            also,
+            apart,
+            said.numbers,
         )
+        for said in first.said
+    ]
+
+
+def _distinct(explanations: Sequence[Explanation]) -> list[Explanation]:
+    """The first of those with the same words, and none that says something more beside the words of another."""
+    kept: list[tuple[frozenset[str], Explanation]] = []
+    for explanation in explanations:
+        words = frozenset(said.message for said in explanation.said)
+        if not any(known <= words for known, _ in kept):
+            kept.append((words, explanation))
+    return [explanation for _, explanation in kept]
+
+
+def _firsts(found: Sequence[Explanation], nothing: Explanation, bound: float) -> list[Explanation]:
+    """Explanations to which a second fault is added: those that mend whole terms, and those that leave least."""
+    before = _by_part(nothing)
+    wrong = {part for part, size in before.items() if size > bound}
+
+    def mended(explanation: Explanation) -> int:
+        after = _by_part(explanation)
+        broken = sum(after[part] > bound for part in after if part not in wrong)
+        return sum(after[part] <= bound for part in wrong) - broken
+
+    by_terms = sorted((x for x in found if mended(x) > 0), key=lambda x: (-mended(x), x.size, x.left))
+    chosen = [*_differing(by_terms)[: FIRSTS // 2], *_differing(found)[:FIRSTS]]
+    return _differing(chosen)[:FIRSTS]
+
+
+def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:
+    """Those that leave different numbers."""
+    kept: list[Explanation] = []
+    for explanation in explanations:
+        if not any(abs(explanation.left - x.left) <= 1e-6 * x.left for x in kept):
+            kept.append(explanation)
+    return kept
+
+
+def _by_part(explanation: Explanation) -> dict[str, float]:
+    """The largest error in each experiment."""
+    rows = explanation.worst[: len(explanation.parts)]
+    return {part: float(rows[explanation.parts == part].max()) for part in dict.fromkeys(explanation.parts)}
+
+
+def _unexplained(
+    deviation: Deviation, search: Search, nothing: Explanation, found: Sequence[Explanation], evidence: str
+) -> list[Diagnosis]:
+    """Where the deviation is, and the explanation of a part of it."""
+    before = _by_part(nothing)
+    wrong = [part for part, size in before.items() if size > deviation.bound]
+    parts = []
+    for part in wrong:
+        mending = [x for x in found if _by_part(x)[part] <= deviation.bound and _no_worse(x, nothing, deviation.bound)]
+        if mending:
+            parts.append((part, min(mending, key=lambda x: x.size)))
+    diagnoses = []
+    for part, explanation in parts:
+        left = float(np.abs(search.all_rows.residuals([explanation.code])).max())
+        diagnoses += [
+            Diagnosis(
+                deviation.function,
+                said.kind,
+                said.message,
+                f"explains {PARTS[part]}; {evidence}",
+                said.remedy,
+                left,
+                "part",
+                numbers=said.numbers,
+            )
+            for said in explanation.said
+        ]
+    explained = {part for part, _ in parts}
+    rest = [part for part in wrong if part not in explained]
+    if rest:
+        message = f"no fault of the catalogue explains the deviation {' and '.join(PARTS[part] for part in rest)}"
+    elif wrong:
+        message = "what the parts leave together has no explanation"
     else:
-        message = f"no single fault explains the deviation {' and '.join(PARTS[part] for part in rest)}"
-    return [*found, _unknown(function, message, evidence)]
+        message = (
+            "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
+        )
+    where = _where(deviation, search)
+    return [*diagnoses, _unknown(deviation, message + where, evidence, float(nothing.worst.max()))]
 
 
-def _bound(size: float) -> float:
-    """Largest error that an explanation of a deviation of this size may leave."""
-    return max(NOISE, EXPLAINED * size)
+def _no_worse(explanation: Explanation, nothing: Explanation, bound: float) -> bool:
+    after, before = _by_part(explanation), _by_part(nothing)
+    return all(after[part] <= max(bound, before[part] * (1 + 1e-9)) for part in after)
 
 
-def _of_part(
-    part: str, model: RobotModel, trial: TrialStates, observed: Parts, own: Parts, scale: dict[str, float]
-) -> Iterator[FittedFault]:
-    """Faults with free numbers that affect only this part."""
-    if part == "gravity":
-        yield gravity_vector(model, trial, observed, scale)
-    elif part == "velocity":
-        yield velocity_factors(model, trial, observed, scale)
-        assert observed.velocity is not None
-        assert own.velocity is not None
-        yield friction(trial, observed.velocity - own.velocity, scale[part])
-    else:
-        assert observed.inertia is not None
-        assert own.inertia is not None
-        yield rotor_inertia(observed.inertia - own.inertia, scale[part])
+def _where(deviation: Deviation, search: Search) -> str:
+    """The joints whose torques deviate, or the direction in which all deviate."""
+    (residual,) = search.all_rows.residuals([search.own])
+    torque = residual * search.all_rows.scale
+    size = np.abs(residual).max(axis=0)
+    names = [name for name, x in zip(deviation.model.joint_names, size, strict=True) if x > deviation.bound]
+    _, values, ways = np.linalg.svd(torque, full_matrices=False)
+    if len(names) > 1 and values[1] <= deviation.bound * values[0]:
+        way = ways[0] / ways[0][np.abs(ways[0]).argmax()]
+        shown = ", ".join(
+            f"{name} {x:.4g}" for name, x in zip(deviation.model.joint_names, way, strict=True) if abs(x) > 1e-6
+        )
+        return f"; all deviations have one direction ({shown}), as from a constraint or a transmission"
+    if len(names) < deviation.model.n_bodies:
+        return f"; only torques of {', '.join(names)} deviate"
+    return ""
 
 
-def _of_all(
-    model: RobotModel,
-    trial: TrialStates,
-    observed: Parts,
-    scale: dict[str, float],
-    links: Mapping[str, tuple[int, Array]],
-    bound: float,
-) -> Iterator[FittedFault]:
-    """Faults that affect several parts at once, the likelier first; without those that leave more than bound at the
-    first state."""
-    first = TrialStates(trial.q[:1], trial.v[:1])
-    observed_there = observed.first()
-    answer = None
-    if observed.gravity is not None and observed.velocity is not None:
-        answer = observed.gravity[0] + observed.velocity[0]
-    columns = None if observed.inertia is None else np.swapaxes(observed.inertia[0], -1, -2)
-    for fault in (*faults(model, links), *order_faults(model, trial.q[0], trial.v[0], answer, columns)):
-        if _left(observed_there, fault, first, scale) <= bound:
-            yield FittedFault(fault.kind, fault.message, fault.remedy, _left(observed, fault, trial, scale))
-
-
-def _left(observed: Parts, fault: Fault, trial: TrialStates, scale: dict[str, float]) -> float:
-    return max(deviations(observed, split(fault.torque, trial), scale).values())
-
-
-def _difference(x: Parts, y: Parts) -> Parts:
-    return Parts(*(getattr(x, part) - getattr(y, part) if part in x.known() else None for part in PARTS))
-
-
-def _diagnosis(function: str, findings: list[FittedFault], evidence: str) -> Diagnosis:
-    first, *others = findings
-    also = tuple(dict.fromkeys(other.message for other in others if other.message != first.message))
-    return Diagnosis(function, first.kind, first.message, evidence, first.remedy, first.left, also[:MOST_ALTERNATIVES])
-
-
-def _unknown(function: str, message: str, evidence: str) -> Diagnosis:
+def _unknown(deviation: Deviation, message: str, evidence: str, left: float) -> Diagnosis:
     remedy = "look at the worst state; the fault is in terms that the parts that agree do not use"
-    return Diagnosis(function, "unknown", message, evidence, remedy, np.inf)
+    return Diagnosis(deviation.function, "unknown", message, evidence, remedy, left, "unknown")
 
 
-def _evidence(before: Mapping[str, float], observed: Parts, own: Parts) -> str:
+def _evidence(deviation: Deviation, before: Mapping[str, float], observed: Parts, own: Parts) -> str:
     said = [
-        f"{PARTS[part]}: {'agrees' if error <= NOISE else f'relative error {error:.1e}'}"
+        f"{PARTS[part]}: {'agrees' if error <= deviation.bound else f'relative error {error:.1e}'}"
         for part, error in before.items()
     ]
-    if "velocity" in before and before["velocity"] > NOISE:
+    if "velocity" in before and before["velocity"] > deviation.bound:
         assert observed.doubled is not None
         assert own.doubled is not None
         assert observed.velocity is not None
@@ -155,6 +229,8 @@ def _evidence(before: Mapping[str, float], observed: Parts, own: Parts) -> str:
         once = np.abs(observed.velocity - own.velocity).max()
         twice = np.abs(observed.doubled - own.doubled).max()
         said.append(f"at twice the velocity the error is {twice / once:.3g} times as large")
+    if deviation.noise > deviation.tolerance / TIMES_NOISE:
+        said.append(precision_said(deviation.noise))
     return "; ".join(said)
 
 

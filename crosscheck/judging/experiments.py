@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn import RobotModel, inverse_dynamics
+from graphdyn import RobotModel, inverse_dynamics, mass_matrix
 from graphdyn.layout import Array
 
 Function = Callable[[Array, Array, Array], Array]
-"""q, v, a (N, n) → torques (N, n), or regressors (N, n, p)."""
+"""q, v, a (N, n) → torques (N, n)."""
 
 PARTS = {
     "gravity": "at rest (v = 0, a = 0)",
@@ -42,35 +42,40 @@ class Parts:
     gravity: g                                              (N, n, …)
     inertia: one column of M per joint                      (N, n, n, …): state, accelerated joint, torque
     velocity, doubled: c at v and at 2 v                    (N, n, …)
+    acceleration: at which the columns of M were found [rad/s² or m/s²]
     """
 
     gravity: Array | None = None
     inertia: Array | None = None
     velocity: Array | None = None
     doubled: Array | None = None
+    acceleration: float = 1.0
 
     def known(self) -> tuple[str, ...]:
         return tuple(part for part in PARTS if getattr(self, part) is not None)
-
-    def first(self) -> Parts:
-        """The same terms at the first state only."""
-        return Parts(*(None if x is None else x[:1] for x in (self.gravity, self.inertia, self.velocity, self.doubled)))
 
 
 def torques(model: RobotModel) -> Function:
     return lambda q, v, a: inverse_dynamics(model, q, v, a).tau
 
 
-def split(function: Function, trial: TrialStates) -> Parts:
+def split(function: Function, trial: TrialStates, acceleration: float) -> Parts:
     """All experiments with one call of the function."""
     size, n = trial.q.shape
-    zero, unit = np.zeros_like(trial.q), np.eye(n)
+    zero, unit = np.zeros_like(trial.q), acceleration * np.eye(n)
     q = np.concatenate([trial.q, np.repeat(trial.q, n, axis=0), trial.q, trial.q])
     v = np.concatenate([zero, np.zeros((size * n, n)), trial.v, 2 * trial.v])
     a = np.concatenate([zero, np.tile(unit, (size, 1)), zero, zero])
     rest, accelerated, moving, fast = np.split(function(q, v, a), [size, size + size * n, 2 * size + size * n])
-    columns = accelerated.reshape(size, n, *accelerated.shape[1:])
-    return Parts(rest, columns - rest[:, None], moving - rest, fast - rest)
+    columns = (accelerated.reshape(size, n, n) - rest[:, None]) / acceleration
+    return Parts(rest, columns, moving - rest, fast - rest, acceleration)
+
+
+def usual_acceleration(model: RobotModel, trial: TrialStates) -> float:
+    """At which inertia takes torques as large as gravity: differences of torques then lose no digits."""
+    weight = np.abs(inverse_dynamics(model, trial.q, 0 * trial.q, 0 * trial.q).joint_wrenches).max()
+    inertia = np.abs(mass_matrix(model, trial.q)).max()
+    return float(max(1.0, weight / inertia)) if inertia > 0 else 1.0
 
 
 def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str, float]:
@@ -89,12 +94,6 @@ def deviations(x: Parts, y: Parts, scale: dict[str, float]) -> dict[str, float]:
     known = [part for part in x.known() if part in y.known()]
     found = {part: _size(getattr(x, part) - getattr(y, part)) / scale[part] for part in known}
     return {part: value if np.isfinite(value) else np.inf for part, value in found.items()}
-
-
-def stacked(parts: Parts, known: tuple[str, ...], scale: dict[str, float]) -> Array:
-    """All entries of some parts as one vector, each on its scale; a regressor keeps its last dimension."""
-    trailing = () if parts.gravity is None or parts.gravity.ndim == 2 else parts.gravity.shape[2:]
-    return np.concatenate([(getattr(parts, part) / scale[part]).reshape(-1, *trailing) for part in known])
 
 
 def _size(x: Array) -> float:

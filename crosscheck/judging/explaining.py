@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from crosscheck.judging.answer_search import FoundFault, answer_fault
 from crosscheck.judging.conventions import found_conventions, relative_errors
-from crosscheck.judging.diagnosis import EXPLAINED, diagnose
+from crosscheck.judging.diagnosis import TIMES_NOISE, Deviation, diagnose
 from crosscheck.judging.foreign import ForeignFailure, ForeignFunction
 from crosscheck.judging.functions.known_function import Chosen
 from crosscheck.judging.judgement import Diagnosis
+from crosscheck.judging.observation import of_judged
 from crosscheck.judging.observing import observe
 from crosscheck.judging.own_faults import OWN_FAULTS
+from crosscheck.judging.precision import noise
 from crosscheck.judging.regions import region
 from crosscheck.judging.repetition import earlier_arguments, kept_between_calls
 from crosscheck.judging.verdicts import Judged
-from graphdyn.layout import Array
+from urdf._misreading import Misreadings
+
+Readings = Callable[[], Misreadings | None]
+Progress = Callable[[str], object]
 
 MUCH = 10.0
 """Factor by which a fault must lessen the largest error."""
@@ -30,12 +35,12 @@ WORST = "look at the worst state"
 
 
 def diagnoses_of(
-    function: ForeignFunction, found: Judged, declared: Chosen, links: Mapping[str, tuple[int, Array]]
+    function: ForeignFunction, found: Judged, declared: Chosen, readings: Readings, say: Progress
 ) -> list[Diagnosis]:
     """What is wrong with a function that does not agree.
 
     declared: conventions that the function must follow
-    links: fixed links by name, as crosscheck.judging.faults.all_faults takes them
+    readings: gives the misreadings of the robot's file, None where it has none; say: called with what is done next
     """
     verdict, diagnoses = found.verdict, []
     if verdict.failures:
@@ -44,7 +49,7 @@ def diagnoses_of(
         chosen, differences = found.conventions.chosen, verdict.repeated
         kept = kept_between_calls(function, found.answers, found.asked, chosen, differences, verdict.bound)
         return [*diagnoses, kept]
-    return [*diagnoses, *_of_numbers(function, found, declared, links)]
+    return [*diagnoses, *_of_numbers(function, found, declared, readings, say)]
 
 
 def _failures(function: ForeignFunction, found: Judged) -> Diagnosis:
@@ -52,11 +57,11 @@ def _failures(function: ForeignFunction, found: Judged) -> Diagnosis:
     where = region(failed, found.asked, function.known.arguments)
     message = f"no answer at {len(failures)} of {len(failed)} states{f', only where {where}' if where else ''}"
     remedy = "the other states are judged; these are listed with the function"
-    return Diagnosis(function.name, "no_answer", message, failures[0].message, remedy, np.inf)
+    return Diagnosis(function.name, "no_answer", message, failures[0].message, remedy, np.inf, "located")
 
 
 def _of_numbers(
-    function: ForeignFunction, found: Judged, declared: Chosen, links: Mapping[str, tuple[int, Array]]
+    function: ForeignFunction, found: Judged, declared: Chosen, readings: Readings, say: Progress
 ) -> list[Diagnosis]:
     """What is wrong with the numbers; empty if they agree."""
     name, verdict = function.name, found.verdict
@@ -69,7 +74,7 @@ def _of_numbers(
         where = region(unbounded, found.states, function.known.arguments)
         evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{f', only where {where}' if where else ''}"
         message = "the answers are not finite" if not np.isfinite(found.answer).all() else f"answers beyond {ABSURD:g}"
-        return [Diagnosis(name, "not_finite", message, evidence, WORST, np.inf)]
+        return [Diagnosis(name, "not_finite", message, evidence, WORST, np.inf, "unknown")]
     where = region(wrong, found.states, function.known.arguments)
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate{f', only where {where}' if where else ''}"
 
@@ -81,7 +86,8 @@ def _of_numbers(
     if other := _other_convention(found, declared):
         return one(other)
     size = float(verdict.errors["graphdyn"].max())
-    bound = min(max(verdict.bound, EXPLAINED * size), size / MUCH)
+    precision = noise(function, found.states)
+    bound = min(max(verdict.bound, TIMES_NOISE * precision), size / MUCH)
     if earlier := earlier_arguments(function, found.answers, found.asked, found.conventions.chosen, bound):
         return one(earlier)
     own = OWN_FAULTS.get(name)
@@ -89,7 +95,7 @@ def _of_numbers(
         return one(fault)
     by_terms = [
         replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
-        for diagnosis in _of_terms(function, found, links)
+        for diagnosis in _of_terms(function, found, precision, readings, say)
     ]
     if by_terms and by_terms[0].kind != "unknown":
         return by_terms
@@ -98,10 +104,18 @@ def _of_numbers(
     if where:
         message = f"the answers deviate only where {where}"
         return [
-            Diagnosis(name, "region", message, count, "look for a case, a limit or a table that begins there", np.inf)
+            Diagnosis(
+                name,
+                "region",
+                message,
+                count,
+                "look for a case, a limit or a table that begins there",
+                np.inf,
+                "located",
+            )
         ]
     return by_terms or [
-        Diagnosis(name, "unknown", "no fault that is known here gives the answers", count, WORST, np.inf)
+        Diagnosis(name, "unknown", "no fault that is known here gives the answers", count, WORST, np.inf, "unknown")
     ]
 
 
@@ -121,7 +135,9 @@ def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
     return FoundFault("convention", message, "convert them", float(left.max()))
 
 
-def _of_terms(function: ForeignFunction, found: Judged, links: Mapping[str, tuple[int, Array]]) -> list[Diagnosis]:
+def _of_terms(
+    function: ForeignFunction, found: Judged, precision: float, readings: Readings, say: Progress
+) -> list[Diagnosis]:
     """From experiments, for functions that are parts of the equations of motion; empty for others."""
     name, states = function.name, found.states
     torque = np.maximum(np.sqrt(np.mean(states.inverse.tau**2, axis=0)), np.finfo(float).tiny)
@@ -129,12 +145,11 @@ def _of_terms(function: ForeignFunction, found: Judged, links: Mapping[str, tupl
         observed = observe(function, states.model, states.trial, torque)
     except np.linalg.LinAlgError:
         message = "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular"
-        return [Diagnosis(name, "unknown", message, "", WORST, np.inf)]
+        return [Diagnosis(name, "unknown", message, "", WORST, np.inf, "unknown")]
     except ForeignFailure as failure:
-        return [Diagnosis(name, "unknown", f"an experiment has no answer: {failure}", "", WORST, np.inf)]
+        return [Diagnosis(name, "unknown", f"an experiment has no answer: {failure}", "", WORST, np.inf, "unknown")]
     if observed is None:
         return []
-    if faults := diagnose(name, observed, states.model, states.trial, links):
-        return faults
-    message = "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
-    return [Diagnosis(name, "unknown", message, "", WORST, np.inf)]
+    judged = of_judged(name, found.answer, states)
+    deviation = Deviation(name, states.model, states.trial, observed, judged, readings, precision, found.verdict.bound)
+    return diagnose(deviation, say)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from numbers import Real
 from typing import Literal
 
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-import urdf
 from crosscheck.judging.conventions import check_declared
 from crosscheck.judging.diagnosis import merged
 from crosscheck.judging.explaining import diagnoses_of
@@ -22,10 +22,11 @@ from crosscheck.judging.judgement import UNCOUPLED, Diagnosis, JudgedFunction, J
 from crosscheck.judging.references import References
 from crosscheck.judging.verdicts import judged
 from crosscheck.referee.mujoco_model import MujocoRefuses
-from crosscheck.referee.subject import Lock, Robot, check_counts, subject
+from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
 from crosscheck.referee.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
 from graphdyn import InvalidInput, RobotModel
 from urdf._cutting import Chain
+from urdf._misreading import Misreadings
 
 Foreign = Callable[..., ArrayLike] | BatchFunction
 """A function of one state: arrays of shape (n,) in the order of joint_names; or foreign code that is given batches."""
@@ -85,7 +86,6 @@ def judge(
     judged_robot = subject(robot, lock, gravity, chain)
     model = judged_robot.model.uncoupled
     check_frame(given, frame, model)
-    links = urdf.fused_links(judged_robot.file, lock=judged_robot.locked) if judged_robot.file and not chain else {}
     order = joint_order(model, joint_names)
     say = progress or (lambda _: None)
     verdicts: dict[str, JudgedFunction] = {}
@@ -122,7 +122,7 @@ def judge(
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
             if not found.verdict.agrees:
                 say(f"looking for the fault of {name}")
-                diagnoses += diagnoses_of(function, found, declared, links)
+                diagnoses += diagnoses_of(function, found, declared, partial(_readings, judged_robot), say)
     judgement = Judgement(
         robot=judged_robot.name,
         file=judged_robot.file,
@@ -144,6 +144,10 @@ def judge(
     if not judgement.decided:
         notes.append("the reference implementations disagree: no verdict on the foreign code; please report this robot")
     return replace(judgement, notes=tuple(dict.fromkeys(notes)))
+
+
+def _readings(robot: Subject) -> Misreadings | None:
+    return Misreadings(robot.file, chain=robot.chain, lock=robot.locked) if robot.file else None
 
 
 def _references(states: JudgedStates, notes: list[str]) -> References:

@@ -111,17 +111,40 @@ class JudgedFunction:
         return all(bool((error <= self.bound).all()) for error in errors.values())
 
 
+Standing = Literal["holds", "candidate", "part", "located", "unknown"]
+"""holds: put into graphdyn, the fault gives the function's numbers at all states, up to the function's own precision;
+candidate: it does, and so do others that change as many numbers; part: it explains some of the deviation; located: it
+says where the deviation is, not why; unknown: no explanation."""
+
+
+@dataclass(frozen=True)
+class FittedNumber:
+    """A number of the robot as the foreign code must have it."""
+
+    name: str
+    theirs: float
+    ours: float
+    unit: str
+
+    @property
+    def difference(self) -> float:
+        return self.theirs - self.ours
+
+
 @dataclass(frozen=True)
 class Diagnosis:
     """What is wrong with a foreign function, and the experiment that shows it.
 
-    kind: gravity, coriolis, sign, joint_order, frame, inertia_point, unit, continuous_joint, fixed_link, friction,
-        inertial_parameters, or unknown
+    kind: one of the table in docs/judge.md, or unknown
     message: one sentence that names the joint, the body, the term
     evidence: the experiment and its numbers
     remedy: what to do about it
-    explains: relative error that is left after putting this fault into graphdyn; rounding, if it is the only fault
-    also: other faults that give the same numbers at all states tried
+    explains: largest relative error that is left, at all judged states and in all experiments, after putting this fault
+        and those named with it into graphdyn
+    standing: holds, candidate, part, located or unknown
+    also: other faults that give the same numbers
+    apart: what would tell them apart
+    numbers: those that were fitted, theirs and ours
     """
 
     function: str
@@ -130,7 +153,10 @@ class Diagnosis:
     evidence: str
     remedy: str
     explains: float
+    standing: Standing = "holds"
     also: tuple[str, ...] = ()
+    apart: str = ""
+    numbers: tuple[FittedNumber, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from crosscheck.judging.experiments import Parts, TrialStates, split
+from crosscheck.judging.experiments import Parts, TrialStates, split, usual_acceleration
 from crosscheck.judging.foreign import ForeignFunction
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -18,16 +18,19 @@ def observe(foreign: ForeignFunction, model: RobotModel, trial: TrialStates, tor
     torque: usual size per joint (n,), for forward dynamics, which gives M⁻¹ and from it the same terms
     Raises numpy.linalg.LinAlgError where forward dynamics give a singular M⁻¹.
     """
+    acceleration = usual_acceleration(model, trial)
     if foreign.name == "forward_dynamics":
-        return _of_accelerations(foreign, trial, torque)
+        return _of_accelerations(foreign, trial, torque, acceleration)
     if foreign.name == "regressor":
-        return split(lambda q, v, a: foreign(q, v, a) @ model.inertial_parameters, trial)
+        return split(lambda q, v, a: foreign(q, v, a) @ model.inertial_parameters, trial, acceleration)
+    if foreign.name == "inverse_dynamics":
+        return split(foreign, trial, acceleration)
     known = _PARTS.get(foreign.name)
     return None if known is None else known(foreign, trial)
 
 
-def _of_accelerations(foreign: ForeignFunction, trial: TrialStates, torque: Array) -> Parts:
-    response = split(lambda q, v, a: foreign(q, v, a * torque), trial)  # a (q, v, τ), one torque at a time
+def _of_accelerations(foreign: ForeignFunction, trial: TrialStates, torque: Array, acceleration: float) -> Parts:
+    response = split(lambda q, v, a: foreign(q, v, a * torque), trial, 1.0)  # a (q, v, τ), one torque at a time
     assert response.gravity is not None
     assert response.inertia is not None
     assert response.velocity is not None
@@ -43,6 +46,7 @@ def _of_accelerations(foreign: ForeignFunction, trial: TrialStates, torque: Arra
         np.swapaxes(mass, -1, -2),
         required(response.velocity),
         required(response.doubled),
+        acceleration,
     )
 
 
@@ -69,7 +73,6 @@ def _of_kinetic_energy(foreign: ForeignFunction, trial: TrialStates) -> Parts:
 
 
 _PARTS: Mapping[str, Callable[[ForeignFunction, TrialStates], Parts]] = {
-    "inverse_dynamics": lambda foreign, trial: split(foreign, trial),
     "mass_matrix": lambda foreign, trial: Parts(inertia=np.swapaxes(foreign(trial.q), -1, -2)),
     "mass_matrix_inverse": lambda foreign, trial: Parts(inertia=np.swapaxes(np.linalg.inv(foreign(trial.q)), -1, -2)),
     "gravity_torque": lambda foreign, trial: Parts(gravity=foreign(trial.q)),

@@ -23,8 +23,8 @@ OwnFault = Callable[[Array, Array, JudgedStates, float], FoundFault | None]
 
 
 def _of_columns(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
-    found = column_fault(answer, ours)
-    return None if found is None else FoundFault(found.kind, found.message, found.remedy, found.left)
+    found = column_fault(answer, ours, states.model)
+    return None if found is None else FoundFault(found[0].kind, found[0].message, found[0].remedy, found[1])
 
 
 def _of_coriolis_matrix(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:

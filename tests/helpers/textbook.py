@@ -21,7 +21,8 @@ def cross(a, b):
 class TextbookArm:
     """Plain arrays per joint and body, in the order of the joints. Factors other than 1 are faults.
 
-    cross: on ω × q̇ p; centripetal: on ω × (ω × r); gyroscopic: on ω × I ω; slide: on 2 ω × ṡ
+    cross: on ω × q̇ p; centripetal: on ω × (ω × r); gyroscopic: on ω × I ω; slide: on 2 ω × ṡ; carried: on the inside
+    body's ω in that of body j; weight: on m g. One number, or one per joint
     """
 
     inside: tuple[int, ...]
@@ -37,6 +38,8 @@ class TextbookArm:
     centripetal: float = 1.0
     gyroscopic: float = 1.0
     slide: float = 1.0
+    carried: float = 1.0
+    weight: float = 1.0
 
     @classmethod
     def of(cls, model):
@@ -57,31 +60,39 @@ class TextbookArm:
     def but(self, **changes):
         return dataclasses.replace(self, **changes)
 
+    def in_single_precision(self):
+        """The same arm, its numbers and all that is computed from them rounded to 24 bits."""
+        arrays = ("rotations", "translations", "axes", "masses", "centers", "tensors", "gravity")
+        return self.but(**{name: getattr(self, name).astype(np.float32) for name in arrays})
+
     def inverse_dynamics(self, q, v, a):
-        n, zero = len(q), np.zeros(3)
-        omega, alpha, acceleration = [zero], [zero], [-np.asarray(self.gravity)]
+        n, kind = len(q), self.centers.dtype
+        q, v, a, zero = q.astype(kind), v.astype(kind), a.astype(kind), np.zeros(3, kind)
+        factors = (self.cross, self.centripetal, self.gyroscopic, self.slide, self.carried, self.weight)
+        cross_, centripetal, gyroscopic, slide, carry, weight = (np.broadcast_to(x, n).astype(kind) for x in factors)
+        omega, alpha, acceleration, gravity = [zero], [zero], [zero], [self.gravity]
         turn, arm, force, moment = [], [], [], []
         for j in range(n):
             i, p = self.inside[j], self.axes[j]
             sliding = self.prismatic[j]
-            turn.append(
-                self.rotations[j] if sliding else self.rotations[j] @ Rotation.from_rotvec(q[j] * p).as_matrix()
-            )
+            about = Rotation.from_rotvec(q[j] * p).as_matrix().astype(kind)
+            turn.append(self.rotations[j] if sliding else self.rotations[j] @ about)
             arm.append(self.translations[j] + (self.rotations[j] @ p * q[j] if sliding else 0))
             back = turn[j].T
-            carried = back @ omega[i]
+            carried = carry[j] * (back @ omega[i])
+            gravity.append(back @ gravity[i])
             spin, push = (0.0, v[j]) if sliding else (v[j], 0.0)
             omega.append(carried + spin * p)
-            alpha.append(back @ alpha[i] + (0 if sliding else a[j] * p) + self.cross * cross(carried, spin * p))
+            alpha.append(back @ alpha[i] + (0 if sliding else a[j] * p) + cross_[j] * cross(carried, spin * p))
             r_dd = acceleration[i] + cross(alpha[i], arm[j])
-            r_dd = r_dd + self.centripetal * cross(omega[i], cross(omega[i], arm[j]))
-            acceleration.append(back @ r_dd + (a[j] * p if sliding else 0) + 2 * self.slide * cross(carried, push * p))
+            r_dd = r_dd + centripetal[j] * cross(omega[i], cross(omega[i], arm[j]))
+            acceleration.append(back @ r_dd + (a[j] * p if sliding else 0) + 2 * slide[j] * cross(carried, push * p))
             w, c, tensor = omega[-1], self.centers[j], self.tensors[j]
-            at_center = acceleration[-1] + cross(alpha[-1], c) + self.centripetal * cross(w, cross(w, c))
-            force.append(self.masses[j] * at_center)
-            spin_moment = tensor @ alpha[-1] + self.gyroscopic * cross(w, tensor @ w)
+            at_center = acceleration[-1] + cross(alpha[-1], c) + centripetal[j] * cross(w, cross(w, c))
+            force.append(self.masses[j] * (at_center - weight[j] * gravity[-1]))
+            spin_moment = tensor @ alpha[-1] + gyroscopic[j] * cross(w, tensor @ w)
             moment.append(spin_moment + cross(c, force[j]))
-        tau = np.empty(n)
+        tau = np.empty(n, kind)
         for j in reversed(range(n)):
             tau[j] = self.axes[j] @ (force[j] if self.prismatic[j] else moment[j])
             if (i := self.inside[j]) > 0:

@@ -1,30 +1,43 @@
-"""Common faults of dynamics codes, put into graphdyn one at a time: the torques of a code that has this fault."""
+"""The catalogue: faults of dynamics codes, and families whose numbers are fitted."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
-from crosscheck.judging.faults.angles import angles
-from crosscheck.judging.faults.fault import Fault
-from crosscheck.judging.faults.fixed_links import fixed_links
+from crosscheck.judging.faults.angles import angles, arguments
+from crosscheck.judging.faults.fault import Family, Fault
+from crosscheck.judging.faults.file_reading import file_reading
 from crosscheck.judging.faults.frames import frames
+from crosscheck.judging.faults.geometry import geometry
+from crosscheck.judging.faults.gravity import gravity
 from crosscheck.judging.faults.inertials import inertials
-from crosscheck.judging.faults.signs import several_reversed_axes, signs
+from crosscheck.judging.faults.joint_terms import joint_terms
+from crosscheck.judging.faults.orders import orders
+from crosscheck.judging.faults.parameters import parameters
+from crosscheck.judging.faults.signs import signs
+from crosscheck.judging.faults.terms import terms
 from crosscheck.judging.faults.units import units
 from graphdyn import RobotModel
-from graphdyn.layout import Array
+from urdf._misreading import Misreadings
 
 
-def faults(model: RobotModel, links: Mapping[str, tuple[int, Array]]) -> Iterator[Fault]:
-    """All faults, the likelier of two indistinguishable ones first.
-
-    links: fixed links by name: number of the body that they are fused into, and what they contribute to its
-        inertial parameters (10,)
-    """
+def faults(model: RobotModel, readings: Misreadings | None) -> Iterator[Fault]:
+    """All faults without free numbers; readings: of the file, where there is one."""
     yield from signs(model)
-    yield from fixed_links(model, links)
     yield from units(model)
     yield from angles(model)
+    yield from arguments(model)
     yield from frames(model)
     yield from inertials(model)
-    yield from several_reversed_axes(model)
+    yield from orders(model)
+    if readings is not None:
+        yield from file_reading(readings)
+
+
+def families(model: RobotModel) -> Iterator[Family]:
+    """All families of faults."""
+    yield from gravity(model)
+    yield from terms(model)
+    yield from geometry(model)
+    yield from parameters(model)
+    yield from joint_terms(model)

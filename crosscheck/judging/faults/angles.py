@@ -1,4 +1,4 @@
-"""Wrong uses of the angle of a revolute or continuous joint."""
+"""Wrong uses of the arguments: angles cut off or replaced, arguments ignored or exchanged."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from crosscheck.judging.experiments import torques
 from crosscheck.judging.faults.changes import joints_said
 from crosscheck.judging.faults.fault import Fault
 from graphdyn import RobotModel
@@ -14,7 +13,6 @@ from graphdyn.layout import Array
 
 
 def angles(model: RobotModel) -> Iterator[Fault]:
-    own = torques(model)
     turning = [k for k, joint in enumerate(model.joints) if not joint.is_prismatic]
     lower, upper = (
         np.array([default if limit is None else limit for limit in limits])
@@ -33,13 +31,41 @@ def angles(model: RobotModel) -> Iterator[Fault]:
         ("is doubled", lambda q: 2 * q),
         ("is held at zero", np.zeros_like),
     )
+    remedy = (
+        "a revolute or continuous joint takes its plain angle, any number of turns; Pinocchio's continuous joints take "
+        "(cos q, sin q)"
+    )
     for said, change in maps:
         for joints in [*([k] for k in turning), *([turning] if len(turning) > 1 else [])]:
             mask = np.isin(np.arange(model.n_bodies), joints)
-            yield Fault(
+            yield Fault.of(
                 "continuous_joint",
                 f"the angle of {joints_said(model, joints)} {said}",
-                "a revolute or continuous joint takes its plain angle, any number of turns; Pinocchio's continuous "
-                "joints take (cos q, sin q)",
-                lambda q, v, a, mask=mask, change=change: own(np.where(mask, change(q), q), v, a),  # type: ignore[misc]
+                remedy,
+                lambda code, mask=mask, change=change: code.taking(  # type: ignore[misc]
+                    lambda q, v, a: (np.where(mask, change(q), q), v, a)
+                ),
             )
+
+
+def arguments(model: RobotModel) -> Iterator[Fault]:
+    """Arguments that are ignored, or taken for one another."""
+    remedy = "compare the order of the arguments: q, v, a"
+    for message, state in (
+        ("the accelerations are ignored", lambda q, v, a: (q, v, 0 * a)),
+        ("the positions are ignored", lambda q, v, a: (0 * q, v, a)),
+        ("velocities and accelerations are exchanged", lambda q, v, a: (q, a, v)),
+        ("positions and velocities are exchanged", lambda q, v, a: (v, q, a)),
+        ("positions and accelerations are exchanged", lambda q, v, a: (a, v, q)),
+    ):
+        yield Fault.of("argument", message, remedy, lambda code, state=state: code.taking(state))  # type: ignore[misc]
+    for k, name in enumerate(model.joint_names):
+        kept = np.arange(model.n_bodies) != k
+        for message, state in (
+            (f"the velocity of joint '{name}' is ignored", lambda q, v, a, kept=kept: (q, kept * v, a)),
+            (f"the acceleration of joint '{name}' is ignored", lambda q, v, a, kept=kept: (q, v, kept * a)),
+        ):
+            yield Fault.of(
+                "argument", message, "pass all entries on",
+                lambda code, state=state: code.taking(state),  # type: ignore[misc]
+            )  # fmt: skip

@@ -1,75 +1,59 @@
-"""What the faults are made of: joints, bodies and parameters changed, and who has the fault in words."""
+"""What the faults are made of: numbers of joints and bodies changed, and who has the fault in words."""
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from crosscheck.judging.experiments import Function, torques
 from crosscheck.judging.faults.fault import Fault
-from graphdyn import Body, Joint, Placement, RobotModel
-from graphdyn._inertia import parameters_from_inertia
+from crosscheck.judging.faults.recursion import Code, Numbers
+from graphdyn import RobotModel
 from graphdyn._rotation import rotation_about
-from graphdyn.layout import Array, parameter_columns
-from urdf._rpy import rpy_from_rotation
+from graphdyn.layout import Array
 
 E1, E2, E3 = np.eye(3)
 
+Changed = Callable[[Numbers, int], Mapping[str, Array]]
+"""(numbers of a code, index of a joint or body) → its new entries by the name of the array."""
+
+
+def changed(code: Code, change: Changed, members: Sequence[int]) -> Code:
+    """The code with the entries of some joints or bodies changed."""
+    arrays: dict[str, Array] = {}
+    for k in members:
+        for name, entry in change(code.numbers, k).items():
+            arrays.setdefault(name, np.array(getattr(code.numbers, name)))[k] = entry
+    return code.but(**arrays)
+
 
 def of_joints(
-    model: RobotModel, kind: str, message: str, remedy: str, change: Callable[[Joint], Joint]
+    model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
 ) -> Iterator[Fault]:
     """The same fault at one joint, for each joint, and at every joint at once."""
-    for name in model.joint_names:
-        yield Fault(
-            kind, message.format(who=f"joint '{name}'"), remedy,
-            with_joints(model, lambda joint, name=name: change(joint) if joint.name == name else joint),  # type: ignore[misc]
-        )  # fmt: skip
-    if model.n_bodies > 1:
-        yield Fault(kind, message.format(who="every joint"), remedy, with_joints(model, change))
+    names = [f"joint '{name}'" for name in model.joint_names]
+    yield from _of_members(names, "joint", kind, message, remedy, change, size)
 
 
 def of_bodies(
-    model: RobotModel, kind: str, message: str, remedy: str, change: Callable[[Body, Array], Body]
+    model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
 ) -> Iterator[Fault]:
-    """The same fault at one body, for each body, and at every body at once; change(body, rotation of its joint)."""
-    changed = []
-    for body, joint in zip(model.bodies, model.joints, strict=True):
-        other = change(body, joint.placement.rotation)
-        changed.append(parameters_from_inertia(other.mass, other.center_of_mass, other.inertia))
-    for k, name in enumerate(model.body_names, start=1):
-        parameters = np.array(model.inertial_parameters)
-        parameters[parameter_columns(k)] = changed[k - 1]
-        yield Fault(kind, message.format(who=f"body '{name}'"), remedy, with_parameters(model, parameters))
-    if model.n_bodies > 1:
-        yield Fault(kind, message.format(who="every body"), remedy, with_parameters(model, np.concatenate(changed)))
+    """The same fault at one body, for each body, and at every body at once."""
+    names = [f"body '{name}'" for name in model.body_names]
+    yield from _of_members(names, "body", kind, message, remedy, change, size)
 
 
-def with_parameters(model: RobotModel, parameters: Array) -> Function:
-    """Torques of the robot with other inertial parameters (10n,)."""
-    return torques(model.with_inertial_parameters(parameters))
-
-
-def with_joints(model: RobotModel, change: Callable[[Joint], Joint]) -> Function:
-    """Torques of the robot with every joint changed."""
-    return torques(dataclasses.replace(model, joints=tuple(map(change, model.joints))))
-
-
-def turned(joint: Joint, rotation: Array) -> Joint:
-    """The joint with another rotation of its placement (3, 3)."""
-    return dataclasses.replace(joint, placement=Placement(rotation, joint.placement.translation))
-
-
-def moved(joint: Joint, translation: Array) -> Joint:
-    """The joint with another translation of its placement (3,) [m]."""
-    return dataclasses.replace(joint, placement=Placement(joint.placement.rotation, translation))
-
-
-def rpy_of(joint: Joint) -> Array:
-    """Roll, pitch and yaw of its placement (3,) [rad]."""
-    return rpy_from_rotation(joint.placement.rotation)
+def _of_members(
+    names: Sequence[str], what: str, kind: str, message: str, remedy: str, change: Changed, size: int
+) -> Iterator[Fault]:
+    members = {name: [k] for k, name in enumerate(names)}
+    if len(names) > 1:
+        members[f"every {what}"] = list(range(len(names)))
+    for who, which in members.items():
+        yield Fault.of(
+            kind, message.format(who=who), remedy,
+            lambda code, which=which: changed(code, change, which), size,  # type: ignore[misc]
+        )  # fmt: skip
 
 
 def rotation_from(rpy: Array) -> Array:
@@ -84,6 +68,17 @@ def joints_said(model: RobotModel, joints: Sequence[int]) -> str:
     return "every joint" if every else named("joint", [model.joint_names[k] for k in joints])
 
 
-def named(what: str, names: list[str]) -> str:
+def named(what: str, names: Sequence[str]) -> str:
     """joint 'a'; joints 'a', 'b'"""
     return f"{what}{'s' if len(names) > 1 else ''} {', '.join(repr(name) for name in names)}"
+
+
+def factor_said(name: str, factor: float) -> str:
+    """What a factor on a term says, rounded to what it is within the accuracy of a fit."""
+    several = name.split(" at ")[0].split(" of ")[0].split(" ω ")[0].split(" in ")[0].endswith("s")
+    have, are = ("have", "are") if several else ("has", "is")
+    if factor == 0:
+        return f"{name} {are} left out"
+    if factor == -1:
+        return f"{name} {have} the opposite sign"
+    return f"{name} {are} multiplied by {factor:.6g}"

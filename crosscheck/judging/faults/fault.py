@@ -1,17 +1,54 @@
-"""A fault of a dynamics code."""
+"""A fault of a dynamics code, and a family of faults whose numbers are fitted."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from crosscheck.judging.experiments import Function
+from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.judgement import FittedNumber
+from graphdyn.layout import Array
+
+Change = Callable[[Code], Code]
 
 
 @dataclass(frozen=True, eq=False)
-class Fault:
-    """One fault: its kind, message and remedy, and the torques of a code that has it."""
+class Said:
+    """What is wrong, in words.
+
+    size: how many numbers or steps of a code it changes; of explanations that fit alike the smallest is preferred
+    numbers: those that were fitted
+    """
 
     kind: str
     message: str
     remedy: str
-    torque: Function
+    size: int = 1
+    numbers: tuple[FittedNumber, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Fault:
+    """One fault, and how a code is changed that gets it."""
+
+    said: Said
+    change: Change
+
+    @classmethod
+    def of(cls, kind: str, message: str, remedy: str, change: Change, size: int = 1) -> Fault:
+        return cls(Said(kind, message, remedy, size), change)
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Faults that differ by p numbers, which are fitted.
+
+    right: numbers without a fault (p,); starts: where fits begin (S, p), the best of them is taken
+    change: (code, numbers) → code, differentiable, of complex numbers too
+    say: numbers → what is wrong, one entry for each fault that they are
+    """
+
+    right: Array
+    change: Callable[[Code, Array], Code]
+    say: Callable[[Array], list[Said]]
+    starts: Array | None = None

@@ -2,43 +2,44 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
-from crosscheck.judging.faults.changes import E1, E2, E3, moved, of_joints, rpy_of, turned
+from crosscheck.judging.faults.changes import E1, E2, E3, Changed, of_joints
 from crosscheck.judging.faults.fault import Fault
-from graphdyn import Joint, Placement, RobotModel
+from graphdyn import RobotModel
 from graphdyn._rotation import rotation_about
 from graphdyn.layout import Array
+from urdf._rpy import rpy_from_rotation
 
 
 def frames(model: RobotModel) -> Iterator[Fault]:
     place = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
-    changes: tuple[tuple[str, Callable[[Joint], Joint]], ...] = (
-        ("the rotation of {who} is transposed", lambda j: turned(j, j.placement.rotation.T)),
-        ("the rotation of {who} is left out", lambda j: turned(j, np.eye(3))),
-        ("the rpy angles of {who} are applied in the opposite order", lambda j: turned(j, _opposite(rpy_of(j)))),
+    changes: tuple[tuple[str, Changed], ...] = (
+        ("the rotation of {who} is transposed", lambda x, j: {"rotations": x.rotations[j].T}),
+        ("the rotation of {who} is left out", lambda x, j: {"rotations": np.eye(3)}),
+        (
+            "the rpy angles of {who} are applied in the opposite order",
+            lambda x, j: {"rotations": _opposite(rpy_from_rotation(x.rotations[j]))},
+        ),
         (
             "the translation of {who} is expressed in the axes of the joint frame",
-            lambda j: moved(j, j.placement.rotation @ j.placement.translation),
+            lambda x, j: {"translations": x.rotations[j] @ x.translations[j]},
         ),
         (
             "the translation of {who} is expressed in the axes of the joint frame and turned the wrong way",
-            lambda j: moved(j, j.placement.rotation.T @ j.placement.translation),
+            lambda x, j: {"translations": x.rotations[j].T @ x.translations[j]},
         ),
-        ("the translation of {who} is left out", lambda j: moved(j, np.zeros(3))),
-        ("the translation of {who} has the opposite sign", lambda j: moved(j, -j.placement.translation)),
+        ("the translation of {who} is left out", lambda x, j: {"translations": np.zeros(3)}),
+        ("the translation of {who} has the opposite sign", lambda x, j: {"translations": -x.translations[j]}),
         (
             "the placement of {who} is inverted",
-            lambda j: dataclasses.replace(
-                j, placement=Placement(j.placement.rotation.T, -j.placement.rotation.T @ j.placement.translation)
-            ),
+            lambda x, j: {"rotations": x.rotations[j].T, "translations": -x.rotations[j].T @ x.translations[j]},
         ),
         (
             "the axis of {who} is expressed in the inside body's axes",
-            lambda j: dataclasses.replace(j, axis=j.placement.rotation.T @ j.axis),
+            lambda x, j: {"axes": x.rotations[j].T @ x.axes[j]},
         ),
     )
     for message, change in changes:
@@ -49,8 +50,19 @@ def frames(model: RobotModel) -> Iterator[Fault]:
             "frame",
             f"the axis of {{who}} is taken as {name}",
             "read the axis from the model",
-            lambda joint, axis=axis: dataclasses.replace(joint, axis=axis),  # type: ignore[misc]
+            lambda x, j, axis=axis: {"axes": axis},  # type: ignore[misc]
         )
+    for name, axis in (("x", E1), ("y", E2), ("z", E3)):
+        for degrees in (90, 180, 270):
+            turn = rotation_about(axis, np.deg2rad(degrees))
+            yield from of_joints(
+                model,
+                "frame",
+                f"the placement of {{who}} is turned by {degrees}° about its {name} axis",
+                place,
+                lambda x, j, turn=turn: {"rotations": x.rotations[j] @ turn},  # type: ignore[misc]
+                size=2,
+            )
 
 
 def _opposite(rpy: Array) -> Array:

@@ -1,74 +1,95 @@
-"""Wrong signs: of torques, motions, axes, products of inertia and centers of mass."""
+"""Wrong signs: of positions, velocities, accelerations and torques, of products of inertia and centers of mass."""
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from crosscheck.judging.experiments import torques
 from crosscheck.judging.faults.changes import joints_said, of_bodies
 from crosscheck.judging.faults.fault import Fault
+from crosscheck.judging.faults.recursion import Code
 from graphdyn import RobotModel
 
 MOST_SUBSETS = 7
-"""Largest number of joints for which every set of reversed axes is tried (2^n); beyond, single axes and all."""
+"""Largest number of joints for which every set of joints is tried (2^n); beyond, single joints and all."""
+
+EVERY_SIGN: list[Signs] = [(a, b, c, d) for a, b, c, d in itertools.product((1, -1), repeat=4)]
+
+QUANTITIES = ("position", "velocity", "acceleration", "torque")
+
+Signs = tuple[int, int, int, int]
+
+PATTERNS: dict[Signs, str] = {
+    signs: f"the {' and '.join(named)} of {{who}} {'is' if len(named) == 1 else 'are'} taken with the opposite sign"
+    for signs in EVERY_SIGN
+    if (named := [name for name, sign in zip(QUANTITIES, signs, strict=True) if sign < 0])
+} | {
+    (-1, -1, -1, -1): "the axis of {who} points the other way",
+    (1, 1, 1, -1): "the torque of {who} has the opposite sign",
+    (-1, -1, -1, 1): "the motion of {who} is taken with the opposite sign, its torque is not",
+    (1, -1, -1, -1): "velocity, acceleration and torque of {who} are taken with the opposite sign, its position is not",
+}
+"""What it means to reverse some of q, v, a, τ of a joint."""
+
+REMEDIES = {
+    (-1, -1, -1, -1): "reverse the axis, or negate position, velocity, acceleration and torque of the joint",
+    (1, 1, 1, -1): "negate it",
+}
+
+IN_SETS = ((-1, -1, -1, -1), (1, 1, 1, -1), (-1, -1, -1, 1), (1, -1, -1, -1), (-1, 1, 1, 1))
+"""What happens to several joints at once: codes that take axes as positive reverse the others in part."""
+
+OF_ALL = ((-1, -1, -1, -1), (-1, 1, 1, 1), (1, 1, -1, 1), (-1, -1, -1, 1), (1, -1, -1, -1))
+"""What happens to all joints at once; torques are even in the velocities of all, and their own sign is told apart."""
 
 
 def signs(model: RobotModel) -> Iterator[Fault]:
-    own, names = torques(model), model.joint_names
-    yield Fault("sign", "all torques have the opposite sign", "negate the result", lambda q, v, a: -own(q, v, a))
-    yield from _reversed_axes(model, [[k] for k in range(model.n_bodies)])
-    for k, name in enumerate(names):
-        s = np.where(np.arange(model.n_bodies) == k, -1.0, 1.0)
-        yield Fault(
-            "sign",
-            f"the torque of joint '{name}' has the opposite sign",
-            "negate it",
-            lambda q, v, a, s=s: s * own(q, v, a),  # type: ignore[misc]
-        )
-        yield Fault(
-            "sign",
-            f"the motion of joint '{name}' is taken with the opposite sign, its torque is not",
-            "use one sense for motion and torque",
-            lambda q, v, a, s=s: own(s * q, s * v, s * a),  # type: ignore[misc]
-        )
+    every = list(range(model.n_bodies))
+    for pattern in PATTERNS:
+        size = 1 if pattern in IN_SETS or pattern.count(-1) == 1 else 2
+        for joints in ([k] for k in every):
+            yield _reversed(model, pattern, joints, size)
+        if model.n_bodies > 1 and pattern in OF_ALL:
+            yield _reversed(model, pattern, every, size)
+    yield Fault.of(
+        "sign",
+        "all torques have the opposite sign",
+        "negate the result",
+        lambda code: code.giving(lambda tau, _: -tau),
+    )
+    for pattern in IN_SETS:
+        for joints in _several(model.n_bodies):
+            yield _reversed(model, pattern, joints, size=len(joints))
     yield from of_bodies(
         model,
         "sign",
         "the products of inertia of {who} have the opposite sign",
         "a tensor holds I_xy = -∫xy dm; some programs print +∫xy dm",
-        lambda body, _: dataclasses.replace(body, inertia=2 * np.diag(np.diag(body.inertia)) - body.inertia),
+        lambda x, k: {"tensors": 2 * np.diag(np.diag(x.tensors[k])) - x.tensors[k]},
     )
     yield from of_bodies(
         model,
         "sign",
         "the center of mass of {who} lies on the other side of the link origin",
         "negate it",
-        lambda body, _: dataclasses.replace(body, center_of_mass=-body.center_of_mass),
+        lambda x, k: {"centers": -x.centers[k]},
     )
 
 
-def several_reversed_axes(model: RobotModel) -> Iterator[Fault]:
-    """The axes of two and more joints at once; one alone is among the signs."""
-    yield from _reversed_axes(model, _larger_sets(model.n_bodies))
+def _reversed(model: RobotModel, pattern: Signs, joints: Sequence[int], size: int) -> Fault:
+    s_q, s_v, s_a, s_tau = (np.where(np.isin(np.arange(model.n_bodies), joints), s, 1.0) for s in pattern)
+
+    def change(code: Code) -> Code:
+        code = code.taking(lambda q, v, a: (s_q * q, s_v * v, s_a * a))
+        return code.giving(lambda tau, _: s_tau * tau) if (s_tau < 0).any() else code
+
+    remedy = REMEDIES.get(pattern, "use one sense for position, velocity, acceleration and torque of a joint")
+    return Fault.of("sign", PATTERNS[pattern].format(who=joints_said(model, joints)), remedy, change, size)
 
 
-def _reversed_axes(model: RobotModel, sets: Iterable[Sequence[int]]) -> Iterator[Fault]:
-    own = torques(model)
-    for joints in sets:
-        s = np.where(np.isin(np.arange(model.n_bodies), joints), -1.0, 1.0)
-        yield Fault(
-            "sign",
-            f"the axis of {joints_said(model, joints)} points the other way",
-            "reverse the axis, or negate position, velocity, acceleration and torque of the joint",
-            lambda q, v, a, s=s: s * own(s * q, s * v, s * a),  # type: ignore[misc]
-        )
-
-
-def _larger_sets(n: int) -> Iterator[tuple[int, ...]]:
-    """Sets of two and more joints, small ones first."""
-    for size in range(2, n + 1) if n <= MOST_SUBSETS else [n]:
-        yield from itertools.combinations(range(n), size)
+def _several(n: int) -> Iterator[list[int]]:
+    """Sets of two and more joints, without that of all."""
+    for size in range(2, n) if n <= MOST_SUBSETS else ():
+        yield from map(list, itertools.combinations(range(n), size))

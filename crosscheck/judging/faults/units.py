@@ -1,57 +1,69 @@
-"""Wrong units: of positions, velocities, lengths and rpy angles."""
+"""Wrong units: of positions, velocities, lengths and rpy angles, of all joints or of one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from crosscheck.judging.experiments import Function, torques
-from crosscheck.judging.faults.changes import moved, of_joints, rotation_from, rpy_of, turned, with_joints
-from crosscheck.judging.faults.fault import Fault
+from crosscheck.judging.faults.changes import joints_said, of_joints, rotation_from
+from crosscheck.judging.faults.fault import Change, Fault
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from urdf._rpy import rpy_from_rotation
+
+LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254}
+"""Units that a length may be in, per metre."""
 
 
 def units(model: RobotModel) -> Iterator[Fault]:
-    own, angle = torques(model), np.array([not joint.is_prismatic for joint in model.joints])
-    degrees = np.where(angle, np.rad2deg(1.0), 1.0)
-    for factor, said in ((1 / degrees, "degrees"), (degrees, "radians where the code means degrees")):
-        for which, what in ((slice(0, 3), "positions, velocities and accelerations"), (slice(0, 1), "positions")):
-            yield Fault(
-                "unit",
-                f"joint {what} are taken as {said}",
-                "convert angles to radians when they are read",
-                _scaled_input(own, factor, which),
-            )
-    rpm = np.where(angle, 2 * np.pi / 60, 1.0)
-    for factor, said in ((1 / degrees, "degrees per second"), (rpm, "rev/min")):
-        yield Fault(
+    slides = np.array([joint.is_prismatic for joint in model.joints])
+    degree = np.pi / 180
+    sets = [[k] for k in range(model.n_bodies)] + ([list(range(model.n_bodies))] if model.n_bodies > 1 else [])
+    for joints in sets:
+        who = "joint" if len(joints) > 1 else joints_said(model, joints)
+        turning, sliding = [k for k in joints if not slides[k]], [k for k in joints if slides[k]]
+        of = f"{who} {{what}}" if len(joints) > 1 else f"{{what}} of {who}"
+        if turning:
+            for factor, unit in ((degree, "degrees"), (1 / degree, "radians where the code means degrees")):
+                yield _scaled(model, turning, of, "positions, velocities and accelerations", unit, factor, "qva")
+                yield _scaled(model, turning, of, "positions", unit, factor, "q")
+            yield _scaled(model, turning, of, "velocities", "degrees per second", degree, "v")
+            yield _scaled(model, turning, of, "velocities", "rev/min", 2 * np.pi / 60, "v")
+        if sliding and (len(joints) == 1 or len(sliding) > 1):
+            of_slides = of if len(joints) == 1 else "sliding {what}"
+            for unit, per_metre in LENGTHS.items():
+                what = "positions, velocities and accelerations"
+                yield _scaled(model, sliding, of_slides, what, unit, 1 / per_metre, "qva")
+                yield _scaled(model, sliding, of_slides, "positions", unit, 1 / per_metre, "q")
+    for unit, per_metre in LENGTHS.items():
+        yield from of_joints(
+            model,
             "unit",
-            f"joint velocities are taken as {said}",
-            "convert velocities to rad/s when they are read",
-            _scaled_input(own, factor, slice(1, 2)),
-        )
-    for length, said in ((1e3, "millimetres"), (1e2, "centimetres"), (1 / 0.0254, "inches")):
-        yield Fault(
-            "unit",
-            f"the joint placements are in {said}, the rest in metres",
+            f"the placement of {{who}} is in {unit}, the rest in metres",
             "convert lengths to metres",
-            with_joints(model, lambda joint, f=length: moved(joint, f * joint.placement.translation)),  # type: ignore[misc]
+            lambda x, j, f=per_metre: {"translations": f * x.translations[j]},  # type: ignore[misc]
         )
-    for turn, said in ((np.pi / 180, "degrees"), (180 / np.pi, "radians, but the code means degrees")):
+    for turn, said in ((degree, "degrees"), (1 / degree, "radians, but the code means degrees")):
         yield from of_joints(
             model,
             "unit",
             f"the rpy angles of {{who}} are taken as {said}",
             "URDF gives rpy in radians",
-            lambda joint, f=turn: turned(joint, rotation_from(f * rpy_of(joint))),  # type: ignore[misc]
+            lambda x, j, f=turn: {"rotations": rotation_from(f * rpy_from_rotation(x.rotations[j]))},  # type: ignore[misc]
         )
 
 
-def _scaled_input(own: Function, factor: Array, which: slice) -> Function:
-    def torque(*state: Array) -> Array:
-        chosen = range(3)[which]
-        return own(*(factor * x if k in chosen else x for k, x in enumerate(state)))
+def _scaled(
+    model: RobotModel, joints: Sequence[int], of: str, what: str, unit: str, factor: float, which: str
+) -> Fault:
+    """Some of q, v, a multiplied by a factor at some joints."""
+    scale = np.where(np.isin(np.arange(model.n_bodies), joints), factor, 1.0)
 
-    return torque
+    def state(q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
+        taken = {"q": q, "v": v, "a": a}
+        return tuple(scale * x if name in which else x for name, x in taken.items())  # type: ignore[return-value]
+
+    change: Change = lambda code: code.taking(state)  # noqa: E731
+    said = of.format(what=what)
+    return Fault.of("unit", f"{said} are taken as {unit}", "convert to rad, m, rad/s, m/s when they are read", change)

@@ -1,0 +1,101 @@
+"""Faults whose numbers are read off the answers: torques that are cut off, smooth laws of friction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from crosscheck.judging.faults.fault import Fault, Said
+from crosscheck.judging.faults.joint_terms import RIGID
+from crosscheck.judging.judgement import FittedNumber
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+AT_LEVEL = 2
+"""Answers of one size, the largest, from which on it may be a limit."""
+
+WIDTHS = (0.02, 0.1, 0.5)
+"""Where the search for the width of a law of friction begins, as a part of the largest velocity."""
+
+Law = Callable[[Array, Array], Array]
+
+
+def _tanh(x: Array, v: Array) -> Array:
+    """d v + c tanh(v / w)."""
+    torque: Array = x[0] * v + x[1] * np.tanh(v / x[2])
+    return torque
+
+
+def _stribeck(x: Array, v: Array) -> Array:
+    """(c + s exp(-(v / w)²)) tanh(v / u)."""
+    torque: Array = x[0] * v + (x[1] + x[3] * np.exp(-((v / x[4]) ** 2))) * np.tanh(v / x[2])
+    return torque
+
+
+LAWS: dict[str, tuple[Law, tuple[str, ...], int]] = {
+    "tanh": (_tanh, ("viscous", "dry", "width of tanh"), 3),
+    "Stribeck": (_stribeck, ("viscous", "dry", "width of tanh", "Stribeck torque", "Stribeck velocity"), 5),
+}
+UNITS = ("N m s/rad or N s/m", "N m or N", "rad/s or m/s", "N m or N", "rad/s or m/s")
+
+
+def limits(model: RobotModel, torque: Array) -> Iterator[Fault]:
+    """Torques (N, n) that are cut off: several answers of one joint have its largest size."""
+    size = np.abs(torque)
+    level = np.where((size >= size.max(axis=0) * (1 - 1e-12)).sum(axis=0) >= AT_LEVEL, size.max(axis=0), np.inf)
+    level = np.where(level > 0, level, np.inf)
+    which = np.flatnonzero(np.isfinite(level))
+    if len(which):
+        said = ", ".join(f"'{model.joint_names[k]}' at {level[k]:.6g}" for k in which)
+        numbers = tuple(
+            FittedNumber(f"largest torque, {model.joint_names[k]}", float(level[k]), np.inf, "N m or N") for k in which
+        )
+        message = f"torques are clipped, at a limit: {said} N m or N"
+        yield Fault(
+            Said("clipped", message, "take the limit of the torques away for the comparison", 1 + len(which), numbers),
+            lambda code: code.giving(lambda tau, _: np.clip(tau, -level, level)),
+        )
+
+
+def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float) -> Iterator[Fault]:
+    """Laws of friction fitted to deviations (N, n) of torques at velocities v (N, n), joint by joint; bound: [N m]."""
+    for name, (law, labels, p) in LAWS.items():
+        found = np.zeros((p, v.shape[1]))
+        found[[2, -1]] = 1.0
+        which = [k for k in range(v.shape[1]) if np.abs(deviation[:, k]).max() > bound]
+        for k in which:
+            found[:, k] = _fitted(law, p, v[:, k], deviation[:, k])
+        left = np.abs(law(found, v) - deviation).max() if which else np.inf
+        if left > bound:
+            continue
+        numbers = tuple(
+            FittedNumber(f"{label}, {model.joint_names[k]}", float(x), 0.0, unit)
+            for k in which
+            for label, x, unit in zip(labels, found[:, k], UNITS, strict=False)
+        )
+        shown = "; ".join(
+            f"{label} ({', '.join(f'{x:.4g}' for x in found[i, which])})" for i, label in enumerate(labels)
+        )
+        yield Fault(
+            Said("friction", f"friction by a {name} law is included: {shown}", RIGID, 1 + p * len(which), numbers),
+            lambda code, x=found, law=law: code.giving(lambda tau, state: tau + law(x, state[1])),  # type: ignore[misc]
+        )
+
+
+def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
+    largest = np.abs(v).max()
+    size = np.abs(deviation).max()
+    best = None
+    for width in WIDTHS:
+        for stribeck in WIDTHS if p == 5 else (1.0,):
+            start = np.array([0.0, size / 2, width * largest, size / 2, stribeck * largest])[:p]
+            scale = np.array([size / largest, size, largest, size, largest])[:p]
+            found = least_squares(
+                lambda x: law(x, v) - deviation, start, x_scale=scale, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15
+            )
+            if best is None or found.cost < best.cost:
+                best = found
+    assert best is not None
+    return np.asarray(best.x)

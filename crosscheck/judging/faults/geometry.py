@@ -1,0 +1,160 @@
+"""Other placements and axes of joints, zeros and scales of their coordinates, coupled axes: by fit."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+
+from crosscheck.judging.faults.fault import Family, Said
+from crosscheck.judging.faults.numbers import is_round, rounded
+from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.judgement import FittedNumber
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+PLACE = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
+
+ZEROS = np.arange(-11, 13)[:, None] * np.pi / 12
+"""Where the search for the zero of a joint begins [rad]."""
+
+SCALES = np.array([[1.0], [-1.0], [0.5], [2.0], [np.pi / 180], [0.0]])
+
+COUPLED = np.array([[0.0], [1.0], [-1.0]])
+
+
+def geometry(model: RobotModel) -> Iterator[Family]:
+    n = model.n_bodies
+    for k, name in enumerate(model.joint_names):
+        at, slides = np.arange(n) == k, model.joints[k].is_prismatic
+        yield _translation(model, k)
+        yield _rotation(model, k, f"the placement of joint '{name}' is turned", "rotations")
+        yield _rotation(model, k, f"the axis of joint '{name}' is tilted", "axes")
+        yield _zero(name, at, slides)
+        yield _gear(name, at)
+        for which, what in (
+            ("qva", "position, velocity and acceleration"),
+            ("q", "the position"),
+            ("v", "the velocity"),
+            ("a", "the acceleration"),
+        ):
+            yield _scale(f"{what} of joint '{name}'", at, which)
+    for k, i in itertools.permutations(range(n), 2):
+        for transmitted in (True, False):
+            yield _coupled(model, k, i, transmitted)
+
+
+def _translation(model: RobotModel, k: int) -> Family:
+    ours, name = model.joints[k].placement.translation, model.joint_names[k]
+
+    def change(code: Code, x: Array) -> Code:
+        moved = code.numbers.translations.astype(x.dtype)
+        moved[k] = moved[k] + x
+        return code.but(translations=moved)
+
+    def say(x: Array) -> list[Said]:
+        numbers = tuple(
+            FittedNumber(axis, float(own + d), float(own), "m")
+            for axis, own, d in zip("xyz", ours, x, strict=True)
+            if d != 0
+        )
+        if not numbers:
+            return []
+        moved = ", ".join(f"{number.name} by {number.difference:.6g} m" for number in numbers)
+        message = f"the translation of joint '{name}' is off: {moved}"
+        return [Said("geometry", message, PLACE, 1 + len(numbers), numbers)]
+
+    return Family(np.zeros(3), change, say)
+
+
+def _rotation(model: RobotModel, k: int, message: str, field: str) -> Family:
+    """A small turn of the joint frame, or of its axis, by a vector [rad]: Cayley's, differentiable at zero."""
+
+    def change(code: Code, x: Array) -> Code:
+        array = getattr(code.numbers, field).astype(x.dtype)
+        half = np.array([[0, -x[2], x[1]], [x[2], 0, -x[0]], [-x[1], x[0], 0]]) / 2
+        array[k] = np.linalg.solve(np.eye(3) - half, np.eye(3) + half) @ array[k]
+        return code.but(**{field: array})
+
+    def say(x: Array) -> list[Said]:
+        if not x.any():
+            return []
+        size = float(np.linalg.norm(x))
+        about = ", ".join(f"{value:.4g}" for value in x / size)
+        numbers = (FittedNumber("turned by", 2 * np.arctan(size / 2), 0.0, "rad"),)
+        return [Said("geometry", f"{message} by {numbers[0].theirs:.6g} rad about ({about})", PLACE, 4, numbers)]
+
+    return Family(np.zeros(3), change, say)
+
+
+def _zero(name: str, at: Array, slides: bool) -> Family:
+    unit = "m" if slides else "rad"
+
+    def say(x: Array) -> list[Said]:
+        off = float(x[0])
+        part = off / np.pi * 2
+        shown = f"{round(part)} π/2" if not slides and abs(part - round(part)) < 1e-6 else f"{off:.6g}"
+        said = f"the zero of joint '{name}' is off by {shown} {unit}: its position is taken as q + that"
+        number = FittedNumber("zero", off, 0.0, unit)
+        return [Said("zero", said, "use the zero of the model, or pass q shifted", 2, (number,))] if off else []
+
+    return Family(
+        np.zeros(1),
+        lambda code, x: code.taking(lambda q, v, a: (q + at * x[0], v, a)),
+        say,
+        starts=np.zeros((1, 1)) if slides else ZEROS,
+    )
+
+
+def _gear(name: str, at: Array) -> Family:
+    def say(x: Array) -> list[Said]:
+        factor = rounded(x[0])
+        ratio = rounded(1 / factor) if factor else 0.0
+        shown = f"1/{ratio:g}" if ratio and ratio != 1 and abs(ratio) > 1 and ratio.is_integer() else f"{factor:.6g}"
+        what = "left out" if factor == 0 else f"multiplied by {shown}, as by a gear"
+        size = 1 if is_round(factor) else 2
+        return [Said("gear", f"the torque of joint '{name}' is {what}", "give torques at the joint", size)] * (
+            factor != 1
+        )
+
+    return Family(np.ones(1), lambda code, x: code.giving(lambda tau, _: tau * np.where(at, x[0], 1.0)), say)
+
+
+def _scale(what: str, at: Array, which: str) -> Family:
+    def change(code: Code, x: Array) -> Code:
+        scale = np.where(at, x[0], 1.0)
+        return code.taking(
+            lambda *state: tuple(scale * s if k in which else s for k, s in zip("qva", state, strict=True))
+        )
+
+    def say(x: Array) -> list[Said]:
+        factor = rounded(x[0])
+        if factor == 1:
+            return []
+        are = "are" if " and " in what else "is"
+        message = f"{what} {are} multiplied by {factor:.6g}"
+        return [Said("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2 - is_round(factor))]
+
+    return Family(np.ones(1), change, say, starts=SCALES)
+
+
+def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> Family:
+    """q_k + x q_i instead of q_k, the same for v and a; the torques by the transpose, or not."""
+    first, second = model.joint_names[k], model.joint_names[i]
+    back = "" if transmitted else "; the torques do not"
+
+    def change(code: Code, x: Array) -> Code:
+        matrix = np.eye(model.n_bodies, dtype=x.dtype)
+        matrix[k, i] = x[0]
+        code = code.taking(lambda q, v, a: (q @ matrix.T, v @ matrix.T, a @ matrix.T))
+        return code.giving(lambda tau, _: tau @ matrix) if transmitted else code
+
+    def say(x: Array) -> list[Said]:
+        factor = rounded(x[0])
+        if factor == 0:
+            return []
+        message = f"joint '{first}' turns with joint '{second}' too, by a factor {factor:.6g}{back}"
+        return [Said("coupling", message, "joint coordinates are relative to the inside body", 2)]
+
+    return Family(np.zeros(1), change, say, starts=COUPLED)

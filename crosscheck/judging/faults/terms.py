@@ -1,0 +1,89 @@
+"""Terms of the recursion left out, reversed or multiplied: of all bodies, of one; and in other decompositions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.judging.faults.changes import factor_said
+from crosscheck.judging.faults.fault import Family, Said
+from crosscheck.judging.faults.numbers import is_round, rounded
+from crosscheck.judging.faults.recursion import Code, State
+from crosscheck.judging.faults.velocity_terms import velocity_terms
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+EVERYWHERE = {
+    "centripetal": "the centripetal accelerations ω × (ω × r)",
+    "cross": "the terms ω × q̇ p in the angular accelerations",
+    "gyroscopic": "the gyroscopic moments ω × I ω",
+    "sliding": "the Coriolis accelerations 2 ω × ṡ of sliding joints",
+}
+"""Factors of the recursion, in the words for all joints and bodies."""
+
+AT_ONE = {
+    "centripetal": "the centripetal acceleration ω × (ω × r) at joint '{joint}' and body '{body}'",
+    "cross": "the term ω × q̇ p at joint '{joint}'",
+    "gyroscopic": "the gyroscopic moment ω × I ω of body '{body}'",
+    "sliding": "the Coriolis acceleration 2 ω × ṡ at joint '{joint}'",
+    "weight": "gravity on body '{body}'",
+    "carried": "the angular velocity of the inside body, at joint '{joint}',",
+}
+
+REMEDY = "check that term in the recursion of velocities and accelerations"
+
+
+def terms(model: RobotModel) -> Iterator[Family]:
+    n, names = model.n_bodies, list(EVERYWHERE)
+    slides = np.array([joint.is_prismatic for joint in model.joints])
+
+    def everywhere(code: Code, x: Array) -> Code:
+        return code.but(**{name: factor * np.ones(n) for name, factor in zip(names, x, strict=True)})
+
+    yield Family(np.ones(4), everywhere, partial(_said, list(EVERYWHERE.values()), "coriolis"))
+    for field, text in AT_ONE.items():
+        kind = "gravity" if field == "weight" else "coriolis"
+        for k in range(n):
+            if slides[k] != (field == "sliding") and field in ("cross", "sliding"):
+                continue
+            name = text.format(joint=model.joint_names[k], body=model.body_names[k])
+            at = np.arange(n) == k
+            yield Family(np.ones(1), partial(_at_one, field, at), partial(_said, [name], kind))
+    for number in range(len(velocity_terms(model, *np.zeros((2, 1, n))))):
+        yield _decomposition(model, number)
+
+
+def _at_one(field: str, at: NDArray[np.bool_], code: Code, x: Array) -> Code:
+    return code.but(**{field: np.where(at, x[0], getattr(code.numbers, field))})
+
+
+def _decomposition(model: RobotModel, number: int) -> Family:
+    """Factors on the terms of a decomposition of c(q, v), graphdyn's: added to the torques."""
+
+    @lru_cache(maxsize=8)
+    def known(q: bytes, v: bytes) -> dict[str, Array]:
+        shape = -1, model.n_bodies
+        return velocity_terms(model, np.frombuffer(q).reshape(shape), np.frombuffer(v).reshape(shape))[number]
+
+    def added(state: State, x: Array) -> Array:
+        pieces = known(np.ascontiguousarray(state[0]).tobytes(), np.ascontiguousarray(state[1]).tobytes())
+        together: Array = np.tensordot(x - 1, np.stack(list(pieces.values())), axes=1)
+        return together
+
+    names = list(velocity_terms(model, *np.zeros((2, 1, model.n_bodies)))[number])
+    return Family(
+        np.ones(len(names)),
+        lambda code, x: code.giving(lambda tau, state: tau + added(state, x)),
+        partial(_said, names, "coriolis"),
+    )
+
+
+def _said(names: Sequence[str], kind: str, x: Array) -> list[Said]:
+    wrong = {name: rounded(factor) for name, factor in zip(names, x, strict=True) if rounded(factor) != 1}
+    if not wrong:
+        return []
+    size = sum(1 if is_round(factor) else 2 for factor in wrong.values())
+    return [Said(kind, "; ".join(factor_said(name, factor) for name, factor in wrong.items()), REMEDY, size)]

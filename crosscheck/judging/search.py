@@ -1,0 +1,191 @@
+"""The search for what explains an observation: every fault, every family, then two of them together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.judging.faults.all_faults import families, faults
+from crosscheck.judging.faults.fault import Family, Fault, Said
+from crosscheck.judging.faults.from_answers import limits, smooth_friction
+from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.fitting import fitted, root_mean_square, sparse
+from crosscheck.judging.observation import Observation
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+from urdf._misreading import Misreadings
+
+ROWS_FIRST = 2
+"""Number of states of the experiments with which all faults are tried; the first, and one with whole turns added."""
+
+KEPT = 150
+"""Number of faults, those that leave least at these states, that are tried at the others."""
+
+FIRSTS = 6
+"""Number of explanations that leave a part to which a second fault is added."""
+
+SECONDS = 12
+"""Number of second faults that are fitted together with the first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """Faults put into graphdyn, and what they leave.
+
+    elements: each with its numbers, none for a fault without
+    left: root mean square over the experiments; worst: (T,) the largest entry of each row, of the experiments alone
+        unless they are explained; parts: of the rows of the experiments
+    """
+
+    elements: tuple[tuple[Fault | Family, Array], ...]
+    code: Code
+    left: float
+    worst: Array
+    parts: NDArray[np.str_]
+
+    @property
+    def said(self) -> list[Said]:
+        return [
+            said
+            for element, numbers in self.elements
+            for said in ([element.said] if isinstance(element, Fault) else element.say(numbers))
+        ]
+
+    @property
+    def size(self) -> int:
+        return sum(said.size for said in self.said)
+
+
+class Search:
+    """Over one robot, one observation.
+
+    tried: the rows of the experiments; all_rows: those and the judged states; noise, bound: relative
+    """
+
+    def __init__(
+        self,
+        model: RobotModel,
+        readings: Misreadings | None,
+        experiments: Observation,
+        judged: Observation | None,
+        noise: float,
+        bound: float,
+    ) -> None:
+        self.model, self.noise, self.bound = model, noise, bound
+        self.experiments, self.judged = experiments, judged
+        self.all_rows = experiments if judged is None else experiments.and_(judged)
+        self.own = Code.of(model)
+        self._faults, self._families = list(faults(model, readings)), list(families(model))
+        self._first = experiments.only(_of_states(experiments, ROWS_FIRST))
+
+    def alone(self, base: Explanation) -> list[Explanation]:
+        """Every explanation with one fault more, those that leave least first."""
+        known = [*self._faults, *self._from_answers(base)]
+        left = root_mean_square(self._first.residuals([fault.change(base.code) for fault in known]))
+        kept = [known[k] for k in np.argsort(left, kind="stable")[:KEPT]]
+        found = [self._explanation(base, [(fault, np.zeros(0)) for fault in kept])]
+        fits = fitted(self._families, base.code, self.experiments, self.noise)
+        best = sorted(fits, key=lambda fit: fit.left)[:KEPT]
+        best = [sparse(fit, base.code, self.experiments, self.noise, self.bound) for fit in best]
+        found.append(self._explanation(base, [(fit.family, fit.numbers) for fit in best]))
+        return sorted((x for group in found for x in group if x.said), key=lambda x: x.left)
+
+    def together(self, firsts: Sequence[Explanation], seen: Callable[[], object]) -> list[Explanation]:
+        """Explanations with a second fault added to each of these, the numbers of both fitted together."""
+        found = []
+        for first in firsts:
+            seen()
+            for second in self.alone(first)[:SECONDS]:
+                found.append(self._refitted(second))
+        return found
+
+    def nothing(self) -> Explanation:
+        """The code without fault."""
+        (explanation,) = self._explanation(
+            Explanation((), self.own, np.inf, np.zeros(0), self.experiments.part), [None]
+        )
+        return explanation
+
+    def _refitted(self, explanation: Explanation) -> Explanation:
+        """With the numbers of all its families fitted at once."""
+        fits = [(element, x) for element, x in explanation.elements if isinstance(element, Family)]
+        if len(explanation.elements) == len(fits) == 1 or not fits or explanation.worst.max() <= self.bound:
+            return explanation
+        elements = explanation.elements
+        lengths = [len(x) for _, x in elements]
+        ends = np.cumsum(lengths)
+
+        def changed(code: Code, x: Array) -> Code:
+            for (element, _), end, length in zip(elements, ends, lengths, strict=True):
+                code = (
+                    element.change(code) if isinstance(element, Fault) else element.change(code, x[end - length : end])
+                )
+            return code
+
+        start = np.concatenate([x for _, x in elements])
+        joint = Family(start, changed, lambda x: [])
+        (fit,) = fitted([joint], self.own, self.experiments, self.noise)
+        numbers = np.split(fit.numbers, ends[:-1])
+        pairs = [(element, x) for (element, _), x in zip(elements, numbers, strict=True)]
+        return self._whole(tuple(pairs), changed(self.own, fit.numbers))
+
+    def _explanation(
+        self, base: Explanation, added: Sequence[tuple[Fault | Family, Array] | None]
+    ) -> list[Explanation]:
+        """The base with each of these added; tried at the judged states only if it fits the experiments."""
+        codes = [_changed(base.code, element) for element in added]
+        if not codes:
+            return []
+        residuals = self.experiments.residuals(codes)
+        with np.errstate(invalid="ignore"):
+            worst = np.nan_to_num(np.abs(residuals).max(axis=2), nan=np.inf)
+        left = root_mean_square(residuals)
+        found = []
+        for element, code, size, rows in zip(added, codes, left, worst, strict=True):
+            elements = base.elements if element is None else (*base.elements, element)
+            explanation = Explanation(elements, code, float(size), rows, self.experiments.part)
+            fits = element is None or rows.max() <= self.bound
+            found.append(self._whole(elements, code) if fits else explanation)
+        return found
+
+    def _whole(self, elements: tuple[tuple[Fault | Family, Array], ...], code: Code) -> Explanation:
+        residuals = self.all_rows.residuals([code])
+        with np.errstate(invalid="ignore"):
+            worst = np.nan_to_num(np.abs(residuals[0]).max(axis=1), nan=np.inf)
+        return Explanation(elements, code, float(root_mean_square(residuals)[0]), worst, self.experiments.part)
+
+    def holds(self, explanation: Explanation) -> bool:
+        """Whether it leaves no more than the bound, at the judged states too."""
+        return len(explanation.worst) == len(self.all_rows.part) and bool(explanation.worst.max() <= self.bound)
+
+    def _from_answers(self, base: Explanation) -> list[Fault]:
+        judged = self.judged
+        if judged is None or (judged.less >= 0).any():
+            return []
+        found = list(limits(self.model, judged.answers * judged.scale))
+        only_moving = base.worst[: len(base.parts)][base.parts != "velocity"].max(initial=0.0) <= self.bound
+        if only_moving and base.worst.max() > self.bound:
+            deviation = -judged.residuals([base.code])[0] * judged.scale
+            bound = self.bound * float(judged.scale.max())
+            found += smooth_friction(self.model, judged.state[1], deviation, bound)
+        return found
+
+
+def _changed(code: Code, element: tuple[Fault | Family, Array] | None) -> Code:
+    if element is None:
+        return code
+    fault, numbers = element
+    return fault.change(code) if isinstance(fault, Fault) else fault.change(code, numbers)
+
+
+def _of_states(experiments: Observation, number: int) -> np.ndarray:
+    """Rows of the first and the last states."""
+    q = experiments.state[0][experiments.of]
+    states = np.unique(q, axis=0)
+    order = [x for k, x in enumerate(q) if not any(np.array_equal(x, y) for y in q[:k])]
+    assert len(order) == len(states)
+    chosen = [*order[: number // 2 + number % 2], *order[-(number // 2) :]]
+    return np.array([any(np.array_equal(x, y) for y in chosen) for x in q])

@@ -1,0 +1,53 @@
+"""A file as readers get it that misunderstand it."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from graphdyn import Body, Joint
+from urdf._assembly import assemble
+from urdf._cutting import Chain
+from urdf._locking import Lock
+from urdf._opening import Given, open_document
+from urdf._parsing import parse
+from urdf._source import reduced
+from urdf._tree import joints_in_order
+
+if TYPE_CHECKING:
+    from yourdfpy.urdf import Robot
+
+
+class Misreadings:
+    """What bodies and joints become when elements of a file are changed.
+
+    robot: yourdfpy's, to look at; its joints in the order of `order`, names, parents first
+    heavy: names of the links with an <inertial> that are fixed to a body
+    """
+
+    def __init__(self, source: Given, *, chain: Chain = None, lock: Lock = None) -> None:
+        document = reduced(open_document(source, None).document)
+        self._parsed = parse(document, chain=chain, lock=lock)
+        self.robot: Robot = self._parsed.robot
+        self.order = joints_in_order(document)[1]
+        self.heavy = tuple(name for name, (_, share) in self._parsed.assembly.fused.items() if share.any())
+
+    def of(
+        self, changes: Mapping[str, Callable[[Robot], object]]
+    ) -> Iterator[tuple[str, tuple[Body, ...], tuple[Joint, ...]]]:
+        """By name of the change: the bodies and joints after it; change(robot) alters a copy of the robot in place."""
+        for name, change in changes.items():
+            robot = _copied(self.robot)
+            change(robot)
+            assembly = assemble(robot, self._parsed.root, self.order, self._parsed.locked)
+            yield name, tuple(assembly.bodies), tuple(assembly.joints)
+
+
+def _copied(robot: Robot) -> Robot:
+    """A copy whose links, inertials and joints can be given other attributes."""
+    links = [copy.copy(link) for link in robot.links]
+    for link in links:
+        link.inertial = copy.copy(link.inertial)
+    return replace(robot, links=links, joints=[copy.copy(joint) for joint in robot.joints])
