@@ -33,7 +33,7 @@ MOST_STATES = 20
 
 def judge_report(judgement: Judgement) -> Report:
     """The verdict and the diagnoses, then the numbers of every function."""
-    diagnoses = tuple(map(_diagnosis, judgement.diagnoses))
+    diagnoses = tuple(block for diagnosis in judgement.diagnoses for block in _diagnosis(diagnosis))
     return Report(
         f"Foreign functions for {Path(judgement.robot).name}",
         verdict_of(judgement.agrees, judgement.decided, _reason(judgement)),
@@ -70,15 +70,48 @@ def _reason(judgement: Judgement) -> str:
     )
 
 
-def _diagnosis(diagnosis: Diagnosis) -> Facts:
+STANDINGS: Mapping[str, str] = {
+    "holds": "put into graphdyn, it gives the numbers of the function at all judged states",
+    "candidate": "put into graphdyn, it gives the numbers of the function at all judged states; so do others as simple",
+    "part": "it explains a part of the deviation",
+    "located": "this is where the deviation is, not its cause",
+    "unknown": "no explanation",
+}
+"""What each standing of a diagnosis means."""
+
+
+def _diagnosis(diagnosis: Diagnosis) -> tuple[Block, ...]:
     left = (
-        f"a relative error of {diagnosis.explains:.1e} is left after putting this fault into graphdyn"
-        if math.isfinite(diagnosis.explains)
-        else "the whole deviation"
+        f"a relative error of {diagnosis.explains:.1e}" if math.isfinite(diagnosis.explains) else "the whole deviation"
     )
     also = (("same numbers from", "; or ".join(diagnosis.also)),) if diagnosis.also else ()
-    items = (("evidence", diagnosis.evidence), ("remedy", diagnosis.remedy), *also, ("unexplained", left))
-    return Facts(items, title=f"{diagnosis.function}: {diagnosis.message} [{diagnosis.kind}]")
+    apart = (("told apart by", diagnosis.apart),) if diagnosis.apart else ()
+    items = (
+        ("standing", f"{diagnosis.standing}: {STANDINGS[diagnosis.standing]}"),
+        ("evidence", diagnosis.evidence),
+        ("remedy", diagnosis.remedy),
+        *also,
+        *apart,
+        ("unexplained", left),
+    )
+    facts = Facts(items, title=f"{diagnosis.function}: {diagnosis.message} [{diagnosis.kind}]")
+    return (facts, _fitted(diagnosis)) if diagnosis.numbers else (facts,)
+
+
+def _fitted(diagnosis: Diagnosis) -> Table:
+    """The numbers that were fitted, theirs and ours."""
+    return Table(
+        (
+            Column("number", "name"),
+            *(Column(title, "number", form=".6g") for title in ("theirs", "ours", "difference")),
+            Column("unit"),
+        ),
+        tuple(
+            Row((number.name, number.theirs, number.ours, number.difference, number.unit))
+            for number in diagnosis.numbers
+        ),
+        caption="Fitted numbers: what the function must have, and what the robot has",
+    )
 
 
 def _errors(judgement: Judgement) -> Table:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from crosscheck.judging.judgement import JudgedFunction, Judgement
+from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement
 from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
 from crosscheck.report.versions import versions
 from graphdyn.layout import Array
@@ -103,6 +103,26 @@ class FunctionRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FittedNumberRecord:
+    """A number of the robot as the foreign code must have it."""
+
+    name: str
+    """Such as m, c_x, I_xx (about the center of mass), or the joint that it belongs to."""
+
+    theirs: Number
+    """What the function must have."""
+
+    ours: Number
+    """What the robot has; null where there is none, such as a limit."""
+
+    difference: Number
+    """theirs less ours."""
+
+    unit: str
+    """Of all three."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class DiagnosisRecord:
     """One fault."""
 
@@ -122,10 +142,24 @@ class DiagnosisRecord:
     """What to do about it."""
 
     explains: Number
-    """Relative error that is left after putting the fault into graphdyn; null where there is no explanation."""
+    """Largest relative error, over all judged states and experiments, that is left after putting the fault and those
+    named with it into graphdyn; null where there is no explanation.
+    """
+
+    standing: Literal["holds", "candidate", "part", "located", "unknown"]
+    """holds: put into graphdyn, the fault gives the function's numbers at all judged states, up to the function's own
+    precision; candidate: it does, and so do others that are as simple; part: it explains some of the deviation;
+    located: where the deviation is, not why; unknown: no explanation.
+    """
 
     also: Sequence[str]
     """Other faults that give the same numbers at all states tried."""
+
+    apart: str
+    """What would tell them apart; empty where there are none."""
+
+    numbers: Sequence[FittedNumberRecord]
+    """The numbers that were fitted."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,8 +232,13 @@ def record(judgement: Judgement, command: Sequence[str]) -> JudgeRecord:
         command=command,
         verdict=judgement.verdict.lower(),
         functions={name: _function(function) for name, function in judgement.functions.items()},
-        diagnoses=[taken(DiagnosisRecord, diagnosis) for diagnosis in judgement.diagnoses],
+        diagnoses=[_diagnosis(diagnosis) for diagnosis in judgement.diagnoses],
     )
+
+
+def _diagnosis(diagnosis: Diagnosis) -> DiagnosisRecord:
+    numbers = [taken(FittedNumberRecord, number, difference=number.difference) for number in diagnosis.numbers]
+    return taken(DiagnosisRecord, diagnosis, numbers=numbers)
 
 
 def _function(function: JudgedFunction) -> FunctionRecord:
