@@ -24,7 +24,7 @@ class Misreadings:
     """What bodies and joints become when elements of a file are changed.
 
     robot: yourdfpy's, to look at; its joints in the order of `order`, names, parents first
-    heavy: names of the links with an <inertial> that are fixed to a body
+    carriers: by name of each link with an <inertial> that is fixed to a body, the name of the body
     """
 
     def __init__(self, source: Given, *, chain: Chain = None, lock: Lock = None) -> None:
@@ -32,7 +32,10 @@ class Misreadings:
         self._parsed = parse(document, chain=chain, lock=lock)
         self.robot: Robot = self._parsed.robot
         self.order = joints_in_order(document)[1]
-        self.heavy = tuple(name for name, (_, share) in self._parsed.assembly.fused.items() if share.any())
+        assembly = self._parsed.assembly
+        self.carriers = {
+            name: assembly.bodies[number - 1].name for name, (number, share) in assembly.fused.items() if share.any()
+        }
 
     def of(
         self, changes: Mapping[str, Callable[[Robot], object]]

@@ -69,13 +69,13 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
         return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
     found = search.alone(nothing)
     holding = [explanation for explanation in found if search.holds(explanation)]
-    if not holding:
+    if not holding and nothing.experiments.max() > deviation.bound:
         say("looking for two faults at once")
         firsts = _firsts(found, nothing, deviation.bound)
         pairs = search.together(firsts, lambda: None)
         holding = [pair for pair in pairs if search.holds(pair)]
-        if not holding:
-            return _unexplained(deviation, search, nothing, found, evidence)
+    if not holding:
+        return _unexplained(deviation, search, nothing, found, evidence)
     return _explained(deviation, search, holding, evidence)
 
 
@@ -87,7 +87,8 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     first, others = good[0], good[1:]
     alike = [x for x in others if x.size == first.size]
     listed = [x for x in others if x.size == first.size or not any(said.numbers for said in x.said)]
-    standing: Standing = "holds" if all(same_everywhere(first, x, search) for x in alike) else "candidate"
+    one = all(x.kinds == first.kinds and same_everywhere(first, x, search) for x in alike)
+    standing: Standing = "holds" if one else "candidate"
     also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MOST_ALTERNATIVES]
     apart = what_tells_apart(first, listed[:MOST_ALTERNATIVES], search) if listed else ""
     return [
@@ -143,7 +144,7 @@ def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:
 
 def _by_part(explanation: Explanation) -> dict[str, float]:
     """The largest error in each experiment."""
-    rows = explanation.worst[: len(explanation.parts)]
+    rows = explanation.experiments
     return {part: float(rows[explanation.parts == part].max()) for part in dict.fromkeys(explanation.parts)}
 
 

@@ -39,6 +39,15 @@ class Observation:
         found: Array = (tau[:, self.of] - subtracted) / self.scale - self.answers
         return found
 
+    def torques(self) -> Array:
+        """The answers as torques [N m or N], where nothing is subtracted or what is subtracted is an answer too."""
+        torque = self.answers * self.scale
+        row = {int(state): k for k, state in enumerate(self.of)}
+        added = np.array([row.get(int(state), -1) for state in self.less])
+        whole = torque + np.where((added >= 0)[:, None], torque[added], 0.0)
+        known: Array = whole[(self.less < 0) | (added >= 0)]
+        return known
+
     def only(self, rows: NDArray[np.bool_]) -> Observation:
         """Some of the rows, and the states that they need."""
         of, less = self.of[rows], self.less[rows]

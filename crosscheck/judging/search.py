@@ -55,6 +55,15 @@ class Explanation:
         ]
 
     @property
+    def experiments(self) -> Array:
+        """The largest entry of each row of the experiments."""
+        return self.worst[: len(self.parts)]
+
+    @property
+    def kinds(self) -> set[str]:
+        return {said.kind for said in self.said}
+
+    @property
     def size(self) -> int:
         return sum(said.size for said in self.said)
 
@@ -165,8 +174,8 @@ class Search:
         judged = self.judged
         if judged is None or (judged.less >= 0).any():
             return []
-        found = list(limits(self.model, judged.answers * judged.scale))
-        only_moving = base.worst[: len(base.parts)][base.parts != "velocity"].max(initial=0.0) <= self.bound
+        found = list(limits(self.model, np.concatenate([self.experiments.torques(), judged.torques()])))
+        only_moving = base.experiments[base.parts != "velocity"].max(initial=0.0) <= self.bound
         if only_moving and base.worst.max() > self.bound:
             deviation = -judged.residuals([base.code])[0] * judged.scale
             bound = self.bound * float(judged.scale.max())

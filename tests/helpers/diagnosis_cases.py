@@ -6,6 +6,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
 from diagnosis_files import FILE_PLANTS
@@ -109,10 +110,9 @@ def stale(arm, model):
 
 def scatter(size):
     def plant(arm, model):
-        rng = np.random.default_rng(5)
-
         def function(q, v, a):
             tau = arm.inverse_dynamics(q, v, a)
+            rng = np.random.default_rng(crc32(np.concatenate([q, v, a]).tobytes()))
             return tau + size * np.abs(tau).max() * rng.standard_normal(len(tau))
 
         return function
@@ -253,12 +253,12 @@ TERMS = [
     Case("no gyroscopic moment of body 3", "kinova", factors("gyroscopic", 2, 0), ("ω × I ω.*link_3",)),
     Case("no gyroscopic moment of body 5", "kr500", factors("gyroscopic", 4, 0), ("ω × I ω.*5",)),
     Case("inside body's ω missing at joint 3", "ur5", factors("carried", 2, 0), ("elbow",)),
-    Case("no ω × q̇ p at joint 4", "kr210", factors("cross", 3, 0), ("ω × q̇ p.*joint_a4",)),
+    Case("no ω × q̇ p at joint 4", "kr210", factors("cross", 3, 0), ("ω × q̇ p.*joint_4",)),
     Case("ω × q̇ p reversed at joint 5", "z1", factors("cross", 4, -1), ("ω × q̇ p.*joint5",)),
     Case("no ω × (ω × r) at joint 3", "ur5", factors("centripetal", 2, 0), ("ω × \\(ω × r\\).*(elbow|forearm)",)),
     Case("a ignored", "kinova", before(lambda q, v, a: (q, v, 0 * a)), ("acceleration",)),
     Case("v and a exchanged", "ur5", before(lambda q, v, a: (q, a, v)), ("exchanged",)),
-    Case("kinematics of the call before", "z1", stale, ("call before|earlier call|repeat",)),
+    Case("kinematics of the call before", "z1", stale, ("call before|earlier|repeat|keeps|kept",)),
 ]
 
 SIGNS = [
@@ -273,7 +273,7 @@ SIGNS = [
         "s·ID(q, s v, s a) at three joints",
         "kr210",
         lambda arm, m: mixed_signs(arm, m, s_v=-1, s_a=-1, s_tau=-1, joints=(0, 3, 5)),
-        ("velocit.*joint_a1.*joint_a4.*joint_a6",),
+        ("velocit.*joint_1.*joint_4.*joint_6",),
     ),
     Case("velocity reversed", "kr500", lambda arm, m: mixed_signs(arm, m, s_v=-1), ("velocit",)),
     Case(
@@ -295,7 +295,7 @@ ANGLES = [
         "zero of joint 2 off by π/2",
         "kr210",
         before(lambda q, v, a: (q - unit(1, len(q), np.pi / 2), v, a)),
-        ("joint_a2",),
+        ("joint_2",),
     ),
     Case(
         "joint 4 in degrees",
@@ -309,9 +309,7 @@ ANGLES = [
         before(lambda q, v, a: tuple(scaled(x, 7, 1e-3) for x in (q, v, a))),
         ("finger.*milli",),
     ),
-    Case(
-        "joint 3 turns with joint 2", "kr210", coupled(2, 1, torques=True), ("joint_a3.*joint_a2|joint_a2.*joint_a3",)
-    ),
+    Case("joint 3 turns with joint 2", "kr210", coupled(2, 1, torques=True), ("joint_3.*joint_2|joint_2.*joint_3",)),
     Case(
         "joint 3 turns with joint 2, not the torques", "ur5", coupled(2, 1, torques=False), ("elbow.*lift|lift.*elbow",)
     ),
@@ -332,13 +330,13 @@ GEARS = [
         "offset of one torque",
         "kr210",
         after(lambda tau, q, v, a: tau + unit(1, len(tau), 30.0)),
-        ("(constant|offset).*joint_a2|joint_a2.*(constant|offset)",),
+        ("(constant|offset).*joint_2|joint_2.*(constant|offset)",),
     ),
     Case(
         "spring on joint 2",
         "kr210",
         after(lambda tau, q, v, a: tau + unit(1, len(tau), 500.0) * q),
-        ("spring.*joint_a2",),
+        ("spring.*joint_2",),
     ),
     Case(
         "spring on joint 3",
@@ -361,7 +359,7 @@ GEARS = [
         ("mass matrix|rotor",),
     ),
     Case("torque clipped at a quarter of the effort limit", "ur5", clipped, ("clipped|limit",)),
-    Case("contact at the limits", "ur5", limit_spring, ("limit",)),
+    Case("contact at the limits", "ur5", limit_spring, ("limit",), "only torques of|only where"),
     Case("fingers held together", "vx300s", equality(7, 8), ("finger",), "finger|direction"),
     Case("M in one triangle", "kinova", triangle, ("triangle",), function="mass_matrix"),
 ]
@@ -455,8 +453,8 @@ BODIES = [
         "joint 4 moved",
         "kr210",
         of(lambda arm: one(arm, "translations", 3, lambda r: r + np.array([0.02, 0, -0.03]))),
-        ("translation.*joint_a4",),
-        "joint_a4",
+        ("translation.*joint_4",),
+        "joint_4",
     ),
     Case(
         "axis of joint 2 tilted",
@@ -476,13 +474,6 @@ PRECISION = [
     ),
     Case("scatter of 1e-4", "kr210", scatter(1e-4), ("scatter|repeat|noise",)),
     Case("scatter of 1e-7", "kinova", scatter(1e-7), ("scatter|repeat|noise",)),
-    Case(
-        "rounded constants",
-        "z1",
-        of(lambda arm: arm.but(centers=np.round(arm.centers, 3), tensors=np.round(arm.tensors, 4))),
-        ("rounded",),
-        "constants|parameters|rounded",
-    ),
 ]
 
 COLUMNS = [
@@ -509,7 +500,7 @@ PAIRS = [
         "axis 3 reversed, mass of body 2",
         "kr210",
         both(lambda arm: one(arm, "axes", 2, np.negative), lambda arm: one(arm, "masses", 1, lambda m: 1.3 * m)),
-        ("axis.*joint_a3", "mass.*link_2"),
+        ("axis.*joint_3", "mass.*link_2"),
     ),
     Case(
         "gravity 9.7, center of body 2 missing",

@@ -86,6 +86,14 @@ def inertial_origins_ignored(robot):
         origin.set("rpy", "0 0 0")
 
 
+def rounded(robot):
+    for inertial_ in robot.iterfind("link/inertial"):
+        origin, tensor = inertial_.find("origin"), inertial_.find("inertia")
+        origin.set("xyz", " ".join(f"{float(x):.3f}" for x in origin.get("xyz").split()))
+        for name in tensor.attrib:
+            tensor.set(name, f"{float(tensor.get(name)):.4f}")
+
+
 FILE_PLANTS = [
     ("inertial rpy ignored", "ur5", plant(rotations_ignored), ("rpy.*(ignored|left out)",), "tensor|inertial"),
     ("inertial rpy ignored", "vx300s", plant(rotations_ignored), ("rpy.*(ignored|left out)",), "tensor|inertial"),
@@ -96,6 +104,7 @@ FILE_PLANTS = [
     ("camera dropped", "z1", plant(dropped("camera")), ("camera",), "parameters"),
     ("both tools dropped", "kinova", plant(dropped("gripper", "camera")), ("gripper.*camera",), "link_6"),
     ("siblings chained", "kr210", plant(siblings_chained), ("bracket|camera",), "link_6"),
+    ("rounded constants", "z1", plant(rounded), ("centers.*rounded to 3", "tensors.*rounded to 4"), "rounded"),
     ("inertial origins ignored", "z1", plant(inertial_origins_ignored), ("origin",), "parameters"),
 ]
 """Name, robot, plant, words that name the fault, words that locate it."""

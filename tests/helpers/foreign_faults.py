@@ -70,8 +70,8 @@ PLANTS = {
         "torques not": lambda arm, _: lambda q, v, a: arm.inverse_dynamics(q[::-1], v[::-1], a[::-1]),
     },
     "frame": {
-        "rotations transposed": lambda arm, _: arm.but(rotations=transposed(arm.rotations)).inverse_dynamics,
         "rotation of joint 2 transposed": lambda arm, _: one(arm, "rotations", 1, transposed).inverse_dynamics,
+        "rotations transposed": lambda arm, _: arm.but(rotations=transposed(arm.rotations)).inverse_dynamics,
         "rpy in the opposite order": lambda arm, _: (
             arm.but(rotations=np.stack([opposite_rpy(r) for r in arm.rotations])).inverse_dynamics
         ),

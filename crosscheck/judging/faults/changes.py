@@ -30,7 +30,7 @@ def changed(code: Code, change: Changed, members: Sequence[int]) -> Code:
 def of_joints(
     model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
 ) -> Iterator[Fault]:
-    """The same fault at one joint, for each joint, and at every joint at once."""
+    """The same fault at one joint, for each joint, and at every joint at once, which is one step more."""
     names = [f"joint '{name}'" for name in model.joint_names]
     yield from _of_members(names, "joint", kind, message, remedy, change, size)
 
@@ -38,7 +38,7 @@ def of_joints(
 def of_bodies(
     model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
 ) -> Iterator[Fault]:
-    """The same fault at one body, for each body, and at every body at once."""
+    """The same fault at one body, for each body, and at every body at once, which is one step more."""
     names = [f"body '{name}'" for name in model.body_names]
     yield from _of_members(names, "body", kind, message, remedy, change, size)
 
@@ -50,9 +50,10 @@ def _of_members(
     if len(names) > 1:
         members[f"every {what}"] = list(range(len(names)))
     for who, which in members.items():
+        steps = size + (len(which) > 1)
         yield Fault.of(
             kind, message.format(who=who), remedy,
-            lambda code, which=which: changed(code, change, which), size,  # type: ignore[misc]
+            lambda code, which=which: changed(code, change, which), steps,  # type: ignore[misc]
         )  # fmt: skip
 
 

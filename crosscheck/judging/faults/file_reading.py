@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -124,13 +124,13 @@ def _massless(robot: Robot) -> Iterator[tuple[str, str, str, Change]]:
 
 
 def _fixed_links(readings: Misreadings) -> Iterator[tuple[str, str, str, Change]]:
-    heavy, robot = readings.heavy, readings.robot
+    heavy, robot = tuple(readings.carriers), readings.robot
     sizes = range(1, len(heavy) + 1) if len(heavy) <= MOST_DROPPED else (1, 2, len(heavy))
     for names in itertools.chain.from_iterable(itertools.combinations(heavy, size) for size in sizes):
         yield (
             f"the mass of {named('fixed link', names)} is left out",
             "fixed_link",
-            "add mass, first moment and inertia to the body that carries it",
+            f"add mass, first moment and inertia to {_listed(readings.carriers[x] for x in names)}, which carries it",
             lambda r, n=names: _without_mass(r, n),  # type: ignore[misc]
         )
     joints = [joint for joint in robot.joints if joint.type == "fixed"]
@@ -156,6 +156,10 @@ def _fixed_links(readings: Misreadings) -> Iterator[tuple[str, str, str, Change]
                 "siblings have one parent; each is placed relative to that",
                 lambda r, n=second.name, p=first.child: _carried(r, n, p),  # type: ignore[misc]
             )
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in dict.fromkeys(names))
 
 
 def _without_mass(robot: Robot, names: tuple[str, ...]) -> None:

@@ -67,6 +67,8 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
         which = [k for k in range(v.shape[1]) if np.abs(deviation[:, k]).max() > bound]
         for k in which:
             found[:, k] = _fitted(law, p, v[:, k], deviation[:, k])
+        weak = np.abs(found[0]) * np.abs(v).max(axis=0) <= bound
+        found[0] = np.where(weak, 0.0, found[0])
         left = np.abs(law(found, v) - deviation).max() if which else np.inf
         if left > bound:
             continue
@@ -74,9 +76,12 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
             FittedNumber(f"{label}, {model.joint_names[k]}", float(x), 0.0, unit)
             for k in which
             for label, x, unit in zip(labels, found[:, k], UNITS, strict=False)
+            if x != 0
         )
         shown = "; ".join(
-            f"{label} ({', '.join(f'{x:.4g}' for x in found[i, which])})" for i, label in enumerate(labels)
+            f"{label} ({', '.join(f'{x:.4g}' for x in row[which])})"
+            for label, row in zip(labels, found, strict=True)
+            if row[which].any()
         )
         yield Fault(
             Said("friction", f"friction by a {name} law is included: {shown}", RIGID, 1 + p * len(which), numbers),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -20,12 +20,11 @@ MASS, CENTER, TENSOR = slice(0, 1), slice(1, 4), slice(4, 10)
 LABELS = ("m", "c_x", "c_y", "c_z", *NAMES)
 UNITS = ("kg", *3 * ("m",), *6 * ("kg m²",))
 
-WORDS = {
-    (0,): "the mass",
-    (1, 2, 3): "the center of mass",
-    tuple(range(4, 10)): "the tensor",
-    tuple(range(10)): "inertial parameters",
-}
+WORDS = {(0,): "the mass", (1, 2, 3): "the center of mass", tuple(range(4, 10)): "the tensor"}
+"""Numbers that belong together."""
+
+MOST_SAID = 4
+"""Numbers that a message lists at most; the diagnosis has all of them."""
 
 REMEDY = "compare mass, center of mass and tensor, and the fixed links that the body carries"
 
@@ -33,7 +32,7 @@ REMEDY = "compare mass, center of mass and tensor, and the fixed links that the 
 def parameters(model: RobotModel) -> Iterator[Family]:
     """Of one body: one number, then several; of all bodies: factors."""
     for k in range(model.n_bodies):
-        for places in [*WORDS, *((place,) for place in range(4, 10)), (0, 1, 2, 3)]:
+        for places in [*WORDS, *((place,) for place in range(4, 10)), (0, 1, 2, 3), tuple(range(10))]:
             yield _of_body(model, k, places)
         for what, field in (("the center of mass", "centers"), ("the tensor", "tensors")):
             yield _factor(f"{what} of body '{model.body_names[k]}'", field, np.arange(model.n_bodies) == k)
@@ -80,24 +79,25 @@ def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> Family:
             for i, difference in zip(which, x, strict=True)
             if i in moved
         )
-        if not moved:
-            return []
-        what = WORDS.get(places) or (LABELS[places[0]] if len(places) == 1 else "mass and center of mass")
-        if len(numbers) == 1:
-            (number,) = numbers
-            label = what if moved == [0] else number.name
-            shown = (
-                f"{label} of body '{name}' is {number.theirs:.6g} {number.unit}, not {number.ours:.6g} {number.unit}"
-            )
-            return [Said("inertial_parameters", shown, REMEDY, 2, numbers)]
-        if len(moved) > 4:
-            other = "inertial parameters" if len(which) == 10 else "tensor"
-            message = f"other {other} of body '{name}' alone explain all numbers"
-        else:
-            message = f"{what} of body '{name}' {'are' if what.endswith('s') or ' and ' in what else 'is'} wrong"
-        return [Said("inertial_parameters", message, REMEDY, 1 + len(moved), numbers)]
+        return (
+            [Said("inertial_parameters", _message(name, moved, numbers), REMEDY, 1 + len(moved), numbers)]
+            if moved
+            else []
+        )
 
     return Family(np.zeros(len(which)), change, say)
+
+
+def _message(name: str, moved: Sequence[int], numbers: Sequence[FittedNumber]) -> str:
+    if len(moved) == 1 and moved[0] not in range(1, 4):
+        (number,) = numbers
+        what = "the mass" if moved == [0] else number.name
+        return f"{what} of body '{name}' is {number.theirs:.6g} {number.unit}, not {number.ours:.6g} {number.unit}"
+    what = " and ".join(word for places, word in WORDS.items() if set(places) & set(moved))
+    if len(moved) > MOST_SAID:
+        return f"other values of {what} of body '{name}' alone explain all numbers"
+    off = ", ".join(f"{number.name} by {number.difference:.6g} {number.unit}" for number in numbers)
+    return f"{what} of body '{name}' {'are' if ' and ' in what else 'is'} off: {off}"
 
 
 def _factor(what: str, field: str, bodies: Array) -> Family:
