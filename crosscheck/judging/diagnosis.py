@@ -12,7 +12,7 @@ from crosscheck.judging.judgement import Diagnosis, Standing
 from crosscheck.judging.observation import Observation, of_experiments
 from crosscheck.judging.precision import precision_said
 from crosscheck.judging.search import FIRSTS, Explanation, Search
-from crosscheck.judging.telling_apart import same_everywhere, what_tells_apart
+from crosscheck.judging.telling_apart import same_code, same_everywhere, what_tells_apart
 from graphdyn import RobotModel
 from urdf._misreading import Misreadings
 
@@ -72,7 +72,7 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     if not holding and nothing.experiments.max() > deviation.bound:
         say("looking for two faults at once")
         firsts = _firsts(found, nothing, deviation.bound)
-        pairs = search.together(firsts, lambda: None)
+        pairs = search.together(firsts)
         holding = [pair for pair in pairs if search.holds(pair)]
     if not holding:
         return _unexplained(deviation, search, nothing, found, evidence)
@@ -87,7 +87,9 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     first, others = good[0], good[1:]
     alike = [x for x in others if x.size == first.size]
     listed = [x for x in others if x.size == first.size or not any(said.numbers for said in x.said)]
-    one = all(x.kinds == first.kinds and same_everywhere(first, x, search) for x in alike)
+    one = all(
+        same_code(first.code, x.code) or (x.kinds == first.kinds and same_everywhere(first, x, search)) for x in alike
+    )
     standing: Standing = "holds" if one else "candidate"
     also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MOST_ALTERNATIVES]
     apart = what_tells_apart(first, listed[:MOST_ALTERNATIVES], search) if listed else ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,11 +102,10 @@ class Search:
         found.append(self._explanation(base, [(fit.family, fit.numbers) for fit in best]))
         return sorted((x for group in found for x in group if x.said), key=lambda x: x.left)
 
-    def together(self, firsts: Sequence[Explanation], seen: Callable[[], object]) -> list[Explanation]:
+    def together(self, firsts: Sequence[Explanation]) -> list[Explanation]:
         """Explanations with a second fault added to each of these, the numbers of both fitted together."""
         found = []
         for first in firsts:
-            seen()
             for second in self.alone(first)[:SECONDS]:
                 found.append(self._refitted(second))
         return found
@@ -190,11 +189,8 @@ def _changed(code: Code, element: tuple[Fault | Family, Array] | None) -> Code:
     return fault.change(code) if isinstance(fault, Fault) else fault.change(code, numbers)
 
 
-def _of_states(experiments: Observation, number: int) -> np.ndarray:
+def _of_states(experiments: Observation, number: int) -> NDArray[np.bool_]:
     """Rows of the first and the last states."""
-    q = experiments.state[0][experiments.of]
-    states = np.unique(q, axis=0)
-    order = [x for k, x in enumerate(q) if not any(np.array_equal(x, y) for y in q[:k])]
-    assert len(order) == len(states)
-    chosen = [*order[: number // 2 + number % 2], *order[-(number // 2) :]]
-    return np.array([any(np.array_equal(x, y) for y in chosen) for x in q])
+    _, first, of = np.unique(experiments.state[0][experiments.of], axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return np.isin(of.ravel(), [*order[: (number + 1) // 2], *order[len(order) - number // 2 :]])

@@ -28,11 +28,18 @@ def changed(code: Code, change: Changed, members: Sequence[int]) -> Code:
 
 
 def of_joints(
-    model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
+    model: RobotModel,
+    kind: str,
+    message: str,
+    remedy: str,
+    change: Changed,
+    size: int = 1,
+    joints: Sequence[int] | None = None,
 ) -> Iterator[Fault]:
-    """The same fault at one joint, for each joint, and at every joint at once, which is one step more."""
+    """The same fault at one joint, for each joint or some, and at every joint at once, which is one step more."""
     names = [f"joint '{name}'" for name in model.joint_names]
-    yield from _of_members(names, "joint", kind, message, remedy, change, size)
+    which = range(len(names)) if joints is None else joints
+    yield from _of_members(names, which, "joint", kind, message, remedy, change, size)
 
 
 def of_bodies(
@@ -40,21 +47,30 @@ def of_bodies(
 ) -> Iterator[Fault]:
     """The same fault at one body, for each body, and at every body at once, which is one step more."""
     names = [f"body '{name}'" for name in model.body_names]
-    yield from _of_members(names, "body", kind, message, remedy, change, size)
+    yield from _of_members(names, range(len(names)), "body", kind, message, remedy, change, size)
 
 
 def _of_members(
-    names: Sequence[str], what: str, kind: str, message: str, remedy: str, change: Changed, size: int
+    names: Sequence[str],
+    which: Sequence[int],
+    what: str,
+    kind: str,
+    message: str,
+    remedy: str,
+    change: Changed,
+    size: int,
 ) -> Iterator[Fault]:
-    members = {name: [k] for k, name in enumerate(names)}
+    sets = {names[k]: [k] for k in which}
     if len(names) > 1:
-        members[f"every {what}"] = list(range(len(names)))
-    for who, which in members.items():
-        steps = size + (len(which) > 1)
+        sets[f"every {what}"] = list(range(len(names)))
+    for who, members in sets.items():
         yield Fault.of(
-            kind, message.format(who=who), remedy,
-            lambda code, which=which: changed(code, change, which), steps,  # type: ignore[misc]
-        )  # fmt: skip
+            kind,
+            message.format(who=who),
+            remedy,
+            lambda code, members=members: changed(code, change, members),  # type: ignore[misc]
+            size + (len(members) > 1),
+        )
 
 
 def rotation_from(rpy: Array) -> Array:

@@ -52,6 +52,7 @@ def frames(model: RobotModel) -> Iterator[Fault]:
             "read the axis from the model",
             lambda x, j, axis=axis: {"axes": axis},  # type: ignore[misc]
         )
+    carried = [k for k, joint in enumerate(model.joints) if joint.inside > 0]  # the others: gravity, or a turned base
     for name, axis in (("x", E1), ("y", E2), ("z", E3)):
         for degrees in (90, 180, 270):
             turn = rotation_about(axis, np.deg2rad(degrees))
@@ -62,6 +63,7 @@ def frames(model: RobotModel) -> Iterator[Fault]:
                 place,
                 lambda x, j, turn=turn: {"rotations": x.rotations[j] @ turn},  # type: ignore[misc]
                 size=2,
+                joints=carried,
             )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from crosscheck.judging.faults.fault import Family, Said
 from crosscheck.judging.faults.numbers import is_round, rounded
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.recursion import Code, turned_about
 from crosscheck.judging.judgement import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -21,6 +21,9 @@ ZEROS = np.arange(-11, 13)[:, None] * np.pi / 12
 
 SCALES = np.array([[1.0], [-1.0], [0.5], [2.0], [np.pi / 180], [0.0]])
 
+SIGNS = (1.0, -1.0)
+"""Factors that are no fault, or one of the faults of signs."""
+
 COUPLED = np.array([[0.0], [1.0], [-1.0]])
 
 
@@ -31,7 +34,7 @@ def geometry(model: RobotModel) -> Iterator[Family]:
         yield _translation(model, k)
         yield _rotation(model, k, f"the placement of joint '{name}' is turned", "rotations")
         yield _rotation(model, k, f"the axis of joint '{name}' is tilted", "axes")
-        yield _zero(name, at, slides)
+        yield _zero(name, k, slides)
         yield _gear(name, at)
         for which, what in (
             ("qva", "position, velocity and acceleration"),
@@ -88,8 +91,18 @@ def _rotation(model: RobotModel, k: int, message: str, field: str) -> Family:
     return Family(np.zeros(3), change, say)
 
 
-def _zero(name: str, at: Array, slides: bool) -> Family:
+def _zero(name: str, k: int, slides: bool) -> Family:
+    """The joint frame moved along or about the axis: position q + x instead of q."""
     unit = "m" if slides else "rad"
+
+    def change(code: Code, x: Array) -> Code:
+        rotations, translations = (y.astype(x.dtype) for y in (code.numbers.rotations, code.numbers.translations))
+        axis = code.numbers.axes[k]
+        if slides:
+            translations[k] = translations[k] + rotations[k] @ axis * x[0]
+        else:
+            rotations[k] = rotations[k] @ turned_about(axis, x[0])
+        return code.but(rotations=rotations, translations=translations)
 
     def say(x: Array) -> list[Said]:
         off = float(x[0])
@@ -99,17 +112,14 @@ def _zero(name: str, at: Array, slides: bool) -> Family:
         number = FittedNumber("zero", off, 0.0, unit)
         return [Said("zero", said, "use the zero of the model, or pass q shifted", 2, (number,))] if off else []
 
-    return Family(
-        np.zeros(1),
-        lambda code, x: code.taking(lambda q, v, a: (q + at * x[0], v, a)),
-        say,
-        starts=np.zeros((1, 1)) if slides else ZEROS,
-    )
+    return Family(np.zeros(1), change, say, starts=np.zeros((1, 1)) if slides else ZEROS)
 
 
 def _gear(name: str, at: Array) -> Family:
     def say(x: Array) -> list[Said]:
         factor = rounded(x[0])
+        if factor in SIGNS:
+            return []
         ratio = rounded(1 / factor) if factor else 0.0
         shown = f"1/{ratio:g}" if ratio and ratio != 1 and abs(ratio) > 1 and ratio.is_integer() else f"{factor:.6g}"
         what = "left out" if factor == 0 else f"multiplied by {shown}, as by a gear"
@@ -130,11 +140,11 @@ def _scale(what: str, at: Array, which: str) -> Family:
 
     def say(x: Array) -> list[Said]:
         factor = rounded(x[0])
-        if factor == 1:
+        if factor in SIGNS:
             return []
         are = "are" if " and " in what else "is"
         message = f"{what} {are} multiplied by {factor:.6g}"
-        return [Said("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2 - is_round(factor))]
+        return [Said("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2)]
 
     return Family(np.ones(1), change, say, starts=SCALES)
 

@@ -111,8 +111,8 @@ def _factor(what: str, field: str, bodies: Array) -> Family:
 def _scaled(what: str, x: float) -> list[Said]:
     factor = rounded(x)
     size = 1 if is_round(factor) else 2
-    if factor == 1:
-        return []
+    if factor == 1 or ("tensor" not in what and factor == -1) or ("center" in what and factor == 0):
+        return []  # no fault, or one of those of signs and inertials
     if factor == 0:
         return [Said("inertial_parameters", f"{what} left out", "use the values of the model", size)]
     power = np.log10(abs(factor))

@@ -129,7 +129,7 @@ def _recursion(code: Code, x: Numbers, q: Array, v: Array, a: Array) -> Array:
     moments: list[Array] = []
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p = x.axes[j]
-        turn = x.rotations[j] if slides else _times(x.rotations[j], _turned(p, q[j]))
+        turn = x.rotations[j] if slides else _times(x.rotations[j], turned_about(p, q[j]))
         arm = x.translations[j] + (_apply(x.rotations[j], p * q[j]) if slides else 0.0)
         carried = x.carried[j] * _back(turn, omega[inside])
         spin, slide = (0.0 * p, p * v[j]) if slides else (p * v[j], 0.0 * p)
@@ -156,7 +156,7 @@ def _recursion(code: Code, x: Numbers, q: Array, v: Array, a: Array) -> Array:
     return np.stack(np.broadcast_arrays(*reversed(tau)))
 
 
-def _turned(p: Array, angle: Array) -> Array:
+def turned_about(p: Array, angle: Array) -> Array:
     """Rotation (3, 3, …) about p (3, …) by the angle: Rodrigues."""
     c, s = np.cos(angle), np.sin(angle)
     x, y, z = p[0] + 0 * s, p[1] + 0 * s, p[2] + 0 * s

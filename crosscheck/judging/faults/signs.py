@@ -15,6 +15,9 @@ from graphdyn import RobotModel
 MOST_SUBSETS = 7
 """Largest number of joints for which every set of joints is tried (2^n); beyond, single joints and all."""
 
+AXIS: Signs = (-1, -1, -1, -1)
+"""Of q, v, a and τ: the axis points the other way."""
+
 EVERY_SIGN: list[Signs] = [(a, b, c, d) for a, b, c, d in itertools.product((1, -1), repeat=4)]
 
 QUANTITIES = ("position", "velocity", "acceleration", "torque")
@@ -26,7 +29,7 @@ PATTERNS: dict[Signs, str] = {
     for signs in EVERY_SIGN
     if (named := [name for name, sign in zip(QUANTITIES, signs, strict=True) if sign < 0])
 } | {
-    (-1, -1, -1, -1): "the axis of {who} points the other way",
+    AXIS: "the axis of {who} points the other way",
     (1, 1, 1, -1): "the torque of {who} has the opposite sign",
     (-1, -1, -1, 1): "the motion of {who} is taken with the opposite sign, its torque is not",
     (1, -1, -1, -1): "velocity, acceleration and torque of {who} are taken with the opposite sign, its position is not",
@@ -34,14 +37,14 @@ PATTERNS: dict[Signs, str] = {
 """What it means to reverse some of q, v, a, τ of a joint."""
 
 REMEDIES = {
-    (-1, -1, -1, -1): "reverse the axis, or negate position, velocity, acceleration and torque of the joint",
+    AXIS: "reverse the axis, or negate position, velocity, acceleration and torque of the joint",
     (1, 1, 1, -1): "negate it",
 }
 
-IN_SETS = ((-1, -1, -1, -1), (1, 1, 1, -1), (-1, -1, -1, 1), (1, -1, -1, -1), (-1, 1, 1, 1))
+IN_SETS = (AXIS, (1, 1, 1, -1), (-1, -1, -1, 1), (1, -1, -1, -1), (-1, 1, 1, 1))
 """What happens to several joints at once: codes that take axes as positive reverse the others in part."""
 
-OF_ALL = ((-1, -1, -1, -1), (-1, 1, 1, 1), (1, 1, -1, 1), (-1, -1, -1, 1), (1, -1, -1, -1))
+OF_ALL = (AXIS, (-1, 1, 1, 1), (1, 1, -1, 1), (-1, -1, -1, 1), (1, -1, -1, -1))
 """What happens to all joints at once; torques are even in the velocities of all, and their own sign is told apart."""
 
 
@@ -82,6 +85,8 @@ def _reversed(model: RobotModel, pattern: Signs, joints: Sequence[int], size: in
     s_q, s_v, s_a, s_tau = (np.where(np.isin(np.arange(model.n_bodies), joints), s, 1.0) for s in pattern)
 
     def change(code: Code) -> Code:
+        if pattern == AXIS:
+            return code.but(axes=s_q[:, None] * code.numbers.axes)
         code = code.taking(lambda q, v, a: (s_q * q, s_v * v, s_a * a))
         return code.giving(lambda tau, _: s_tau * tau) if (s_tau < 0).any() else code
 

@@ -1,0 +1,164 @@
+"""Diagnoses that hold, and those that say that they do not: the cases of tests/helpers/diagnosis_run.py, spread out."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from diagnosis_cases import CASES, ROBOTS, factors
+from diagnosis_run import in_single_precision, judged, verdict
+from planting import mixed_tree
+from shared_data import existing
+from textbook import TextbookArm
+
+import urdf
+from crosscheck.judging.faults.recursion import Code, torques_of
+from crosscheck.judging.judge import judge
+from crosscheck.report.commands.judge import judge_report
+from crosscheck.report.json import plain
+from crosscheck.report.records.judge import record
+from crosscheck.report.text import as_text
+from graphdyn import inverse_dynamics
+
+SPREAD = CASES[::6]
+"""Some of each group; all of them are the long check of docs/contributing.md."""
+
+ALIKE = 1e-12
+"""Two recursions: some hundred roundings each."""
+
+UR5 = urdf.load("ur5")
+ARM = TextbookArm.of(UR5)
+
+
+def diagnoses(function, **options):
+    return judge("ur5", inverse_dynamics=function, samples=10, **options).diagnoses
+
+
+@pytest.mark.parametrize("case", SPREAD, ids=str)
+def test_cases(case):
+    if case.robot in ("vx300s", "kr210"):
+        existing(Path(ROBOTS[case.robot]))
+    judgement = judged(case, 20)[0]
+    assert verdict(case, judgement) not in ("WRONG", "missed"), [x.message for x in judgement.diagnoses]
+    for diagnosis in judgement.diagnoses:
+        assert diagnosis.remedy
+        if diagnosis.standing == "holds" and math.isfinite(diagnosis.explains):
+            assert diagnosis.explains <= 1e-9 or diagnosis.kind == "precision"
+
+
+def test_many_codes_at_once_are_the_dynamics():
+    model = mixed_tree()
+    rng = np.random.default_rng(3)
+    q, v = model.random_state(rng, 5)
+    a = rng.uniform(-5, 5, q.shape)
+    heavier = Code.of(model)
+    heavier = heavier.but(masses=2 * heavier.numbers.masses, tensors=2 * heavier.numbers.tensors)
+    expected = inverse_dynamics(model, q, v, a).tau
+    own, twice = torques_of([Code.of(model), heavier], (q, v, a))
+    assert np.abs(own - expected).max() <= ALIKE * np.abs(expected).max()
+    assert np.abs(twice - 2 * expected).max() <= ALIKE * np.abs(expected).max()
+
+
+class TestStandings:
+    def test_what_torques_cannot_tell_apart_is_a_candidate(self):
+        arm = TextbookArm.of(UR5)
+        arm.tensors[0, 2, 2] += 0.01
+        (diagnosis,) = diagnoses(arm.inverse_dynamics)
+        assert diagnosis.standing == "candidate"
+        told = (diagnosis.message, *diagnosis.also)
+        assert "I_zz of body 'shoulder_link' is 0.01666 kg m², not 0.00666 kg m²" in told
+        assert "a constant diagonal (0.01, 0, 0, 0, 0, 0) is added to the mass matrix" in told
+        assert diagnosis.apart == "no torque of this robot: look at the places in the code"
+
+    def test_a_part_says_so(self):
+        """Gravity is reversed, and something that has no name is added where the arm moves."""
+        arm = ARM.but(gravity=-ARM.gravity)
+        part, rest = diagnoses(lambda q, v, a: arm.inverse_dynamics(q, v, a) + np.sin(q) * v**4)
+        assert (part.message, part.standing) == ("gravity has the opposite sign", "part")
+        assert part.evidence.startswith("explains at rest (v = 0, a = 0); ")
+        assert rest.standing == "unknown"
+        assert "moving at a = 0, gravity subtracted" in rest.message
+        assert part.explains > 1e-3
+
+    def test_where_an_unknown_deviation_is(self):
+        (diagnosis,) = diagnoses(lambda q, v, a: ARM.inverse_dynamics(q, v, a) + np.sin(3 * q) * (np.arange(6) == 2))
+        assert diagnosis.standing == "unknown"
+        assert diagnosis.message.endswith("; only torques of elbow_joint deviate")
+        assert 1e-4 < diagnosis.explains < 1
+
+    def test_a_direction_of_all_deviations(self):
+        way = np.array([0, 1.0, -2.0, 0, 0, 0])
+        (diagnosis,) = diagnoses(lambda q, v, a: ARM.inverse_dynamics(q, v, a) + np.sin(3 * q[0]) * way)
+        assert "one direction (shoulder_lift_joint -0.5, elbow_joint 1), as from a constraint" in diagnosis.message
+
+
+class TestPrecision:
+    @pytest.mark.parametrize(
+        "case", [case for case in CASES if case.name in ("axis of joint 3", "mass of body 2")], ids=str
+    )
+    def test_faults_above_single_precision(self, case):
+        if case.robot == "kr210":
+            existing(Path(ROBOTS[case.robot]))
+        judgement = judged(case, 20, single=True)[0]
+        assert verdict(case, judgement) == "named"
+        assert all(1e-9 < diagnosis.explains < 1e-5 for diagnosis in judgement.diagnoses)
+        assert "as in single precision" in judgement.diagnoses[0].evidence
+
+    def test_single_precision_alone(self):
+        single = in_single_precision(ARM.in_single_precision().inverse_dynamics)
+        (diagnosis,) = diagnoses(single)
+        assert (diagnosis.kind, diagnosis.standing) == ("precision", "holds")
+        assert "as in single precision" in diagnosis.message
+
+    def test_scatter_is_not_single_precision(self):
+        (case,) = (case for case in CASES if case.name == "scatter of 1e-4")
+        existing(Path(ROBOTS[case.robot]))
+        (diagnosis,) = judged(case, 10)[0].diagnoses
+        assert diagnosis.kind == "precision"
+        assert "the answers scatter by" in diagnosis.message
+
+
+class TestFittedNumbers:
+    @pytest.fixture(scope="class")
+    def judgement(self):
+        arm = TextbookArm.of(UR5)
+        arm.centers[2] += [0, 0.01, -0.02]
+        return judge("ur5", inverse_dynamics=arm.inverse_dynamics, samples=10)
+
+    def test_theirs_ours_difference(self, judgement):
+        (diagnosis,) = judgement.diagnoses
+        center = UR5.bodies[2].center_of_mass
+        assert [number.name for number in diagnosis.numbers] == ["c_y", "c_z"]
+        assert [number.ours for number in diagnosis.numbers] == pytest.approx(list(center[1:]))
+        assert [number.difference for number in diagnosis.numbers] == pytest.approx([0.01, -0.02], abs=1e-9)
+        assert {number.unit for number in diagnosis.numbers} == {"m"}
+        assert diagnosis.message == ("the center of mass of body 'forearm_link' is off: c_y by 0.01 m, c_z by -0.02 m")
+
+    def test_in_text_and_json(self, judgement):
+        text = as_text(judge_report(judgement), 120)
+        assert "holds: put into graphdyn, it gives the numbers of the function at all judged states" in text
+        (row,) = (line for line in text.splitlines() if "c_y" in line and "│" in line)
+        assert [cell.strip() for cell in row.split("│")[4:6]] == ["0.01", "m"]
+        (diagnosis,) = json.loads(json.dumps(plain(record(judgement, []))))["diagnoses"]
+        assert diagnosis["standing"] == "holds"
+        assert diagnosis["numbers"][1]["difference"] == pytest.approx(-0.02, abs=1e-9)
+
+
+def test_a_limit_has_no_value_here():
+    """It is infinite in graphdyn, null in JSON."""
+    (case,) = (case for case in CASES if case.name.startswith("torque clipped"))
+    judgement = judged(case, 100)[0]
+    (diagnosis,) = json.loads(json.dumps(plain(record(judgement, [])), allow_nan=False))["diagnoses"]
+    assert diagnosis["numbers"][0]["ours"] is None
+
+
+def test_a_pair_is_verified_together():
+    plant = factors("weight", 2, 0)
+    arm = TextbookArm.of(UR5)
+    arm.axes[2] *= -1
+    messages = {x.message: x.standing for x in diagnoses(plant(arm, UR5))}
+    assert messages == {
+        "gravity on body 'forearm_link' is left out": "holds",
+        "the axis of joint 'elbow_joint' points the other way": "holds",
+    }
