@@ -25,6 +25,9 @@ AS_GOOD = 1.5
 ROUNDING = 1e-12
 """What explanations leave below this is rounding of ours."""
 
+LISTED = 1
+"""Explanations that change so many numbers more are listed as alternatives."""
+
 MOST_ALTERNATIVES = 4
 
 
@@ -83,10 +86,10 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     """The smallest of the explanations that fit equally well, and the others."""
     least = min(explanation.left for explanation in holding)
     good = [x for x in holding if x.left <= max(AS_GOOD * least, ROUNDING)]
-    good = _distinct(sorted(good, key=lambda x: x.size))
+    good = _distinct(sorted(good, key=lambda x: (x.size, *((said.kind, said.message) for said in x.said))))
     first, others = good[0], good[1:]
     alike = [x for x in others if x.size == first.size]
-    listed = [x for x in others if x.size == first.size or not any(said.numbers for said in x.said)]
+    listed = [x for x in others if x.size <= first.size + LISTED]
     one = all(
         same_code(first.code, x.code) or (x.kinds == first.kinds and same_everywhere(first, x, search)) for x in alike
     )

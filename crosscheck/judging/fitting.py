@@ -22,7 +22,7 @@ KEPT = 60
 SETTLED = 1e-9
 """Part of the largest singular value below which the data do not determine a direction."""
 
-GAIN = 0.999
+GAIN = 0.95
 """A step that leaves more than this part of the error is the last one."""
 
 

@@ -18,13 +18,16 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf._misreading import Misreadings
 
-ROWS_FIRST = 2
+TRIED = 2
 """Number of states of the experiments with which all faults are tried; the first, and one with whole turns added."""
+
+FITTED = 3
+"""Number of states of the experiments with which families are fitted."""
 
 KEPT = 150
 """Number of faults, those that leave least at these states, that are tried at the others."""
 
-FIRSTS = 6
+FIRSTS = 5
 """Number of explanations that leave a part to which a second fault is added."""
 
 SECONDS = 12
@@ -88,26 +91,32 @@ class Search:
         self.all_rows = experiments if judged is None else experiments.and_(judged)
         self.own = Code.of(model)
         self._faults, self._families = list(faults(model, readings)), list(families(model))
-        self._first = experiments.only(_of_states(experiments, ROWS_FIRST))
+        self._tried, self._fitted = (experiments.only(_of_states(experiments, size)) for size in (TRIED, FITTED))
 
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
         known = [*self._faults, *self._from_answers(base)]
-        left = root_mean_square(self._first.residuals([fault.change(base.code) for fault in known]))
+        left = root_mean_square(self._tried.residuals([fault.change(base.code) for fault in known]))
         kept = [known[k] for k in np.argsort(left, kind="stable")[:KEPT]]
         found = [self._explanation(base, [(fault, np.zeros(0)) for fault in kept])]
-        fits = fitted(self._families, base.code, self.experiments, self.noise)
+        fits = fitted(self._families, base.code, self._fitted, self.noise)
         best = sorted(fits, key=lambda fit: fit.left)[:KEPT]
         best = [sparse(fit, base.code, self.experiments, self.noise, self.bound) for fit in best]
         found.append(self._explanation(base, [(fit.family, fit.numbers) for fit in best]))
         return sorted((x for group in found for x in group if x.said), key=lambda x: x.left)
 
     def together(self, firsts: Sequence[Explanation]) -> list[Explanation]:
-        """Explanations with a second fault added to each of these, the numbers of both fitted together."""
-        found = []
-        for first in firsts:
-            for second in self.alone(first)[:SECONDS]:
-                found.append(self._refitted(second))
+        """Explanations with a second fault added to each of these, the numbers of both fitted together.
+
+        Once a pair holds, those that cannot be as small are left out.
+        """
+        found: list[Explanation] = []
+        smallest = np.inf
+        for first in sorted(firsts, key=lambda x: x.size):
+            if first.size + 1 > smallest:
+                break
+            found += [self._refitted(second) for second in self.alone(first)[:SECONDS]]
+            smallest = min((x.size for x in found if self.holds(x)), default=np.inf)
         return found
 
     def nothing(self) -> Explanation:
@@ -120,7 +129,7 @@ class Search:
     def _refitted(self, explanation: Explanation) -> Explanation:
         """With the numbers of all its families fitted at once."""
         fits = [(element, x) for element, x in explanation.elements if isinstance(element, Family)]
-        if len(explanation.elements) == len(fits) == 1 or not fits or explanation.worst.max() <= self.bound:
+        if len(explanation.elements) == len(fits) == 1 or not fits:
             return explanation
         elements = explanation.elements
         lengths = [len(x) for _, x in elements]
@@ -134,8 +143,10 @@ class Search:
             return code
 
         start = np.concatenate([x for _, x in elements])
-        joint = Family(start, changed, lambda x: [])
+        right = np.concatenate([np.zeros(0) if isinstance(x, Fault) else x.right for x, _ in elements])
+        joint = Family(right, changed, lambda x: [], start[None])
         (fit,) = fitted([joint], self.own, self.experiments, self.noise)
+        fit = sparse(fit, self.own, self.experiments, self.noise, self.bound)
         numbers = np.split(fit.numbers, ends[:-1])
         pairs = [(element, x) for (element, _), x in zip(elements, numbers, strict=True)]
         return self._whole(tuple(pairs), changed(self.own, fit.numbers))
