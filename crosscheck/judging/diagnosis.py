@@ -109,7 +109,7 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
             apart,
             said.numbers,
         )
-        for said in first.said
+        for said in sorted(first.said, key=lambda said: said.message)
     ]
 
 
