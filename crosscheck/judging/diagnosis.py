@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crosscheck.judging.experiments import PARTS, Parts, TrialStates, deviations, scales, split, torques
+from crosscheck.judging.faults.fault import KINDS
 from crosscheck.judging.judgement import Diagnosis, Standing
 from crosscheck.judging.observation import Observation, of_experiments
 from crosscheck.judging.precision import precision_said
@@ -66,7 +67,7 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     search = Search(model, deviation.readings(), experiments, deviation.judged, deviation.noise, deviation.bound)
     nothing = search.nothing()
     evidence = _evidence(deviation, before, observed, own)
-    if nothing.worst.max() <= deviation.bound:
+    if nothing.worst.max() <= deviation.bound and deviation.bound > deviation.tolerance:
         remedy = "judge it with a tolerance that its precision allows"
         left = float(nothing.worst.max())
         return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
@@ -86,7 +87,7 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     """The smallest of the explanations that fit equally well, and the others."""
     least = min(explanation.left for explanation in holding)
     good = [x for x in holding if x.left <= max(AS_GOOD * least, ROUNDING)]
-    good = _distinct(sorted(good, key=lambda x: (x.size, *((said.kind, said.message) for said in x.said))))
+    good = _distinct(sorted(good, key=_preference))
     first, others = good[0], good[1:]
     alike = [x for x in others if x.size == first.size]
     listed = [x for x in others if x.size <= first.size + LISTED]
@@ -111,6 +112,11 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
         )
         for said in sorted(first.said, key=lambda said: said.message)
     ]
+
+
+def _preference(explanation: Explanation) -> tuple[object, ...]:
+    """Fewer numbers first; then by kind and words, which is a rule and not the order of trial."""
+    return explanation.size, *((KINDS.index(said.kind), said.message) for said in explanation.said)
 
 
 def _distinct(explanations: Sequence[Explanation]) -> list[Explanation]:
@@ -159,13 +165,14 @@ def _unexplained(
     """Where the deviation is, and the explanation of a part of it."""
     before = _by_part(nothing)
     wrong = [part for part, size in before.items() if size > deviation.bound]
-    parts = []
+    diagnoses, explained = [], set()
     for part in wrong:
         mending = [x for x in found if _by_part(x)[part] <= deviation.bound and _no_worse(x, nothing, deviation.bound)]
-        if mending:
-            parts.append((part, min(mending, key=lambda x: x.size)))
-    diagnoses = []
-    for part, explanation in parts:
+        if not mending:
+            continue
+        explained.add(part)
+        explanation, *others = sorted(mending, key=_preference)
+        also = [said.message for x in others if x.size == explanation.size for said in x.said]
         left = float(np.abs(search.all_rows.residuals([explanation.code])).max())
         diagnoses += [
             Diagnosis(
@@ -176,11 +183,11 @@ def _unexplained(
                 said.remedy,
                 left,
                 "part",
+                tuple(also[:MOST_ALTERNATIVES]),
                 numbers=said.numbers,
             )
             for said in explanation.said
         ]
-    explained = {part for part, _ in parts}
     rest = [part for part in wrong if part not in explained]
     if rest:
         message = f"no fault of the catalogue explains the deviation {' and '.join(PARTS[part] for part in rest)}"
@@ -212,7 +219,7 @@ def _where(deviation: Deviation, search: Search) -> str:
             f"{name} {x:.4g}" for name, x in zip(deviation.model.joint_names, way, strict=True) if abs(x) > 1e-6
         )
         return f"; all deviations have one direction ({shown}), as from a constraint or a transmission"
-    if len(names) < deviation.model.n_bodies:
+    if 0 < len(names) < deviation.model.n_bodies:
         return f"; only torques of {', '.join(names)} deviate"
     return ""
 

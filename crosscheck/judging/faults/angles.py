@@ -45,6 +45,7 @@ def angles(model: RobotModel) -> Iterator[Fault]:
                 lambda code, mask=mask, change=change: code.taking(  # type: ignore[misc]
                     lambda q, v, a: (np.where(mask, change(q), q), v, a)
                 ),
+                len(joints),
             )
 
 

@@ -36,7 +36,7 @@ def of_joints(
     size: int = 1,
     joints: Sequence[int] | None = None,
 ) -> Iterator[Fault]:
-    """The same fault at one joint, for each joint or some, and at every joint at once, which is one step more."""
+    """The same fault at one joint, for each joint or some, and at every joint at once."""
     names = [f"joint '{name}'" for name in model.joint_names]
     which = range(len(names)) if joints is None else joints
     yield from _of_members(names, which, "joint", kind, message, remedy, change, size)
@@ -45,7 +45,7 @@ def of_joints(
 def of_bodies(
     model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
 ) -> Iterator[Fault]:
-    """The same fault at one body, for each body, and at every body at once, which is one step more."""
+    """The same fault at one body, for each body, and at every body at once."""
     names = [f"body '{name}'" for name in model.body_names]
     yield from _of_members(names, range(len(names)), "body", kind, message, remedy, change, size)
 
@@ -69,7 +69,7 @@ def _of_members(
             message.format(who=who),
             remedy,
             lambda code, members=members: changed(code, change, members),  # type: ignore[misc]
-            size + (len(members) > 1),
+            size + len(members) - 1,
         )
 
 

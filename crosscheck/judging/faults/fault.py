@@ -11,11 +11,19 @@ from graphdyn.layout import Array
 
 Change = Callable[[Code], Code]
 
+KINDS = (
+    *("gravity", "coriolis", "sign", "joint_order", "argument", "frame", "geometry", "zero", "gear", "coupling"),
+    *("inertia_point", "inertial_parameters", "unit", "continuous_joint", "inertial_frame", "fixed_link"),
+    *("massless_link", "rounding", "friction", "spring", "offset", "rotor_inertia", "clipped"),
+)
+"""Of the faults, in the order in which those that fit alike and change as many numbers are told."""
+
 
 @dataclass(frozen=True, eq=False)
 class Said:
     """What is wrong, in words.
 
+    kind: one of KINDS
     size: how many numbers or steps of a code it changes; of explanations that fit alike the smallest is preferred
     numbers: those that were fitted
     """

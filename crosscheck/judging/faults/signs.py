@@ -55,7 +55,7 @@ def signs(model: RobotModel) -> Iterator[Fault]:
         for joints in ([k] for k in every):
             yield _reversed(model, pattern, joints, size)
         if model.n_bodies > 1 and pattern in OF_ALL:
-            yield _reversed(model, pattern, every, size + 1)
+            yield _reversed(model, pattern, every, model.n_bodies)
     yield Fault.of(
         "sign",
         "all torques have the opposite sign",
