@@ -9,7 +9,8 @@ import numpy as np
 
 from crosscheck.judging.answer_search import FoundFault, answer_fault
 from crosscheck.judging.conventions import found_conventions, relative_errors
-from crosscheck.judging.diagnosis import TIMES_NOISE, Deviation, diagnose
+from crosscheck.judging.deviation import TIMES_NOISE, Deviation
+from crosscheck.judging.diagnosis import diagnose
 from crosscheck.judging.foreign import ForeignFailure, ForeignFunction
 from crosscheck.judging.functions.known_function import Chosen
 from crosscheck.judging.judgement import Diagnosis
@@ -97,7 +98,7 @@ def _of_numbers(
         replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
         for diagnosis in _of_terms(function, found, precision, readings, say)
     ]
-    if by_terms and by_terms[0].kind != "unknown":
+    if by_terms and by_terms[0].standing in ("holds", "candidate"):
         return by_terms
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)

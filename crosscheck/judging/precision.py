@@ -13,6 +13,7 @@ import numpy as np
 
 from crosscheck.judging.foreign import ForeignFailure, ForeignFunction
 from crosscheck.judging.judged_states import JudgedStates
+from graphdyn import inverse_dynamics
 
 ORDER = 8
 STEP = 1e-5
@@ -42,9 +43,12 @@ def noise(function: ForeignFunction, states: JudgedStates) -> float:
         for x, way in zip(start, ways, strict=True)
     ]
     try:
-        answers = function(*points).reshape(LINES, ORDER + 1, -1)
+        answers = function(*points)
     except ForeignFailure:
         return 0.0
+    if function.name == "forward_dynamics":  # the torques that the accelerations need: without cond(M)
+        answers = inverse_dynamics(states.model, points[0], points[1], answers).tau
+    answers = answers.reshape(LINES, ORDER + 1, -1)
     left = np.diff(answers, ORDER, axis=1)[:, 0] / np.sqrt(comb(2 * ORDER, ORDER))
     size = np.abs(answers).max(axis=(1, 2))
     relative = np.abs(left).max(axis=1) / np.where(size > 0, size, 1.0)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.all_faults import families, faults
-from crosscheck.judging.faults.fault import Family, Fault, Said
+from crosscheck.judging.faults.fault import KINDS, Family, Fault, Said
 from crosscheck.judging.faults.from_answers import limits, smooth_friction
 from crosscheck.judging.faults.recursion import Code
 from crosscheck.judging.fitting import fitted, root_mean_square, sparse
@@ -63,6 +63,16 @@ class Explanation:
         return self.worst[: len(self.parts)]
 
     @property
+    def judged(self) -> Array:
+        """The largest entry of each row of the judged states."""
+        return self.worst[len(self.parts) :]
+
+    @property
+    def by_part(self) -> dict[str, float]:
+        """The largest error in each experiment."""
+        return {part: float(self.experiments[self.parts == part].max()) for part in dict.fromkeys(self.parts)}
+
+    @property
     def kinds(self) -> set[str]:
         return {said.kind for said in self.said}
 
@@ -105,14 +115,14 @@ class Search:
         found.append(self._explanation(base, [(fit.family, fit.numbers) for fit in best]))
         return sorted((x for group in found for x in group if x.said), key=lambda x: x.left)
 
-    def together(self, firsts: Sequence[Explanation]) -> list[Explanation]:
+    def together(self, started: Sequence[Explanation]) -> list[Explanation]:
         """Explanations with a second fault added to each of these, the numbers of both fitted together.
 
         Once a pair holds, those that cannot be as small are left out.
         """
         found: list[Explanation] = []
         smallest = np.inf
-        for first in sorted(firsts, key=lambda x: x.size):
+        for first in sorted(started, key=lambda x: x.size):
             if first.size + 1 > smallest:
                 break
             found += [self._refitted(second) for second in self.alone(first)[:SECONDS]]
@@ -128,10 +138,9 @@ class Search:
 
     def _refitted(self, explanation: Explanation) -> Explanation:
         """With the numbers of all its families fitted at once."""
-        fits = [(element, x) for element, x in explanation.elements if isinstance(element, Family)]
-        if len(explanation.elements) == len(fits) == 1 or not fits:
-            return explanation
         elements = explanation.elements
+        if not any(isinstance(element, Family) for element, _ in elements):
+            return explanation
         lengths = [len(x) for _, x in elements]
         ends = np.cumsum(lengths)
 
@@ -191,6 +200,35 @@ class Search:
             bound = self.bound * float(judged.scale.max())
             found += smooth_friction(self.model, judged.state[1], deviation, bound)
         return found
+
+
+def preference(explanation: Explanation) -> tuple[object, ...]:
+    """Fewer numbers first; then by kind and words, which is a rule and not the order of trial."""
+    return explanation.size, *((KINDS.index(said.kind), said.message) for said in explanation.said)
+
+
+def firsts(found: Sequence[Explanation], nothing: Explanation, bound: float) -> list[Explanation]:
+    """Explanations to which a second fault is added: those that mend whole terms, and those that leave least."""
+    before = nothing.by_part
+    wrong = {part for part, size in before.items() if size > bound}
+
+    def mended(explanation: Explanation) -> int:
+        after = explanation.by_part
+        broken = sum(after[part] > bound for part in after if part not in wrong)
+        return sum(after[part] <= bound for part in wrong) - broken
+
+    by_terms = sorted((x for x in found if mended(x) > 0), key=lambda x: (-mended(x), x.size, x.left))
+    chosen = [*_differing(by_terms)[: FIRSTS // 2], *_differing(found)[:FIRSTS]]
+    return _differing(chosen)[:FIRSTS]
+
+
+def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:
+    """Those that leave different numbers."""
+    kept: list[Explanation] = []
+    for explanation in explanations:
+        if not any(abs(explanation.left - x.left) <= 1e-6 * x.left for x in kept):
+            kept.append(explanation)
+    return kept
 
 
 def _changed(code: Code, element: tuple[Fault | Family, Array] | None) -> Code:
