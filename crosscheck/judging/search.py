@@ -50,12 +50,17 @@ class Explanation:
     parts: NDArray[np.str_]
 
     @property
+    def said_by_element(self) -> list[list[Said]]:
+        return [[x.said] if isinstance(x, Fault) else x.say(numbers) for x, numbers in self.elements]
+
+    @property
     def said(self) -> list[Said]:
-        return [
-            said
-            for element, numbers in self.elements
-            for said in ([element.said] if isinstance(element, Fault) else element.say(numbers))
-        ]
+        return [said for element in self.said_by_element for said in element]
+
+    @property
+    def is_told(self) -> bool:
+        """Whether each element says something: a family whose numbers are right is no fault."""
+        return bool(self.elements) and all(self.said_by_element)
 
     @property
     def experiments(self) -> Array:
@@ -113,7 +118,7 @@ class Search:
         best = sorted(fits, key=lambda fit: fit.left)[:KEPT]
         best = [sparse(fit, base.code, self.experiments, self.noise, self.bound) for fit in best]
         found.append(self._explanation(base, [(fit.family, fit.numbers) for fit in best]))
-        return sorted((x for group in found for x in group if x.said), key=lambda x: x.left)
+        return sorted((x for group in found for x in group if x.is_told), key=lambda x: x.left)
 
     def together(self, started: Sequence[Explanation]) -> list[Explanation]:
         """Explanations with a second fault added to each of these, the numbers of both fitted together.
@@ -186,8 +191,9 @@ class Search:
         return Explanation(elements, code, float(root_mean_square(residuals)[0]), worst, self.experiments.part)
 
     def holds(self, explanation: Explanation) -> bool:
-        """Whether it leaves no more than the bound, at the judged states too."""
-        return len(explanation.worst) == len(self.all_rows.part) and bool(explanation.worst.max() <= self.bound)
+        """Whether it leaves no more than the bound, at the judged states too, and all of it has words."""
+        everywhere = len(explanation.worst) == len(self.all_rows.part)
+        return everywhere and explanation.is_told and bool(explanation.worst.max() <= self.bound)
 
     def _from_answers(self, base: Explanation) -> list[Fault]:
         judged = self.judged
