@@ -258,7 +258,7 @@ TERMS = [
     Case("no ω × (ω × r) at joint 3", "ur5", factors("centripetal", 2, 0), ("ω × \\(ω × r\\).*(elbow|forearm)",)),
     Case("a ignored", "kinova", before(lambda q, v, a: (q, v, 0 * a)), ("acceleration",)),
     Case("v and a exchanged", "ur5", before(lambda q, v, a: (q, a, v)), ("exchanged",)),
-    Case("kinematics of the call before", "z1", stale, ("call before|earlier|repeat|keeps|kept",)),
+    Case("kinematics of the call before", "z1", stale, ("calls? before|earlier|repeat|keeps|kept",)),
 ]
 
 SIGNS = [

@@ -97,7 +97,13 @@ def rounded(robot):
 FILE_PLANTS = [
     ("inertial rpy ignored", "ur5", plant(rotations_ignored), ("rpy.*(ignored|left out)",), "tensor|inertial"),
     ("inertial rpy ignored", "vx300s", plant(rotations_ignored), ("rpy.*(ignored|left out)",), "tensor|inertial"),
-    ("inertial rpy transposed", "vx300s", plant(rotations_transposed), ("rpy.*transposed",), "tensor|inertial"),
+    (
+        "inertial rpy transposed",
+        "vx300s",
+        plant(rotations_transposed),
+        ("inertial frame.*transposed",),
+        "tensor|inertial",
+    ),
     ("massless links weigh 1 kg", "ur5", plant(massless_weigh_one), ("without <inertial>|massless",), "parameters"),
     ("massless links weigh 1 kg", "kinova", plant(massless_weigh_one), ("without <inertial>|massless",), "parameters"),
     ("gripper dropped", "kr500", plant(dropped("gripper")), ("gripper",), "parameters"),
