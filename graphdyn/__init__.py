@@ -68,7 +68,7 @@ from graphdyn._matrices import (
     mass_matrix_inverse,
     momentum_regressor,
 )
-from graphdyn._model import Body, Frame, Joint, JointLimits, RobotModel
+from graphdyn._model import RobotModel
 from graphdyn._momentum import (
     center_of_mass,
     center_of_mass_jacobian,
@@ -76,6 +76,7 @@ from graphdyn._momentum import (
     centroidal_map,
     momentum,
 )
+from graphdyn._parts import Body, Frame, Joint, JointLimits
 from graphdyn._placement import Placement
 from graphdyn._recorded_function import RecordedFunction
 from graphdyn._virtual_recording import VirtualRecording

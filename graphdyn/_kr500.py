@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn._experiment import record
-from graphdyn._model import Body, Joint, RobotModel
+from graphdyn._model import RobotModel
+from graphdyn._parts import Body, Joint
 from graphdyn._placement import Placement
 from graphdyn._virtual_recording import VirtualRecording
 from graphdyn.motion_laws import ConstantAcceleration, Rail

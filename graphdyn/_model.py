@@ -7,8 +7,7 @@ import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from numbers import Integral, Real
-from typing import Literal
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,165 +18,22 @@ from graphdyn._graph import Graph
 from graphdyn._inertia import (
     Consistency,
     consistency_problems,
-    inertia_from_parameters,
-    parameters_from_inertia,
     pseudo_inertia,
 )
+from graphdyn._parts import Body, Frame, Joint, as_floats, check_type, freeze, read_only
 from graphdyn._placement import Placement
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
-
-JointKind = Literal["revolute", "continuous", "prismatic"]
-JOINT_KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic")
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 """Gravity of a model unless told otherwise [m/s²]: the value Pinocchio and most URDF tools use."""
 
 ANGLE_RANGE = np.pi
+
 SLIDE_RANGE = 0.5
 """Ranges that random_state takes where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
 
 ABSURD = 1e6
 """A limit beyond this [rad, m, …/s] is treated as no limit by random_state."""
-
-SYMMETRY = 1e-9
-"""Largest |J - Jᵀ| relative to the largest entry that counts as rounding (and is symmetrised)."""
-
-TIE = 1e-9
-"""Two coordinate axes are equally far from p if their components differ by less than this; the first is taken."""
-
-
-@dataclass(frozen=True, eq=False)
-class Body:
-    """A rigid body, in the axes of its link frame (origin at its inside joint).
-
-    mass: m ≥ 0                                             [kg]
-    center_of_mass: c, in the link frame                    (3,)    [m]
-    inertia: J about the center of mass, in link axes       (3, 3)  [kg m²]
-
-    Raises InvalidModel for a negative mass, an asymmetric tensor, NaN or infinity. A tensor that no real body can
-    have is kept (vendor files have them) and reported by RobotModel.physical_consistency.
-    """
-
-    name: str
-    mass: float
-    center_of_mass: Array
-    inertia: Array
-
-    def __post_init__(self) -> None:
-        who = f"body '{self.name}'"
-        _freeze(self, who, mass=(), center_of_mass=(3,), inertia=(3, 3))
-        if self.mass < 0:
-            raise InvalidModel(f"{who}: mass {self.mass} kg is negative")
-        asymmetry = np.abs(self.inertia - self.inertia.T).max()
-        if asymmetry > SYMMETRY * np.abs(self.inertia).max():
-            raise InvalidModel(f"{who}: inertia tensor is not symmetric (largest difference {asymmetry:.3g} kg m²)")
-        object.__setattr__(self, "inertia", _read_only((self.inertia + self.inertia.T) / 2))
-
-    @property
-    def parameters(self) -> Array:
-        """(10,): m, m c, and I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the link origin, in link axes."""
-        return parameters_from_inertia(self.mass, self.center_of_mass, self.inertia)
-
-    @classmethod
-    def from_parameters(cls, name: str, parameters: ArrayLike) -> Body:
-        """The body with these ten inertial parameters. Raises InvalidModel where m = 0 but m c ≠ 0."""
-        pi = _as_floats(f"body '{name}'", "parameter vector", parameters, (BODY_PARAMETERS,))
-        if pi[0] == 0 and np.any(pi[1:4] != 0):
-            raise InvalidModel(f"body '{name}': mass is 0 but the first moment is {pi[1:4].tolist()} kg m")
-        return cls(name, *inertia_from_parameters(pi))
-
-
-@dataclass(frozen=True)
-class JointLimits:
-    """Limits of a joint; None where the source states none. [rad or m, rad/s or m/s, N m or N]"""
-
-    lower: float | None = None
-    upper: float | None = None
-    velocity: float | None = None
-    effort: float | None = None
-
-    def __post_init__(self) -> None:
-        for name, value in dataclasses.asdict(self).items():
-            if value is not None and not isinstance(value, Real):
-                raise InvalidModel(f"{name} limit is {value!r}; give a number, or None where there is none")
-
-
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """A joint with one freedom between body i(j) and body j.
-
-    kind: "revolute", "continuous" (revolute without position limits) or "prismatic"
-    inside: number of the inside body, 0 for the ground
-    placement: the joint frame in the link frame of the inside body
-    axis: p, in joint axes, normalised at construction      (3,)
-    limits, damping, friction: kept, not part of the rigid dynamics; damping [N m s/rad or N s/m], friction [N m or N]
-
-    At q = 0 the link frame of body j coincides with the joint frame.
-    """
-
-    name: str
-    kind: JointKind
-    inside: int
-    placement: Placement
-    axis: Array
-    limits: JointLimits = JointLimits()
-    damping: float = 0.0
-    friction: float = 0.0
-
-    def __post_init__(self) -> None:
-        who = f"joint '{self.name}'"
-        if self.kind not in JOINT_KINDS:
-            raise InvalidModel(f"{who}: kind '{self.kind}' cannot be represented; use one of {', '.join(JOINT_KINDS)}")
-        _check_type(who, "inside", self.inside, Integral)
-        _freeze(self, who, axis=(3,), damping=(), friction=())
-        _check_type(who, "placement", self.placement, Placement)
-        _check_type(who, "limits", self.limits, JointLimits)
-        for name, value in dataclasses.asdict(self.limits).items():
-            if value is not None and not np.isfinite(value):
-                raise InvalidModel(f"{who}: {name} limit is {value}; leave it out (None) where there is none")
-        lower, upper = self.limits.lower, self.limits.upper
-        if lower is not None and upper is not None and lower > upper:
-            raise InvalidModel(f"{who}: lower limit {lower} is above upper limit {upper}; swap them")
-        if not self.axis.any():
-            raise InvalidModel(f"{who}: axis is zero; give a direction")
-        _, exponent = np.frexp(np.abs(self.axis).max())
-        axis = np.ldexp(self.axis, -exponent)  # exact; keeps the squares of a tiny axis from underflowing
-        object.__setattr__(self, "axis", _read_only(axis / np.linalg.norm(axis)))
-
-    @property
-    def is_prismatic(self) -> bool:
-        """The joint slides along its axis; the others turn about it."""
-        return self.kind == "prismatic"
-
-    @cached_property
-    def axis_normals(self) -> Array:
-        """t_1, t_2 (2, 3) in joint axes: normal to p, t_1 × t_2 = p, fixed in the inside body.
-
-        t_1 is the normalised p × e with e the coordinate axis least aligned with p, t_2 = p × t_1. They replace the
-        world x and y rows of Eq. (71)-(73), which are dependent for a horizontal axis (docs/deviations.md, A2).
-        """
-        alignment = np.abs(self.axis)
-        least = int(np.argmax(alignment <= alignment.min() + TIE))
-        t_1 = np.cross(self.axis, np.eye(3)[least])
-        t_1 /= np.linalg.norm(t_1)
-        return _read_only(np.stack([t_1, np.cross(self.axis, t_1)]))
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """A named frame fixed in a body (a tool flange, a link fused into its parent); body 0 is the ground.
-
-    aliases: further names of the same frame (the fixed joint that carried it)
-    """
-
-    name: str
-    body: int
-    placement: Placement
-    aliases: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        _check_type(f"frame '{self.name}'", "body", self.body, Integral)
-        _check_type(f"frame '{self.name}'", "placement", self.placement, Placement)
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,8 +65,8 @@ class RobotModel:
         who = f"robot '{self.name}'"
         for name in ("bodies", "joints", "frames", "couplings"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
-        _freeze(self, who, gravity=(3,))
-        _check_type(who, "base", self.base, Placement)
+        freeze(self, who, gravity=(3,))
+        check_type(who, "base", self.base, Placement)
         if not self.bodies:
             raise InvalidModel(f"{who}: no moving body; the dynamics of a model without joints are empty")
         if len(self.bodies) != len(self.joints):
@@ -299,7 +155,7 @@ class RobotModel:
     @cached_property
     def inertial_parameters(self) -> Array:
         """(10 n,): the parameters of all bodies (Body.parameters), body after body."""
-        return _read_only(np.concatenate([body.parameters for body in self.bodies]))
+        return read_only(np.concatenate([body.parameters for body in self.bodies]))
 
     @cached_property
     def skeleton(self) -> RobotModel:
@@ -327,7 +183,7 @@ class RobotModel:
 
     def with_inertial_parameters(self, parameters: ArrayLike) -> RobotModel:
         """The same robot with other inertial parameters (10 n,). Raises InvalidModel for a wrong length."""
-        pi = _as_floats(f"robot '{self.name}'", "parameter vector", parameters, (BODY_PARAMETERS * self.n_bodies,))
+        pi = as_floats(f"robot '{self.name}'", "parameter vector", parameters, (BODY_PARAMETERS * self.n_bodies,))
         bodies = [
             Body.from_parameters(body.name, pi[parameter_columns(i)]) for i, body in enumerate(self.bodies, start=1)
         ]
@@ -400,33 +256,3 @@ def _sampling_range(joint: Joint) -> tuple[float, float, float]:
         assert upper is not None  # one of them is given
         return upper - 2 * reach, upper, speed
     return lower, lower + 2 * reach if upper is None else upper, speed
-
-
-def _check_type(who: str, name: str, value: object, kind: type) -> None:
-    if not isinstance(value, kind):
-        raise InvalidModel(f"{who}: {name} is of type {type(value).__name__}, not {kind.__name__}")
-
-
-def _freeze(owner: object, who: str, **shapes: tuple[int, ...]) -> None:
-    """Convert the named fields to floats or read-only arrays; refuse wrong shapes, NaN and infinity by name."""
-    for name, shape in shapes.items():
-        value = _as_floats(who, name, getattr(owner, name), shape)
-        object.__setattr__(owner, name, float(value) if shape == () else _read_only(value))
-
-
-def _as_floats(who: str, name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """A fresh float array of this shape; anything else is refused by name."""
-    try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InvalidModel(f"{who}: {name} is not numeric: {value!r}") from error
-    if array.shape != shape:
-        raise InvalidModel(f"{who}: {name} has shape {array.shape}, expected {shape}")
-    if not np.all(np.isfinite(array)):
-        raise InvalidModel(f"{who}: {name} contains NaN or infinity: {array.tolist()}")
-    return array
-
-
-def _read_only(array: Array) -> Array:
-    array.setflags(write=False)
-    return array

@@ -19,7 +19,7 @@ from crosscheck.cli.crosscheck import DEFAULT_ROBOTS
 from crosscheck.referee.quantities import BY_NAME, DERIVED, RECURSIVE
 from crosscheck.referee.states import RANDOM, cases
 from graphdyn import Body, Joint, Placement, RobotModel, kr500
-from graphdyn._model import JOINT_KINDS
+from graphdyn._parts import JOINT_KINDS
 
 SAMPLES = 20
 TREE_SAMPLES = 5
