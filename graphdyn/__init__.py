@@ -47,6 +47,7 @@ from graphdyn._errors import (
     GimbalLock,
     GraphDynError,
     InconsistentState,
+    IntegrationFailed,
     InvalidInput,
     InvalidModel,
     RankDeficientConstraints,
@@ -83,12 +84,42 @@ from graphdyn._virtual_recording import VirtualRecording
 
 if TYPE_CHECKING:
     from graphdyn import identification
+    from graphdyn.simulation import (
+        ComputedTorqueControl,
+        EnergyBalance,
+        Event,
+        Friction,
+        JointStops,
+        MeasurementNoise,
+        Occurrence,
+        PDControl,
+        Rollout,
+        Simulation,
+        rollout,
+        simulate,
+    )
 else:
+    _SIMULATION = (
+        "ComputedTorqueControl",
+        "EnergyBalance",
+        "Event",
+        "Friction",
+        "JointStops",
+        "MeasurementNoise",
+        "Occurrence",
+        "PDControl",
+        "Rollout",
+        "Simulation",
+        "rollout",
+        "simulate",
+    )
 
     def __getattr__(name: str) -> object:
-        """Imports graphdyn.identification when first used."""
+        """Imports graphdyn.identification, and what simulates, when first used."""
         if name == "identification":
             return import_module("graphdyn.identification")
+        if name in _SIMULATION:
+            return getattr(import_module("graphdyn.simulation"), name)
         raise AttributeError(f"module 'graphdyn' has no attribute '{name}'")
 
 
@@ -98,17 +129,22 @@ __all__ = [
     "BaseMotion",
     "Body",
     "CompiledModel",
+    "ComputedTorqueControl",
     "Consistency",
     "Coupling",
     "EnergyRegressor",
+    "EnergyBalance",
     "EstimationFailed",
+    "Event",
     "ForwardDynamics",
     "ForwardDynamicsDerivatives",
     "Frame",
+    "Friction",
     "GimbalLock",
     "Graph",
     "GraphDynError",
     "InconsistentState",
+    "IntegrationFailed",
     "InvalidInput",
     "InvalidModel",
     "InverseDynamics",
@@ -116,15 +152,21 @@ __all__ = [
     "InverseDynamicsSecondDerivatives",
     "Joint",
     "JointLimits",
+    "JointStops",
     "KKTSolution",
     "KKTSystem",
     "MaximalState",
     "Momentum",
+    "MeasurementNoise",
+    "Occurrence",
+    "PDControl",
     "Placement",
     "RankDeficientConstraints",
     "ReactionDerivatives",
     "RecordedFunction",
     "RobotModel",
+    "Rollout",
+    "Simulation",
     "SingularMassMatrix",
     "UnknownFrame",
     "VirtualRecording",
@@ -170,6 +212,8 @@ __all__ = [
     "power",
     "reaction_derivatives",
     "record",
+    "rollout",
+    "simulate",
     "solve_kkt",
     "static_torque",
 ]

@@ -49,3 +49,7 @@ class RankDeficientConstraints(GraphDynError, ArithmeticError):
 
 class EstimationFailed(GraphDynError, ArithmeticError):
     """An estimator has no answer for these data; the message says why."""
+
+
+class IntegrationFailed(GraphDynError, ArithmeticError):
+    """A simulation whose numbers are no longer finite, or whose steps became too small; the message says when."""

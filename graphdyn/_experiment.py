@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn._answers import InverseDynamics
 from graphdyn._arrays import as_floats
 from graphdyn._base_motion import BaseMotion
 from graphdyn._dynamics import inverse_dynamics
@@ -48,14 +49,25 @@ def record(
         raise InvalidInput(f"times must be finite numbers of shape (N,); they have shape {times.shape}")
     courses = [_course(f"joint '{name}'", law, times) for name, law in _laws(model, joints).items()]
     q, v, a = (np.stack(part, axis=-1) for part in zip(*courses, strict=True))
-    motion = _carriage(base, times)
-    state = maximal_state(model, q, v, a, base=motion)
+    motion = carriage(base, times)
     answer = inverse_dynamics(model, q, v, a, base=motion)
-    tau = answer.tau
+    return observed(model, times, (q, v, a), answer, motion, answer.tau)
+
+
+def observed(
+    model: RobotModel, times: Array, course: Course, answer: InverseDynamics, base: BaseMotion, tau: Array
+) -> VirtualRecording:
+    """What instruments show of a motion q, v, a, whose inverse dynamics are the answer, and whose actuators give tau.
+
+    Arrays (N, n) as the verbs take them; joints that others drive are recorded with a torque of zero.
+    """
+    q, v, a = course
+    state = maximal_state(model, q, v, a, base=base)
     if model.couplings:
+        given = tau
         q, v, a = model.joint_positions(q), v @ model.freedoms.matrix.T, a @ model.freedoms.matrix.T
         tau = np.zeros_like(q)
-        tau[..., list(model.freedoms.independent)] = answer.tau
+        tau[..., list(model.freedoms.independent)] = given
 
     def in_world(vectors: Array) -> Array:
         turned: Array = np.einsum("...ab,...b->...a", state.rotation, vectors)
@@ -111,7 +123,7 @@ def _course(who: str, law: MotionLaw, times: Array) -> Course:
     return position, velocity, acceleration
 
 
-def _carriage(base: CarriageLaw | Sequence[CarriageLaw], times: Array) -> BaseMotion:
+def carriage(base: CarriageLaw | Sequence[CarriageLaw], times: Array) -> BaseMotion:
     """Rails move the origin of the carriage, the turntable turns it about that origin: their order does not matter."""
     laws = (base,) if isinstance(base, CarriageLaw) else tuple(base)
     rotation, linear, angular = np.eye(3), np.zeros((3, *times.shape, 3)), np.zeros((3, *times.shape, 3))

@@ -278,6 +278,12 @@ def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
             f"joint '{model.joint_names[worst]}' is open by {residual.max():.2g} (m or rad){where}; "
             f"a state of robot '{model.name}' closes every joint to {CLOSURE:g}"
         )
+    return read_joints(state)
+
+
+def read_joints(state: MaximalState) -> tuple[Array, Array]:
+    """joint_state for the state's own model, however far the joints are open: along and about the axes."""
+    model = state.model
     q, v = (np.empty((*state.position.shape[:-2], model.n_bodies)) for _ in range(2))
     vertices, axes, origins = state.vertices, joint_axes(state), link_origins(state)
     for j, joint in enumerate(model.joints, start=1):

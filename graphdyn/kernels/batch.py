@@ -69,7 +69,7 @@ def evaluate(
     count = prod(batch)
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
-        inputs["ground"] = _as_rows(_ground_columns(model, base, batch), batch)
+        inputs["ground"] = _as_rows(ground_columns(model, base, batch), batch)
     shapes = {name: (*batch, *ARRAYS[name].shape_for(model)) for name in outputs}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
     request = Request(recursion, outputs, "external_wrenches" in x, base is not None, frame)
@@ -100,7 +100,7 @@ def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], 
     return np.flatnonzero((pivots < SMALL_PIVOT).any(axis=-1))
 
 
-def _ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...]) -> Array:
+def ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...]) -> Array:
     """The columns of programs.GROUND, in their order."""
     moving = ground(model, base, batch)
 

@@ -23,7 +23,7 @@ import numpy as np
 from graphdyn.kernels.mechanism import Link
 from graphdyn.kernels.motion import Motion, Place, Root, inertial_wrench, motions, places
 from graphdyn.kernels.reactions import Wrench, added, answers, inwards, unloaded
-from graphdyn.kernels.vectors import E_Z, Scalars, cross, scalars, skew, symmetric, zeros
+from graphdyn.kernels.vectors import E_Z, Scalars, cross, skew, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,9 @@ class Inertia:
 
     @classmethod
     def of(cls, link: Link) -> Inertia:
-        return cls(scalars(link.mass * np.eye(3)), -skew(link.first_moment), link.tensor)
+        mass = zeros(3, 3)
+        np.fill_diagonal(mass, link.mass)
+        return cls(mass, -skew(link.first_moment), link.tensor)
 
     def __add__(self, other: Inertia) -> Inertia:
         return Inertia(self.m + other.m, self.h + other.h, self.j + other.j)
@@ -69,6 +71,18 @@ class SeenThroughJoint:
     u: Any
 
 
+@dataclass(frozen=True, eq=False)
+class Drives:
+    """What a simulation adds to the joints (graphdyn.kernels.simulated).
+
+    rotor: inertia of rotor and gear as seen at the joint, D = Sᵀ U + rotor
+    free: 1, or 0 where friction holds the joint, whose a is then exactly zero
+    """
+
+    rotor: Sequence[Any]
+    free: Sequence[Any]
+
+
 def forward_dynamics(
     links: Sequence[Link],
     root: Root,
@@ -76,17 +90,23 @@ def forward_dynamics(
     v: Sequence[Any],
     tau: Sequence[Any],
     external: Sequence[Wrench] | None = None,
+    drives: Drives | None = None,
 ) -> dict[str, list[Any]]:
-    """a, body_accelerations, multipliers and joint_wrenches of graphdyn.forward_dynamics; pivots: D of each joint."""
+    """a, body_accelerations, multipliers and joint_wrenches of graphdyn.forward_dynamics; pivots: D of each joint.
+
+    required: the torque that bodies and rotor take; tau, except of a joint that is held
+    """
+    rotor, free = (drives.rotor, drives.free) if drives else ([0.0] * len(links), [1.0] * len(links))
     at = places(links, q)
     at_rest = motions(links, at, root, v, [0.0] * len(links))
     inertias = [Inertia.of(link) for link in links]  # I^A and p^A, once all bodies outside are added
     biases = unloaded([inertial_wrench(*pair) for pair in zip(links, at_rest, strict=True)], external)
     pivots: list[Any] = [None] * len(links)
+    required: list[Any] = []
     seen: dict[int, SeenThroughJoint] = {}
     for j in reversed(range(len(links))):
         pivots[j] = inertias[j].m[2, 2] if links[j].prismatic else inertias[j].j[2, 2]
-        leaf = seen[j] = seen_through_joint(links[j].prismatic, inertias[j], biases[j], tau[j])
+        leaf = seen[j] = seen_through_joint(links[j].prismatic, inertias[j], biases[j], tau[j], rotor[j], free[j])
         i = links[j].inside
         if i >= 0:
             inertias[i] = inertias[i] + leaf.inertia.inwards(at[j])
@@ -100,7 +120,9 @@ def forward_dynamics(
         linear = place.outwards(a_i + cross(alpha_i, place.translation))
         angular = place.outwards(alpha_i)
         a_j = leaf.D_inverse * (leaf.u - (leaf.U[0] @ linear + leaf.U[1] @ angular))
-        transmitted.append(added(leaf.inertia.times(linear, angular), leaf.bias))
+        wrench = added(leaf.inertia.times(linear, angular), leaf.bias)
+        required.append(wrench[0 if link.prismatic else 1][2] + rotor[j] * a_j)
+        transmitted.append(wrench)
         if link.prismatic:
             linear = linear + E_Z * a_j
         else:
@@ -108,14 +130,17 @@ def forward_dynamics(
         accelerations.append(a_j)
         gained.append((linear, angular))
         moving.append(Motion(motion.omega, motion.alpha + angular, motion.compensated + linear))
-    return {"a": accelerations, "pivots": pivots, **answers(links, at, root, moving, transmitted)}
+    reactions = answers(links, at, root, moving, transmitted)
+    return {"a": accelerations, "pivots": pivots, "required": required, **reactions}
 
 
-def seen_through_joint(prismatic: bool, inertia: Inertia, bias: Wrench, tau: Any) -> SeenThroughJoint:
+def seen_through_joint(
+    prismatic: bool, inertia: Inertia, bias: Wrench, tau: Any, rotor: Any = 0.0, free: Any = 1.0
+) -> SeenThroughJoint:
     """I^a = I^A - U Uᵀ / D and p^a = p^A + U u / D, of I^A (inertia) and p^A (bias)."""
     force, moment = bias
     U_f, U_n = (inertia.m[:, 2], inertia.h[2, :]) if prismatic else (inertia.h[:, 2], inertia.j[:, 2])
-    D_inverse = reciprocal(U_f[2] if prismatic else U_n[2])
+    D_inverse = reciprocal((U_f[2] if prismatic else U_n[2]) + rotor) * free
     u = tau - (force[2] if prismatic else moment[2])
     f, n = U_f * D_inverse, U_n * D_inverse
     reduced = Inertia(
@@ -124,6 +149,8 @@ def seen_through_joint(prismatic: bool, inertia: Inertia, bias: Wrench, tau: Any
         symmetric(inertia.j - np.outer(n, U_n)),
     )
     reduced_f, reduced_n = force + f * u, moment + n * u
+    if not (_is_known(rotor, 0.0) and _is_known(free, 1.0)):
+        return SeenThroughJoint(reduced, (reduced_f, reduced_n), (U_f, U_n), D_inverse, u)
     if prismatic:  # I^a S = 0 and Sᵀ p^a = τ, without rounding
         reduced.m[2, :] = reduced.m[:, 2] = reduced.h[2, :] = 0.0
         reduced_f[2] = tau
@@ -131,6 +158,10 @@ def seen_through_joint(prismatic: bool, inertia: Inertia, bias: Wrench, tau: Any
         reduced.j[2, :] = reduced.j[:, 2] = reduced.h[:, 2] = 0.0
         reduced_n[2] = tau
     return SeenThroughJoint(reduced, (reduced_f, reduced_n), (U_f, U_n), D_inverse, u)
+
+
+def _is_known(scalar: Any, value: float) -> bool:
+    return isinstance(scalar, float | int) and scalar == value
 
 
 def reciprocal(pivot: Any) -> Any:

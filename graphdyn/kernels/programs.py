@@ -45,7 +45,7 @@ class Request:
 
 def record(model: RobotModel, request: Request) -> Program:
     """The program of a request. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
-    sample, recursion = _Sample(model, request), RECURSIONS[request.recursion]
+    sample, recursion = Sample(model, request), RECURSIONS[request.recursion]
     compute = recursion.coupled if model.couplings and recursion.coupled else recursion.compute
     with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
         answer = compute(sample, sample.q, *map(sample.of_joints, recursion.inputs[1:]))
@@ -70,7 +70,7 @@ def record_equations(
     Inputs are q, v, a, tau, extra (n n_extra) and, if weighted, weights (n), one for each equation; the output is
     COLUMNS.
     """
-    sample = _Sample(model, Request("joint_torque_regressor", ()))
+    sample = Sample(model, Request("joint_torque_regressor", ()))
     matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.of_joints("v"), sample.of_joints("a"))
     if model.couplings:
         flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAYS)["joint_torque_regressor"]
@@ -87,7 +87,7 @@ def record_equations(
     return sample.recorder.program({COLUMNS: equations}, watches), used
 
 
-class _Sample:
+class Sample:
     """The robot, and the arguments of its recursions for one sample."""
 
     def __init__(self, model: RobotModel, request: Request) -> None:

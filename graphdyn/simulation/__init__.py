@@ -1,0 +1,27 @@
+"""Robots in motion: what graphdyn.simulate and graphdyn.rollout take and answer.
+
+Public are the names in `__all__` here, which graphdyn exports too. Other modules may change without notice.
+"""
+
+from graphdyn.simulation.controllers import ComputedTorqueControl, PDControl
+from graphdyn.simulation.course import Event, Occurrence
+from graphdyn.simulation.drives import Friction, JointStops
+from graphdyn.simulation.many_robots import Rollout, rollout
+from graphdyn.simulation.one_robot import simulate
+from graphdyn.simulation.result import EnergyBalance, Simulation
+from graphdyn.simulation.runs import MeasurementNoise
+
+__all__ = [
+    "ComputedTorqueControl",
+    "EnergyBalance",
+    "Event",
+    "Friction",
+    "JointStops",
+    "MeasurementNoise",
+    "Occurrence",
+    "PDControl",
+    "Rollout",
+    "Simulation",
+    "rollout",
+    "simulate",
+]

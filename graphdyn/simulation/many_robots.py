@@ -1,0 +1,179 @@
+"""Many robots at once: every run is a lane of compiled code, with parameters and noise of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._arrays import as_floats, joint_arrays
+from graphdyn._errors import InvalidInput
+from graphdyn._experiment import CarriageLaw
+from graphdyn._model import RobotModel
+from graphdyn.kernels.batch import Options
+from graphdyn.kernels.stepping import Stretch
+from graphdyn.layout import Array
+from graphdyn.simulation.compiled import (
+    can_compile,
+)
+from graphdyn.simulation.controllers import Controller
+from graphdyn.simulation.drives import Friction, JointStops, finite
+from graphdyn.simulation.methods import FIXED_STEPS
+from graphdyn.simulation.plant import make_plant
+from graphdyn.simulation.runs import MeasurementNoise, Runs
+from graphdyn.simulation.torques import FOREVER, GAINS, check_controller, whole_steps
+
+
+@dataclass(frozen=True, eq=False)
+class Rollout:
+    """Motions of R runs at K times; numbers that overflow stay in their run, as NaN or infinity.
+
+    time                                                    (K,)       [s]
+    q, v, a: joint positions, velocities, accelerations     (R, K, n)  [rad or m, …/s, …/s²]
+    tau: of the actuators, within their limits              (R, K, n)  [N m or N]
+    passive: torque of friction and stops on the joints     (R, K, n)  [N m or N]
+    """
+
+    time: Array
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+    passive: Array
+
+
+def rollout(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    controls: ArrayLike | Controller | None = None,
+    *,
+    step: float,
+    duration: float | None = None,
+    period: float | None = None,
+    method: Literal["rk8", "rk4", "euler"] = "rk4",
+    parameters: ArrayLike | None = None,
+    friction: Friction | Literal["model"] | None = None,
+    rotor_inertia: ArrayLike | None = None,
+    limits: JointStops | None = None,
+    torque_limits: ArrayLike | Literal["model"] | None = None,
+    external_wrenches: ArrayLike | None = None,
+    base: CarriageLaw | Sequence[CarriageLaw] = (),
+    noise: MeasurementNoise | None = None,
+    seed: int = 0,
+    every: int = 1,
+    threads: int | None = None,
+) -> Rollout:
+    """Motions of many robots that differ in state, torques or parameters; steps of fixed width, in compiled code.
+
+    The number R of runs is that of the leading dimension of q, v and controls, which broadcast. A run comes out the
+    same, bit for bit, with any number of threads.
+
+    q, v: states at time zero                               (n,) or (R, n)  [rad or m, …/s]
+    controls: torques (T, n) or (R, T, n), each held for a period; PDControl or ComputedTorqueControl, whose gains may
+        be (R, n); None for no torque  [N m or N]
+    step: width of the steps                                [s]
+    duration: where torques do not say it: it is T periods then   [s]
+    period: how long each torque is held; one step if left out; of a controller its own   [s]
+    parameters: inertial parameters of each run, which need no compiling   (10 n,) or (R, 10 n)
+    friction, rotor_inertia, torque_limits: as in simulate, with arrays () or (n,) or (R, n)
+    limits: springs at the position limits
+    external_wrenches: constant                             (n, 6) or (R, n, 6)  [N, N m]
+    base: motion of the carriage, the same for all runs
+    noise, seed: what the controller measures beside q and v; each run has a generator of its own
+    every: only every so manieth step is kept, the first included
+    threads: at most this many; None for one per core
+
+    Raises InvalidInput. On the NumPy back end, steps are taken in Python, thousands of times slower.
+    """
+    Options(threads)
+    if method not in FIXED_STEPS:
+        raise InvalidInput(f"method is '{method}'; use one of {', '.join(FIXED_STEPS)}")
+    if not (step > 0 and np.isfinite(step)):
+        raise InvalidInput(f"step is {step!r}; give seconds above zero")
+    if every < 1:
+        raise InvalidInput(f"every is {every!r}; give a number of steps from 1 on")
+    x = joint_arrays(model, q=q, v=v)
+    if x["q"].ndim > 2:
+        raise InvalidInput(f"q and v have {x['q'].ndim - 1} leading dimensions; give one, that of the runs")
+    torques = _controls(model, controls)
+    runs = _runs(x["q"], torques, controls)
+    hold, steps = _times(controls, torques, step, duration, period)
+    plant = make_plant(
+        model,
+        runs=runs,
+        friction=friction,
+        rotor_inertia=rotor_inertia,
+        limits=limits,
+        torque_limits=torque_limits,
+        external_wrenches=external_wrenches,
+        parameters=parameters,
+        base=base,
+    )
+    all_runs = Runs(
+        plant=plant,
+        q=np.broadcast_to(x["q"], (runs, model.n_bodies)),
+        v=np.broadcast_to(x["v"], (runs, model.n_bodies)),
+        torques=None if torques is None else np.broadcast_to(torques, (runs, *torques.shape[1:])),
+        controller=controls if isinstance(controls, Controller) else None,
+        noise=noise,
+        seed=seed,
+        stretch=Stretch(0, steps + 1, every, hold, step),
+        method=method,
+    )
+    rows = all_runs.compiled(threads) if can_compile(plant) else all_runs.in_python()
+    time = np.arange(0, steps + 1, every).astype(float) * step
+    return Rollout(time, rows["q"], rows["v"], rows["a"], rows["tau"], rows["passive"])
+
+
+def _controls(model: RobotModel, controls: ArrayLike | Controller | None) -> Array | None:
+    """Torques (R or 1, T, n); None where there are none, or a controller makes them."""
+    if controls is None:
+        return None
+    if isinstance(controls, Controller):
+        check_controller(controls, model)
+        return None
+    torques = finite("controls", as_floats("controls", controls))
+    if torques.ndim not in (2, 3) or torques.shape[-1] != model.n_bodies or torques.shape[-2] == 0:
+        raise InvalidInput(
+            f"controls has shape {torques.shape}, expected (T, {model.n_bodies}) or (R, T, {model.n_bodies}) for robot "
+            f"'{model.name}'"
+        )
+    return torques if torques.ndim == 3 else torques[None]
+
+
+def _runs(q: Array, torques: Array | None, controls: ArrayLike | Controller | None) -> int:
+    counts = {"q and v": len(q) if q.ndim == 2 else 1, "controls": 1 if torques is None else len(torques)}
+    if isinstance(controls, Controller):
+        gains = [as_floats(name, getattr(controls, name)) for name in GAINS]
+        counts["the gains"] = max(len(gain) if gain.ndim == 2 else 1 for gain in gains)
+    several = {name: count for name, count in counts.items() if count != 1}
+    if len(set(several.values())) > 1:
+        raise InvalidInput(f"numbers of runs differ: {', '.join(f'{name} {count}' for name, count in several.items())}")
+    return max(several.values(), default=1)
+
+
+def _times(
+    controls: ArrayLike | Controller | None,
+    torques: Array | None,
+    step: float,
+    duration: float | None,
+    period: float | None,
+) -> tuple[int, int]:
+    """For how many steps a torque is held, and the number of steps."""
+    if isinstance(controls, Controller):
+        if period is not None:
+            raise InvalidInput("a controller has a period of its own; omit period")
+        hold = 1 if controls.period is None else whole_steps("the period of the controller", controls.period, step)
+    else:
+        hold = 1 if period is None else whole_steps("the period", period, step)
+    if torques is not None:
+        if duration is not None:
+            raise InvalidInput("the torques say how long it lasts: as many periods as there are; omit duration")
+        return hold, hold * torques.shape[1]
+    if duration is None or not (duration > 0 and np.isfinite(duration)):
+        raise InvalidInput(f"duration is {duration!r}; give seconds above zero")
+    return (hold if isinstance(controls, Controller) else FOREVER), whole_steps("the duration", duration, step)

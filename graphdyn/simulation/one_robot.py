@@ -1,0 +1,200 @@
+"""One robot in motion: the public function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._arrays import as_floats, one_state
+from graphdyn._errors import InvalidInput
+from graphdyn._experiment import CarriageLaw
+from graphdyn._model import RobotModel
+from graphdyn.layout import Array
+from graphdyn.simulation.adaptive import Ticks, Tolerances, adaptive
+from graphdyn.simulation.controllers import Controller
+from graphdyn.simulation.course import Course, Event
+from graphdyn.simulation.drives import Friction, JointStops, position_limits
+from graphdyn.simulation.equations import Equations
+from graphdyn.simulation.fixed import fixed
+from graphdyn.simulation.maximal import Stabilisation, maximal
+from graphdyn.simulation.methods import FIXED_STEPS
+from graphdyn.simulation.plant import Plant, Wrenches, make_plant
+from graphdyn.simulation.result import Simulation
+from graphdyn.simulation.torques import DIVIDES, TorqueFunction, Torques, torques
+
+Method = Literal["dop853", "rk8", "rk4", "euler"]
+RTOL, ATOL = 1e-10, 1e-10
+"""Tolerances of method "dop853" unless told otherwise; the absolute one in rad or m, and …/s."""
+
+
+def simulate(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    duration: float,
+    *,
+    torque: TorqueFunction | Controller | ArrayLike | None = None,
+    external_wrenches: Wrenches | ArrayLike | None = None,
+    base: CarriageLaw | Sequence[CarriageLaw] = (),
+    method: Method = "dop853",
+    step: float | None = None,
+    rtol: float = RTOL,
+    atol: float = ATOL,
+    at: ArrayLike | None = None,
+    friction: Friction | Literal["model"] | None = None,
+    rotor_inertia: ArrayLike | None = None,
+    limits: JointStops | Literal["stop"] | None = None,
+    torque_limits: ArrayLike | Literal["model"] | None = None,
+    events: Event | Sequence[Event] = (),
+    coordinates: Literal["joint", "maximal"] = "joint",
+    stabilisation: Stabilisation = "projection",
+    progress: Callable[[float], None] | None = None,
+) -> Simulation:
+    """The motion of a robot from a state on, under the torques given.
+
+    q, v: the state at time zero                            (n,)  [rad or m, …/s]
+    duration: [s]
+    torque: of the actuators: None for none; (n,), constant; (K, n), each held for a K-th of the duration; PDControl or
+        ComputedTorqueControl; or a function of t, q and v that answers (n,)  [N m or N]. Fixed steps run in compiled
+        code, hundreds of times faster than with a function, which is Python and asked at every stage
+    external_wrenches: force, moment on each body at O_j, in link axes: (n, 6), or a function of t, q and v  [N, N m]
+    base: motion of the carriage: rails and turntable, as in graphdyn.record
+    method: "dop853" adapts its steps to rtol and atol; "rk8", "rk4" and "euler" take steps of equal width
+    step: width of fixed steps, which must divide the duration; method "dop853" has none   [s]
+    at: times of the result, increasing; those of fixed steps must be multiples of the step. None for all steps   [s]
+    friction: a Friction, or "model" for damping and friction of the file. Dry friction holds a joint at rest exactly
+    rotor_inertia: of rotors and gears as seen at the joints, without gyroscopic effects   () or (n,)  [kg m² or kg]
+    limits: "stop" ends the simulation at a position limit of the model; JointStops are springs beyond; None: no limits
+    torque_limits: largest torques () or (n,), or "model" for the efforts of the file   [N m or N]
+    events: functions whose changes of sign are found, and may stop the simulation
+    coordinates: "joint", or "maximal": the equations of all bodies as they stand, with fixed steps, for teaching and
+        checks; they know torques, but neither friction nor limits, events, or a base that moves
+    stabilisation: of maximal coordinates, "projection", "baumgarte" or "none"
+    progress: called with the time reached, from time to time   [s]
+
+    Work that the friction takes, and what actuators do, is integrated beside the motion (Simulation.energy). Contact
+    with the surroundings, inverse kinematics and flexible joints are not simulated.
+
+    Raises InvalidInput; IntegrationFailed where the numbers do not stay finite.
+    """
+    x = one_state(model, q=q, v=v)
+    start = (x["q"].copy(), x["v"].copy())
+    _check_times(duration, method, step)
+    plant = make_plant(
+        model,
+        friction=friction,
+        rotor_inertia=rotor_inertia,
+        limits=limits,
+        torque_limits=torque_limits,
+        external_wrenches=external_wrenches,
+        base=base,
+    )
+    times = _times(at, duration)
+    watched = (events,) if isinstance(events, Event) else tuple(events)
+    if limits == "stop":
+        _refuse_outside(model, start[0])
+    report = progress or (lambda time: None)
+    source = torques(torque, model, duration)
+    if coordinates == "maximal":
+        _refuse_in_maximal(plant, method, limits, watched)
+        assert step is not None
+        course, bodies = maximal(plant, start, duration, source, method, step, times, stabilisation, report)
+        return replace(simulation(plant, course), _bodies=bodies)
+    if coordinates != "joint":
+        raise InvalidInput(f"coordinates is '{coordinates}'; use 'joint' or 'maximal'")
+    if method == "dop853":
+        course = _adaptive(plant, start, duration, source, Tolerances(rtol, atol), times, watched, limits, report)
+    else:
+        assert step is not None
+        course = fixed(plant, start, duration, source, method, step, times, watched, limits == "stop", report)
+    return simulation(plant, course)
+
+
+def simulation(plant: Plant, course: Course) -> Simulation:
+    """The result of a course."""
+    columns = course.columns
+    return Simulation(
+        model=plant.model,
+        time=course.time,
+        q=columns["q"],
+        v=columns["v"],
+        a=columns["a"],
+        tau=columns["tau"],
+        passive=columns["passive"],
+        occurrences=course.occurrences,
+        ended=course.ended,
+        _plant=plant,
+        _work=columns["work"][:, 0],
+        _loss=columns["loss"][:, 0],
+    )
+
+
+def _adaptive(
+    plant: Plant,
+    start: tuple[Array, Array],
+    duration: float,
+    source: Torques,
+    tolerances: Tolerances,
+    times: Array | None,
+    events: Sequence[Event],
+    limits: object,
+    progress: Callable[[float], None],
+) -> Course:
+    for name, value in vars(tolerances).items():
+        if not value > 0:
+            raise InvalidInput(f"{name} is {value!r}; give a tolerance above zero")
+    equations, period = Equations(plant), source.period
+    torque = source.tau_at if period is None else Ticks(period, lambda k, q, v: source.tau_from(k * period, q, v))
+    return adaptive(equations, start, duration, torque, tolerances, times, events, limits == "stop", progress)
+
+
+def _check_times(duration: float, method: str, step: float | None) -> None:
+    if not (duration > 0 and np.isfinite(duration)):
+        raise InvalidInput(f"duration is {duration!r}; give seconds above zero")
+    if method == "dop853":
+        if step is not None:
+            raise InvalidInput("method 'dop853' chooses its steps; leave out step, or take 'rk8', 'rk4' or 'euler'")
+    elif method not in FIXED_STEPS:
+        raise InvalidInput(f"method is '{method}'; use one of dop853, {', '.join(FIXED_STEPS)}")
+    elif step is None or not (step > 0 and np.isfinite(step)):
+        raise InvalidInput(f"step is {step!r}; method '{method}' takes steps of fixed width: give seconds above zero")
+
+
+def _refuse_in_maximal(plant: Plant, method: str, limits: object, events: Sequence[Event]) -> None:
+    given = {
+        "friction": plant.has_friction,
+        "rotor_inertia": "rotor" in plant.constants,
+        "limits": limits is not None,
+        "events": bool(events),
+        "base": bool(plant.base),
+    }
+    refused = [name for name, there in given.items() if there]
+    if refused:
+        raise InvalidInput(f"maximal coordinates do not know {', '.join(refused)}; omit it, or use joint coordinates")
+    if method == "dop853":
+        raise InvalidInput(
+            "maximal coordinates take steps of fixed width; give method 'rk8', 'rk4' or 'euler', and step"
+        )
+
+
+def _times(at: ArrayLike | None, duration: float) -> Array | None:
+    if at is None:
+        return None
+    times = np.atleast_1d(as_floats("at", at))
+    increasing = times.ndim == 1 and times.size > 0 and bool(np.all(np.diff(times) > 0))
+    if not increasing or not times[0] >= 0 or not times[-1] <= duration * (1 + DIVIDES):
+        raise InvalidInput(f"at must be increasing times (N,) between 0 and the duration, {duration:g} s")
+    return np.minimum(times, duration)
+
+
+def _refuse_outside(model: RobotModel, q: Array) -> None:
+    lower, upper = position_limits(model)
+    for j in np.flatnonzero((q < lower) | (q > upper)).tolist():
+        raise InvalidInput(
+            f"joint '{model.joint_names[j]}' starts at {q[j]:g}, outside its limits {lower[j]:g} … {upper[j]:g}; "
+            "start inside, or omit limits='stop'"
+        )

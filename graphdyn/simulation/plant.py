@@ -1,0 +1,138 @@
+"""A robot with all that acts on it: what stays the same during a simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
+from graphdyn._experiment import CarriageLaw
+from graphdyn._model import RobotModel, check_model
+from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, Array
+from graphdyn.simulation.drives import Friction, JointStops, effort_limits, finite, per_joint, position_limits
+
+Wrenches = Callable[[float, Array, Array], ArrayLike]
+"""external_wrenches as a function of t, q and v."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """The constants of one run, or of several at once.
+
+    constants: by name (…, width), those that are there: viscous, coulomb, offset; least_torque, largest_torque; lower,
+        upper, stiffness, damping; rotor; external_wrenches (6 n); parameters (10 n)
+    base: laws of the carriage
+    wrenches: external wrenches that are a function
+    """
+
+    model: RobotModel
+    constants: dict[str, Array]
+    base: tuple[CarriageLaw, ...] = ()
+    wrenches: Wrenches | None = None
+
+    @property
+    def has_friction(self) -> bool:
+        return "viscous" in self.constants
+
+    @property
+    def sticks(self) -> bool:
+        """Whether there is dry friction, which holds joints."""
+        return self.has_friction and bool(np.any(self.constants["coulomb"] > 0))
+
+    @property
+    def has_stops(self) -> bool:
+        return "stiffness" in self.constants
+
+    @property
+    def is_clamped(self) -> bool:
+        return "least_torque" in self.constants
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether external wrenches act."""
+        return self.wrenches is not None or "external_wrenches" in self.constants
+
+    @property
+    def rotor(self) -> Array:
+        """I_a (…, n), zero where there is none."""
+        return self.constants.get("rotor", np.zeros(self.model.n_bodies))
+
+    def of_run(self, run: int) -> Plant:
+        """One of several runs, with its inertial parameters in the model."""
+        constants = {name: array[run] for name, array in self.constants.items() if name != "parameters"}
+        model = self.model
+        if "parameters" in self.constants:
+            model = model.with_inertial_parameters(self.constants["parameters"][run])
+        return Plant(model, constants, self.base, self.wrenches)
+
+
+def make_plant(
+    model: RobotModel,
+    *,
+    runs: int | None = None,
+    friction: Friction | Literal["model"] | None = None,
+    rotor_inertia: ArrayLike | None = None,
+    limits: JointStops | Literal["stop"] | None = None,
+    torque_limits: ArrayLike | Literal["model"] | None = None,
+    external_wrenches: ArrayLike | Wrenches | None = None,
+    parameters: ArrayLike | None = None,
+    base: CarriageLaw | Sequence[CarriageLaw] = (),
+) -> Plant:
+    """The arguments of simulate and rollout, checked. Raises InvalidInput."""
+    check_model(model)
+    constants: dict[str, Array] = {}
+    if isinstance(friction, str):
+        if friction != "model":
+            raise InvalidInput(f"friction is '{friction}'; give a Friction, 'model' for that of the file, or None")
+        friction = Friction.of_model(model)
+    if friction is not None:
+        for name in ("viscous", "coulomb", "offset"):
+            constants[name] = per_joint(name, getattr(friction, name), model, runs)
+    if rotor_inertia is not None:
+        constants["rotor"] = per_joint("rotor_inertia", finite("rotor_inertia", rotor_inertia), model, runs)
+        if np.any(constants["rotor"] < 0):
+            raise InvalidInput("rotor_inertia is negative; give zero or more")
+    if isinstance(limits, JointStops):
+        lower, upper = position_limits(model)
+        for name, value in (("lower", lower), ("upper", upper), ("stiffness", limits.stiffness)):
+            constants[name] = per_joint(name, value, model, runs)
+        constants["damping"] = per_joint("damping", limits.damping, model, runs)
+    elif limits not in (None, "stop"):
+        raise InvalidInput(f"limits is {limits!r}; give 'stop', a JointStops, or None")
+    if torque_limits is not None:
+        if isinstance(torque_limits, str):
+            if torque_limits != "model":
+                raise InvalidInput(f"torque_limits is '{torque_limits}'; give numbers, 'model', or None")
+            torque_limits = effort_limits(model)
+        largest = per_joint("torque_limits", torque_limits, model, runs)
+        if not np.all(largest >= 0):
+            raise InvalidInput("torque_limits are largest magnitudes; give zero or more")
+        constants["largest_torque"], constants["least_torque"] = largest, -largest
+    wrenches: Wrenches | None = None
+    if callable(external_wrenches):
+        wrenches = external_wrenches
+    elif external_wrenches is not None:
+        shape = (*(() if runs is None else (runs,)), model.n_bodies, BODY_FREEDOMS)
+        given = finite("external_wrenches", external_wrenches)
+        try:
+            constants["external_wrenches"] = np.broadcast_to(given, shape).reshape(*shape[:-2], -1)
+        except ValueError:
+            raise InvalidInput(f"external_wrenches has shape {given.shape}, expected {shape}") from None
+    if parameters is not None:
+        constants["parameters"] = _parameters(model, parameters, runs)
+    return Plant(model, constants, (base,) if isinstance(base, CarriageLaw) else tuple(base), wrenches)
+
+
+def _parameters(model: RobotModel, parameters: ArrayLike, runs: int | None) -> Array:
+    width = BODY_PARAMETERS * model.n_bodies
+    given = as_floats("parameters", finite("parameters", parameters))
+    shape = (width,) if runs is None else (runs, width)
+    try:
+        return np.broadcast_to(given, shape)
+    except ValueError:
+        raise InvalidInput(f"parameters has shape {given.shape}, expected ({width},) or {shape}") from None

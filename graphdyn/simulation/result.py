@@ -1,0 +1,121 @@
+"""What a simulation answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from graphdyn._answers import InverseDynamics
+from graphdyn._base_motion import BaseMotion
+from graphdyn._dynamics import inverse_dynamics
+from graphdyn._energies import kinetic_energy, potential_energy
+from graphdyn._errors import InvalidInput
+from graphdyn._experiment import carriage, observed
+from graphdyn._kinematics import MaximalState, maximal_state
+from graphdyn._model import RobotModel
+from graphdyn._virtual_recording import VirtualRecording
+from graphdyn.layout import Array
+from graphdyn.simulation.course import Occurrence
+from graphdyn.simulation.plant import Plant
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyBalance:
+    """Energies at the times of a simulation (N,) each [J].
+
+    kinetic: of bodies and rotors; potential: as graphdyn.potential_energy
+    work: that the actuators have done; loss: what friction and stops have done, a negative number
+    """
+
+    kinetic: Array
+    potential: Array
+    work: Array
+    loss: Array
+
+    @property
+    def error(self) -> Array:
+        """What the energy has changed beyond work and loss (N,) [J]: zero but for the errors of the integration."""
+        total: Array = self.kinetic + self.potential - self.work - self.loss
+        return np.asarray(total - total[0])
+
+    @property
+    def drift(self) -> float:
+        """Largest error as a part of the largest kinetic energy."""
+        largest = float(self.kinetic.max())
+        return float(np.abs(self.error).max()) / largest if largest else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A motion from simulate, at N times; joints in the order of the model.
+
+    time                                                    (N,)    [s]
+    q, v, a: joint positions, velocities, accelerations     (N, n)  [rad or m, …/s, …/s²]
+    tau: of the actuators, within their limits              (N, n)  [N m or N]
+    passive: torque of friction and stops on the joints     (N, n)  [N m or N]
+    occurrences: the events that happened, in their order
+    ended: name of the event that ended it; "" where it lasted as long as asked for
+    """
+
+    model: RobotModel
+    time: Array
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+    passive: Array
+    occurrences: tuple[Occurrence, ...]
+    ended: str
+    _plant: Plant = field(repr=False)
+    _work: Array = field(repr=False)
+    _loss: Array = field(repr=False)
+    _bodies: MaximalState | None = field(default=None, repr=False)
+
+    @cached_property
+    def reactions(self) -> InverseDynamics:
+        """Multipliers (N, n, 5) and joint wrenches (N, n, 6), as graphdyn.inverse_dynamics states them.
+
+        Its tau is what the rigid bodies take: that of the actuators less friction, stops and rotors.
+        """
+        return inverse_dynamics(self.model, self.q, self.v, self.a, self._wrenches(), base=self._base())
+
+    @cached_property
+    def energy(self) -> EnergyBalance:
+        """The balance of energy. Raises InvalidInput where the base moves or external wrenches act: their work is not
+        integrated.
+        """
+        if self._plant.base or self._plant.is_loaded:
+            raise InvalidInput(
+                "the work of a moving base and of external wrenches is not integrated: no energy balance"
+            )
+        kinetic = kinetic_energy(self.model, self.q, self.v) + (self._plant.rotor * self.v**2).sum(axis=-1) / 2
+        return EnergyBalance(kinetic, potential_energy(self.model, self.q), self._work, self._loss)
+
+    @cached_property
+    def bodies(self) -> MaximalState:
+        """Where the bodies are: as integrated in maximal coordinates, otherwise as q and v say."""
+        return self._bodies or maximal_state(self.model, self.q, self.v, base=self._base())
+
+    def closure_error(self) -> Array:
+        """Largest |φ| at each time (N,): how far the joints are open [m, -]."""
+        largest: Array = np.abs(self.bodies.constraint_residual()).max(axis=(-2, -1))
+        return largest
+
+    def recording(self) -> VirtualRecording:
+        """All channels of graphdyn.record; tau is that of the actuators."""
+        motion = (self.q, self.v, self.a)
+        base = self._base() or BaseMotion()
+        return observed(self.model, self.time, motion, self.reactions, base, self.tau)
+
+    def _base(self) -> BaseMotion | None:
+        return carriage(self._plant.base, self.time) if self._plant.base else None
+
+    def _wrenches(self) -> Array | None:
+        if not self._plant.is_loaded:
+            return None
+        if self._plant.wrenches is None:
+            return self._plant.constants["external_wrenches"].reshape(-1, 6)
+        found = [self._plant.wrenches(t, q, v) for t, q, v in zip(self.time.tolist(), self.q, self.v, strict=True)]
+        return np.array(found, dtype=float)

@@ -1,0 +1,147 @@
+"""Where the torque of a simulation comes from: a function, numbers that are held, or a controller."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._arrays import as_floats
+from graphdyn._compiled import compile as compiled
+from graphdyn._errors import IntegrationFailed, InvalidInput
+from graphdyn._model import RobotModel
+from graphdyn.layout import Array
+from graphdyn.simulation.controllers import Controller, PDControl, reference
+from graphdyn.simulation.drives import finite, per_joint
+from graphdyn.simulation.equations import answer
+
+TorqueFunction = Callable[[float, Array, Array], ArrayLike]
+
+SMALLER = "take smaller steps, or smaller torques"
+
+DIVIDES = 1e-9
+"""A step divides a time if the quotient is this close to a whole number, relative to it."""
+
+FOREVER = 1 << 62
+"""Steps for which a constant torque is held."""
+
+
+@dataclass(frozen=True, eq=False)
+class Torques:
+    """One of: a function of t, q and v; values (K, n), each held for a K-th of the duration; a controller."""
+
+    model: RobotModel
+    duration: float
+    function: TorqueFunction | None = None
+    values: Array | None = None
+    controller: Controller | None = None
+
+    @property
+    def period(self) -> float | None:
+        """How long a torque is held [s]; None where it follows the state at every instant, or never changes."""
+        if self.values is not None and len(self.values) > 1:
+            return self.duration / len(self.values)
+        return self.controller.period if self.controller else None
+
+    def steps_held(self, step: float, steps: int) -> int:
+        """For how many fixed steps a torque is held. Raises InvalidInput where it is no whole number."""
+        if self.values is not None:
+            if len(self.values) == 1:
+                return FOREVER
+            if steps % len(self.values):
+                raise InvalidInput(
+                    f"{len(self.values)} torques for {steps} steps; give a number of rows that divides the steps"
+                )
+            return steps // len(self.values)
+        return 1 if self.period is None else whole_steps("the period of the controller", self.period, step)
+
+    def tau_at(self, t: float, q: Array, v: Array) -> Array:
+        """The torque at an instant (n,), where it is not held for a while."""
+        t = min(t, self.duration)
+        if not (np.all(np.isfinite(q)) and np.all(np.isfinite(v))):
+            raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER}")
+        if self.function is not None:
+            return answer("torque", self.function(t, q.copy(), v.copy()), (self.model.n_bodies,), t)
+        return self.values[0] if self.values is not None else self._law(t, q, v)
+
+    def tau_from(self, time: float, q: Array, v: Array) -> Array:
+        """The torque that is held from a time on (n,), of the state then."""
+        if self.values is not None:
+            row = int(time / self.duration * len(self.values) + DIVIDES)
+            return np.asarray(self.values[min(row, len(self.values) - 1)])
+        return self._law(time, q, v)
+
+    def columns(self, first: int, count: int, period: float) -> Array:
+        """Of compiled steps: the values or references of the ticks first … first + count - 1 (count, n or 3 n)."""
+        ticks = np.arange(first, first + count)
+        if self.values is not None:
+            return np.asarray(self.values[np.minimum(ticks, len(self.values) - 1)])
+        assert self.controller is not None
+        return reference(self.controller, self.model, np.minimum(ticks * period, self.duration))
+
+    @cached_property
+    def gains(self) -> Array | None:
+        """K_p and K_d of the controller (2 n,)."""
+        if self.controller is None:
+            return None
+        return np.concatenate([per_joint(name, getattr(self.controller, name), self.model) for name in GAINS])
+
+    @cached_property
+    def _believed(self) -> RobotModel:
+        return getattr(self.controller, "model", None) or self.model
+
+    def _law(self, t: float, q: Array, v: Array) -> Array:
+        controller, n = self.controller, self.model.n_bodies
+        assert controller is not None
+        assert self.gains is not None
+        wanted, rate, further = reference(controller, self.model, np.array([min(t, self.duration)])).reshape(3, n)
+        sought = further + self.gains[:n] * (wanted - q) + self.gains[n:] * (rate - v)
+        if isinstance(controller, PDControl):
+            return sought
+        return compiled(self._believed).joint_torques(q, v, sought).copy()
+
+
+GAINS = ("position_gain", "velocity_gain")
+
+
+def torques(torque: TorqueFunction | Controller | ArrayLike | None, model: RobotModel, duration: float) -> Torques:
+    """The argument torque, checked. Raises InvalidInput."""
+    if torque is None:
+        return Torques(model, duration, values=np.zeros((1, model.n_bodies)))
+    if isinstance(torque, Controller):
+        check_controller(torque, model)
+        return Torques(model, duration, controller=torque)
+    if callable(torque):
+        return Torques(model, duration, function=torque)
+    values = np.atleast_2d(finite("torque", as_floats("torque", torque)))
+    if values.ndim != 2 or values.shape[1] != model.n_bodies or len(values) == 0:
+        raise InvalidInput(
+            f"torque has shape {np.shape(torque)}, expected ({model.n_bodies},) or (K, {model.n_bodies}) for robot "
+            f"'{model.name}'"
+        )
+    return Torques(model, duration, values=values)
+
+
+def check_controller(controller: Controller, model: RobotModel) -> None:
+    """Raises InvalidInput for gains, a target, a period or a model that do not fit."""
+    for name in GAINS:
+        finite(name, getattr(controller, name))
+    if controller.period is not None and not (controller.period > 0 and np.isfinite(controller.period)):
+        raise InvalidInput(f"period is {controller.period!r}; give seconds above zero, or None for every step")
+    believed = getattr(controller, "model", None)
+    if believed is not None and believed.n_bodies != model.n_bodies:
+        raise InvalidInput(
+            f"the controller believes in a robot of {believed.n_bodies} joints; '{model.name}' has {model.n_bodies}"
+        )
+    reference(controller, model, np.zeros(1))
+
+
+def whole_steps(what: str, time: float, step: float) -> int:
+    """How many steps a time lasts. Raises InvalidInput where that is no whole number."""
+    steps = round(time / step)
+    if steps < 1 or abs(time / step - steps) > DIVIDES * steps:
+        raise InvalidInput(f"{what}, {time:g} s, is no multiple of the step, {step:g} s; choose a step that divides it")
+    return steps

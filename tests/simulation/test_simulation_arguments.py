@@ -1,0 +1,116 @@
+"""Arguments of simulate, its rows, and what it refuses."""
+
+import numpy as np
+import pytest
+from moving_robots import pendulum, slider
+
+from graphdyn import GraphDynError, IntegrationFailed, InvalidInput, PDControl, kr500, simulate
+from graphdyn.simulation.torques import torques
+
+FIXED = {"method": "rk4", "step": 0.1}
+
+
+def test_rows_of_fixed_steps():
+    motion = simulate(slider(), [0.0], [1.0], 1.0, **FIXED)
+    assert motion.time == pytest.approx(np.arange(11) * 0.1)
+    assert motion.q[:, 0] == pytest.approx(motion.time)
+    some = simulate(slider(), [0.0], [1.0], 1.0, at=[0.2, 0.6, 1.0], **FIXED)
+    assert some.time == pytest.approx([0.2, 0.6, 1.0])
+    assert some.q[:, 0] == pytest.approx([0.2, 0.6, 1.0])
+
+
+def test_rows_of_adaptive_steps():
+    motion = simulate(pendulum(), [0.3], [0.0], 1.0)
+    assert motion.time[0] == 0.0
+    assert motion.time[-1] == 1.0
+    assert np.all(np.diff(motion.time) > 0)
+    assert motion.ended == ""
+
+
+@pytest.mark.parametrize("settings", [{}, FIXED], ids=["dop853", "rk4"])
+def test_torques_that_are_held(settings):
+    """1 N for half of the time, then -1 N: a mass at rest again, moved by F t² / 4 m."""
+    motion = simulate(slider(mass=2.0), [0.0], [0.0], 1.0, torque=[[1.0], [-1.0]], **settings)
+    assert motion.v[-1, 0] == pytest.approx(0.0, abs=1e-12)
+    assert motion.q[-1, 0] == pytest.approx(0.125, rel=1e-9)
+    assert motion.tau[0, 0] == 1.0
+
+
+@pytest.mark.parametrize("settings", [{}, FIXED], ids=["dop853", "rk4"])
+def test_a_sampled_controller_holds_its_torque(settings):
+    """Discrete PD on a double integrator, by hand."""
+    mass, k, d, period = 2.0, 3.0, 4.0, 0.2
+    motion = simulate(
+        slider(mass=mass),
+        [1.0],
+        [0.0],
+        1.0,
+        torque=PDControl(k, d, [0.0], period=period),
+        at=[0.2, 0.6, 1.0],
+        **settings,
+    )
+    x, v, states = 1.0, 0.0, []
+    for _ in range(5):
+        a = -(k * x + d * v) / mass
+        x, v = x + v * period + a * period**2 / 2, v + a * period
+        states.append(x)
+    assert motion.q[:, 0] == pytest.approx([states[0], states[2], states[4]], rel=1e-9)
+
+
+def test_progress_is_told():
+    for settings in ({}, FIXED, {**FIXED, "coordinates": "maximal"}):
+        told = []
+        simulate(slider(), [0.0], [1.0], 1.0, progress=told.append, **settings)
+        assert told
+        assert told[-1] == pytest.approx(1.0)
+
+
+def test_no_energy_balance_where_work_is_not_integrated():
+    motion = simulate(slider(), [0.0], [0.0], 1.0, external_wrenches=np.ones((1, 6)))
+    with pytest.raises(InvalidInput, match="work of a moving base and of external wrenches is not integrated"):
+        _ = motion.energy
+
+
+def test_numbers_that_overflow():
+    with pytest.raises(IntegrationFailed, match=r"the integration failed at .* s .* too stiff or too large"):
+        simulate(pendulum(), [0.1], [0.0], 100.0, torque=lambda t, q, v: v**2 * 1e3 + 1e3)
+    source = torques(lambda t, q, v: q, pendulum(), 1.0)
+    with pytest.raises(IntegrationFailed, match=r"at 0\.5 s the numbers are no longer finite; take smaller steps"):
+        source.tau_at(0.5, np.array([np.inf]), np.zeros(1))
+
+
+def test_compiled_steps_that_overflow():
+    with pytest.raises(IntegrationFailed, match=r"at 0\.\d s the numbers are no longer finite; take smaller steps"):
+        simulate(slider(), [0.0], [1.0], 1.0, torque=PDControl(0.0, -1e200, [0.0]), **FIXED)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"duration": 0.0}, "duration is 0.0; give seconds above zero"),
+        ({"method": "rk5"}, "method is 'rk5'; use one of dop853, rk8, rk4, euler"),
+        ({"method": "rk4"}, "step is None; method 'rk4' takes steps of fixed width: give seconds above zero"),
+        ({"step": 0.1}, "method 'dop853' chooses its steps; leave out step, or take 'rk8', 'rk4' or 'euler'"),
+        ({"method": "rk4", "step": 0.3}, "the duration, 1 s, is no multiple of the step, 0.3 s; choose a step"),
+        ({"rtol": 0.0}, "rtol is 0.0; give a tolerance above zero"),
+        ({"at": [0.5, 0.2]}, "at must be increasing times (N,) between 0 and the duration, 1 s"),
+        ({"at": [0.5, 2.0]}, "at must be increasing times"),
+        ({"at": [0.05], **FIXED}, "time 0.05 s of at is no multiple of the step, 0.1 s; take such times, or method"),
+        ({"torque": [1.0, 2.0]}, "torque has shape (2,), expected (1,) or (K, 1) for robot 'slider'"),
+        ({"torque": [[1.0], [2.0], [3.0]], **FIXED}, "3 torques for 10 steps; give a number of rows that divides"),
+        ({"torque": lambda t, q, v: [1.0, 2.0]}, "the function torque answers shape (2,) at 0 s; finite numbers of"),
+        ({"torque": lambda t, q, v: [np.nan]}, "the function torque answers NaN or infinity at 0 s"),
+        ({"external_wrenches": lambda t, q, v: 1.0}, "the function external_wrenches answers shape () at 0 s"),
+        ({"q": [0.0, 1.0]}, "q has shape (2,), expected (…, 1) for the 1 joints of robot 'slider'"),
+    ],
+)
+def test_refused(more, message):
+    given = {"q": [0.0], "duration": 1.0, **more}
+    with pytest.raises(InvalidInput) as caught:
+        simulate(slider(), given.pop("q"), [0.0], given.pop("duration"), **given)
+    assert str(caught.value).startswith(message)
+
+
+def test_errors_are_those_of_the_package():
+    assert issubclass(IntegrationFailed, GraphDynError)
+    assert simulate(kr500(), np.zeros(6), np.zeros(6), 0.01).reactions.joint_wrenches.shape[1:] == (6, 6)
