@@ -10,7 +10,8 @@ import numpy as np
 
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.native import MachineCode, host_lanes
-from graphdyn.kernels.stepping_code import StepCode, emit_steps
+from graphdyn.kernels.stepping_code import emit_steps
+from graphdyn.kernels.stepping_layout import StepCode
 from graphdyn.layout import Array
 
 

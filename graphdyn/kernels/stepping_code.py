@@ -10,85 +10,11 @@ its sign against dry friction. graphdyn.simulation.steps says the same in Python
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
 
-from graphdyn.kernels.expressions import Program
+from graphdyn.kernels.stepping_layout import Columns, StepCode, select, splat
+from graphdyn.kernels.stepping_rates import rates_function
 from graphdyn.kernels.vector_code import VectorCode
 from graphdyn.layout import Array
-
-JOINT_CONSTANTS = ("viscous", "coulomb", "offset", "least_torque", "largest_torque")
-STOP_CONSTANTS = ("lower", "upper", "stiffness", "damping")
-
-
-@dataclass(frozen=True, eq=False)
-class StepCode:
-    """What the code is made of.
-
-    accelerations: program with a and required, inputs q, v, tau and some of those of simulated.Inputs
-    law: program with tau of q, v, reference and gains; None where the torque itself is given
-    a, b: coefficients of the method                        (s, s), (s,)
-    friction, stops, clamped: whether there is friction, are springs at the limits, and limits of torque
-    noisy: whether noise is added to the q and v that the law sees
-    """
-
-    n: int
-    accelerations: Program
-    law: Program | None
-    a: Array
-    b: Array
-    friction: bool
-    stops: bool
-    clamped: bool
-    noisy: bool
-
-    @property
-    def stages(self) -> int:
-        return len(self.b)
-
-    @property
-    def sticking(self) -> bool:
-        return "free" in self.accelerations.inputs
-
-    @cached_property
-    def constants(self) -> dict[str, int]:
-        """Widths of what stays the same during a run, in the order of their columns."""
-        own = {"external_wrenches", "parameters", "rotor"}
-        widths = {name: width for name, width in self.accelerations.inputs.items() if name in own}
-        names = (JOINT_CONSTANTS[:3] if self.friction else ()) + (JOINT_CONSTANTS[3:] if self.clamped else ())
-        widths.update(dict.fromkeys((*names, *(STOP_CONSTANTS if self.stops else ())), self.n))
-        if self.law is not None:
-            widths["gains"] = self.law.inputs["gains"]
-        return widths
-
-    @property
-    def state(self) -> dict[str, int]:
-        """q, v, work of the actuators, and work of friction and stops."""
-        return {"q": self.n, "v": self.n, "work": 1, "loss": 1}
-
-    @property
-    def control(self) -> dict[str, int]:
-        """What is new at every tick."""
-        return {"tau": self.n} if self.law is None else {"reference": self.law.inputs["reference"]}
-
-    @property
-    def record(self) -> dict[str, int]:
-        """What is written at the recorded steps; passive: torque of friction and stops on the joints."""
-        return {**self.state, "tau": self.n, "a": self.n, "passive": self.n}
-
-    @cached_property
-    def memory(self) -> dict[str, int]:
-        """What is kept between steps, and scratch: sign of the sliding, the stage, and the rates of each stage."""
-        joints = dict.fromkeys(("tau", "passive", "held", "sign", "free"), self.n)
-        return {**joints, "stage": 2 * self.n, "rates": self.stages * (2 * self.n + 2)}
-
-
-def places(widths: dict[str, int]) -> dict[str, int]:
-    """First column of each part."""
-    firsts, first = {}, 0
-    for name, width in widths.items():
-        firsts[name], first = first, first + width
-    return firsts
 
 
 def emit_steps(code: StepCode, lanes: int) -> str:
@@ -98,128 +24,13 @@ def emit_steps(code: StepCode, lanes: int) -> str:
     the tick in force at start, ground with that step (a row per stage). Multiples of every are recorded, before the
     step.
     """
-    return "\n".join([*VectorCode(lanes).declarations, *_rates_function(code, lanes), *_steps_function(code, lanes)])
-
-
-class _Memory:
-    """Columns of one pointer."""
-
-    def __init__(self, code: VectorCode, pointer: str, widths: dict[str, int]) -> None:
-        self._code, self._pointer, self._places = code, pointer, places(widths)
-
-    def load(self, name: str, column: int) -> str:
-        code = self._code
-        return code.load(code.vector, self._pointer, code.lanes * (self._places[name] + column))
-
-    def columns(self, name: str, count: int, first: int = 0) -> list[str]:
-        return [self.load(name, first + column) for column in range(count)]
-
-    def store(self, name: str, column: int, value: str) -> None:
-        code = self._code
-        code.store(f"{code.vector} {value}", self._pointer, code.lanes * (self._places[name] + column))
-
-    def address(self, name: str, column: int = 0) -> str:
-        return self._code.element(self._pointer, self._code.lanes * (self._places[name] + column))
-
-
-def _rates_function(what: StepCode, lanes: int) -> list[str]:
-    """rates(at, rates, memory, constants, ground): of q, v, work and loss at the q and v there."""
-    code, n = VectorCode(lanes), what.n
-    memory = _Memory(code, "%memory", what.memory)
-    constants = _Memory(code, "%constants", what.constants)
-    at = _Memory(code, "%at", {"q": n, "v": n})
-    rates = _Memory(code, "%rates", what.state)
-    zero = code.splat(0.0)
-    q, v, tau = at.columns("q", n), at.columns("v", n), memory.columns("tau", n)
-    passive = [zero] * n
-    if what.friction:
-        signs = memory.columns("sign", n)
-        passive = [_friction(code, constants, j, v[j], signs[j]) for j in range(n)]
-    if what.stops:
-        passive = [code.arithmetic("fadd", passive[j], _stop_force(code, constants, j, q[j], v[j])) for j in range(n)]
-    applied = [code.arithmetic("fadd", tau[j], passive[j]) for j in range(n)]
-
-    def columns(name: str) -> Sequence[str]:
-        if name == "ground":
-            return [_everywhere(code, "%ground", column) for column in range(what.accelerations.inputs[name])]
-        given = {"q": q, "v": v, "tau": applied}
-        if name in given:
-            return given[name]
-        return (memory if name == "free" else constants).columns(name, what.accelerations.inputs[name])
-
-    values = code.values(what.accelerations, columns)
-    a, required = ([values[k] for k in what.accelerations.outputs[name]] for name in ("a", "required"))
-    if what.sticking:
-        for j in range(n):
-            locked = code.arithmetic("fsub", code.splat(1.0), memory.load("free", j))
-            held = code.arithmetic("fmul", code.arithmetic("fsub", required[j], applied[j]), locked)
-            memory.store("held", j, held)
-            passive[j] = code.arithmetic("fadd", passive[j], held)
-    for j in range(n):
-        rates.store("q", j, v[j])
-        rates.store("v", j, a[j])
-        memory.store("passive", j, passive[j])
-    for name, torque in (("work", tau), ("loss", passive)):
-        power = code.arithmetic("fmul", torque[0], v[0])
-        for j in range(1, n):
-            power = code.arithmetic("fadd", power, code.arithmetic("fmul", torque[j], v[j]))
-        rates.store(name, 0, power)
-    arguments = (
-        "ptr noalias %at",
-        "ptr noalias %rates",
-        "ptr noalias %memory",
-        "ptr noalias %constants",
-        "ptr %ground",
-    )
-    header = f"define internal void @rates({', '.join(arguments)}) noinline {{"
-    return [header, *code.lines, "  ret void", "}"]
-
-
-def _friction(code: VectorCode, constants: _Memory, j: int, v: str, sign: str) -> str:
-    """-(F_v v + F_c sign + offset)."""
-    viscous = code.arithmetic("fmul", constants.load("viscous", j), v)
-    dry = code.arithmetic("fmul", constants.load("coulomb", j), sign)
-    together = code.arithmetic("fadd", code.arithmetic("fadd", viscous, dry), constants.load("offset", j))
-    return code.let(f"fneg nsz {code.vector} {together}")
-
-
-def _stop_force(code: VectorCode, constants: _Memory, j: int, q: str, v: str) -> str:
-    """Of the spring and damper beyond a limit; it pushes, and never pulls."""
-    zero = code.splat(0.0)
-    stiffness, damping = constants.load("stiffness", j), constants.load("damping", j)
-    resisting = code.arithmetic("fmul", damping, v)
-    above = code.arithmetic("fsub", q, constants.load("upper", j))
-    below = code.arithmetic("fsub", q, constants.load("lower", j))
-    forces = []
-    for beyond, towards, outside in ((above, "olt", "ogt"), (below, "ogt", "olt")):
-        pushed = code.arithmetic("fadd", code.arithmetic("fmul", stiffness, beyond), resisting)
-        force = code.let(f"fneg nsz {code.vector} {pushed}")
-        pushing = _select(code, towards, force, zero, force, zero)
-        forces.append(_select(code, outside, beyond, zero, pushing, zero))
-    return code.arithmetic("fadd", *forces)
-
-
-def _select(code: VectorCode, relation: str, x: str, y: str, yes: str, no: str) -> str:
-    """yes where x relates so to y, else no, also where one is NaN."""
-    holds = code.let(f"fcmp {relation} {code.vector} {x}, {y}")
-    return code.let(f"select <{code.lanes} x i1> {holds}, {code.vector} {yes}, {code.vector} {no}")
-
-
-def _everywhere(code: VectorCode, pointer: str, index: int) -> str:
-    """A number in all lanes."""
-    return _splat(code, code.load("double", pointer, index))
-
-
-def _splat(code: VectorCode, value: str) -> str:
-    first = code.let(f"insertelement {code.vector} poison, double {value}, i64 0")
-    zeros = ", ".join(["i32 0"] * code.lanes)
-    return code.let(f"shufflevector {code.vector} {first}, {code.vector} poison, <{code.lanes} x i32> <{zeros}>")
+    return "\n".join([*VectorCode(lanes).declarations, *rates_function(code, lanes), *_steps_function(code, lanes)])
 
 
 def _steps_function(what: StepCode, lanes: int) -> list[str]:
     code = VectorCode(lanes, "s")
     vectors = {name: sum(getattr(what, name).values()) for name in ("control", "record")}
-    width = _splat(code, "%h")
+    width = splat(code, "%h")
     code.do("%tick.first = udiv i64 %start, %hold")
     code.do("%record.before = add i64 %start, %every")
     code.do("%record.up = sub i64 %record.before, 1")
@@ -275,16 +86,16 @@ def _block(code: VectorCode, pointer: str, number: str, vectors: int) -> str:
 def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
     """A new torque, from memory or from the law."""
     n = what.n
-    memory = _Memory(code, "%memory", what.memory)
-    constants = _Memory(code, "%constants", what.constants)
-    control = _Memory(code, _block(code, "%control", "%tick.own", vectors), what.control)
+    memory = Columns(code, "%memory", what.memory)
+    constants = Columns(code, "%constants", what.constants)
+    control = Columns(code, _block(code, "%control", "%tick.own", vectors), what.control)
     if what.law is None:
         tau = control.columns("tau", n)
     else:
-        law, state = what.law, _Memory(code, "%state", what.state)
+        law, state = what.law, Columns(code, "%state", what.state)
         measured = {name: state.columns(name, n) for name in "qv"}
         if what.noisy:
-            noise = _Memory(code, _block(code, "%noise", "%tick.own", 2 * n), {"q": n, "v": n})
+            noise = Columns(code, _block(code, "%noise", "%tick.own", 2 * n), {"q": n, "v": n})
             for name, exact in measured.items():
                 measured[name] = [code.arithmetic("fadd", x, noise.load(name, j)) for j, x in enumerate(exact)]
 
@@ -298,21 +109,21 @@ def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
     for j, torque in enumerate(tau):
         if what.clamped:
             most, least = constants.load("largest_torque", j), constants.load("least_torque", j)
-            torque = _select(code, "ogt", torque, most, most, torque)
-            torque = _select(code, "olt", torque, least, least, torque)
+            torque = select(code, "ogt", torque, most, most, torque)
+            torque = select(code, "olt", torque, least, least, torque)
         memory.store("tau", j, torque)
 
 
 def _decide(code: VectorCode, what: StepCode) -> None:
     """Which joints slide, and in which direction; a joint at rest sticks unless the torque exceeds its dry friction."""
     n, zero, one = what.n, code.splat(0.0), code.splat(1.0)
-    memory = _Memory(code, "%memory", what.memory)
-    constants = _Memory(code, "%constants", what.constants)
-    state = _Memory(code, "%state", what.state)
+    memory = Columns(code, "%memory", what.memory)
+    constants = Columns(code, "%constants", what.constants)
+    state = Columns(code, "%state", what.state)
     resting = []
     for j in range(n):
         v = state.load("v", j)
-        sign = _select(code, "ogt", v, zero, one, _select(code, "olt", v, zero, code.splat(-1.0), zero))
+        sign = select(code, "ogt", v, zero, one, select(code, "olt", v, zero, code.splat(-1.0), zero))
         memory.store("sign", j, sign)
         if what.sticking:
             still = code.let(f"fcmp oeq {code.vector} {v}, {zero}")
@@ -335,16 +146,16 @@ def _decide(code: VectorCode, what: StepCode) -> None:
         size = code.call("fabs", held)
         slips = code.let(f"fcmp ogt {code.vector} {size}, {dry}")
         begins = code.let(f"and <{code.lanes} x i1> {resting[j]}, {slips}")
-        away = _select(code, "ogt", held, zero, code.splat(-1.0), one)
+        away = select(code, "ogt", held, zero, code.splat(-1.0), one)
         for name, value in (("sign", away), ("free", one)):
-            select = f"select <{code.lanes} x i1> {begins}, {code.vector} {value}, {code.vector}"
-            memory.store(name, j, code.let(f"{select} {memory.load(name, j)}"))
+            either = f"select <{code.lanes} x i1> {begins}, {code.vector} {value}, {code.vector}"
+            memory.store(name, j, code.let(f"{either} {memory.load(name, j)}"))
     code.do("br label %decided")
     _label(code, "decided")
 
 
 def _call_rates(code: VectorCode, what: StepCode, stage: int, at: str) -> None:
-    memory = _Memory(code, "%memory", what.memory)
+    memory = Columns(code, "%memory", what.memory)
     rates = memory.address("rates", stage * (2 * what.n + 2))
     ground = "%ground"
     if "ground" in what.accelerations.inputs:
@@ -356,9 +167,9 @@ def _call_rates(code: VectorCode, what: StepCode, stage: int, at: str) -> None:
 
 
 def _write(code: VectorCode, what: StepCode, vectors: int) -> None:
-    memory = _Memory(code, "%memory", what.memory)
-    state = _Memory(code, "%state", what.state)
-    record = _Memory(code, _block(code, "%record", "%record.own", vectors), what.record)
+    memory = Columns(code, "%memory", what.memory)
+    state = Columns(code, "%state", what.state)
+    record = Columns(code, _block(code, "%record", "%record.own", vectors), what.record)
     for name, width in what.record.items():
         for j in range(width):
             if name in what.state:
@@ -371,8 +182,8 @@ def _write(code: VectorCode, what: StepCode, vectors: int) -> None:
 def _stages(code: VectorCode, what: StepCode, h: str) -> None:
     """Stages 2 … s and the step; the first stage is done."""
     n, width = what.n, 2 * what.n + 2
-    memory = _Memory(code, "%memory", what.memory)
-    state = _Memory(code, "%state", what.state)
+    memory = Columns(code, "%memory", what.memory)
+    state = Columns(code, "%state", what.state)
 
     def moved(column: int, weights: Array) -> str:
         """Column of the state, advanced by the step width times the weighted rates."""
@@ -390,10 +201,10 @@ def _stages(code: VectorCode, what: StepCode, h: str) -> None:
         _call_rates(code, what, stage, memory.address("stage"))
     after = [moved(column, what.b) for column in range(width)]
     if what.friction:
-        zero, constants = code.splat(0.0), _Memory(code, "%constants", what.constants)
+        zero, constants = code.splat(0.0), Columns(code, "%constants", what.constants)
         for j in range(n):
             along = code.arithmetic("fmul", after[n + j], memory.load("sign", j))
-            turned = _select(code, "olt", along, zero, zero, after[n + j])
-            after[n + j] = _select(code, "ogt", constants.load("coulomb", j), zero, turned, after[n + j])
+            turned = select(code, "olt", along, zero, zero, after[n + j])
+            after[n + j] = select(code, "ogt", constants.load("coulomb", j), zero, turned, after[n + j])
     for column, value in enumerate(after):
         state.store("q", column, value)

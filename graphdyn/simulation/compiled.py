@@ -17,7 +17,7 @@ from graphdyn.kernels.native import compiling, host_lanes
 from graphdyn.kernels.running import LONGEST, chosen_backend, in_threads
 from graphdyn.kernels.simulated import Inputs, in_joint_axes, record_accelerations, record_law
 from graphdyn.kernels.stepping import CompiledSteps, Stretch, in_blocks, out_of_blocks
-from graphdyn.kernels.stepping_code import StepCode
+from graphdyn.kernels.stepping_layout import StepCode
 from graphdyn.layout import Array
 from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
 from graphdyn.simulation.methods import Tableau, tableau

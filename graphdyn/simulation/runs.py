@@ -104,11 +104,9 @@ class Runs:
         noise = self._noise(run) if self.noise is not None else np.zeros((1, 2 * model.n_bodies))
         source = None
         if self.controller is not None:
-            believed = (
-                {"model": self.controller.model or model} if isinstance(self.controller, ComputedTorqueControl) else {}
-            )
-            gains = dict(zip(GAINS, np.split(self._gains()[run], 2), strict=True))
-            own: Any = {**gains, **believed}
+            own: Any = dict(zip(GAINS, np.split(self._gains()[run], 2), strict=True))
+            if isinstance(self.controller, ComputedTorqueControl):
+                own["model"] = self.controller.model or model
             source = Torques(model, self.end, controller=replace(self.controller, **own))
 
         def held(tick: int, q: Array, v: Array) -> Array:
