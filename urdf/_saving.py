@@ -36,9 +36,14 @@ def save(model: RobotModel, path: str | PathLike[str]) -> None:
     """
     check_model(model)
     path = Path(path)
-    document = etree.tostring(robot_element(model), xml_declaration=True, encoding="UTF-8", pretty_print=True)
-    write_whole(path, document)
+    write_whole(path, urdf_document(model))
     if not np.array_equal(model.gravity, STANDARD_GRAVITY):
         reload = f"reload with urdf.load(..., gravity={model.gravity.tolist()})"
         message = f"{one_line(str(path))}: a URDF file cannot state gravity; {reload}"
         warnings.warn(message, GravityNotSavedWarning, stacklevel=2)
+
+
+def urdf_document(model: RobotModel) -> bytes:
+    """What save writes. Raises CannotSave."""
+    document: bytes = etree.tostring(robot_element(model), xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    return document

@@ -18,6 +18,7 @@ from crosscheck.cli import (
     questions,
     robots,
     show,
+    simulate,
     vectors,
 )
 from crosscheck.cli.encodings import accept_all_characters
@@ -33,6 +34,7 @@ COMMANDS = (
     (vectors.run, "vectors", vectors.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),
     (identify.run, "identify", identify.EPILOG),
+    (simulate.run, "simulate", simulate.EPILOG),
     (paper.run, "paper", paper.EPILOG),
     (bench.run, "bench", bench.EPILOG),
     (robots.run, "robots", robots.EPILOG),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -38,11 +39,16 @@ def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str
     The file appears complete or not at all. Raises InvalidInput for another suffix, and for names that begin or end
     with a space or contain unprintable characters; OSError where the file cannot be written.
     """
+    path = Path(path)
+    write_whole(path, virtual_recording_document(recording, path, {}))
+
+
+def virtual_recording_document(recording: VirtualRecording, path: Path, metadata: Mapping[str, str]) -> bytes:
+    """What save_virtual_recording writes there; the metadata of the table goes into Parquet. Raises InvalidInput."""
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
     from pyarrow import parquet
 
-    path = Path(path)
     suffix = _suffix(path)
     for name in (recording.robot, *recording.joint_names, *recording.body_names):
         if name != name.strip() or not name.isprintable():
@@ -50,9 +56,10 @@ def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str
     cells = {ROBOT: pa.array([recording.robot] * len(recording.time)), TIME: pa.array(recording.time)}
     for column in columns(Elements(recording.joint_names, recording.prismatic, recording.body_names)):
         cells[column.header] = pa.array(_flat(getattr(recording, column.channel))[:, column.number].copy())
-    table, sink = pa.table(cells), pa.BufferOutputStream()
+    table, sink = pa.table(cells, metadata=dict(metadata) or None), pa.BufferOutputStream()
     (arrow_csv.write_csv if suffix == ".csv" else parquet.write_table)(table, sink)
-    write_whole(path, sink.getvalue().to_pybytes())
+    content: bytes = sink.getvalue().to_pybytes()
+    return content
 
 
 def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:

@@ -53,6 +53,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         questions,
         robots,
         show,
+        simulate,
         vectors,
     )
 
@@ -68,6 +69,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         questions.QuestionsRecord,
         robots.RobotsRecord,
         show.ShowRecord,
+        simulate.SimulateRecord,
         vectors.VectorsRecord,
     )
     return {f"{_name(record)}.schema.json": schema(record) for record in formats}
