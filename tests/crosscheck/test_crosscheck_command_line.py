@@ -27,8 +27,8 @@ from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 from graphdyn import __version__
 
 COMMANDS = (
-    *("crosscheck", "judge", "questions", "show", "export", "vectors", "inspect", "identify", "paper", "bench"),
-    *("robots", "errata"),
+    *("crosscheck", "judge", "questions", "show", "export", "vectors", "inspect", "identify", "simulate"),
+    *("paper", "bench", "robots", "errata"),
 )
 
 WRITES = {"export": "--to FILE", "questions": "--out FILE", "vectors": "--out FOLDER"}

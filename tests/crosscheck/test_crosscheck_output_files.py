@@ -30,6 +30,7 @@ READS = {
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),
         *("--known-torque", "{code}:K", "--methods", "wls,{method}:E"),
     ),
+    "simulate": ("{robot}", "--torque", "{code}:T"),
     "paper": (),
     "bench": ("--robot", "{robot}"),
     "robots": (),
