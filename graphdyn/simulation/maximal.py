@@ -21,6 +21,7 @@ from graphdyn._kinematics import MaximalState, bias_acceleration, maximal_state,
 from graphdyn._kkt import KKTSystem
 from graphdyn._linear import apply
 from graphdyn._projected import kkt
+from graphdyn._unconstrained import mass_terms
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
 from graphdyn.simulation.course import COLUMNS, Course
 from graphdyn.simulation.equations import Equations
@@ -154,7 +155,8 @@ class _Run:
         for _ in range(PROJECTIONS):
             state = self._state(pose)
             residual = state.constraint_residual()
-            change = per_body(self._least(state, -stacked(residual)))
+            phi_q, _ = constraints(state)
+            change = per_body(_least(state, phi_q, -stacked(residual)))
             quaternion = pose.quaternion + _times(pose.quaternion, change[:, ANGULAR]) / 2
             quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
             pose = pose._replace(position=pose.position + change[:, LINEAR], quaternion=quaternion)
@@ -162,16 +164,8 @@ class _Run:
                 break
         state = self._state(pose)
         phi_q, _ = constraints(state)
-        change = per_body(self._least(state, -apply(phi_q, stacked(pose.velocity))))
+        change = per_body(_least(state, phi_q, -apply(phi_q, stacked(pose.velocity))))
         return pose._replace(velocity=pose.velocity + change)
-
-    def _least(self, state: MaximalState, right: Array) -> Array:
-        """The least change x, in the norm of A, with φ_q x = right."""
-        n = self._plant.model.n_bodies
-        system = kkt(state, np.zeros(n), np.zeros((n, 6)))
-        nothing = np.zeros_like(system.force)
-        least = KKTSystem(system.mass, system.constraint_jacobian, nothing, right)
-        return least.solve_unchecked().acceleration
 
     def _torque(self, t: float, state: MaximalState) -> Array:
         if self._source.function is None:
@@ -188,6 +182,12 @@ class _Run:
         turning = np.array([not joint.is_prismatic for joint in self._plant.model.joints])
         turns = np.round((self._q - q) / (2 * np.pi)) * turning
         return q + 2 * np.pi * turns, v
+
+
+def _least(state: MaximalState, phi_q: Array, right: Array) -> Array:
+    """The least change x (6n,), in the norm of A, with φ_q x = right."""
+    nothing = np.zeros(phi_q.shape[-1])
+    return KKTSystem(mass_terms(state), phi_q, nothing, right).solve_unchecked().acceleration
 
 
 def _moved(begin: Pose, rates: list[Pose], weights: Array, h: float) -> Pose:
