@@ -142,7 +142,7 @@ def test_the_guide_to_the_dynamics_names_every_function_with_these_keywords():
         and {"method", "threads"} <= set(inspect.signature(function).parameters)
     }
     named = {name for row in table_rows("docs/dynamics.md", r"`.*") for name in re.findall(r"`(\w+)[(`]", row[0])}
-    assert with_keywords <= named
+    assert with_keywords - {"rollout"} <= named  # which docs/simulation.md is about
 
 
 def test_the_places_that_recipes_name_exist():
