@@ -132,7 +132,7 @@ def _simulated(
 
         def tell(time: float) -> None:
             nonlocal reached
-            now = round(time * MILLISECONDS)
+            now = max(round(time * MILLISECONDS), reached)
             advance(f"{time:.3g} s", now - reached)
             reached = now
 

@@ -27,6 +27,9 @@ SLIDING_PASSES = 20
 CHATTER = 1000
 """Stretches without progress that mean the same events follow each other without end."""
 
+TOLD = 500
+"""Evaluations after which progress is told, a tenth of a second at most."""
+
 
 @dataclass(frozen=True, eq=False)
 class Ticks:
@@ -70,13 +73,14 @@ def adaptive(
     while True:
         q, v = y[:n], y[n : 2 * n]
         contact = equations.contact(t, q, v, tau_at(t, q, v), SLIDING_PASSES, loose)
-        stretch = _Stretch(equations, tau_at, contact)
+        stretch = _Stretch(equations, tau_at, contact, progress)
         watched = stretch.watches() + (_limit_watches(equations) if stop_at_limits else [])
         watched += [_Watch(_of_state(event.function, n), event.name, event.direction, event.stop) for event in events]
         solution = _solve(stretch, (t, end), y, tolerances, watched, dense=at is not None)
         reached = float(solution.t[-1])
         finished = reached >= duration
-        parts.append(stretch.rows(solution, at, t, last=finished))
+        if reached > t or finished:
+            parts.append(stretch.rows(solution, at, t, last=finished))
         y, loose = solution.y[:, -1].copy(), None
         for watch, times, states in zip(watched, solution.t_events, solution.y_events, strict=True):
             for time, state in zip(times, states, strict=True):
@@ -119,10 +123,17 @@ class _Watch:
 class _Stretch:
     """The smooth equations between two events."""
 
-    def __init__(self, equations: Equations, tau_at: Torque, contact: Contact) -> None:
-        self._equations, self._tau_at, self._contact = equations, tau_at, contact
+    def __init__(
+        self, equations: Equations, tau_at: Torque, contact: Contact, progress: Callable[[float], None]
+    ) -> None:
+        self._equations, self._tau_at, self._contact, self._progress = equations, tau_at, contact, progress
+        self._evaluations, self._reached = 0, 0.0
 
     def derivative(self, t: float, y: Array) -> Array:
+        self._evaluations += 1
+        if self._evaluations % TOLD == 0 and t > self._reached:
+            self._reached = t
+            self._progress(t)
         n = len(self._contact.sign)
         q, v = y[:n], y[n : 2 * n]
         tau = self._tau_at(t, q, v)

@@ -52,8 +52,8 @@ def compiled_steps(
     """The machine code, compiled once per robot and choice of what there is beside the rigid bodies."""
     lanes = lanes or host_lanes()
     believed = plant.model
-    if isinstance(controller, ComputedTorqueControl) and controller.model is not None:
-        believed = controller.model
+    if isinstance(controller, ComputedTorqueControl) and controller.nominal is not None:
+        believed = controller.nominal
     law = controller.law if controller else None
     inputs = _inputs(plant)
     key = (method, inputs, law, believed, noisy, plant.has_friction, plant.has_stops, plant.is_clamped, lanes)

@@ -44,14 +44,14 @@ class ComputedTorqueControl:
 
     position_gain, velocity_gain: K_p, K_d                  () or (…, n)  [1/s², 1/s]
     target: positions (n,), or a motion law per joint       [rad or m]
-    model: what the controller believes; the simulated robot if left out. Its base is at rest
+    nominal: the robot as the controller knows it; the simulated one if left out. Its base is at rest
     period: as in PDControl
     """
 
     position_gain: ArrayLike
     velocity_gain: ArrayLike
     target: Target
-    model: RobotModel | None = None
+    nominal: RobotModel | None = None
     period: float | None = None
 
     law: ClassVar[Law] = "computed_torque"

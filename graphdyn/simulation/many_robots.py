@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from graphdyn._arrays import as_floats, joint_arrays
 from graphdyn._errors import InvalidInput
 from graphdyn._experiment import CarriageLaw
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn.kernels.batch import Options
 from graphdyn.kernels.stepping import Stretch
 from graphdyn.layout import Array
@@ -87,8 +87,11 @@ def rollout(
     every: only every so manieth step is kept, the first included
     threads: at most this many; None for one per core
 
+    Angles are accurate up to 1e6 rad. Numbers of robots whose mass matrix is singular come out as NaN or infinity.
+
     Raises InvalidInput. On the NumPy back end, steps are taken in Python, thousands of times slower.
     """
+    check_model(model)
     Options(threads)
     if method not in FIXED_STEPS:
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(FIXED_STEPS)}")

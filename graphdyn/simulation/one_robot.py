@@ -12,7 +12,9 @@ from numpy.typing import ArrayLike
 from graphdyn._arrays import as_floats, one_state
 from graphdyn._errors import InvalidInput
 from graphdyn._experiment import CarriageLaw
+from graphdyn._matrices import mass_matrix
 from graphdyn._model import RobotModel
+from graphdyn._projected import refuse_singular
 from graphdyn.layout import Array
 from graphdyn.simulation.adaptive import Ticks, Tolerances, adaptive
 from graphdyn.simulation.controllers import Controller
@@ -79,7 +81,10 @@ def simulate(
     Work that the friction takes, and what actuators do, is integrated beside the motion (Simulation.energy). Contact
     with the surroundings, inverse kinematics and flexible joints are not simulated.
 
-    Raises InvalidInput; IntegrationFailed where the numbers do not stay finite.
+    Angles are accurate up to 1e6 rad.
+
+    Raises InvalidInput; SingularMassMatrix where the torques do not determine the accelerations (massless bodies);
+    IntegrationFailed where the numbers do not stay finite.
     """
     x = one_state(model, q=q, v=v)
     start = (x["q"].copy(), x["v"].copy())
@@ -93,6 +98,7 @@ def simulate(
         external_wrenches=external_wrenches,
         base=base,
     )
+    refuse_singular(model, mass_matrix(model, start[0]) + np.diag(plant.rotor))
     times = _times(at, duration)
     watched = (events,) if isinstance(events, Event) else tuple(events)
     if limits == "stop":

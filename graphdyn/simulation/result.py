@@ -14,7 +14,7 @@ from graphdyn._energies import kinetic_energy, potential_energy
 from graphdyn._errors import InvalidInput
 from graphdyn._experiment import carriage, observed
 from graphdyn._kinematics import MaximalState, maximal_state
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn._virtual_recording import VirtualRecording
 from graphdyn.layout import Array
 from graphdyn.simulation.course import Occurrence
@@ -72,6 +72,9 @@ class Simulation:
     _work: Array = field(repr=False)
     _loss: Array = field(repr=False)
     _bodies: MaximalState | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        check_model(self.model)
 
     @cached_property
     def reactions(self) -> InverseDynamics:

@@ -106,7 +106,7 @@ class Runs:
         if self.controller is not None:
             own: Any = dict(zip(GAINS, np.split(self._gains()[run], 2), strict=True))
             if isinstance(self.controller, ComputedTorqueControl):
-                own["model"] = self.controller.model or model
+                own["nominal"] = self.controller.nominal or model
             source = Torques(model, self.end, controller=replace(self.controller, **own))
 
         def held(tick: int, q: Array, v: Array) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from graphdyn._arrays import as_floats
 from graphdyn._compiled import compile as compiled
 from graphdyn._errors import IntegrationFailed, InvalidInput
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn.layout import Array
 from graphdyn.simulation.controllers import Controller, PDControl, reference
 from graphdyn.simulation.drives import finite, per_joint
@@ -91,7 +91,7 @@ class Torques:
 
     @cached_property
     def _believed(self) -> RobotModel:
-        return getattr(self.controller, "model", None) or self.model
+        return getattr(self.controller, "nominal", None) or self.model
 
     def _law(self, t: float, q: Array, v: Array) -> Array:
         controller, n = self.controller, self.model.n_bodies
@@ -131,10 +131,12 @@ def check_controller(controller: Controller, model: RobotModel) -> None:
         finite(name, getattr(controller, name))
     if controller.period is not None and not (controller.period > 0 and np.isfinite(controller.period)):
         raise InvalidInput(f"period is {controller.period!r}; give seconds above zero, or None for every step")
-    believed = getattr(controller, "model", None)
+    believed = getattr(controller, "nominal", None)
+    if believed is not None:
+        check_model(believed)
     if believed is not None and believed.n_bodies != model.n_bodies:
         raise InvalidInput(
-            f"the controller believes in a robot of {believed.n_bodies} joints; '{model.name}' has {model.n_bodies}"
+            f"the nominal robot of the controller has {believed.n_bodies} joints, '{model.name}' {model.n_bodies}"
         )
     reference(controller, model, np.zeros(1))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from moving_robots import pendulum, slider
 
-from graphdyn import GraphDynError, IntegrationFailed, InvalidInput, PDControl, kr500, simulate
+from graphdyn import GraphDynError, IntegrationFailed, InvalidInput, PDControl, SingularMassMatrix, kr500, simulate
 from graphdyn.simulation.torques import torques
 
 FIXED = {"method": "rk4", "step": 0.1}
@@ -63,6 +63,20 @@ def test_progress_is_told():
         simulate(slider(), [0.0], [1.0], 1.0, progress=told.append, **settings)
         assert told
         assert told[-1] == pytest.approx(1.0)
+
+
+def test_progress_within_a_long_stretch():
+    told = []
+    simulate(pendulum(), [1.0], [0.0], 20.0, progress=told.append)
+    assert len(told) > 3
+    assert told == sorted(told)
+
+
+def test_massless_bodies():
+    massless = slider(mass=0.0)
+    with pytest.raises(SingularMassMatrix, match="joint 'rail' moves without inertia"):
+        simulate(massless, [0.0], [0.0], 1.0)
+    assert simulate(massless, [0.0], [0.0], 1.0, torque=[2.0], rotor_inertia=4.0).q[-1, 0] == pytest.approx(0.25)
 
 
 def test_no_energy_balance_where_work_is_not_integrated():

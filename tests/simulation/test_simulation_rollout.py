@@ -221,8 +221,8 @@ def test_the_code_has_one_vector_for_every_column():
             "6 laws for the target of 1 joints; give one motion law",
         ),
         (
-            {"controls": ComputedTorqueControl(1.0, 1.0, [0.0], model=kr500()), "duration": 1.0},
-            "the controller believes in a robot of 6 joints; 'slider' has 1",
+            {"controls": ComputedTorqueControl(1.0, 1.0, [0.0], nominal=kr500()), "duration": 1.0},
+            "the nominal robot of the controller has 6 joints, 'slider' 1",
         ),
         ({"parameters": np.ones(9), "duration": 1.0}, "parameters has shape (9,), expected (10,) or (3, 10)"),
         ({"threads": 0, "duration": 1.0}, "threads is 0; give a number from 1, or None for all cores"),
