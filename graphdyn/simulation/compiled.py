@@ -51,12 +51,10 @@ def compiled_steps(
 ) -> CompiledSteps:
     """The machine code, compiled once per robot and choice of what there is beside the rigid bodies."""
     lanes = lanes or host_lanes()
-    believed = plant.model
-    if isinstance(controller, ComputedTorqueControl) and controller.nominal is not None:
-        believed = controller.nominal
+    nominal = controller.nominal if isinstance(controller, ComputedTorqueControl) else None
     law = controller.law if controller else None
     inputs = _inputs(plant)
-    key = (method, inputs, law, believed, noisy, plant.has_friction, plant.has_stops, plant.is_clamped, lanes)
+    key = (method, inputs, law, nominal, noisy, plant.has_friction, plant.has_stops, plant.is_clamped, lanes)
     with compiling:
         known = _compiled.setdefault(plant.model, {})
         if key not in known:
@@ -65,7 +63,7 @@ def compiled_steps(
                 StepCode(
                     n=plant.model.n_bodies,
                     accelerations=_accelerations(plant.model, inputs),
-                    law=record_law(believed, law) if law else None,
+                    law=record_law(nominal or plant.model, law) if law else None,
                     a=own.a,
                     b=own.b,
                     friction=plant.has_friction,
