@@ -142,7 +142,7 @@ def test_page(program, small_arm, tmp_path):
     assert program("simulate", small_arm, "--duration", 0.05, "--html", page).code == AGREED
     text = page.read_text(encoding="utf-8")
     assert "torque of the actuators" in text
-    assert "largest moment" in text
+    assert "largest speeds and loads" in text
 
 
 @pytest.mark.parametrize(

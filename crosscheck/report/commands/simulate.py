@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -82,17 +83,17 @@ def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
 
 
 def _loads(motion: Simulation) -> Table:
-    number = {"kind": "number", "form": ".4g"}
+    number: dict[str, Any] = {"kind": "number", "form": ".4g"}
     return Table(
         (
             Column("no.", "number"),
             Column("joint", "name"),
-            Column("lowest q", unit="rad or m", **number),  # type: ignore[arg-type]
-            Column("highest q", unit="rad or m", **number),  # type: ignore[arg-type]
-            Column("largest |v|", unit="…/s", **number),  # type: ignore[arg-type]
-            Column("largest |τ|", unit="N m or N", **number),  # type: ignore[arg-type]
-            Column("largest force", unit="N", meaning="that the joint transmits", **number),  # type: ignore[arg-type]
-            Column("largest moment", unit="N m", meaning="about the joint, with the actuator", **number),  # type: ignore[arg-type]
+            Column("q from", unit="rad or m", **number),
+            Column("to", unit="rad or m", **number),
+            Column("|v|", unit="…/s", **number),
+            Column("|τ|", unit="N m or N", meaning="of the actuator", **number),
+            Column("force", unit="N", meaning="that the joint transmits", **number),
+            Column("moment", unit="N m", meaning="about the joint, that of the actuator included", **number),
         ),
         tuple(
             Row(
@@ -109,7 +110,7 @@ def _loads(motion: Simulation) -> Table:
             )
             for joint in _joints(motion)
         ),
-        title="Joints and their loads",
+        title="Joints, and their largest speeds and loads",
         failures_first=False,
         repeated=2,
     )
