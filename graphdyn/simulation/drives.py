@@ -72,6 +72,14 @@ class JointStops:
             object.__setattr__(self, name, array)
 
 
+def refuse_couplings(model: RobotModel) -> None:
+    """Raises InvalidInput for a robot in which joints drive others."""
+    if model.couplings:
+        raise InvalidInput(
+            f"robot '{model.name}' has couplings, which a simulation does not know; lock the joints that others drive"
+        )
+
+
 def position_limits(model: RobotModel) -> tuple[Array, Array]:
     """Lower and upper limits (n,), infinite where there is none."""
     of = [joint.limits for joint in model.joints]

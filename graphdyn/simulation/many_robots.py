@@ -20,7 +20,7 @@ from graphdyn.simulation.compiled import (
     can_compile,
 )
 from graphdyn.simulation.controllers import Controller
-from graphdyn.simulation.drives import Friction, JointStops, finite
+from graphdyn.simulation.drives import Friction, JointStops, finite, refuse_couplings
 from graphdyn.simulation.methods import FIXED_STEPS
 from graphdyn.simulation.plant import make_plant
 from graphdyn.simulation.runs import MeasurementNoise, Runs
@@ -92,6 +92,7 @@ def rollout(
     Raises InvalidInput. On the NumPy back end, steps are taken in Python, thousands of times slower.
     """
     check_model(model)
+    refuse_couplings(model)
     Options(threads)
     if method not in FIXED_STEPS:
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(FIXED_STEPS)}")

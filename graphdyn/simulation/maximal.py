@@ -142,7 +142,7 @@ class _Run:
         wrenches = np.zeros((n, 6))
         if self._plant.is_loaded:
             wrenches = self._equations.wrenches(t, *self._joints(state))
-        system = kkt(state, tau, wrenches)
+        system = kkt(state, tau, wrenches, bias=np.zeros((n, 6)))  # which couplings alone need
         if self._stabilisation == "baumgarte":
             alpha = 1 / (BAUMGARTE_STEPS * self._step)
             rate = apply(system.constraint_jacobian, stacked(state.velocity))

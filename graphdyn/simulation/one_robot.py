@@ -13,13 +13,13 @@ from graphdyn._arrays import as_floats, one_state
 from graphdyn._errors import InvalidInput
 from graphdyn._experiment import CarriageLaw
 from graphdyn._matrices import mass_matrix
-from graphdyn._model import RobotModel
+from graphdyn._model import RobotModel, check_model
 from graphdyn._projected import refuse_singular
 from graphdyn.layout import Array
 from graphdyn.simulation.adaptive import Ticks, Tolerances, adaptive
 from graphdyn.simulation.controllers import Controller
 from graphdyn.simulation.course import Course, Event
-from graphdyn.simulation.drives import Friction, JointStops, position_limits
+from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_couplings
 from graphdyn.simulation.equations import Equations
 from graphdyn.simulation.fixed import fixed
 from graphdyn.simulation.maximal import Stabilisation, maximal
@@ -86,6 +86,8 @@ def simulate(
     Raises InvalidInput; SingularMassMatrix where the torques do not determine the accelerations (massless bodies);
     IntegrationFailed where the numbers do not stay finite.
     """
+    check_model(model)
+    refuse_couplings(model)
     x = one_state(model, q=q, v=v)
     start = (x["q"].copy(), x["v"].copy())
     _check_times(duration, method, step)

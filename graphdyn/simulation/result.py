@@ -109,8 +109,7 @@ class Simulation:
     def recording(self) -> VirtualRecording:
         """All channels of graphdyn.record; tau is that of the actuators."""
         motion = (self.q, self.v, self.a)
-        base = self._base() or BaseMotion()
-        return observed(self.model, self.time, motion, self.reactions, base, self.tau)
+        return observed(self.model, self.time, motion, self.reactions, self._base() or BaseMotion(), self.tau)
 
     def _base(self) -> BaseMotion | None:
         return carriage(self._plant.base, self.time) if self._plant.base else None

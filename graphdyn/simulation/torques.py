@@ -15,7 +15,7 @@ from graphdyn._errors import IntegrationFailed, InvalidInput
 from graphdyn._model import RobotModel, check_model
 from graphdyn.layout import Array
 from graphdyn.simulation.controllers import Controller, PDControl, reference
-from graphdyn.simulation.drives import finite, per_joint
+from graphdyn.simulation.drives import finite, per_joint, refuse_couplings
 from graphdyn.simulation.equations import answer
 
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
@@ -134,6 +134,7 @@ def check_controller(controller: Controller, model: RobotModel) -> None:
     believed = getattr(controller, "nominal", None)
     if believed is not None:
         check_model(believed)
+        refuse_couplings(believed)
     if believed is not None and believed.n_bodies != model.n_bodies:
         raise InvalidInput(
             f"the nominal robot of the controller has {believed.n_bodies} joints, '{model.name}' {model.n_bodies}"

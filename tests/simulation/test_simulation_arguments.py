@@ -1,10 +1,23 @@
 """Arguments of simulate, its rows, and what it refuses."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from moving_robots import pendulum, slider
 
-from graphdyn import GraphDynError, IntegrationFailed, InvalidInput, PDControl, SingularMassMatrix, kr500, simulate
+from graphdyn import (
+    ComputedTorqueControl,
+    Coupling,
+    GraphDynError,
+    IntegrationFailed,
+    InvalidInput,
+    PDControl,
+    SingularMassMatrix,
+    kr500,
+    rollout,
+    simulate,
+)
 from graphdyn.simulation.torques import torques
 
 FIXED = {"method": "rk4", "step": 0.1}
@@ -77,6 +90,18 @@ def test_massless_bodies():
     with pytest.raises(SingularMassMatrix, match="joint 'rail' moves without inertia"):
         simulate(massless, [0.0], [0.0], 1.0)
     assert simulate(massless, [0.0], [0.0], 1.0, torque=[2.0], rotor_inertia=4.0).q[-1, 0] == pytest.approx(0.25)
+
+
+def test_couplings_are_refused():
+    coupled = replace(kr500(), couplings=(Coupling("O3", {"O2": 1.0}),))
+    said = "robot 'kr500' has couplings, which a simulation does not know; lock the joints that others drive"
+    with pytest.raises(InvalidInput, match=said):
+        simulate(coupled, np.zeros(5), np.zeros(5), 1.0)
+    with pytest.raises(InvalidInput, match=said):
+        rollout(coupled, np.zeros(5), np.zeros(5), step=0.1, duration=1.0)
+    control = ComputedTorqueControl(1.0, 1.0, np.zeros(6), nominal=coupled)
+    with pytest.raises(InvalidInput, match=said):
+        simulate(kr500(), np.zeros(6), np.zeros(6), 1.0, torque=control)
 
 
 def test_no_energy_balance_where_work_is_not_integrated():
