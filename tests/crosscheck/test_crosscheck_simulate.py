@@ -2,9 +2,11 @@
 
 import json
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from jsonschema import Draft202012Validator
 from planting import mixed_tree
 from pyarrow import parquet
 from rosbags.highlevel import AnyReader
@@ -21,6 +23,8 @@ from crosscheck.referee.pinocchio_model import PinocchioModel
 from graphdyn import ComputedTorqueControl, Friction, InvalidInput, kr500, rollout, simulate
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
+
+ROOT = Path(__file__).parents[2]
 
 START = "0.1,0.2,0.3"
 
@@ -122,6 +126,8 @@ def test_torque_of_a_function(program, small_arm, torques, tmp_path):
     expected = np.column_stack([0.3 * np.sin(found.t), np.full(11, 0.2), np.zeros(11)]) - 0.1 * found.v
     assert np.abs(found.tau - expected).max() < 1e-12
     record = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
+    schema = json.loads((ROOT / "docs" / "schemas" / "simulate-1.schema.json").read_text(encoding="utf-8"))
+    Draft202012Validator(schema).validate(record)
     assert record["rows"] == 11
     assert record["energy_drift"] < 1e-8
     assert record["joints"][0]["largest_force"] > 0

@@ -18,8 +18,10 @@ class SimulatedJointRecord:
     """1 … n."""
 
     name: str
+    """As in the file."""
 
     prismatic: bool
+    """It slides; the others turn."""
 
     lowest: float
     """Position [rad or m]."""
@@ -45,9 +47,10 @@ class OccurrenceRecord:
     """An event."""
 
     name: str
+    """Such as "upper limit of joint 'elbow'"."""
 
     time: float
-    """[s]"""
+    """When it happened [s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
