@@ -47,6 +47,11 @@ EXHIBITS = (
         exit_code=1,
     ),
     Exhibit("inspect", "A file with faults, each with line and remedy.", ("inspect", "doubtful.urdf"), exit_code=1),
+    Exhibit(
+        "simulate",
+        "An arm that falls freely, the largest loads of its joints, and its energies.",
+        ("simulate", "ur5", "--duration", "2"),
+    ),
     Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),
     Exhibit(
         "identify",
