@@ -83,6 +83,10 @@ def run(
     matrix and the smallest held-out error. Held out is the last quarter unless told otherwise. Without a LOG the robot
     is simulated with friction, noise and wrong CAD values, and the truth is shown.
 
+    Before any fit the recording is examined: reversed signs, exchanged columns, degrees, zeros, units, delays. Each
+    finding comes with lines for --mapping. Nothing is recommended from a recording with a fault, nor a model that
+    predicts some joint badly, or worse than CAD with fitted drives.
+
     Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
     """
     if robot is None and logs:
@@ -184,7 +188,7 @@ def from_records(
     from crosscheck.identifying import Folds, identify
 
     folds = how["held_out"].folds if isinstance(how["held_out"], Folds) else 0
-    with progress("identify", 2 + len(methods) * (1 + folds)) as advance:
+    with progress("identify", 3 + len(methods) * (1 + folds)) as advance:
         return identify(
             robot,
             recordings,

@@ -8,6 +8,8 @@ from pathlib import Path
 
 from numpy.typing import ArrayLike
 
+from crosscheck.identifying.baselines import baselines
+from crosscheck.identifying.health import health
 from crosscheck.identifying.holding_out import Division, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.methods import STANDARD_METHODS, method_named
 from crosscheck.identifying.pinocchio_method import WithPinocchio
@@ -55,7 +57,7 @@ def identify(
     held_out: rows to predict; if left out, the last quarter of every recording
     lock, chain, gravity: as in urdf.load, for names and paths only
     poses: random poses in which the mass matrix is tested
-    progress: called with the name of the next step: two, and one for every method of the fit and of every trial
+    progress: called with the name of the next step: three, and one for every method of the fit and of every trial
 
     Raises InvalidInput for recordings of other joints or without torque, for a division that leaves nothing to fit or
     to predict, for unknown or repeated methods; urdf's errors.
@@ -68,10 +70,11 @@ def identify(
     torque_model = TorqueModel(compared.model, terms, known)
     estimators = [method_named(method) if isinstance(method, str) else method for method in methods]
 
+    say("health")
+    recordings = [_of_robot(recording, compared.model.independent_joints) for recording in recordings]
+    found_health = health(torque_model, recordings, preparation)
     say("filter")
-    prepared = [
-        preparation.differentiated(_of_robot(recording, compared.model.independent_joints)) for recording in recordings
-    ]
+    prepared = [preparation.differentiated(recording) for recording in recordings]
     held_out = held_out or LastPart()
     if isinstance(held_out, OtherRecordings):
         others = [_of_robot(recording, compared.model.independent_joints) for recording in held_out.recordings]
@@ -99,6 +102,8 @@ def identify(
         fit=HeldOutPrediction.of(fit, preparation.times(division.fit), comparison),
         trials=trials,
         comparison=comparison,
+        baselines=baselines(torque_model, preparation, division),
+        health=found_health,
     )
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from math import prod
 from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from crosscheck.recordings import Recording, differentiated, samples_of
+from crosscheck.recordings import Recording, differentiated, samples_of, sampling_rate
 from crosscheck.recordings.derivatives import Cutoff
 from crosscheck.recordings.row_filters import filtered_blocks
 from graphdyn.identification import Problem, TorqueModel
+from graphdyn.identification.health import Piece
 from graphdyn.layout import Array
 
 
@@ -39,6 +41,22 @@ class Preparation:
     def problem(self, torque_model: TorqueModel, recording: Recording) -> Problem:
         """The problem of a recording that has v and a. Raises InvalidInput where every block is too short."""
         return Problem(torque_model, samples_of(recording, self.decimate), min_speed=self.min_speed)
+
+    def pieces(self, recording: Recording) -> tuple[list[Piece], list[Array]]:
+        """Uninterrupted pieces of a recording as it was read, q, v, a and tau low-passed alike, not decimated.
+
+        Beside them their torques without a filter. Channels that were to stay as they are get the lowest cutoff of the
+        others. Raises InvalidInput as differentiated.
+        """
+        cutoff = min(self.cutoff.values()) if isinstance(self.cutoff, Mapping) else self.cutoff
+        prepared = differentiated(recording, cutoff, velocity=self.velocity)
+        period = 1 / sampling_rate(prepared)
+        pieces, torques = [], []
+        for samples in samples_of(prepared):
+            torques.append(samples.tau)
+            tau = samples.tau if samples.row_filter is None else samples.row_filter(samples.tau)
+            pieces.append(Piece(replace(samples, tau=tau, row_filter=None), period))
+        return pieces, torques
 
     def times(self, recording: Recording) -> list[Array]:
         """Time of the rows of the problem, block by block (N_k,) [s]."""

@@ -25,10 +25,14 @@ class Recommendation:
 
     name: of the method, None where no result can be used
     reason: one sentence
+    best: of the method that would be recommended if there were no doubts; name where there are none
+    doubts: why it is not, in sentences
     """
 
     name: str | None
     reason: str
+    best: str | None = None
+    doubts: tuple[str, ...] = ()
 
 
 def joint_errors(statistics: ResidualStatistics) -> Array:
@@ -86,4 +90,14 @@ def recommendation(comparison: MethodComparison) -> Recommendation:
         best.name,
         f"physically consistent in every link and pose, and its held-out error, averaged over the joints, is "
         f"{100 * error:.1f} %, {others}",
+        best=best.name,
     )
+
+
+def doubted(found: Recommendation, doubts: tuple[str, ...]) -> Recommendation:
+    """The recommendation, withdrawn if there are doubts."""
+    if not doubts:
+        return found
+    count = "one reason speaks" if len(doubts) == 1 else f"{len(doubts)} reasons speak"
+    reason = found.reason if found.best is None else f"{found.best} is the best result, but {count} against it"
+    return Recommendation(None, f"{reason}: {'; '.join(doubts)}", found.best, doubts)

@@ -8,9 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
+from crosscheck.identifying.baselines import Baselines
+from crosscheck.identifying.doubts import doubts
+from crosscheck.identifying.health import Health
 from crosscheck.identifying.holding_out import Division
 from crosscheck.identifying.preparation import Preparation
-from crosscheck.identifying.recommending import Recommendation, mean_error, recommendation
+from crosscheck.identifying.recommending import Recommendation, doubted, mean_error, recommendation
 from crosscheck.recordings import Recording
 from crosscheck.referee.subject import Subject
 from graphdyn import InvalidInput
@@ -72,6 +75,8 @@ class Identified:
     trials: the rows that were predicted
     comparison: every method; held-out errors are those of all trials together
     truth: the true parameters of a virtual robot           (p,)
+    health: of the recordings of the fit; None where they are too short to tell
+    baselines: errors of a constant, and of CAD with fitted drives, on the predicted rows
     """
 
     subject: Subject
@@ -82,6 +87,8 @@ class Identified:
     fit: HeldOutPrediction
     trials: tuple[HeldOutPrediction, ...]
     comparison: MethodComparison
+    baselines: Baselines
+    health: Health | None = None
     truth: Array | None = None
 
     @property
@@ -91,8 +98,11 @@ class Identified:
 
     @cached_property
     def recommendation(self) -> Recommendation:
-        """Which method, and why."""
-        return recommendation(self.comparison)
+        """Which method, and why; or why none, joint by joint."""
+        found = recommendation(self.comparison)
+        best = None if found.best is None else self.comparison.of(found.best)
+        names = self.torque_model.model.independent_joints
+        return doubted(found, doubts(best, self.problem, names, self.baselines, self.health))
 
     @property
     def usable(self) -> bool:
@@ -100,7 +110,8 @@ class Identified:
         return self.recommendation.name is not None
 
     def shown(self, name: str | None = None) -> MethodResult | None:
-        """The result to show: the named one, else the recommended one, else the one that predicts best.
+        """The result to show: the named one, else the recommended one or the one that is doubted, else the one that
+        predicts best.
 
         None where no method has a result. Raises InvalidInput for an unknown method, and for one that failed.
         """
@@ -109,8 +120,8 @@ class Identified:
             if result.failure is not None:
                 raise InvalidInput(f"{name} has no result: {result.failure}")
             return result
-        if self.recommendation.name is not None:
-            return self.comparison.of(self.recommendation.name)
+        if self.recommendation.best is not None:
+            return self.comparison.of(self.recommendation.best)
         answered = [result for result in self.comparison.results if result.failure is None]
         return min(answered, key=mean_error) if answered else None
 

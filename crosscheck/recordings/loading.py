@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from crosscheck.recordings.checks import cell_findings, channel_findings, motion_findings, value_findings
 from crosscheck.recordings.clock import blocks_of, stamp_findings, step_findings
 from crosscheck.recordings.conversion import RecordedColumn, joint_channels, mapped_columns, sliding_joints
+from crosscheck.recordings.delays import with_delays_undone
 from crosscheck.recordings.errors import BadMapping, BadRecordingFile, DirtyRecording
 from crosscheck.recordings.findings import DROPPABLE, DROPPED_UNASKED, RecordingFinding, spans
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping
@@ -86,9 +87,10 @@ def load_recording(
         **channels,
         block=blocks_of(t),
         rows=np.flatnonzero(kept),
-        provenance=Provenance(content.files, content.mapping.source, tuple(steps)),
+        provenance=Provenance(content.files, content.mapping.source, tuple(steps), content.mapping),
         findings=tuple(content.findings),
     )
+    recording = with_delays_undone(recording, content.mapping)
     return recording if joints is None else reordered(recording, joints)
 
 

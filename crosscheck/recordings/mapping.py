@@ -16,6 +16,7 @@ file = "pos_*.csv"                     # where several files hold the columns of
 side = "motor"                         # the columns are in front of the transmission; "joint" unless given
 sign = [1, -1]                         # per column
 gain = [0.11, 0.11]                    # [tau] only: torque in SI per unit of the column, from a current
+delay = 0.02                           # [tau] only: by how many seconds it was recorded late, or one per joint
 offset = [0, 90]                       # [q] only: added to the joint coordinate
 offset_unit = "deg"
 [transmission]
@@ -53,7 +54,7 @@ QUANTITIES = ("q", "v", "a", "tau")
 SI_UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s^2", "tau": "N m"}
 _TOP = ("joints", "rate", "prismatic", "delimiter", "topic", "time", *QUANTITIES, "transmission")
 _CHANNEL = ("columns", "unit", "file", "side", "sign")
-_ONLY_IN = {"q": ("offset", "offset_unit"), "tau": ("gain",)}
+_ONLY_IN = {"q": ("offset", "offset_unit"), "tau": ("gain", "delay")}
 
 
 @dataclass(frozen=True)
@@ -64,6 +65,8 @@ class Channel:
     factor: SI value per number in the column: unit, sign and gain    (n,)
     offset: added behind the transmission                             (n,)
     slides: per joint, whether it slides according to the unit; None where the unit is one of either
+    sign: the part of the factor that is a sign             (n,), ones where there is none
+    delay: by how much the joint's values were recorded late  (n,) [s], zero where there is none
     """
 
     columns: tuple[str | int, ...]
@@ -72,6 +75,18 @@ class Channel:
     slides: tuple[bool | None, ...]
     file: str = "*"
     motor: bool = False
+    sign: Array | None = None
+    delay: Array | None = None
+
+    @property
+    def signs(self) -> Array:
+        """(n,)"""
+        return np.ones(len(self.columns)) if self.sign is None else self.sign
+
+    @property
+    def delays(self) -> Array:
+        """(n,) [s]"""
+        return np.zeros(len(self.columns)) if self.delay is None else self.delay
 
 
 @dataclass(frozen=True)
@@ -210,6 +225,8 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
         tuple(unit.slides for unit in known),
         file=toml_text(table, "file", where) or "*",
         motor=side == "motor",
+        sign=sign,
+        delay=toml_numbers(table, "delay", n, 0.0, where),
     )
 
 

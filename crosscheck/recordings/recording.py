@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.recordings.findings import RecordingFinding
+from crosscheck.recordings.mapping import ColumnMapping
 from crosscheck.recordings.virtual_recording_columns import JOINT_UNITS
 from graphdyn import InvalidInput
 from graphdyn._virtual_recording import VirtualRecording
@@ -27,11 +28,13 @@ class Provenance:
     files: as given
     mapping: how its columns were found: a mapping file, or "by name"
     steps: the operations on the numbers since, in order
+    columns: the mapping itself; None for a recording that was made otherwise
     """
 
     files: tuple[str, ...] = ()
     mapping: str = ""
     steps: tuple[str, ...] = ()
+    columns: ColumnMapping | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,6 +201,7 @@ def concatenated(recordings: Sequence[Recording]) -> Recording:
         tuple(name for recording in recordings for name in recording.provenance.files),
         ", ".join(dict.fromkeys(recording.provenance.mapping for recording in recordings)),
         tuple(dict.fromkeys(step for recording in recordings for step in recording.provenance.steps)),
+        first.provenance.columns,
     )
     return replace(
         first,

@@ -16,6 +16,7 @@ import numpy as np
 
 from crosscheck.recordings.batches import tables
 from crosscheck.recordings.conversion import joint_channels, mapped_columns, sliding_joints
+from crosscheck.recordings.delays import refuse_delays
 from crosscheck.recordings.derivatives import differentiated
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.loading import reordered
@@ -98,6 +99,7 @@ class StreamedRecording:
         for table in tables(path, mapping.delimiter if mapping else None, self.window):
             if mapping is None:
                 mapping = mapping_by_name(table, self.joints, self.rate)[0]
+            refuse_delays(mapping)
             columns = mapped_columns([table], mapping)
             rows = np.arange(count, count + len(table.values))
             if mapping.time:

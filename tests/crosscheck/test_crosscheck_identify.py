@@ -197,8 +197,8 @@ class TestHoldingOut:
         said = []
         held_out = {"held_out": Folds(folds)} if folds else {}
         identified(["ols", "wls"], progress=said.append, **held_out)
-        assert len(said) == 2 + 2 * (1 + folds)
-        assert said[:3] == ["filter", "read", "OLS"]
+        assert len(said) == 3 + 2 * (1 + folds)
+        assert said[:4] == ["health", "filter", "read", "OLS"]
 
     def test_a_method_that_fails_in_a_fold_fails(self):
         calls = []

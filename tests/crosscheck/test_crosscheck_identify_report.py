@@ -61,7 +61,7 @@ class TestMethods:
         nothing = dataclasses.replace(found, comparison=dataclasses.replace(found.comparison, results=(graph,)))
         report = identify_report(nothing, None)
         assert (report.verdict.words, report.verdict.reason) == ("no usable model", "No method has a result.")
-        assert [part.key for part in report.sections] == ["recording", "methods", "excitation", "end"]
+        assert [part.key for part in report.sections] == ["recording", "health", "methods", "excitation", "end"]
         assert f"graph method: failed: {WHY}" in as_text(report)
 
 

@@ -13,6 +13,7 @@ from markupsafe import Markup
 from crosscheck.identifying import Identified
 from crosscheck.identifying.parameters import correlation_of, deviations_of
 from crosscheck.identifying.recommending import joint_errors, mean_error, real
+from crosscheck.report.commands.identified_health import doubts_sections, excitation_table, health_section
 from crosscheck.report.commands.identified_model import parameters_section, torques_section
 from crosscheck.report.pictures.method_errors import method_errors, singular_values
 from crosscheck.report.records.identify import record
@@ -49,6 +50,8 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
         _verdict(found),
         (
             Section("recording", "", (_overview(found, shown),)),
+            *doubts_sections(found),
+            health_section(found),
             Section("methods", "Methods", _methods_blocks(found)),
             *model,
             Section("excitation", "What the motion excites", _excitation(found)),
@@ -61,7 +64,8 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
 def _verdict(found: Identified) -> Verdict:
     chosen = found.recommendation
     if chosen.name is None:
-        return Verdict("disagrees", "no usable model", f"{chosen.reason[0].upper()}{chosen.reason[1:]}.")
+        reason = chosen.reason.partition(": ")[0] if chosen.doubts else chosen.reason
+        return Verdict("disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.")
     return Verdict("agrees", f"use {chosen.name}", f"It is {chosen.reason}.")
 
 
@@ -210,6 +214,7 @@ def _excitation(found: Identified) -> tuple[Block, ...]:
         "not at all"
     )
     return (
+        excitation_table(found),
         Picture(lambda key: singular_values(key, _singular_values(found)), caption),
         *_listed("Not determined by this recording", comparison.lost, folded=False),
         *_listed(shared, comparison.undetermined, folded=True),

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
+from crosscheck.identifying.health import Health
 from crosscheck.identifying.parameters import base_rows, body_rows, correlation_of, deviations_of
 from crosscheck.identifying.recommending import mean_error
 from crosscheck.identifying.result import Identified
@@ -15,6 +16,7 @@ from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number,
 from crosscheck.report.versions import versions
 from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn.identification import MethodResult, ResidualStatistics
+from graphdyn.identification.health import excitation
 
 Inertial = Annotated[
     Mapping[str, float],
@@ -89,6 +91,93 @@ class RecordingRecord:
 
     findings: Sequence[IdentifyFindingRecord]
     """What is odd in the files, see recordings.md."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HealthFindingRecord:
+    """A fault of the recording, or a doubt."""
+
+    code: str
+    """Stable name."""
+
+    severity: Literal["fault", "warning"]
+    """fault: no model is recommended."""
+
+    joints: Sequence[str]
+    """Whose columns."""
+
+    message: str
+    """What."""
+
+    remedy: str
+    """What to do."""
+
+    lines: Sequence[str]
+    """Of the mapping file, over those that are there; empty where no mapping helps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HealthRecord:
+    """What the recordings of the fit show of themselves."""
+
+    findings: Sequence[HealthFindingRecord]
+    """In the order in which to correct them."""
+
+    unseen: Sequence[str]
+    """What they cannot show, and the test that would."""
+
+    gain: Sequence[Number]
+    """Of measured on predicted torque, CAD and fitted drives, per joint, in the order of joint_names."""
+
+    gain_deviation: Sequence[Number]
+    """Standard deviation of the gain."""
+
+    gain_share: Sequence[Number]
+    """Part of the torque that gain and CAD explain; below 0.3 the gain says little."""
+
+    sign_cost: Sequence[Number]
+    """Rise of Σ log ‖e_j‖ with the torque of this joint reversed; the sign is clear from 0.5 on."""
+
+    delay: Number
+    """Of all torques behind the motion [s]."""
+
+    delay_deviation: Number
+    """Standard deviation of the delay [s]."""
+
+    joint_delays: Sequence[Number]
+    """Of each torque, the others as `delay` [s]."""
+
+    joint_delay_deviations: Sequence[Number]
+    """Standard deviations of them [s]."""
+
+    residual: Sequence[Number]
+    """‖e‖ / ‖τ‖ of the fit with masses and friction not negative."""
+
+    free_residual: Sequence[Number]
+    """The same without this bound."""
+
+    standstill: Sequence[Number]
+    """Share of rows with |v| ≤ 0.02 rad/s or m/s."""
+
+    clipped: Sequence[Number]
+    """Share of rows with the torque held at an end of its range."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExcitationRecord:
+    """How well the recording excites a group of parameters."""
+
+    name: str
+    """Of the group."""
+
+    determined: int
+    """Base parameters that the recording determines."""
+
+    structural: int
+    """Base parameters that any motion could determine."""
+
+    weakest: Number
+    """Smallest singular value of what no other group can imitate; 1 is best."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -352,6 +441,18 @@ class IdentifyRecord:
     reason: str
     """Why this one, or why none."""
 
+    best: str | None
+    """Name of the method that would be recommended without the doubts; null where no result is consistent."""
+
+    doubts: Sequence[str]
+    """Why it is not recommended, joint by joint."""
+
+    health: HealthRecord | None
+    """What the recordings of the fit show of themselves; null where they are too short."""
+
+    excitation: Sequence[ExcitationRecord]
+    """How well they excite each group of parameters."""
+
     recording: RecordingRecord
     """What was fitted and predicted."""
 
@@ -407,6 +508,10 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         usable=found.usable,
         recommended=found.recommendation.name,
         reason=found.recommendation.reason,
+        best=found.recommendation.best,
+        doubts=found.recommendation.doubts,
+        health=None if found.health is None else _health(found.health),
+        excitation=[taken(ExcitationRecord, group) for group in excitation(found.problem)],
         recording=_recording(found),
         parameters=[taken(ParameterRecord, column) for column in found.torque_model.columns],
         base_parameters=[
@@ -434,6 +539,26 @@ def _recording(found: Identified) -> RecordingRecord:
         findings=[
             taken(IdentifyFindingRecord, finding) for recording in found.recordings for finding in recording.findings
         ],
+    )
+
+
+def _health(health: Health) -> HealthRecord:
+    measures = health.measures
+    return HealthRecord(
+        findings=[taken(HealthFindingRecord, finding) for finding in health.findings],
+        unseen=health.unseen,
+        gain=measures.gains.gain.tolist(),
+        gain_deviation=measures.gains.deviation.tolist(),
+        gain_share=measures.gains.share.tolist(),
+        sign_cost=measures.sign_costs.tolist(),
+        delay=measures.lag.common,
+        delay_deviation=measures.lag.deviation,
+        joint_delays=measures.lag.joints.tolist(),
+        joint_delay_deviations=measures.lag.deviations.tolist(),
+        residual=measures.errors.tolist(),
+        free_residual=measures.free_errors.tolist(),
+        standstill=measures.channels.standstill.tolist(),
+        clipped=measures.channels.clipped.tolist(),
     )
 
 

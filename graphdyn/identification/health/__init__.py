@@ -1,0 +1,25 @@
+"""The health of a recording: faults that can be seen in it, and what cannot be seen, before anything is identified."""
+
+from graphdyn.identification.health.changes import Change, ChangeKind
+from graphdyn.identification.health.channels import Channels
+from graphdyn.identification.health.excitation import Excitation, excitation
+from graphdyn.identification.health.gain import Gains
+from graphdyn.identification.health.lag import Lag
+from graphdyn.identification.health.recorded_columns import RecordedColumns
+from graphdyn.identification.health.recording_health import Fault, RecordingHealth, recording_health
+from graphdyn.identification.health.thinning import Piece
+
+__all__ = [
+    "Change",
+    "ChangeKind",
+    "Channels",
+    "Excitation",
+    "Fault",
+    "Gains",
+    "Lag",
+    "Piece",
+    "RecordedColumns",
+    "RecordingHealth",
+    "excitation",
+    "recording_health",
+]

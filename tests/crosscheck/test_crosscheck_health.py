@@ -1,0 +1,263 @@
+"""Findings about recordings, the mapping lines that undo them, and the verdict that depends on them."""
+
+import functools
+import json
+import tomllib
+from dataclasses import replace
+
+import identified_arm
+import numpy as np
+import pytest
+import spoilt_recordings
+from shared_data import DATA, existing
+
+from crosscheck.identifying import friction_terms, virtual_robot
+from crosscheck.identifying.baselines import Baselines
+from crosscheck.identifying.doubts import doubts, residual_ratio
+from crosscheck.identifying.health import health
+from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
+from crosscheck.report.commands.identify import identify_report
+from crosscheck.report.text import as_text
+from graphdyn.identification import TorqueModel
+
+RATE = 100.0
+"""[Hz] Of the files."""
+
+
+@functools.cache
+def arm():
+    return virtual_robot("ur5", friction_terms(["viscous", "coulomb"], width=0.05), seconds=10.0)
+
+
+def health_of(recording):
+    return health(arm().torque_model, [recording], identified_arm.CUTOFF)
+
+
+NAMES = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint")
+
+RIGHT = {
+    "q": {
+        "columns": [f"q_{k}" for k in range(1, 7)],
+        "unit": "rad",
+        "sign": [1, 1, 1, -1, 1, 1],
+        "offset": [0, 90, -90, 0, 0, 0],
+        "offset_unit": "deg",
+    },
+    "tau": {"columns": [f"tau_{k}" for k in range(1, 7)], "unit": "N m", "sign": [1, 1, 1, 1, -1, 1]},
+}
+"""The mapping that fits the file: columns have signs and zeros of their own."""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    recording, every = arm().fitted, round(250 / RATE)
+    from scipy.signal import decimate
+
+    q = decimate(recording.q, every, ftype="fir", axis=0) - np.deg2rad(RIGHT["q"]["offset"])
+    tau = decimate(recording.tau, every, ftype="fir", axis=0)
+    columns = np.column_stack([q * RIGHT["q"]["sign"], tau * RIGHT["tau"]["sign"]])
+    path = tmp_path_factory.mktemp("health") / "log.csv"
+    header = ",".join([*RIGHT["q"]["columns"], *RIGHT["tau"]["columns"]])
+    np.savetxt(path, columns, delimiter=",", header=header, comments="")
+    return path
+
+
+def loaded(file, tables):
+    """The recording as a mapping with these tables reads it; texts and lists are written alike in JSON and TOML."""
+    lines = [f"joints = {json.dumps(NAMES)}", f"rate = {250 / round(250 / RATE)}"]
+    for name, table in tables.items():
+        lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
+    mapping = file.parent / "mapping.toml"
+    mapping.write_text("\n".join(lines), encoding="utf-8")
+    return load_recording(file, mapping, joints=NAMES)
+
+
+def wrong(name, **values):
+    return RIGHT | {name: RIGHT[name] | values}
+
+
+MISTAKES = {
+    "reversed-torque": wrong("tau", sign=[1, 1, -1, 1, -1, 1]),
+    "reversed-position": wrong("q", sign=[1, -1, 1, -1, 1, 1]),
+    "exchanged-torques": wrong("tau", columns=["tau_1", "tau_3", "tau_2", "tau_4", "tau_5", "tau_6"]),
+    "exchanged-positions": wrong("q", columns=["q_1", "q_3", "q_2", "q_4", "q_5", "q_6"]),
+    "zero": wrong("q", offset=[0, 90, 0, 0, 0, 0]),
+    "radians": wrong("q", unit="deg"),
+    "late-torque": wrong("tau", delay=-0.03),
+}
+
+
+class TestRemedies:
+    def test_right(self, file):
+        assert health_of(loaded(file, RIGHT)).findings == ()
+
+    @pytest.mark.parametrize("code", MISTAKES)
+    def test_pasted_lines_undo_the_mistake(self, file, code):
+        found = health_of(loaded(file, MISTAKES[code]))
+        finding = found.findings[0]
+        assert (finding.code, finding.severity) == (code, "fault")
+        pasted = tomllib.loads("\n".join(finding.lines))
+        mended = {name: table | pasted.get(name, {}) for name, table in MISTAKES[code].items()}
+        again = health_of(loaded(file, mended))
+        assert again.findings == ()
+        np.testing.assert_allclose(again.measures.errors, health_of(loaded(file, RIGHT)).measures.errors, rtol=0.1)
+
+
+class TestWords:
+    def test_of_a_reversed_torque(self, file):
+        (finding,) = health_of(loaded(file, MISTAKES["reversed-torque"])).findings
+        assert finding.message.startswith(
+            "the torque of elbow_joint is reversed: undone, the equations of motion fit with "
+        )
+        assert finding.text.endswith("[reversed-torque]")
+        assert finding.joints == ("elbow_joint",)
+        assert finding.lines == ("[tau]", "sign = [1, 1, 1, 1, -1, 1]")
+
+    def test_of_a_delay(self, file):
+        (finding,) = health_of(loaded(file, MISTAKES["late-torque"])).findings
+        assert finding.message.startswith("the torques were recorded 30.")
+
+    def test_of_channels(self):
+        recording = arm().fitted
+        tau = np.array(recording.tau)
+        tau[:, 3], tau[:, 4] = tau[:, 1], 0.0
+        found = health_of(replace(recording, tau=tau))
+        assert [finding.text for finding in found.faults] == [
+            "the torques of shoulder_lift_joint and wrist_1_joint are the same signal; name the right column for each "
+            "[duplicated]",
+            "the torque of wrist_2_joint does not change; name the right column, or lock the joint [constant-torque]",
+        ]
+
+    def test_of_units(self):
+        (finding,) = health_of(replace(arm().fitted, tau=1000 * arm().fitted.tau)).findings
+        assert (finding.code, finding.severity) == ("torque-unit", "fault")
+        assert finding.lines[0] == "[tau]"
+        assert float(finding.lines[1].split()[2]) == pytest.approx(1e-3, rel=0.3)
+
+    def test_of_noise(self):
+        found = health_of(spoilt_recordings.noise(arm().fitted))
+        assert {finding.code for finding in found.faults} == {"unrelated"}
+        assert {joint for finding in found.faults for joint in finding.joints} >= set(NAMES[1:5])
+
+    def test_of_halves(self):
+        found = health_of(spoilt_recordings.half_reversed(1)(arm().fitted))
+        assert any("contradict each other at shoulder_lift_joint" in finding.message for finding in found.faults)
+
+    def test_of_what_cannot_be_seen(self):
+        said = " ".join(health_of(arm().fitted).unseen)
+        assert "zero of shoulder_pan_joint" in said
+        assert "the URDF of a similar robot" in said
+
+    def test_too_short(self):
+        assert health_of(arm().fitted.take(slice(0, 30))) is None
+
+
+class TestDelay:
+    def test_rows_without_torque_are_cut(self, file):
+        right, late = loaded(file, RIGHT), loaded(file, wrong("tau", delay=0.048))
+        step = right.t[1] - right.t[0]
+        cut = round(0.048 / step)
+        assert abs(len(right.t) - len(late.t) - cut) <= 1
+        np.testing.assert_allclose(late.q, right.q[: len(late.q)])
+        np.testing.assert_allclose(late.tau[:-1], right.tau[cut:][: len(late.tau) - 1], rtol=1e-6, atol=1e-6)
+        assert late.provenance.steps[-1] == "torques 48 ms earlier"
+
+    def test_too_long(self, file):
+        with pytest.raises(BadMapping, match=r"\[tau\]: a delay of 50 s leaves no row"):
+            loaded(file, wrong("tau", delay=50))
+
+    def test_streamed(self, file):
+        loaded(file, wrong("tau", delay=0.05))
+        with pytest.raises(BadMapping, match="delay is not possible for a recording that is streamed"):
+            next(iter(StreamedRecording(file, mapping=file.parent / "mapping.toml", cutoff=10.0)))
+
+
+class TestVerdict:
+    def test_clean(self):
+        found = identified_arm.identified()
+        assert found.usable
+        assert found.recommendation.doubts == ()
+
+    def test_a_fault_of_the_recording(self):
+        clean = identified_arm.virtual()
+        spoilt = replace(clean.fitted, tau=clean.fitted.tau * [1, -1, 1])
+        from crosscheck import identify
+
+        found = identify(
+            clean.subject.model, spoilt, terms=clean.torque_model.terms, methods=["wls", "consistent"],
+            preparation=identified_arm.CUTOFF, poses=20,
+        )  # fmt: skip
+        assert not found.usable
+        assert found.recommendation.name is None
+        assert found.recommendation.doubts
+        text = as_text(identify_report(found, found.shown()))
+        assert "no usable model" in text
+        assert "Why no model is recommended" in text
+        assert "Lines of the file of --mapping" in text
+
+    def test_every_joint_counts(self):
+        found = identified_arm.compared()
+        best = found.comparison.of(found.recommendation.name)
+        sizes = best.held_out.moving
+        names, joints = found.torque_model.model.joint_names, np.arange(3)
+
+        def doubted(relative, constant=None, cad=None):
+            held_out = replace(best.held_out, moving=replace(sizes, relative=np.array(relative)))
+            changed = {
+                "constant": found.baselines.constant if constant is None else replace(
+                    found.baselines.constant, moving=replace(sizes, relative=np.array(constant))),
+                "cad": found.baselines.cad if cad is None else replace(
+                    found.baselines.cad, moving=replace(sizes, relative=np.array(cad))),
+            }  # fmt: skip
+            return doubts(replace(best, held_out=held_out), found.problem, names, Baselines(**changed), None)
+
+        assert len(joints) == len(names)
+        assert doubted([0.01, 0.01, 0.01], cad=[0.5, 0.5, 0.5], constant=[1, 1, 1]) == ()
+        (said,) = doubted([0.01, 0.6, 0.01], cad=[0.5, 0.5, 0.5], constant=[1, 1, 1])
+        assert said == f"{names[1]} is predicted with an error of 60.0 %, more than 50.0 %"
+        (said,) = doubted([0.01, 0.01, 0.3], cad=[0.5, 0.5, 0.5], constant=[1, 1, 0.2])
+        assert said == f"{names[2]} is predicted no better than by a constant: 30.0 % against 20.0 %"
+        (said,) = doubted([0.01, 0.01, 0.3], cad=[0.5, 0.5, 0.1], constant=[1, 1, 1])
+        assert said == f"{names[2]} is predicted worse than by CAD with fitted drives: 30.0 % against 10.0 %"
+        said = doubted([0.12, 0.12, 0.12], cad=[0.1, 0.1, 0.1], constant=[1, 1, 1])
+        assert said == (
+            "CAD with fitted drives predicts better on the mean over the joints: 10.0 % against 12.0 %; use "
+            "--known-bodies",
+        )
+
+    def test_a_residual_that_real_bodies_do_not_explain(self):
+        found = identified_arm.compared()
+        best = found.comparison.of("consistent")
+        np.testing.assert_allclose(residual_ratio(found.problem, best.base_values), 1.0, atol=0.2)
+        far = replace(best, base_values=2 * best.base_values)
+        names = found.torque_model.model.joint_names
+        said = doubts(far, found.problem, names, found.baselines, None)
+        assert any("times that of parameters without constraints" in words for words in said)
+
+
+@pytest.mark.parametrize("name", ["ur10", "tx40", "kr300"])
+class TestRealRecordings:
+    """A few of the variants of tests/helpers/spoilt_recordings.py, without any fit."""
+
+    def judged(self, name, variant):
+        existing(DATA / "data" / name)
+        (chosen,) = [known for known in spoilt_recordings.variants(name) if known.name == variant]
+        return spoilt_recordings.judged(name, chosen, fitted=False)
+
+    def test_clean(self, name):
+        row = self.judged(name, "clean")
+        assert row.health.findings == ()
+        assert row.health.unseen
+
+    @pytest.mark.parametrize("variant", ["tau4 reversed", "q2, q3 exchanged", "tau 20 ms early"])
+    def test_spoilt(self, name, variant):
+        assert self.judged(name, variant).right
+
+
+def test_health_of_known_bodies_alone():
+    """Drives and payload are identified, the links are those of CAD."""
+    from graphdyn.identification.terms import KnownBodies
+
+    terms = tuple(friction_terms(["viscous", "coulomb"], width=0.05))
+    model = TorqueModel(arm().subject.model, terms, (KnownBodies(),))
+    assert health(model, [arm().fitted], identified_arm.CUTOFF) is not None

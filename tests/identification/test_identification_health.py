@@ -1,0 +1,263 @@
+"""The health of a recording: planted faults are found and named, clean recordings have none, delays are exact."""
+
+import functools
+
+import numpy as np
+import pytest
+from scipy.signal import butter, sosfiltfilt
+
+import graphdyn
+from graphdyn import InvalidInput
+from graphdyn.identification import Problem, Samples, TorqueModel
+from graphdyn.identification.health import Piece, RecordedColumns, excitation, recording_health
+from graphdyn.identification.health.bounded_fit import BoundedFit
+from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
+from graphdyn.motion_laws import FourierSeries
+
+PERIOD, SECONDS, CUTOFF = 0.01, 10.0, 10.0
+"""[s], [s], [Hz]"""
+NOISE = 0.01
+"""Of the torques, relative to their root mean square."""
+
+WITHIN = 1e-3
+"""[s] Largest error of a delay."""
+
+WIDTH = 0.05
+"""[rad/s] Of the smooth sign of Coulomb friction."""
+
+
+@functools.cache
+def torque_model():
+    return TorqueModel(graphdyn.kr500(), (RigidBodies(), Viscous(), Coulomb(WIDTH), Offset()))
+
+
+@functools.cache
+def torque_at():
+    """The motion of the robot, and its torque at any time, exact."""
+    robot, rng = graphdyn.kr500(), np.random.default_rng(3)
+    laws = [FourierSeries(0.1, *0.4 * rng.normal(size=(2, 5)), 0.3 * j) for j in range(6)]
+    x = torque_model().prior()
+    friction = np.concatenate([np.full(6, 300.0), np.full(6, 200.0), np.zeros(6)])
+    x[-18:] = friction
+
+    def motion(t):
+        return [np.stack(part, axis=1) for part in zip(*(law(t) for law in laws), strict=True)]
+
+    def torque(t):
+        q, v, a = motion(t)
+        return torque_model().torque(Samples(q, v, a, np.zeros_like(q)), x)
+
+    assert robot.n_bodies == 6
+    return motion, torque
+
+
+def recording(late=0.0):
+    """One piece; the torques of all joints, or of each, are recorded late [s]."""
+    motion, torque = torque_at()
+    t = np.arange(0, SECONDS, PERIOD)
+    late = np.broadcast_to(late, 6)
+    tau = np.column_stack([torque(t - seconds)[:, j] for j, seconds in enumerate(late)])
+    tau = tau + NOISE * np.sqrt(np.mean(tau**2, axis=0)) * np.random.default_rng(0).normal(size=tau.shape)
+    sections = butter(4, CUTOFF, fs=1 / PERIOD, output="sos")
+    return Piece(Samples(*(sosfiltfilt(sections, values, axis=0) for values in (*motion(t), tau))), PERIOD)
+
+
+def changed(**matrices):
+    piece = recording()
+    return Piece(RecordedColumns.of_joints(6).changed(piece.samples, **matrices), PERIOD)
+
+
+@functools.cache
+def clean():
+    return recording_health(torque_model(), [recording()])
+
+
+def signs(*joints):
+    return np.diag([-1.0 if j in joints else 1.0 for j in range(6)])
+
+
+def exchange(i, j):
+    order = np.arange(6)
+    order[[i, j]] = j, i
+    return np.eye(6)[order]
+
+
+class TestClean:
+    def test_no_fault(self):
+        assert clean().faults == ()
+
+    def test_gains(self):
+        """CAD is the truth, but rotors and friction are fitted along."""
+        g = clean().gains
+        heavy = g.share > 0.3
+        assert heavy.sum() >= 3
+        np.testing.assert_allclose(g.gain[heavy], 1.0, atol=0.05)
+        assert np.all(np.abs(g.gain - 1)[heavy] < 6 * g.deviation[heavy])
+
+    def test_errors_are_the_noise(self):
+        """The low-pass takes most of it, and rounds the friction where a joint turns back."""
+        assert np.all(clean().errors < 1.5 * NOISE)
+        assert np.all(clean().halves < 1.5 * NOISE)
+        np.testing.assert_allclose(clean().free_errors, clean().errors, rtol=0.05)
+
+    def test_a_turned_base_is_unseen(self):
+        zeros = {change.joints for change in clean().unseen if change.kind == "zero"}
+        assert {(0,), (5,)} >= zeros  # the first axis is upright, the last body nearly round
+        assert (0,) in zeros
+
+
+class TestFaults:
+    @pytest.mark.parametrize(
+        ("kind", "joints", "matrices"),
+        [
+            ("reversed torque", (3,), {"torque": signs(3)}),
+            ("reversed position", (1,), {"position": signs(1), "velocity": signs(1)}),
+            ("exchanged torques", (1, 2), {"torque": exchange(1, 2)}),
+            ("exchanged positions", (1, 2), {"position": exchange(1, 2), "velocity": exchange(1, 2)}),
+            ("exchanged joints", (2, 4), dict.fromkeys(("position", "velocity", "torque"), exchange(2, 4))),
+            ("all torques reversed", tuple(range(6)), {"torque": -np.eye(6)}),
+            ("zero", (2,), {"zero": np.deg2rad([0, 0, 90, 0, 0, 0])}),
+            ("scaled torque", (2,), {"torque": np.diag([1, 1, 1000, 1, 1, 1])}),
+        ],
+    )
+    def test_one_is_found(self, kind, joints, matrices):
+        found = recording_health(torque_model(), [changed(**matrices)])
+        (fault,) = found.faults
+        assert (fault.change.kind, fault.change.joints) == (kind, joints)
+        np.testing.assert_allclose(fault.after, clean().errors, rtol=0.1)
+
+    def test_degrees(self):
+        scale = np.eye(6) * 180 / np.pi
+        found = recording_health(torque_model(), [changed(position=scale, velocity=scale)])
+        assert [fault.change.kind for fault in found.faults] == ["degrees"]
+
+    def test_two_are_found_one_after_the_other(self):
+        matrices = {"torque": signs(3), "position": exchange(1, 2), "velocity": exchange(1, 2)}
+        found = recording_health(torque_model(), [changed(**matrices)])
+        kinds = {(fault.change.kind, fault.change.joints) for fault in found.faults}
+        assert kinds == {("reversed torque", (3,)), ("exchanged positions", (1, 2))}
+        np.testing.assert_allclose(found.faults[-1].after, clean().errors, rtol=0.1)
+
+    def test_position_that_contradicts_its_velocity(self):
+        found = recording_health(torque_model(), [changed(position=signs(1))])
+        (fault,) = found.faults
+        assert (fault.change.kind, fault.change.alone) == ("reversed position", "position")
+        assert found.channels.velocity_gain[1] == pytest.approx(-1, abs=1e-3)
+
+    def test_columns_in_front_of_a_coupled_transmission(self):
+        """The motor of the last axis turns along with the fifth: its reversed column spoils two joints."""
+        matrix = np.eye(6)
+        matrix[5, 4] = 1.0
+        columns = RecordedColumns(np.linalg.inv(matrix), matrix.T, np.array([0, -1.5, 1.5, 0, 0, 0]))
+        piece = Piece(columns.changed(recording().samples, torque=signs(5)), PERIOD)
+        (fault,) = recording_health(torque_model(), [piece], columns=columns).faults
+        assert (fault.change.kind, fault.change.joints) == ("reversed torque", (5,))
+
+    def test_a_reversed_column_with_an_offset(self):
+        columns = RecordedColumns(np.eye(6), np.eye(6), np.array([0, -1.5, 1.5, 0, 0, 0]))
+        piece = Piece(columns.changed(recording().samples, position=signs(2), velocity=signs(2)), PERIOD)
+        (fault,) = recording_health(torque_model(), [piece], columns=columns).faults
+        assert (fault.change.kind, fault.change.joints, fault.change.zero) == ("reversed position", (2,), None)
+
+
+class TestDelays:
+    @pytest.mark.parametrize("seconds", [-0.02, 0.0073, 0.02, 0.1])
+    def test_of_all_joints(self, seconds):
+        found = recording_health(torque_model(), [recording(seconds)])
+        assert found.lag.common == pytest.approx(seconds, abs=WITHIN)
+        assert abs(found.lag.common - seconds) < 6 * found.lag.deviation
+        assert [fault.change.kind for fault in found.faults][:1] == ["late torque"]
+
+    def test_of_one_joint(self):
+        found = recording_health(torque_model(), [recording([0, 0, 0.03, 0, 0, 0])])
+        assert [(fault.change.kind, fault.change.joints) for fault in found.faults] == [("late torque", (2,))]
+        assert found.faults[0].change.factor == pytest.approx(0.03, abs=WITHIN)
+
+    def test_none(self):
+        assert abs(clean().lag.common) < WITHIN
+        assert clean().lag.deviation < WITHIN
+
+
+class TestChannels:
+    def test_duplicated_and_constant(self):
+        samples = recording().samples
+        tau = samples.tau.copy()
+        tau[:, 4], tau[:, 5] = -2 * tau[:, 1], 7.0
+        found = recording_health(torque_model(), [Piece(Samples(samples.q, samples.v, samples.a, tau), PERIOD)])
+        assert (found.channels.duplicated_torques, found.channels.constant_torques) == (((1, 4),), (5,))
+        assert found.faults == ()
+
+    def test_clipped_and_still(self):
+        samples = recording().samples
+        v, bound = samples.v.copy(), np.quantile(samples.tau[:, 2], 0.9)
+        v[:, 0] = 0.0
+        tau = np.minimum(samples.tau, np.where(np.arange(6) == 2, bound, np.inf))
+        found = recording_health(torque_model(), [Piece(Samples(samples.q, v, samples.a, tau), PERIOD)])
+        assert found.channels.clipped[2] == pytest.approx(0.1, abs=0.06)
+        assert np.all(found.channels.clipped[[0, 1, 3, 4, 5]] == 0)
+        assert found.channels.standstill[0] == 1.0
+
+
+class TestBounds:
+    def test_without_bounds_the_fit_is_least_squares(self):
+        """On the rows that count, joints weighted by their residuals."""
+        samples = recording().samples[::10]
+        kept = np.abs(samples.v) > 0.05
+        fit = BoundedFit.of(torque_model(), samples, kept)
+        e = fit.residual(samples.tau, fit.parameters(samples.tau, bounded=False))
+        weighted = np.where(kept, e / np.nanstd(e, axis=0), 0.0)
+        gradient = np.einsum("njp,nj->p", fit.matrix / np.nanstd(e, axis=0)[:, None], weighted)
+        size = np.linalg.norm(fit.matrix.reshape(-1, fit.matrix.shape[-1]), axis=0)
+        assert np.all(np.abs(gradient) <= 1e-2 * np.linalg.norm(weighted) * size / np.nanstd(e))
+
+    def test_bounds_hold(self):
+        tau = -recording().samples.tau[::10]
+        samples = recording().samples[::10]
+        fit = BoundedFit.of(torque_model(), samples, np.ones(tau.shape, dtype=bool))
+        x = fit.parameters(tau)
+        moments = np.array([x[10 * i + np.array([4, 6, 9])] for i in range(6)])
+        assert np.all(x[:60:10] >= -1e-9)
+        assert np.all(moments.sum(axis=1, keepdims=True) - 2 * moments >= -1e-6 * np.abs(moments).max())
+        assert np.all(x[60:72] >= 0)
+        assert np.all(fit.errors(tau) > 5 * fit.errors(tau, bounded=False))
+
+
+def test_halves_that_contradict_each_other():
+    samples = recording().samples
+    tau = samples.tau.copy()
+    tau[len(tau) // 2 :, 1] *= 1.5
+    found = recording_health(torque_model(), [Piece(Samples(samples.q, samples.v, samples.a, tau), PERIOD)])
+    common, own = found.halves[:, 0, 1], found.halves[:, 1, 1]
+    assert np.all(common > 3 * own)
+
+
+def test_a_known_torque_that_refuses_other_motions():
+    """Changes of the motion are then not tried; those of the torque are."""
+    first = recording().samples.q[:, 0]
+
+    class Picky:
+        def torque(self, model, samples):
+            if not np.isin(samples.q[:, 0], first).all():
+                raise ValueError("never seen")
+            return np.zeros(samples.q.shape)
+
+    model = TorqueModel(graphdyn.kr500(), torque_model().terms, (Picky(),))
+    found = recording_health(model, [changed(torque=signs(3))])
+    assert [fault.change.kind for fault in found.faults] == ["reversed torque"]
+    assert not [change for change in found.unseen if change.joints == (0,) and change.moves]
+
+
+def test_too_short():
+    with pytest.raises(InvalidInput, match="no piece of the recording is long enough"):
+        recording_health(torque_model(), [Piece(recording().samples[:6], PERIOD)])
+
+
+def test_excitation_of_a_joint_that_never_moves():
+    piece = recording().samples
+    still = Samples(piece.q, piece.v * [1, 1, 1, 0, 1, 1], piece.a, piece.tau)
+    moving = {group.name: group for group in excitation(Problem(torque_model(), piece))}
+    resting = {group.name: group for group in excitation(Problem(torque_model(), still))}
+    assert [*moving] == ["masses and centers of mass", "inertia tensors", "viscous", "coulomb", "offset"]
+    assert (moving["viscous"].determined, moving["viscous"].structural) == (6, 6)
+    assert (resting["viscous"].determined, resting["coulomb"].determined) == (5, 5)
+    assert all(0 < group.weakest <= 1 for group in moving.values())
