@@ -15,7 +15,8 @@ from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.health import Change, Fault, RecordingHealth, recording_health
-from graphdyn.identification.health.recording_health import RIGHT_RATE, contradictions
+from graphdyn.identification.health.halves import contradictions
+from graphdyn.identification.health.searching import RIGHT_RATE
 
 CLIPPED = 0.01
 """Share of clipped rows that is told."""

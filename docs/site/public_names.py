@@ -12,6 +12,7 @@ MODULES = {
     "graphdyn.layout": "Rows and columns of stacked vectors",
     "graphdyn.identification": "Identification",
     "graphdyn.identification.terms": "Terms of the torque",
+    "graphdyn.identification.health": "Health of recordings",
     "urdf": "URDF files",
     "crosscheck": "Cross-check, judge, recordings, identification from files",
     "crosscheck.identifying": "Options of an identification from files",

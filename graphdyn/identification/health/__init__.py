@@ -6,7 +6,8 @@ from graphdyn.identification.health.excitation import Excitation, excitation
 from graphdyn.identification.health.gain import Gains
 from graphdyn.identification.health.lag import Lag
 from graphdyn.identification.health.recorded_columns import RecordedColumns
-from graphdyn.identification.health.recording_health import Fault, RecordingHealth, recording_health
+from graphdyn.identification.health.recording_health import RecordingHealth, recording_health
+from graphdyn.identification.health.searching import Fault
 from graphdyn.identification.health.thinning import Piece
 
 __all__ = [
