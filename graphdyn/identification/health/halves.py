@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.health.bounded_fit import SMALLEST, BoundedFit
+from graphdyn.identification.health.bounded_fit import BoundedFit
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.layout import Array
@@ -32,9 +32,3 @@ def contradictions(halves: Array) -> NDArray[np.bool_]:
     """In which half, and at which joint, a recording contradicts its other half (2, n). halves: of RecordingHealth"""
     common, own = halves[:, 0], halves[:, 1]
     return np.asarray(common > np.maximum(CONTRADICTED * own, WORTH))
-
-
-def gained_apart(halves: Array) -> float:
-    """By how much Σ log ‖e_j‖ falls if each half has parameters of its own."""
-    common, own = np.maximum(halves[:, 0], SMALLEST), halves[:, 1]
-    return float(np.sum(np.mean(np.log(common / own), axis=0)))

@@ -18,7 +18,7 @@ from graphdyn.identification.health.bounded_fit import BoundedFit
 from graphdyn.identification.health.changes import Change
 from graphdyn.identification.health.channels import Channels, channels
 from graphdyn.identification.health.gain import Gains, gains
-from graphdyn.identification.health.halves import contradictions, gained_apart, halves_apart
+from graphdyn.identification.health.halves import contradictions, halves_apart
 from graphdyn.identification.health.lag import Lag, lag
 from graphdyn.identification.health.recorded_columns import RecordedColumns
 from graphdyn.identification.health.searching import Fault, search, variation
@@ -86,9 +86,9 @@ def recording_health(
         unseen: tuple[Change, ...] = ()
         halves = halves_apart(torque_model, thinned.samples, fit)
         if not (raw.constant_torques or raw.duplicated_torques or raw.duplicated_positions):
-            faults, unseen = search(torque_model, pieces, columns, kept, found_gains)
-        if faults and contradictions(halves).any() and gained_apart(halves) > faults[0].gained:
-            faults = ()  # something changed in between, and no change of the whole recording undoes it
+            faults, unseen, left = search(torque_model, pieces, columns, kept, found_gains)
+            if contradictions(halves).any() and contradictions(left).any():
+                faults = ()  # something changed in between, and no change of the whole recording undoes it
         return RecordingHealth(
             joint_names=model.independent_joints,
             faults=faults,

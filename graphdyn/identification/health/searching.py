@@ -13,6 +13,7 @@ from graphdyn.identification.health.bounded_fit import SMALLEST, BoundedFit
 from graphdyn.identification.health.changes import Change, changes, scales
 from graphdyn.identification.health.channels import rate_gain
 from graphdyn.identification.health.gain import Gains, gains
+from graphdyn.identification.health.halves import halves_apart
 from graphdyn.identification.health.lag import lag
 from graphdyn.identification.health.recorded_columns import RecordedColumns
 from graphdyn.identification.health.thinning import Piece, ThinnedRecording
@@ -88,8 +89,8 @@ def search(
     columns: RecordedColumns,
     kept: NDArray[np.bool_],
     found_gains: Gains,
-) -> tuple[tuple[Fault, ...], tuple[Change, ...]]:
-    """The faults, and the changes that the recording cannot tell once they are undone."""
+) -> tuple[tuple[Fault, ...], tuple[Change, ...], Array]:
+    """The faults, the changes that the recording cannot tell once they are undone, and its halves then (2, 2, n)."""
     model = torque_model.model
     slides = [model.joints[k].is_prismatic for k in model.freedoms.independent]
     faults: list[Fault] = []
@@ -102,9 +103,8 @@ def search(
         trials = [*_tried(torque_model, thinned.samples, fit, columns, considered), *_late(torque_model, thinned, fit)]
         found = [trial for trial in trials if trial.convincing]
         if not found or len(faults) == ROUNDS:
-            return tuple(faults), tuple(
-                t.change for t in trials if -UNSEEN < t.gained < CONVINCING and t.change.kind not in NEVER_UNSEEN
-            )
+            unseen = [t.change for t in trials if -UNSEEN < t.gained < CONVINCING and t.change.kind not in NEVER_UNSEEN]
+            return tuple(faults), tuple(unseen), halves_apart(torque_model, thinned.samples, fit)
         largest = max(trial.gained for trial in found)
         close = [trial for trial in found if trial.gained > largest - UNSEEN]
         best = min(close, key=lambda trial: trial.cad_misfit()) if len(close) > 1 else close[0]
