@@ -31,6 +31,9 @@ LATE, SIGNIFICANT, LEAST_DELAY = 0.15, 4.0, 0.005
 sets in before a joint moves looks like shorter ones (2.3 ms with the sign of v on the TX40). On those three recordings
 delays of at most 6 ms (2.5 σ) gain 0.06 or less, further 20 ms at least 0.28."""
 
+INSIDE = 0.95
+"""Part of the times looked at in which a delay must lie: at their end there is no valley."""
+
 EXPLAINED = 0.5
 """Part of the variation of the torques, geometric mean over the joints, that a change may leave at most: where the
 torques are noise, some change always gains."""
@@ -169,7 +172,7 @@ def _late(torque_model: TorqueModel, thinned: ThinnedRecording, fit: BoundedFit)
         (tuple(range(n)), found.common, found.deviation, found.gained),
         *(((j,), found.joints[j], found.deviations[j], found.joints_gained[j]) for j in range(n)),
     ]:
-        if not abs(seconds) > max(SIGNIFICANT * deviation, LEAST_DELAY):
+        if not max(SIGNIFICANT * deviation, LEAST_DELAY) < abs(seconds) < INSIDE * thinned.span:
             continue
         lags = np.zeros(n)
         lags[list(joints)] = seconds
