@@ -136,7 +136,13 @@ def run(
     shown = found.shown(None if choose is None else options.method_shown(choose))
     deliver(identify_report(found, shown), html_file, json_file)
     if urdf_file is not None:
-        written = shown is not None and write_urdf(found, shown, robot, urdf_file.path, frozen)
+        doubted = bool(found.recommendation.doubts) and choose is None
+        if doubted:
+            say(
+                f"{urdf_file.path} is not written: no model is recommended; --choose METHOD writes one all the same",
+                "red",
+            )
+        written = shown is not None and not doubted and write_urdf(found, shown, robot, urdf_file.path, frozen)
         if not written:
             raise typer.Exit(DISAGREED)
     raise typer.Exit(AGREED if found.usable else DISAGREED)

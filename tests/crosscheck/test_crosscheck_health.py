@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 import spoilt_recordings
 from shared_data import DATA, existing
+from typer.testing import CliRunner
 
+from crosscheck.cli import app
 from crosscheck.identifying import friction_terms, virtual_robot
 from crosscheck.identifying.baselines import Baselines
 from crosscheck.identifying.doubts import doubts, residual_ratio
@@ -252,6 +254,21 @@ class TestRealRecordings:
     @pytest.mark.parametrize("variant", ["tau4 reversed", "q2, q3 exchanged", "tau 20 ms early"])
     def test_spoilt(self, name, variant):
         assert self.judged(name, variant).right
+
+
+def test_no_urdf_of_a_doubted_model(file, tmp_path, monkeypatch):
+    """Unless a method is chosen; the exit code says that there is no usable model in any case."""
+    monkeypatch.chdir(tmp_path)
+    loaded(file, MISTAKES["reversed-torque"])
+    arguments = ["identify", str(file), "--robot", "ur5", "--mapping", str(file.parent / "mapping.toml")]
+    arguments += ["--cutoff", "10", "--terms", "viscous,coulomb", "--width", "0.05", "--methods", "wls,consistent"]
+    arguments += ["--poses", "10", "--urdf", "better.urdf"]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 1
+    assert "better.urdf is not written: no model is recommended; --choose METHOD writes one all the same" in done.output
+    assert not (tmp_path / "better.urdf").exists()
+    assert CliRunner().invoke(app, [*arguments, "--choose", "consistent"]).exit_code == 1
+    assert (tmp_path / "better.urdf").exists()
 
 
 def test_health_of_known_bodies_alone():
