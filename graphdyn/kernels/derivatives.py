@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from graphdyn._coupling import Freedoms
+from graphdyn.kernels.couplings import everywhere, projected, solved
 from graphdyn.kernels.differentiation import directional, jacobian, substituted
 from graphdyn.kernels.expressions import Recorder
-from graphdyn.kernels.factorization import inverted_mass_matrix
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link
@@ -79,44 +80,41 @@ def forward_dynamics_derivatives(
     v: Columns,
     tau: Columns,
     external: Sequence[Wrench] | None = None,
+    freedoms: Freedoms | None = None,
 ) -> dict[str, list[Any]]:
     """da_dq = -M⁻¹ ∂τ/∂q, da_dv = -M⁻¹ ∂τ/∂v at the accelerations found, and da_dtau = M⁻¹ (n n each); pivots.
 
     Carpentier and Mansard, "Analytical derivatives of rigid body dynamics algorithms", Robotics: Science and Systems,
     2018. Fewer operations than to differentiate the elimination itself.
+    freedoms: of a robot with couplings
     """
-    inverse, found, pivots = _solved(links, root, q, v, tau, external)
+    inverse, found, pivots = solved(links, root, freedoms, q, v, tau, external)
     a = recorder.placeholders("a", len(links))
     required = inverse_dynamics(links, root, q, v, a, external)["tau"]
-    held = dict(zip(a, found, strict=True))
-    by_q, by_v = (
-        -(inverse @ np.array(substituted(list(part.ravel()), held), dtype=object).reshape(part.shape))
-        for part in jacobians(required, q, v)
-    )
-    return {
-        "da_dq": list(by_q.ravel()),
-        "da_dv": list(by_v.ravel()),
-        "da_dtau": list(inverse.ravel()),
-        "pivots": pivots,
-    }
+    held = dict(zip(a, everywhere(found, freedoms), strict=True))
+
+    def change(part: Scalars) -> list[Any]:
+        there = np.array(substituted(list(part.ravel()), held), dtype=object).reshape(part.shape)
+        return list((-(inverse @ projected(there, ("n", "n"), freedoms))).ravel())
+
+    by_q, by_v = map(change, jacobians(required, q, v))
+    return {"da_dq": by_q, "da_dv": by_v, "da_dtau": list(inverse.ravel()), "pivots": pivots}
 
 
 def forward_dynamics_parameter_derivatives(
-    links: Sequence[Link], root: Root, q: Columns, v: Columns, tau: Columns, external: Sequence[Wrench] | None = None
+    links: Sequence[Link],
+    root: Root,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None = None,
+    freedoms: Freedoms | None = None,
 ) -> dict[str, Any]:
-    """∂a/∂π = -M⁻¹ W at the accelerations found (n, 10 n); pivots."""
-    inverse, a, pivots = _solved(links, root, q, v, tau, external)
-    change = -(inverse @ joint_torque_regressor(links, root, q, v, a))
+    """∂a/∂π = -M⁻¹ W at the accelerations found (n, 10 bodies); pivots."""
+    inverse, found, pivots = solved(links, root, freedoms, q, v, tau, external)
+    regressor = joint_torque_regressor(links, root, q, v, everywhere(found, freedoms))
+    change = -(inverse @ projected(regressor, ("n", "10 bodies"), freedoms))
     return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": pivots}
-
-
-def _solved(
-    links: Sequence[Link], root: Root, q: Columns, v: Columns, tau: Columns, external: Sequence[Wrench] | None
-) -> tuple[Scalars, list[Any], list[Any]]:
-    """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n), and the pivots (n)."""
-    inverse, pivots = inverted_mass_matrix(links, q)
-    bias = inverse_dynamics(links, root, q, v, [0.0] * len(links), external)["tau"]
-    return inverse, list(inverse @ (np.array(tau, dtype=object) - np.array(bias, dtype=object))), pivots
 
 
 def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:

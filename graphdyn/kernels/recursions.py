@@ -185,16 +185,16 @@ RECURSIONS = {
         lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(
             x.recorder, x.links, x.root, q, v, tau, x.external
         ),
-        coupled=lambda x, q, v, tau: couplings.forward_dynamics_derivatives(
-            x.recorder, x.links, x.root, x.freedoms, q, v, tau, x.external
+        coupled=lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(
+            x.recorder, x.links, x.root, q, v, tau, x.external, x.freedoms
         ),
     ),
     "forward_dynamics_parameter_derivatives": Recursion(
         ("q", "v", "tau"),
         ("forward_dynamics_parameter_derivatives",),
         lambda x, q, v, tau: derivatives.forward_dynamics_parameter_derivatives(x.links, x.root, q, v, tau, x.external),
-        coupled=lambda x, q, v, tau: couplings.forward_dynamics_parameter_derivatives(
-            x.links, x.root, x.freedoms, q, v, tau, x.external
+        coupled=lambda x, q, v, tau: derivatives.forward_dynamics_parameter_derivatives(
+            x.links, x.root, q, v, tau, x.external, x.freedoms
         ),
     ),
     "reaction_derivatives": Recursion(
