@@ -9,8 +9,7 @@ import numpy as np
 
 from graphdyn._coupling import Freedoms
 from graphdyn.kernels.couplings import everywhere, projected, solved
-from graphdyn.kernels.differentiation import directional, jacobian, substituted
-from graphdyn.kernels.expressions import Recorder
+from graphdyn.kernels.differentiation import directional, jacobian
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link
@@ -73,7 +72,6 @@ def reaction_derivatives(
 
 
 def forward_dynamics_derivatives(
-    recorder: Recorder,
     links: Sequence[Link],
     root: Root,
     q: Columns,
@@ -89,16 +87,16 @@ def forward_dynamics_derivatives(
     freedoms: of a robot with couplings
     """
     inverse, found, pivots = solved(links, root, freedoms, q, v, tau, external)
-    a = recorder.placeholders("a", len(links))
+    a = everywhere(found, freedoms)
     required = inverse_dynamics(links, root, q, v, a, external)["tau"]
-    held = dict(zip(a, everywhere(found, freedoms), strict=True))
-
-    def change(part: Scalars) -> list[Any]:
-        there = np.array(substituted(list(part.ravel()), held), dtype=object).reshape(part.shape)
-        return list((-(inverse @ projected(there, ("n", "n"), freedoms))).ravel())
-
-    by_q, by_v = map(change, jacobians(required, q, v))
-    return {"da_dq": by_q, "da_dv": by_v, "da_dtau": list(inverse.ravel()), "pivots": pivots}
+    changes = jacobians(required, q, v, held=a)
+    by_q, by_v = (-(inverse @ projected(part, ("n", "n"), freedoms)) for part in changes)
+    return {
+        "da_dq": list(by_q.ravel()),
+        "da_dv": list(by_v.ravel()),
+        "da_dtau": list(inverse.ravel()),
+        "pivots": pivots,
+    }
 
 
 def forward_dynamics_parameter_derivatives(
@@ -126,7 +124,7 @@ def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:
     return matrix
 
 
-def jacobians(results: Columns, *variables: Columns) -> list[Scalars]:
-    """∂results/∂x (len(results), len(x)) for each x of the variables, in one sweep for all of them."""
+def jacobians(results: Columns, *variables: Columns, held: Columns = ()) -> list[Scalars]:
+    """∂results/∂x (len(results), len(x)) for each x of the variables, in one sweep for all, while others are held."""
     ends = np.cumsum([len(x) for x in variables])[:-1]
-    return np.split(jacobian(results, [column for x in variables for column in x]), ends, axis=1)
+    return np.split(jacobian(results, [column for x in variables for column in x], held), ends, axis=1)

@@ -6,7 +6,7 @@ variables. Any recursion can be differentiated; no derivative is written by hand
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
@@ -15,21 +15,22 @@ from graphdyn.kernels.expressions import Expression, Recorder, operands
 from graphdyn.kernels.vectors import Scalars, zeros
 
 
-def jacobian(results: Sequence[Any], variables: Sequence[Any]) -> Scalars:
+def jacobian(results: Sequence[Any], variables: Sequence[Any], held: Sequence[Any] = ()) -> Scalars:
     """∂results/∂variables (len(results), len(variables)). A result may be a float, and depends on nothing then.
 
     variables: inputs of the program, columns of Recorder.inputs
+    held: scalars that stay what they are while the variables change, although they are computed from them
     """
-    rows = [gradient(result, variables) for result in results]
+    rows = [gradient(result, variables, held) for result in results]
     return np.array(rows, dtype=object).reshape(len(results), len(variables))
 
 
-def gradient(result: Any, variables: Sequence[Expression]) -> Scalars:
+def gradient(result: Any, variables: Sequence[Expression], held: Sequence[Any] = ()) -> Scalars:
     """∂result/∂variables (len(variables),), of scalars as in jacobian."""
     if not isinstance(result, Expression):
         return zeros(len(variables))
     recorder = result.recorder
-    needed = _needed(recorder, [result.number])
+    needed = _needed(recorder, [result.number], _as_recorded(held))
     counts = _dependent(recorder, needed, {x.number for x in variables})
     # by how much the result grows with each operation, once all operations after it are counted
     growth: dict[int, Any] = {result.number: 1.0}
@@ -78,16 +79,26 @@ def _computed(kind: str, values: Mapping[int, Any], arguments: Sequence[int]) ->
     return x + y if kind == "+" else x - y if kind == "-" else x * y if kind == "*" else x / y
 
 
-def _needed(recorder: Recorder, numbers: Iterable[int]) -> list[int]:
-    """The operations that these need, themselves included, in order: each after its operands."""
-    found: set[int] = set()
+def _as_recorded(scalars: Sequence[Any]) -> set[int]:
+    """The operations that stand for these scalars: with -x also x, because recording moves signs outside."""
+    numbers: set[int] = set()
+    for x in scalars:
+        if isinstance(x, Expression):
+            kind, *arguments = x.recorder.operations[x.number]
+            numbers |= {x.number, *(arguments if kind == "negate" else ())}
+    return numbers
+
+
+def _needed(recorder: Recorder, numbers: Iterable[int], held: Set[int] = frozenset()) -> list[int]:
+    """The operations that these need, themselves included, without those held, in order: each after its operands."""
+    found = set(held)
     pending = list(numbers)
     while pending:
         number = pending.pop()
         if number not in found:
             found.add(number)
             pending += operands(recorder.operations[number])
-    return sorted(found)
+    return sorted(found - held)
 
 
 def _dependent(recorder: Recorder, needed: Iterable[int], variables: set[int]) -> set[int]:

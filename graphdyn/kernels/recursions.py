@@ -182,11 +182,9 @@ RECURSIONS = {
     "forward_dynamics_derivatives": Recursion(
         ("q", "v", "tau"),
         ("da_dq", "da_dv", "da_dtau"),
-        lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(
-            x.recorder, x.links, x.root, q, v, tau, x.external
-        ),
+        lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(x.links, x.root, q, v, tau, x.external),
         coupled=lambda x, q, v, tau: derivatives.forward_dynamics_derivatives(
-            x.recorder, x.links, x.root, q, v, tau, x.external, x.freedoms
+            x.links, x.root, q, v, tau, x.external, x.freedoms
         ),
     ),
     "forward_dynamics_parameter_derivatives": Recursion(

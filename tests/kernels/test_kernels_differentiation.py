@@ -72,6 +72,18 @@ def test_what_does_not_depend_on_a_variable_records_nothing():
     assert len(recorder.operations) == before
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_is_held_counts_as_a_constant(sign):
+    """Although it is computed from the variables, and also where its sign was moved outside."""
+    recorder = Recorder()
+    x, y = recorder.inputs("x", 2)
+    product = sign * (x * y)
+    rows = jacobian([product * x + product.sine * y, product], [x, y], held=[product, 4.0])
+    u, w = AT
+    expected = [sign * u * w, np.sin(sign * u * w), 0.0, 0.0]
+    assert values(list(rows.ravel()), recorder) == pytest.approx(expected, rel=ROUNDING)
+
+
 def test_substitution():
     recorder = Recorder()
     x, y = recorder.inputs("x", 2)
