@@ -126,7 +126,7 @@ def _writable(
     taken = list(x.items())
     for name, shape in shapes.items():
         array = out[name]
-        if 0 in shape and isinstance(array, np.ndarray) and array.size == 0:  # couplings of a robot without any
+        if shape[-1:] == (0,) and isinstance(array, np.ndarray) and array.size == 0:  # of a robot without couplings
             continue
         if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != shape:
             found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
@@ -139,4 +139,4 @@ def _writable(
             if np.shares_memory(array, memory):
                 raise InvalidInput(f"out for {name} overlaps with {other}; give memory of its own")
         taken.append((f"out for {name}", array))
-    return {name: out[name].reshape(shape) if 0 in shape else out[name] for name, shape in shapes.items()}
+    return {name: out[name].reshape(shape) if shape[-1:] == (0,) else out[name] for name, shape in shapes.items()}

@@ -62,12 +62,12 @@ def differences(model, seed, count):
             elif name == "forward body_accelerations":
                 size, tolerance = scale + np.abs(value).max(), BODY_ACCELERATION
             elif name.startswith("forward"):
-                size, tolerance = max(np.abs(value).max(), solved), weak
+                size, tolerance = max(np.abs(value).max(initial=0.0), solved), weak
             elif name in ("bias", "free") or (name.startswith("inverse") and "accelerations" not in name):
                 size, tolerance = wrench, SUM
             else:
                 size, tolerance = max(np.abs(value).max(), 0.0 if name == "mass" else motion), SUM
-            yield name, np.abs(found[name][k] - value).max() / size, tolerance
+            yield name, np.abs(found[name][k] - value).max(initial=0.0) / size, tolerance
 
 
 MOTION = ("rotation", "translation", "velocity", "acceleration")

@@ -238,7 +238,7 @@ def test_sixty_bodies(model):
     size = np.abs(expected.joint_wrenches).max()
     for name, value in vars(expected).items():
         scale = np.abs(value).max() if name == "body_accelerations" else size
-        assert np.abs(getattr(found, name) - value).max() < SUM * scale, name
+        assert np.abs(getattr(found, name) - value).max(initial=0.0) < SUM * scale, name
     with on("numpy"):
         solved = graphdyn.joint_accelerations(model, q, v, found.tau, method="recursive")
     back = graphdyn.joint_torques(model, q, v, solved, method="projected")

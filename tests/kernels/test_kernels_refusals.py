@@ -40,7 +40,7 @@ def arguments(count=N, seed=1):
 
 def memory(answer, count=N):
     """An answer to write to, full of NaN."""
-    widths = {"a": (4,), "tau": (4,), "multipliers": (4, 5)}
+    widths = {"a": (4,), "tau": (4,), "multipliers": (4, 5), "coupling_multipliers": (0,)}
     names = [field.name for field in dataclasses.fields(answer)]
     return answer(**{name: np.full((count, *widths.get(name, (4, 6))), np.nan) for name in names})
 
@@ -56,7 +56,7 @@ def test_answers_are_written_where_they_are_wanted(back_end):
         there = verb(ROBOT, q, v, x, wrenches, out=out)
         fresh = verb(ROBOT, q, v, x, wrenches, method="recursive")
         for name, value in vars(fresh).items():
-            assert getattr(there, name) is getattr(out, name)
+            assert getattr(there, name) is getattr(out, name) or value.size == 0
             assert np.array_equal(getattr(out, name), value)
     pair = np.full((N, 4, 6), np.nan), np.full((N, 4, 5), np.nan)
     there = graphdyn.solve_kkt(ROBOT, q, v, x, wrenches, out=pair)
@@ -194,7 +194,7 @@ def test_wrong_shapes_are_refused_as_elsewhere():
 def test_no_samples_no_work(back_end):
     nothing, none = np.zeros((0, 4)), np.zeros((3, 0, 4))
     f = graphdyn.forward_dynamics(ROBOT, nothing, nothing, nothing, method="recursive")
-    assert [x.shape for x in vars(f).values()] == [(0, 4), (0, 4, 6), (0, 4, 5), (0, 4, 6)]
+    assert [x.shape for x in vars(f).values()] == [(0, 4), (0, 4, 6), (0, 4, 5), (0, 4, 6), (0, 0)]
     assert graphdyn.mass_matrix(ROBOT, none, method="recursive").shape == (3, 0, 4, 4)
     out = np.empty((0, 4))
     assert graphdyn.joint_torques(ROBOT, nothing, nothing, nothing, out=out) is out
@@ -237,7 +237,7 @@ def test_what_is_not_finite_is_refused_with_its_row_or_stays_in_it(back_end):
             found = verb(q, *clean[1:], method="recursive", check=False)
             for array, value in found.items():
                 assert np.array_equal(value[others], expected[array][others]), name
-                assert all(np.isnan(value[row]).any() for row in (5, 7)), name
+                assert value.size == 0 or all(np.isnan(value[row]).any() for row in (5, 7)), name
             v = np.where(np.arange(N)[:, None] == 2, bad, clean[1])
             with pytest.raises(InvalidInput, match=rf"v contains {bad} at row 2"):
                 graphdyn.maximal_state(ROBOT, clean[0], v, method="recursive")
