@@ -113,7 +113,7 @@ class TestRounds:
         assert done.code == PENDING == 4
         assert " ".join(done.out.split()) == (
             "inverse_dynamics, bias_torque: other numbers than the reference implementations. To find out what is "
-            f"wrong, answer the 48 questions in further_questions.{ending} as well, and judge with --answers "
+            f"wrong, answer the 80 questions in further_questions.{ending} as well, and judge with --answers "
             f"a.{ending} --answers FILE."
         )
         again = program(*first)  # the same file

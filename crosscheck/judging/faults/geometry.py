@@ -76,8 +76,8 @@ def _rotation(model: RobotModel, k: int, message: str, field: str) -> Family:
 
     def change(code: Code, x: Array) -> Code:
         array = getattr(code.numbers, field).astype(x.dtype)
-        half = np.array([[0, -x[2], x[1]], [x[2], 0, -x[0]], [-x[1], x[0], 0]]) / 2
-        array[k] = np.linalg.solve(np.eye(3) - half, np.eye(3) + half) @ array[k]
+        s = np.array([[0, -x[2], x[1]], [x[2], 0, -x[0]], [-x[1], x[0], 0]])
+        array[k] = (np.eye(3) + (s + s @ s / 2) / (1 + x @ x / 4)) @ array[k]
         return code.but(**{field: array})
 
     def say(x: Array) -> list[Said]:
