@@ -113,7 +113,7 @@ class TestRounds:
         assert done.code == PENDING == 4
         assert " ".join(done.out.split()) == (
             "inverse_dynamics, bias_torque: other numbers than the reference implementations. To find out what is "
-            f"wrong, answer the 80 questions in further_questions.{ending} as well, and judge with --answers "
+            f"wrong, answer the 128 questions in further_questions.{ending} as well, and judge with --answers "
             f"a.{ending} --answers FILE."
         )
         again = program(*first)  # the same file
@@ -295,14 +295,15 @@ class TestReplay:
         ids = f"{self.ASKED[1].id}, {self.ASKED[2].id}"
         assert str(caught.value) == f"gravity_torque: no answers to 2 questions, ids {ids}"
 
-    def test_three_rounds(self):
-        replay = Replay(given(self.ASKED[:2]), used := set())
+    def test_a_stage_too_many(self):
+        replay = Replay(given(self.ASKED[:3]), used := set())
         self.ask(replay, 0)
         assert self.ask(replay, 0, 0)[1].tolist() == [1, 1]  # asked again
         assert self.ask(replay, 0, 1)[1].tolist() == [1, 1]
+        self.ask(replay, 2)
         with pytest.raises(ForeignFailure, match=r"^gravity_torque would have to answer questions in a further round$"):
-            self.ask(replay, 2)
-        assert used == {one.id for one in self.ASKED[:2]}
+            self.ask(replay, 3)
+        assert used == {one.id for one in self.ASKED[:3]}
 
     def test_pending(self):
         replay = Replay(given(self.ASKED[:1]), set())

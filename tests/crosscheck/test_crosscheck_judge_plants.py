@@ -181,7 +181,8 @@ def test_forward_dynamics_are_taken_apart_too(kind):
 @pytest.mark.parametrize("kind", ["joint_order", "frame", "inertia_point", "continuous_joint", "rotor_inertia"])
 def test_mass_matrices_are_diagnosed_too(kind):
     model = MODELS["ur5"]
-    faulty = PLANTS[kind][FIRST[kind]](TextbookArm.of(model), model)
+    name = "translations in joint axes" if kind == "frame" else FIRST[kind]  # M alone cannot tell the first from a sign
+    faulty = PLANTS[kind][name](TextbookArm.of(model), model)
     assert kinds(judge("ur5", mass_matrix=lambda q: mass_of(faulty, q), samples=SAMPLES)) == {kind}
 
 

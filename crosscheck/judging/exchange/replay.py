@@ -13,19 +13,20 @@ from crosscheck.judging.foreign import ForeignFailure, Refusal
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
-ROUNDS = 2
-"""Of questions at most: the judged states, and the experiments on a function that deviates."""
+STAGES = 3
+"""In which a function is asked: the judged states, its noise, and the experiments on a function that deviates. The last
+two are one round of questions."""
 
 LISTED = 5
 """Ids that a message lists at most."""
 
 
 class AnswersPending(GraphDynError):
-    """The diagnosis needs answers to further questions."""
+    """The diagnosis needs answers of this shape to further questions."""
 
-    def __init__(self, questions: Sequence[Question]):
+    def __init__(self, questions: Sequence[Question], shape: Shape = ()):
         super().__init__(f"{len(questions)} further questions need answers: {listed([one.id for one in questions])}")
-        self.questions = questions
+        self.questions, self.shape = questions, shape
 
 
 class Replay:
@@ -37,32 +38,32 @@ class Replay:
 
     def __init__(self, given: Mapping[int, GivenAnswer], used: set[int]):
         self._given, self._used = given, used
-        self._rounds = 0
+        self._stages = 0
 
     def answers(self, function: str, states: Sequence[Mapping[str, Array]], shape: Shape) -> list[Array | Refusal]:
         """The answer (shape) at each state; none where a number is not finite.
 
-        Raises BadAnswers where some answers of a round are missing, or of another size; AnswersPending where a second
-        round is needed; ForeignFailure where another one would be.
+        Raises BadAnswers where some answers of a stage are missing, or of another size; AnswersPending where further
+        answers are needed; ForeignFailure where a stage beyond STAGES would need them.
         """
         asked = [question(function, state) for state in states]
         new = once(one for one in asked if one.id not in self._used)
         missing = [one for one in new if one.id not in self._given]
         if new:
-            self._begin_round(function, missing, partly=len(missing) < len(new))
+            self._begin_stage(function, missing, shape, partly=len(missing) < len(new))
         self._used |= {one.id for one in new}
         return [self._answer(one, shape) for one in asked]
 
-    def _begin_round(self, function: str, missing: Sequence[Question], *, partly: bool) -> None:
+    def _begin_stage(self, function: str, missing: Sequence[Question], shape: Shape, *, partly: bool) -> None:
         """missing: questions without an answer; partly: others have one"""
-        if missing and self._rounds == ROUNDS:
+        if missing and self._stages == STAGES:
             raise ForeignFailure(f"{function} would have to answer questions in a further round")
-        if missing and (partly or self._rounds == 0):
+        if missing and (partly or self._stages == 0):
             ids = listed([one.id for one in missing])
             raise BadAnswers(f"{function}: no answers to {len(missing)} questions, ids {ids}")
         if missing:
-            raise AnswersPending(missing)
-        self._rounds += 1
+            raise AnswersPending(missing, shape)
+        self._stages += 1
 
     def _answer(self, one: Question, shape: Shape) -> Array | Refusal:
         given = self._given[one.id]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.questions import Question, once, questions
-from crosscheck.judging.exchange.replay import AnswersPending, Replay, listed
+from crosscheck.judging.exchange.replay import STAGES, AnswersPending, Replay, listed
 from crosscheck.judging.foreign import ForeignFunction, joint_order
 from crosscheck.judging.functions.known_function import LOADS, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
@@ -115,11 +118,16 @@ def judge_answers(
         return judge(**vars(setting), **functions, **options)
 
     def pending(name: str) -> Sequence[Question]:
-        try:
-            judged(**{name: Replay(given, set())})
-        except AnswersPending as found:
-            return found.questions
-        return ()
+        """Of all stages: what is asked later does not depend on the numbers of earlier answers."""
+        supposed, asked = dict(given), list[Question]()
+        for _ in range(STAGES - 1):
+            try:
+                judged(**{name: Replay(supposed, set())})
+            except AnswersPending as found:
+                asked += found.questions
+                nothing = np.zeros(math.prod(size or 1 for size in found.shape))
+                supposed |= {one.id: GivenAnswer(nothing, "supposed") for one in found.questions}
+        return asked
 
     try:
         judgement = judged(**{name: Replay(given, used) for name in names}, **others)
