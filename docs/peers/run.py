@@ -40,7 +40,7 @@ def main():
         for robot in robots:
             rows.append({"peer": peer, "robot": Path(robot).stem, **_judged(peer, robot)})
             print(_line(rows[-1], present[peer]), flush=True)
-    for peer in packages.keys() - present.keys():
+    for peer in sorted(packages.keys() - present.keys()):
         print(f"{peer}: not installed; pip install {packages[peer]}")
     if given.json:
         absent = {peer: package for peer, package in packages.items() if peer not in present}
