@@ -90,7 +90,15 @@ def run(
 
 
 def turned_back(model: RobotModel, q: Array) -> Array:
-    """Joint positions (N, n) with angles beyond FARTHEST reduced by whole turns."""
+    """Joint positions (N, n) with angles beyond FARTHEST reduced by whole turns.
+
+    Raises InvalidInput for a robot with couplings: a whole turn of one joint need not be one of those that it drives.
+    """
+    if model.couplings:
+        raise InvalidInput(
+            f"a joint of robot '{model.name}' is beyond {FARTHEST:g} rad, and some joints drive others; give smaller "
+            "angles, or method='projected'"
+        )
     turning = np.array([not joint.is_prismatic for joint in model.joints])
     far = (np.abs(q) > FARTHEST) & turning
     q = q.copy()

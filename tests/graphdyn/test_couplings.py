@@ -148,6 +148,15 @@ def test_what_depends_on_the_number_of_freedoms():
         graphdyn.joint_torques(ROBOT, [0, 0, 0, np.nan], v[0], v[0])
 
 
+def test_many_turns():
+    q = np.array([3e7, 0.0, 0.0, 0.0])
+    with pytest.raises(
+        InvalidInput, match=r"is beyond 1e\+06 rad, and some joints drive others; give smaller angles, or"
+    ):
+        graphdyn.gravity_torque(ROBOT, q, method="recursive")
+    assert np.isfinite(graphdyn.gravity_torque(ROBOT, q, method="projected")).all()
+
+
 def test_the_equations_of_one_state():
     q, v, tau = random_state(ROBOT.uncoupled, 4)[0][: ROBOT.n_freedoms], *np.ones((2, ROBOT.n_freedoms))
     system = graphdyn.kkt_system(ROBOT, q, v, tau)
