@@ -21,7 +21,7 @@ from crosscheck.report.records.judge import record
 from crosscheck.report.text import as_text
 from graphdyn import inverse_dynamics
 
-SPREAD = CASES[::8]
+SPREAD = CASES[::16]
 """Some of each group; all of them are the long check of docs/contributing.md."""
 
 ALIKE = 1e-12

@@ -45,7 +45,7 @@ def agrees(path, otherwise=False):
     """Compare; whether Pinocchio read the file. otherwise: it does, and reads other numbers."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", urdf.URDFWarning)
-        model = urdf.load(path)
+        model = urdf.load(path).uncoupled
     assert errors(PinocchioModel.from_model(model), model) == {}
     try:
         referee = PinocchioModel.from_urdf(path, model, {})

@@ -1,6 +1,6 @@
 """The health of a recording: faults that can be seen in it, and what cannot be seen, before anything is identified."""
 
-from graphdyn.identification.health.changes import Change, ChangeKind
+from graphdyn.identification.health.changes import Change
 from graphdyn.identification.health.channels import Channels
 from graphdyn.identification.health.excitation import Excitation, excitation
 from graphdyn.identification.health.gain import Gains
@@ -12,7 +12,6 @@ from graphdyn.identification.health.thinning import Piece
 
 __all__ = [
     "Change",
-    "ChangeKind",
     "Channels",
     "Excitation",
     "Fault",
