@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from crosscheck.referee.answers import forward_answers, passive_answers
 from crosscheck.referee.baseline import compare_identification
 from crosscheck.referee.comparison import Comparison
-from crosscheck.referee.coupled import coupled_case, coupled_errors
+from crosscheck.referee.coupled import coupled_answers, coupled_case, coupled_errors
 from crosscheck.referee.derived_answers import FEW, DerivedAnswers, derived_answers
 from crosscheck.referee.derived_errors import derived_errors, derived_forward_errors, second_errors
 from crosscheck.referee.error_record import ErrorRecord
@@ -91,8 +91,9 @@ def compare(
                 progress(chunk.name, len(chunk.q))
         if coupled.couplings:
             case = coupled_case(coupled, samples, seed)
+            answers = coupled_answers(case)
             for route, referee in referees.items():
-                record.add(route, case, dict(coupled_errors(case, referee, forward=reason is None)))
+                record.add(route, case, dict(coupled_errors(case, answers, referee, forward=reason is None)))
         identification = compare_identification(model, referees["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:

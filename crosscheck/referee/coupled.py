@@ -7,6 +7,7 @@ All other quantities are those of the robot without couplings.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +21,15 @@ from crosscheck.referee.scales import (
     term_sizes,
 )
 from crosscheck.referee.states import ACCELERATION_RANGE, Case
-from graphdyn import Placement, RobotModel, forward_dynamics, inverse_dynamics, joint_torque_regressor, mass_matrix
+from graphdyn import (
+    InverseDynamics,
+    Placement,
+    RobotModel,
+    forward_dynamics,
+    inverse_dynamics,
+    joint_torque_regressor,
+    mass_matrix,
+)
 from graphdyn._methods import Method
 from graphdyn.layout import Array
 
@@ -41,7 +50,27 @@ def coupled_case(model: RobotModel, samples: int, seed: int) -> Case:
     return Case("coupled", model, Placement(), q, v, a, None, wrenches)
 
 
-def coupled_errors(case: Case, referee: PinocchioModel, *, forward: bool) -> Iterator[tuple[str, Array]]:
+@dataclass(frozen=True, eq=False)
+class CoupledAnswers:
+    """What graphdyn answers at the states of a case, by each of METHODS."""
+
+    inverse: list[InverseDynamics]
+    mass_matrix: list[Array]
+    regressor: list[Array]
+
+
+def coupled_answers(case: Case) -> CoupledAnswers:
+    q, v, a = case.q, case.v, case.a
+    return CoupledAnswers(
+        [inverse_dynamics(case.model, q, v, a, case.external_wrenches, method=method) for method in METHODS],
+        [mass_matrix(case.model, q, method=method) for method in METHODS],
+        [joint_torque_regressor(case.model, q, v, a, method=method) for method in METHODS],
+    )
+
+
+def coupled_errors(
+    case: Case, ours: CoupledAnswers, referee: PinocchioModel, *, forward: bool
+) -> Iterator[tuple[str, Array]]:
     """Name and errors (N,) of each quantity. forward: whether the mass matrix is regular."""
     model, loads = case.model, case.external_wrenches
     k, reactions = model.freedoms.matrix, model.freedoms.reactions
@@ -50,20 +79,20 @@ def coupled_errors(case: Case, referee: PinocchioModel, *, forward: bool) -> Ite
     tau, wrench = ref.tau_external @ k, largest(ref.joint_wrenches_external)
     size = term_sizes(model, everywhere[1], everywhere[2], ref.position, ref.velocity, ref.acceleration)
     mass, inertia = k.T @ ref.mass_matrix @ k, np.full(len(tau), largest_tensor(model)) * np.abs(k).sum() ** 2
-    inverse = [inverse_dynamics(model, case.q, case.v, case.a, loads, method=method) for method in METHODS]
 
     def worst(errors: list[Array]) -> Array:
         largest_of_all: Array = np.maximum.reduce(errors)
         return largest_of_all
 
-    yield "coupled_torque", worst([relative(found.tau, tau, wrench, size.spin) for found in inverse])
+    yield "coupled_torque", worst([relative(found.tau, tau, wrench, size.spin) for found in ours.inverse])
     needed = ref.tau_external @ reactions.T
-    yield "coupling_multipliers", worst([relative(x.coupling_multipliers, needed, wrench, size.spin) for x in inverse])
-    ours = [mass_matrix(model, case.q, method=method) for method in METHODS]
-    yield "coupled_mass_matrix", worst([relative(found, mass, inertia) for found in ours])
+    yield (
+        "coupling_multipliers",
+        worst([relative(x.coupling_multipliers, needed, wrench, size.spin) for x in ours.inverse]),
+    )
+    yield "coupled_mass_matrix", worst([relative(found, mass, inertia) for found in ours.mass_matrix])
     regressor = np.swapaxes(np.swapaxes(ref.torque_regressor, -1, -2) @ k, -1, -2)
-    found = [joint_torque_regressor(model, case.q, case.v, case.a, method=method) for method in METHODS]
-    yield "coupled_regressor", worst([by_parameter_type(x, regressor, *size.regressor_columns) for x in found])
+    yield "coupled_regressor", worst([by_parameter_type(x, regressor, *size.regressor_columns) for x in ours.regressor])
     if forward:
         solved = [forward_dynamics(model, case.q, case.v, tau, loads, method=method).a for method in METHODS]
         scale = acceleration_scale(mass, case.a, tau, ref.joint_wrenches_external)
