@@ -59,7 +59,6 @@ class RobotModel:
     base_name: str = "base"
     frames: tuple[Frame, ...] = ()
     couplings: tuple[Coupling, ...] = ()
-    freedoms: Freedoms = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         who = f"robot '{self.name}'"
@@ -87,12 +86,17 @@ class RobotModel:
         for frame in self.frames:
             if not 0 <= frame.body <= self.n_bodies:
                 raise InvalidModel(f"frame '{frame.name}': there is no body {frame.body}")
-        object.__setattr__(self, "freedoms", freedoms(who, joints, self.couplings))
+        _ = self.freedoms  # refuses couplings that cannot be
 
     @property
     def n_bodies(self) -> int:
         """n, the number of moving bodies and of joints."""
         return len(self.bodies)
+
+    @cached_property
+    def freedoms(self) -> Freedoms:
+        """What the couplings leave free, and what they transmit."""
+        return freedoms(f"robot '{self.name}'", self.joint_names, self.couplings)
 
     @property
     def n_freedoms(self) -> int:
