@@ -123,11 +123,12 @@ def _writable(
     out: Mapping[str, Array], shapes: Mapping[str, tuple[int, ...]], x: Mapping[str, Array]
 ) -> dict[str, Array]:
     """The arrays of the caller, if the answer can be written to them."""
-    taken = list(x.items())
+    taken, arrays = list(x.items()), {}
     for name, shape in shapes.items():
         array = out[name]
         if shape[-1:] == (0,) and isinstance(array, np.ndarray) and array.size == 0:  # of a robot without couplings
-            continue
+            array = array.reshape(shape)
+        arrays[name] = array
         if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != shape:
             found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
             raise InvalidInput(f"out for {name} is {found}; give a float64 array of shape {shape}")
@@ -139,4 +140,4 @@ def _writable(
             if np.shares_memory(array, memory):
                 raise InvalidInput(f"out for {name} overlaps with {other}; give memory of its own")
         taken.append((f"out for {name}", array))
-    return {name: out[name].reshape(shape) if shape[-1:] == (0,) else out[name] for name, shape in shapes.items()}
+    return arrays

@@ -74,27 +74,26 @@ def frame_velocity(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], frame: FixedFrame
 ) -> list[Any]:
     """Of the point, then ω (6)."""
+    to_reference, point = _view(links, root, q, frame)
     at = places(links, q)
     linear, omega = (root.velocity, root.omega) if frame.body < 0 else twists(links, at, root, v)[frame.body]
-    point = _point(links, root, q, frame)
-    return _in_reference(links, root, q, frame, linear + cross(omega, point), omega)
+    return [*(to_reference @ (linear + cross(omega, point))), *(to_reference @ omega)]
 
 
 def frame_acceleration(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], frame: FixedFrame
 ) -> list[Any]:
     """Of the point, classical or spatial, then ω̇ (6)."""
+    to_reference, point = _view(links, root, q, frame)
     at = places(links, q)
-    uncompensated = replace(root, compensated=root.acceleration)
     here = Motion(root.omega, root.alpha, root.acceleration)
     if frame.body >= 0:
-        here = motions(links, at, uncompensated, v, a)[frame.body]
-    point = _point(links, root, q, frame)
+        here = motions(links, at, replace(root, compensated=root.acceleration), v, a)[frame.body]
     linear = here.compensated + here.spread() @ point
     if not frame.choice.classical:
         velocity = root.velocity if frame.body < 0 else twists(links, at, root, v)[frame.body][0]
         linear = linear - cross(here.omega, velocity + cross(here.omega, point))
-    return _in_reference(links, root, q, frame, linear, here.alpha)
+    return [*(to_reference @ linear), *(to_reference @ here.alpha)]
 
 
 def _path(links: Sequence[Link], body: int) -> list[int]:
@@ -102,25 +101,13 @@ def _path(links: Sequence[Link], body: int) -> list[int]:
     return [] if body < 0 else [*_path(links, links[body].inside), body]
 
 
-def _point(links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame) -> Scalars:
-    """From O_j to the point of the body that is spoken of, in joint axes."""
-    if frame.choice.reference != "world":
-        return frame.translation
+def _view(links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame) -> tuple[Scalars, Scalars]:
+    """From joint axes of the body to the axes of the reference; from O_j to the point that is spoken of, joint axes."""
     rotation, origin = root.rotation, root.position
     if frame.body >= 0:
         at = places(links, q)
         axes = rotations(links, at, root)
         rotation, origin = axes[frame.body], origins(links, at, axes, root)[frame.body]
-    point: Scalars = -(rotation.T @ origin)
-    return point
-
-
-def _in_reference(
-    links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame, linear: Scalars, angular: Scalars
-) -> list[Any]:
-    """Two vectors in joint axes of the body, turned into the axes of the reference."""
     if frame.choice.reference == "local":
-        turn = frame.rotation.T
-    else:
-        turn = root.rotation if frame.body < 0 else rotations(links, places(links, q), root)[frame.body]
-    return [*(turn @ linear), *(turn @ angular)]
+        return frame.rotation.T, frame.translation
+    return rotation, -(rotation.T @ origin) if frame.choice.reference == "world" else frame.translation
