@@ -6,13 +6,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-import numpy as np
-
-from crosscheck.identifying.health import Health
 from crosscheck.identifying.parameters import base_rows, body_rows, correlation_of, deviations_of
 from crosscheck.identifying.recommending import mean_error
 from crosscheck.identifying.result import Identified
 from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
+from crosscheck.report.records.identify_recording import (
+    ExcitationRecord,
+    HealthRecord,
+    RecordingRecord,
+    health_record,
+    recording_record,
+)
 from crosscheck.report.versions import versions
 from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn.identification import MethodResult, ResidualStatistics
@@ -27,157 +31,6 @@ Inertial = Annotated[
         required=list(PARAMETER_NAMES),
     ),
 ]
-
-
-@dataclass(frozen=True, kw_only=True)
-class IdentifyFindingRecord:
-    """One finding."""
-
-    code: str
-    """Stable name."""
-
-    severity: Literal["error", "warning", "note"]
-    """How bad."""
-
-    file: str
-    """Where."""
-
-    column: str | None
-    """Where; null: whole rows."""
-
-    rows: Sequence[int]
-    """From 0; empty: all."""
-
-    message: str
-    """What."""
-
-    remedy: str
-    """What to do."""
-
-    lines: int | None
-    """Line minus row."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RecordingRecord:
-    """What was fitted and predicted."""
-
-    files: Sequence[str]
-    """Fitted files."""
-
-    mapping: str
-    """How the columns were found."""
-
-    steps: Sequence[str]
-    """What was done to the numbers."""
-
-    decimate: Sequence[int]
-    """Factors of the stages."""
-
-    min_speed: float | Sequence[float]
-    """Rows of a joint slower than this were not fitted, one for all or one per joint [rad/s or m/s]."""
-
-    fitted_rows: int
-    """Rows of the fit."""
-
-    held_out: str
-    """What was predicted, in words."""
-
-    held_out_files: Sequence[str]
-    """Files of the predicted rows."""
-
-    held_out_rows: int
-    """Rows that were predicted."""
-
-    findings: Sequence[IdentifyFindingRecord]
-    """What is odd in the files, see recordings.md."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class HealthFindingRecord:
-    """A fault of the recording, or a doubt."""
-
-    code: str
-    """Stable name."""
-
-    severity: Literal["fault", "warning"]
-    """fault: no model is recommended."""
-
-    joints: Sequence[str]
-    """Whose columns."""
-
-    message: str
-    """What."""
-
-    remedy: str
-    """What to do."""
-
-    lines: Sequence[str]
-    """Of the mapping file, over those that are there; empty where no mapping helps."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class HealthRecord:
-    """What the recordings of the fit show of themselves."""
-
-    findings: Sequence[HealthFindingRecord]
-    """In the order in which to correct them."""
-
-    unseen: Sequence[str]
-    """What they cannot show, and the test that would."""
-
-    gain: Sequence[Number]
-    """Of measured on predicted torque, CAD and fitted drives, per joint, in the order of joint_names."""
-
-    gain_deviation: Sequence[Number]
-    """Standard deviation of the gain."""
-
-    gain_share: Sequence[Number]
-    """Part of the torque that gain and CAD explain; below 0.3 the gain says little."""
-
-    sign_cost: Sequence[Number]
-    """Rise of Σ log ‖e_j‖ with the torque of this joint reversed; the sign is clear from 0.5 on."""
-
-    delay: Number
-    """Of all torques behind the motion [s]."""
-
-    delay_deviation: Number
-    """Standard deviation of the delay [s]."""
-
-    joint_delays: Sequence[Number]
-    """Of each torque, the others as `delay` [s]."""
-
-    joint_delay_deviations: Sequence[Number]
-    """Standard deviations of them [s]."""
-
-    residual: Sequence[Number]
-    """‖e‖ / ‖τ‖ of the fit with masses and friction not negative."""
-
-    free_residual: Sequence[Number]
-    """The same without this bound."""
-
-    standstill: Sequence[Number]
-    """Share of rows with |v| ≤ 0.02 rad/s or m/s."""
-
-    clipped: Sequence[Number]
-    """Share of rows with the torque held at an end of its range."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ExcitationRecord:
-    """How well the recording excites a group of parameters."""
-
-    name: str
-    """Of the group."""
-
-    determined: int
-    """Base parameters that the recording determines."""
-
-    structural: int
-    """Base parameters that any motion could determine."""
-
-    weakest: Number
-    """Smallest singular value of what no other group can imitate; 1 is best."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -510,9 +363,9 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         reason=found.recommendation.reason,
         best=found.recommendation.best,
         doubts=found.recommendation.doubts,
-        health=None if found.health is None else _health(found.health),
+        health=None if found.health is None else health_record(found.health),
         excitation=[taken(ExcitationRecord, group) for group in excitation(found.problem)],
-        recording=_recording(found),
+        recording=recording_record(found),
         parameters=[taken(ParameterRecord, column) for column in found.torque_model.columns],
         base_parameters=[
             BaseParameterRecord(name=name, unit=unit)
@@ -521,44 +374,6 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         methods=[_method(found, result) for result in comparison.results],
         shown=_shown(found, shown),
         truth=found.truth,
-    )
-
-
-def _recording(found: Identified) -> RecordingRecord:
-    fit, test = found.division.fit, [split.test for split in found.division.trials]
-    return RecordingRecord(
-        files=fit.provenance.files,
-        mapping=fit.provenance.mapping,
-        steps=fit.provenance.steps,
-        decimate=found.preparation.decimate,
-        min_speed=np.asarray(found.preparation.min_speed).tolist(),
-        fitted_rows=sum(len(t) for t in found.fit.times),
-        held_out=found.division.words,
-        held_out_files=list(dict.fromkeys(name for recording in test for name in recording.provenance.files)),
-        held_out_rows=sum(len(t) for trial in found.trials for t in trial.times),
-        findings=[
-            taken(IdentifyFindingRecord, finding) for recording in found.recordings for finding in recording.findings
-        ],
-    )
-
-
-def _health(health: Health) -> HealthRecord:
-    measures = health.measures
-    return HealthRecord(
-        findings=[taken(HealthFindingRecord, finding) for finding in health.findings],
-        unseen=health.unseen,
-        gain=measures.gains.gain.tolist(),
-        gain_deviation=measures.gains.deviation.tolist(),
-        gain_share=measures.gains.share.tolist(),
-        sign_cost=measures.sign_costs.tolist(),
-        delay=measures.lag.common,
-        delay_deviation=measures.lag.deviation,
-        joint_delays=measures.lag.joints.tolist(),
-        joint_delay_deviations=measures.lag.deviations.tolist(),
-        residual=measures.errors.tolist(),
-        free_residual=measures.free_errors.tolist(),
-        standstill=measures.channels.standstill.tolist(),
-        clipped=measures.channels.clipped.tolist(),
     )
 
 
