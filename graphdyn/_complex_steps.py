@@ -6,7 +6,7 @@ terms of order h² underflow to zero, so that h need not be balanced against rou
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -21,17 +21,26 @@ from graphdyn.layout import Array
 STEP = 1e-100
 """h: its square underflows beside any term, and h times any term does not."""
 
+AT_ONCE = 1000
+"""States whose steps are taken in one call: enough for calls to cost little, few enough for their matrices."""
+
 
 def _derivatives(
     function: Specification, model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool, name: str
 ) -> Mapping[str, Array]:
     """∂/∂x[name] of all that a specification answers, by name: (…, *answer, n), a column per joint."""
-    columns = []
-    for k in range(model.n_freedoms):
-        stepped = x[name].astype(complex)
-        stepped[..., k] += 1j * STEP
-        columns.append(function(model, {**x, name: stepped}, base, dense))
-    return {answer: np.stack([column[answer].imag / STEP for column in columns], axis=-1) for answer in columns[0]}
+    steps = 1j * STEP * np.eye(model.n_freedoms)
+    count = max(1, model.n_freedoms * x[name][..., 0].size // AT_ONCE)
+    found = [function(model, _moved(x, name, some), base, dense) for some in np.array_split(steps, count)]
+    return {
+        answer: np.moveaxis(np.concatenate([part[answer].imag for part in found]), 0, -1) / STEP for answer in found[0]
+    }
+
+
+def _moved(x: Arguments, name: str, steps: Array) -> Arguments:
+    """The arguments at each of the steps (m, n) of x[name], in a new first dimension."""
+    copies = {key: np.broadcast_to(array, (len(steps), *array.shape)) for key, array in x.items()}
+    return {**copies, name: copies[name] + np.expand_dims(steps, tuple(range(1, x[name].ndim)))}
 
 
 def inverse_dynamics_derivatives(
@@ -58,27 +67,24 @@ def inverse_dynamics_second_derivatives(
         k = model.freedoms.matrix
         return {name: np.einsum("...ijk,ia,jb,kc->...abc", part, k, k, k) for name, part in found.items()}
 
-    def first(name: str, j: int, step: float) -> dict[str, Array]:
-        moved = x[name].copy()
-        moved[..., j] += step
-        return inverse_dynamics_derivatives(model, {**x, name: moved}, base, dense)
+    def slopes(name: str, j: int, rule: tuple[Array, Array], of: str) -> list[Array]:
+        """∂/∂x[name]_j of ∂τ/∂x for each x of these."""
+        steps, weights = rule
+        moved = _moved(x, name, np.outer(steps, np.eye(model.n_bodies)[j]))
+        torques = [_derivatives(projected.inverse_dynamics, model, moved, base, dense, by)["tau"] for by in of]
+        return [np.tensordot(weights, torque, axes=1) for torque in torques]
 
-    def slope(name: str, j: int, steps: Sequence[tuple[float, float]]) -> dict[str, Array]:
-        terms = [(weight, first(name, j, step)) for step, weight in steps]
-        return {answer: np.sum([weight * found[answer] for weight, found in terms], axis=0) for answer in terms[0][1]}
-
-    turn, slide = _of_trigonometric_sums(order=2), [(1.0, 0.5), (-1.0, -0.5)]
-    by_q = [slope("q", j, slide if joint.is_prismatic else turn) for j, joint in enumerate(model.joints)]
-    by_v = [slope("v", j, slide) for j in range(model.n_freedoms)]
+    turn, slide = _of_trigonometric_sums(order=2), (np.array([1.0, -1.0]), np.array([0.5, -0.5]))
+    by_q = [slopes("q", j, slide if joint.is_prismatic else turn, of="qva") for j, joint in enumerate(model.joints)]
+    by_v = [slopes("v", j, slide, of="v") for j in range(model.n_bodies)]
+    names, columns = ("d2tau_dqdq", "d2tau_dqdv", "d2tau_dqda"), zip(*by_q, strict=True)
     return {
-        "d2tau_dqdq": np.stack([part["dtau_dq"] for part in by_q], axis=-2),
-        "d2tau_dqdv": np.stack([part["dtau_dv"] for part in by_q], axis=-2),
-        "d2tau_dqda": np.stack([part["dtau_da"] for part in by_q], axis=-2),
-        "d2tau_dvdv": np.stack([part["dtau_dv"] for part in by_v], axis=-2),
+        **{name: np.stack(parts, axis=-2) for name, parts in zip(names, columns, strict=True)},
+        "d2tau_dvdv": np.stack([part for (part,) in by_v], axis=-2),
     }
 
 
-def _of_trigonometric_sums(order: int) -> list[tuple[float, float]]:
+def _of_trigonometric_sums(order: int) -> tuple[Array, Array]:
     """Steps and weights with f'(x) = Σ weight f(x + step) for all sums of sines and cosines up to this order.
 
     The derivative of the trigonometric interpolation at equidistant points (Trefethen, Spectral Methods in MATLAB,
@@ -88,13 +94,14 @@ def _of_trigonometric_sums(order: int) -> list[tuple[float, float]]:
     steps = 2 * np.pi * np.arange(1, count) / count
     orders = np.arange(1, order + 1)
     weights = 2 / count * np.sin(np.outer(steps, orders)) @ orders
-    return list(zip(steps.tolist(), weights.tolist(), strict=True))
+    return steps, weights
 
 
 def forward_dynamics_derivatives(
     model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
 ) -> dict[str, Array]:
     """∂a/∂q, ∂a/∂v, ∂a/∂τ of graphdyn._projected.forward_dynamics. Raises SingularMassMatrix."""
+    projected.refuse_singular(model, projected.mass_matrix(model, x, base)["mass_matrix"])  # names the row of x
     return {
         f"da_d{name}": _derivatives(projected.forward_dynamics, model, x, base, dense, name)["a"]
         for name in ("q", "v", "tau")
