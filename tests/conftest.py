@@ -1,5 +1,6 @@
-"""What all tests share: how many examples hypothesis draws, and one thread in linear algebra."""
+"""What all tests share: how many examples hypothesis draws, one thread in linear algebra, few sweeps for garbage."""
 
+import gc
 import os
 
 import pytest
@@ -9,6 +10,13 @@ from threadpoolctl import threadpool_limits
 settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=40)
 settings.register_profile("nightly", deadline=None, derandomize=False, max_examples=1000, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "graphdyn"))
+
+
+def pytest_collection_finish():
+    """Thousands of tests live to the end, and recording a program makes 100,000 objects: sweep seldom, past both."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 10, 10)
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -62,6 +62,7 @@ class Recorder:
 
     def __init__(self) -> None:
         self.operations: list[Recorded] = []
+        self.expressions: list[Expression] = []
         self._known: dict[Recorded, Expression] = {}
         self._inputs: dict[str, int] = {}
 
@@ -74,18 +75,20 @@ class Recorder:
         """Inputs of no array: graphdyn.kernels.differentiation.substituted has to put others in their place."""
         return [self.operation("input", f"in place of {name}", column) for column in range(count)]
 
-    def operation(self, kind: Operation, *operands: object) -> Expression:
+    def operation(self, kind: Operation, *operands: Any) -> Expression:
         key = (kind, *operands)
         expression = self._known.get(key)
         if expression is None:
-            expression = self._known[key] = Expression(self, len(self.operations))
+            negated = self.expressions[operands[0]] if kind == "negate" else None
+            expression = self._known[key] = Expression(self, len(self.operations), negated)
             self.operations.append(key)
+            self.expressions.append(expression)
         return expression
 
     def scalar(self, number: int) -> Any:
         """What an operation gives: a float where it is a constant."""
         kind, *arguments = self.operations[number]
-        return arguments[0] if kind == "constant" else Expression(self, number)
+        return arguments[0] if kind == "constant" else self.expressions[number]
 
     def number(self, scalar: object) -> int:
         """The operation that gives a scalar."""
@@ -114,56 +117,62 @@ class Recorder:
 
 
 class Expression:
-    """A scalar that differs from sample to sample."""
+    """A scalar that differs from sample to sample.
 
-    __slots__ = ("number", "recorder")
+    negated: x where this is -x
+    """
 
-    def __init__(self, recorder: Recorder, number: int) -> None:
+    __slots__ = ("negated", "number", "recorder")
+
+    def __init__(self, recorder: Recorder, number: int, negated: Expression | None = None) -> None:
         self.recorder = recorder
         self.number = number
+        self.negated = negated
 
     def __add__(self, other: object) -> object:
+        if isinstance(other, Expression):
+            if self.negated is not None:
+                return other - self.negated
+            return self._commuting("+", other) if other.negated is None else self - other.negated
         if isinstance(other, np.ndarray):
             return NotImplemented
-        if _is(other, 0.0):
+        if other == 0.0:
             return self
-        if self._negated is not None:
-            return other - self._negated
-        if isinstance(other, Expression) and other._negated is not None:
-            return self - other._negated
-        return self._commuting("+", other)
+        return self._commuting("+", other) if self.negated is None else other - self.negated
 
     __radd__ = __add__
 
     def __sub__(self, other: object) -> object:
-        if isinstance(other, np.ndarray):
+        if isinstance(other, Expression):
+            if other.negated is not None:
+                return self + other.negated
+        elif isinstance(other, np.ndarray):
             return NotImplemented
-        if _is(other, 0.0):
+        elif other == 0.0:
             return self
-        if isinstance(other, Expression) and other._negated is not None:
-            return self + other._negated
         return self.recorder.operation("-", self.number, self.recorder.number(other))
 
     def __rsub__(self, other: object) -> object:
-        if _is(other, 0.0):
+        if other == 0.0:
             return -self
-        if self._negated is not None:
-            return self._negated + other
+        if self.negated is not None:
+            return self.negated + other
         return self.recorder.operation("-", self.recorder.number(other), self.number)
 
     def __mul__(self, other: object) -> object:
-        if isinstance(other, np.ndarray):
+        if isinstance(other, Expression):
+            if other.negated is not None:
+                return -(self * other.negated)  # type: ignore[operator]
+        elif isinstance(other, np.ndarray):
             return NotImplemented
-        if _is(other, 0.0):
+        elif other == 0.0:
             return 0.0
-        if _is(other, 1.0):
+        elif other == 1.0:
             return self
-        if _is(other, -1.0):
+        elif other == -1.0:
             return -self
-        if self._negated is not None:  # signs outside: what differs only in sign is computed once
-            return -(self._negated * other)  # type: ignore[operator]
-        if isinstance(other, Expression) and other._negated is not None:
-            return -(self * other._negated)  # type: ignore[operator]
+        if self.negated is not None:  # signs outside: what differs only in sign is computed once
+            return -(self.negated * other)  # type: ignore[operator]
         return self._commuting("*", other)
 
     __rmul__ = __mul__
@@ -172,23 +181,24 @@ class Expression:
         """x / y, rounded once: never a product with the reciprocal. A known zero divisor raises, as with floats."""
         if isinstance(other, np.ndarray):
             return NotImplemented
-        if _is(other, 0.0):
+        if isinstance(other, Expression):
+            if other.negated is not None:
+                return -(self / other.negated)  # type: ignore[operator]
+        elif other == 0.0:
             raise ZeroDivisionError("an expression is divided by a number that is known to be zero")
-        if _is(other, 1.0):
+        elif other == 1.0:
             return self
-        if _is(other, -1.0):
+        elif other == -1.0:
             return -self
-        if self._negated is not None:
-            return -(self._negated / other)  # type: ignore[operator]
-        if isinstance(other, Expression) and other._negated is not None:
-            return -(self / other._negated)  # type: ignore[operator]
+        if self.negated is not None:
+            return -(self.negated / other)  # type: ignore[operator]
         return self.recorder.operation("/", self.number, self.recorder.number(other))
 
     def __rtruediv__(self, other: object) -> object:
-        if _is(other, 0.0):
+        if other == 0.0:
             return 0.0
-        if self._negated is not None:
-            return -(other / self._negated)  # type: ignore[operator]
+        if self.negated is not None:
+            return -(other / self.negated)  # type: ignore[operator]
         return self.recorder.operation("/", self.recorder.number(other), self.number)
 
     def __pow__(self, exponent: object) -> object:
@@ -205,7 +215,7 @@ class Expression:
         return self
 
     def __neg__(self) -> Expression:
-        return self._negated or self.recorder.operation("negate", self.number)
+        return self.negated or self.recorder.operation("negate", self.number)
 
     @property
     def sine(self) -> Expression:
@@ -223,19 +233,9 @@ class Expression:
         """What np.cos asks of an object."""
         return self.cosine
 
-    @property
-    def _negated(self) -> Expression | None:
-        """x where this is -x."""
-        kind, *operands = self.recorder.operations[self.number]
-        return Expression(self.recorder, operands[0]) if kind == "negate" else None
-
     def _commuting(self, kind: Operation, other: object) -> Expression:
-        first, second = sorted((self.number, self.recorder.number(other)))
-        return self.recorder.operation(kind, first, second)
-
-
-def _is(scalar: object, value: float) -> bool:
-    return isinstance(scalar, float | int) and scalar == value
+        first, second = self.number, self.recorder.number(other)
+        return self.recorder.operation(kind, min(first, second), max(first, second))
 
 
 def operands(operation: Recorded) -> tuple[int, ...]:
