@@ -64,6 +64,12 @@ def file(tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="module")
+def right(file):
+    """What is said of the file as the right mapping reads it."""
+    return health_of(loaded(file, RIGHT))
+
+
 def loaded(file, tables):
     """The recording as a mapping with these tables reads it; texts and lists are written alike in JSON and TOML."""
     lines = [f"joints = {json.dumps(NAMES)}", f"rate = {250 / round(250 / RATE)}"]
@@ -90,11 +96,11 @@ MISTAKES = {
 
 
 class TestRemedies:
-    def test_right(self, file):
-        assert health_of(loaded(file, RIGHT)).findings == ()
+    def test_right(self, right):
+        assert right.findings == ()
 
     @pytest.mark.parametrize("code", MISTAKES)
-    def test_pasted_lines_undo_the_mistake(self, file, code):
+    def test_pasted_lines_undo_the_mistake(self, file, right, code):
         found = health_of(loaded(file, MISTAKES[code]))
         finding = found.findings[0]
         assert (finding.code, finding.severity) == (code, "fault")
@@ -102,7 +108,7 @@ class TestRemedies:
         mended = {name: table | pasted.get(name, {}) for name, table in MISTAKES[code].items()}
         again = health_of(loaded(file, mended))
         assert again.findings == ()
-        np.testing.assert_allclose(again.measures.errors, health_of(loaded(file, RIGHT)).measures.errors, rtol=0.1)
+        np.testing.assert_allclose(again.measures.errors, right.measures.errors, rtol=0.1)
 
 
 class TestWords:
