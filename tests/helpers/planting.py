@@ -1,6 +1,7 @@
 """Errors planted on purpose, on either side of the comparison, and what has to be noticed."""
 
 import dataclasses
+import pickle
 from collections.abc import Callable
 
 import numpy as np
@@ -8,6 +9,7 @@ from random_trees import random_tree
 
 import crosscheck
 from crosscheck.referee import answers, quantities
+from crosscheck.referee import compare as comparing
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from graphdyn import RobotModel
 from graphdyn._kkt import KKTSystem
@@ -30,11 +32,35 @@ def flagged(comparison: crosscheck.Comparison) -> set[str]:
     return {name for name, result in comparison.quantities.items() if not result.agrees}
 
 
+def _remembered(function: Callable) -> Callable:
+    """The function, computed once for each content of its arguments."""
+    known = {}
+
+    def answer(*arguments, **options):
+        key = pickle.dumps((arguments, options))
+        if key not in known:
+            known[key] = function(*arguments, **options)
+        return known[key]
+
+    return answer
+
+
+OUR_ANSWERS = {
+    name: _remembered(getattr(comparing, name)) for name in ("passive_answers", "forward_answers", "derived_answers")
+}
+
+
 class Plant:
     """Puts one error into a function that the comparison calls, until the test ends."""
 
     def __init__(self, monkeypatch):
         self._patch = monkeypatch
+
+    def _in_the_referee(self, name: str, function: object) -> None:
+        """Put the function into Pinocchio's side, which leaves our answers as they are: they are computed once."""
+        self._patch.setattr(PinocchioModel, name, function)
+        for ours, answer in OUR_ANSWERS.items():
+            self._patch.setattr(comparing, ours, answer)
 
     def referee_value(self, field: str, change: Callable[[float], float]) -> dict:
         """Change the largest entry of one field of RefereeValues, in the last state of the first call of evaluate.
@@ -50,7 +76,7 @@ class Plant:
             planted["q"] = tuple(q[-1].tolist())
             return dataclasses.replace(values, **{field: _changed(getattr(values, field), change)})
 
-        self._patch.setattr(PinocchioModel, "evaluate", evaluate)
+        self._in_the_referee("evaluate", evaluate)
         return planted
 
     def referee_torque(self, function: str, change: Callable[[float], float]) -> dict:
@@ -67,15 +93,13 @@ class Plant:
             planted["q"] = tuple(q[-1].tolist())
             return _changed(torques, change)
 
-        self._patch.setattr(PinocchioModel, "joint_torques", joint_torques)
+        self._in_the_referee("joint_torques", joint_torques)
         return planted
 
     def referee_derived(self, name: str, change: Callable[[float], float]) -> None:
         """Change the largest entry of one of the values of derive or derive_twice, in the last state."""
         for function in ("derive", "derive_twice"):
-            self._patch.setattr(
-                PinocchioModel, function, _with_changed(getattr(PinocchioModel, function), name, change)
-            )
+            self._in_the_referee(function, _with_changed(getattr(PinocchioModel, function), name, change))
 
     def referee_required(self, loaded: bool, change: Callable[[float], float]) -> None:
         """Change the largest torque that rnea needs for our accelerations, with or without external wrenches."""
@@ -85,7 +109,7 @@ class Plant:
             torques, wrenches = original(referee, q, v, a, *external)
             return (_changed(torques, change) if bool(external) == loaded else torques), wrenches
 
-        self._patch.setattr(PinocchioModel, "inverse_dynamics", inverse_dynamics)
+        self._in_the_referee("inverse_dynamics", inverse_dynamics)
 
     def referee_frames(self, which: int, change: Callable[[float], float]) -> None:
         """Change the largest entry of the frames' rotations (0) or positions (1)."""
@@ -96,24 +120,22 @@ class Plant:
             placements[which] = _changed(placements[which], change)
             return tuple(placements)
 
-        self._patch.setattr(PinocchioModel, "frame_placements", frame_placements)
+        self._in_the_referee("frame_placements", frame_placements)
 
     def referee_model(self, change: Callable[[RobotModel], RobotModel]) -> None:
         """Pinocchio is built from a changed robot."""
         original = PinocchioModel.from_model
-        self._patch.setattr(PinocchioModel, "from_model", staticmethod(lambda model: original(change(model))))
+        self._in_the_referee("from_model", staticmethod(lambda model: original(change(model))))
 
     def referee_gravity(self, factor: float) -> None:
         """Pinocchio computes under another gravity."""
         original = PinocchioModel.turned
-        self._patch.setattr(
-            PinocchioModel, "turned", lambda self, base, gravity: original(self, base, factor * gravity)
-        )
+        self._in_the_referee("turned", lambda self, base, gravity: original(self, base, factor * gravity))
 
     def referee_regressor(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
         """Pinocchio's regressor of the baseline identification; the one of evaluate stays."""
         original = PinocchioModel.torque_regressor
-        self._patch.setattr(PinocchioModel, "torque_regressor", lambda *arguments: change(original(*arguments)))
+        self._in_the_referee("torque_regressor", lambda *arguments: change(original(*arguments)))
 
     def projected_accelerations(self, factor: float) -> None:
         """Our forward dynamics in the null space are off; the others are right."""
