@@ -1,6 +1,7 @@
 """`graphdyn crosscheck FOLDER`: every file has its outcome, and none stops the others."""
 
 import json
+import math
 import os
 import re
 import shutil
@@ -14,8 +15,8 @@ from jsonschema import Draft202012Validator
 from planting import Plant
 from shared_data import ARMS, REPOSITORY, existing
 
+from crosscheck.cli import console, main, processes
 from crosscheck.cli import crosscheck_worker as sweeping
-from crosscheck.cli import main, processes
 from crosscheck.cli.crosscheck_folder_file import SweepFile
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
 from crosscheck.cli.output_files import OutputFile
@@ -107,7 +108,8 @@ def written(path):
 
 
 class TestOutcomes:
-    def test_in_processes(self, program, folder, tmp_path):
+    def test_in_processes(self, program, folder, tmp_path, monkeypatch):
+        monkeypatch.setattr(console, "INTERVAL", math.inf)  # however slow the machine, no line of progress
         done = program(folder, "--samples", 1, "--jobs", 2, "--json", tmp_path / "r.json")
         assert done.code == BAD_INPUT
         assert done.err == ""
