@@ -21,6 +21,7 @@ from graphdyn._answers import (
     ReactionDerivatives,
 )
 from graphdyn._base_motion import BaseMotion
+from graphdyn._chord import Chord
 from graphdyn._compiled import CompiledModel, compile
 from graphdyn._coupling import Coupling
 from graphdyn._derivatives import (
@@ -128,6 +129,7 @@ __version__ = "0.1.0"
 __all__ = [
     "BaseMotion",
     "Body",
+    "Chord",
     "CompiledModel",
     "ComputedTorqueControl",
     "Consistency",

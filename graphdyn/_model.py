@@ -12,6 +12,7 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn._chord import Chord
 from graphdyn._coupling import Coupling, Freedoms, freedoms
 from graphdyn._errors import InvalidInput, InvalidModel, UnknownFrame
 from graphdyn._graph import Graph
@@ -38,7 +39,7 @@ ABSURD = 1e6
 
 @dataclass(frozen=True, eq=False)
 class RobotModel:
-    """A tree of n rigid bodies on n joints of one freedom each, some of which others may drive.
+    """A tree of n rigid bodies on n joints of one freedom each, some of which others may drive, and chords.
 
     bodies, joints: in regular labelling, parents first; joints[j-1] is the inside joint of bodies[j-1]
     gravity: in world axes                                  (3,)  [m/s²]
@@ -46,9 +47,14 @@ class RobotModel:
     base_name: name of the ground frame (the root link of a URDF)
     frames: named frames fixed in the bodies
     couplings: joints that others drive, in any order; joint states q, v, a and tau have entries for the others only
+    chords: connections that close loops; states q, v, a have an entry for every joint, and hold the loops closed
+        (graphdyn.assemble)
+    actuated: of a robot with chords, the joints that have motors: torques of the others are zero. None where that is
+        not known; verbs that answer torques then refuse
 
-    Raises InvalidModel, naming the body or joint, for duplicate names, joints out of order, non-finite numbers, and
-    couplings that name unknown joints, drive one twice or in a circle.
+    Raises InvalidModel, naming the body, joint or chord, for duplicate names, joints out of order, non-finite numbers,
+    couplings that name unknown joints, drive one twice or in a circle, chords on bodies that there are not, and
+    actuated joints that are unknown or driven.
     """
 
     name: str
@@ -59,10 +65,12 @@ class RobotModel:
     base_name: str = "base"
     frames: tuple[Frame, ...] = ()
     couplings: tuple[Coupling, ...] = ()
+    chords: tuple[Chord, ...] = ()
+    actuated: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         who = f"robot '{self.name}'"
-        for name in ("bodies", "joints", "frames", "couplings"):
+        for name in ("bodies", "joints", "frames", "couplings", "chords"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
         freeze(self, who, gravity=(3,))
         check_type(who, "base", self.base, Placement)
@@ -73,7 +81,8 @@ class RobotModel:
         bodies = [self.base_name, *(body.name for body in self.bodies)]
         frames = [name for frame in self.frames for name in (frame.name, *frame.aliases)]
         joints = [joint.name for joint in self.joints]
-        for what, names in (("body", bodies), ("joint", joints), ("frame", bodies + frames)):
+        chords = [chord.name for chord in self.chords]
+        for what, names in (("body", bodies), ("joint", joints), ("frame", bodies + frames), ("chord", chords)):
             repeated = [name for name in names if names.count(name) > 1]
             if repeated:
                 raise InvalidModel(f"{who}: {what} name '{repeated[0]}' is used more than once")
@@ -86,7 +95,24 @@ class RobotModel:
         for frame in self.frames:
             if not 0 <= frame.body <= self.n_bodies:
                 raise InvalidModel(f"frame '{frame.name}': there is no body {frame.body}")
+        for chord in self.chords:
+            if not (0 <= chord.body_i <= self.n_bodies and 0 <= chord.body_j <= self.n_bodies):
+                raise InvalidModel(f"chord '{chord.name}': there is no body {max(chord.body_i, chord.body_j)}")
         _ = self.freedoms  # refuses couplings that cannot be
+        if self.actuated is not None:
+            self._check_actuated(who, tuple(self.actuated))
+
+    def _check_actuated(self, who: str, actuated: tuple[str, ...]) -> None:
+        if not self.chords:
+            raise InvalidModel(f"{who}: actuated is given, but every joint of a tree is; leave it out (None)")
+        for name in actuated:
+            if name not in self.independent_joints:
+                driven = ", which another joint drives" if name in self.joint_names else ""
+                known = ", ".join(self.independent_joints)
+                raise InvalidModel(f"{who}: there is no joint '{name}' to actuate{driven}; choose among {known}")
+            if actuated.count(name) > 1:
+                raise InvalidModel(f"{who}: joint '{name}' is actuated more than once; name it once")
+        object.__setattr__(self, "actuated", actuated)
 
     @property
     def n_bodies(self) -> int:
@@ -107,6 +133,11 @@ class RobotModel:
     def independent_joints(self) -> tuple[str, ...]:
         """Names of the joints that no others drive: the order of q, v, a and τ."""
         return tuple(self.joints[k].name for k in self.freedoms.independent)
+
+    @property
+    def n_chord_rows(self) -> int:
+        """The number of constraint rows of all chords, and of their multipliers."""
+        return sum(len(chord.rows) for chord in self.chords)
 
     def joint_positions(self, q: ArrayLike) -> Array:
         """Of all joints (…, n) [rad or m], from those of the independent ones (…, n_freedoms)."""
@@ -200,6 +231,10 @@ class RobotModel:
     def with_base(self, base: Placement) -> RobotModel:
         """The same robot mounted with its ground frame at another placement in the world."""
         return dataclasses.replace(self, base=base)
+
+    def with_actuated(self, joints: Sequence[str]) -> RobotModel:
+        """The same robot with motors at these joints. Raises InvalidModel as the class does."""
+        return dataclasses.replace(self, actuated=tuple(joints))
 
     def random_state(self, rng: np.random.Generator, size: int | Sequence[int] = ()) -> tuple[Array, Array]:
         """q, v (size, n_freedoms), uniform within limits, or default ranges where these are zero, missing or absurd.

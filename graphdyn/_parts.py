@@ -119,11 +119,7 @@ class Joint:
         lower, upper = self.limits.lower, self.limits.upper
         if lower is not None and upper is not None and lower > upper:
             raise InvalidModel(f"{who}: lower limit {lower} is above upper limit {upper}; swap them")
-        if not self.axis.any():
-            raise InvalidModel(f"{who}: axis is zero; give a direction")
-        _, exponent = np.frexp(np.abs(self.axis).max())
-        axis = np.ldexp(self.axis, -exponent)  # exact; keeps the squares of a tiny axis from underflowing
-        object.__setattr__(self, "axis", read_only(axis / np.linalg.norm(axis)))
+        object.__setattr__(self, "axis", unit_axis(who, self.axis))
 
     @property
     def is_prismatic(self) -> bool:
@@ -134,14 +130,10 @@ class Joint:
     def axis_normals(self) -> Array:
         """t_1, t_2 (2, 3) in joint axes: normal to p, t_1 × t_2 = p, fixed in the inside body.
 
-        t_1 is the normalised p × e with e the coordinate axis least aligned with p, t_2 = p × t_1. They replace the
-        world x and y rows of Eq. (71)-(73), which are dependent for a horizontal axis (docs/deviations.md, A2).
+        They replace the world x and y rows of Eq. (71)-(73), which are dependent for a horizontal axis
+        (docs/deviations.md, A2).
         """
-        alignment = np.abs(self.axis)
-        least = int(np.argmax(alignment <= alignment.min() + TIE))
-        t_1 = np.cross(self.axis, np.eye(3)[least])
-        t_1 /= np.linalg.norm(t_1)
-        return read_only(np.stack([t_1, np.cross(self.axis, t_1)]))
+        return axis_normals(self.axis)
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,3 +181,24 @@ def as_floats(who: str, name: str, value: ArrayLike, shape: tuple[int, ...]) -> 
 def read_only(array: Array) -> Array:
     array.setflags(write=False)
     return array
+
+
+def unit_axis(who: str, axis: Array) -> Array:
+    """The direction of an axis. Raises InvalidModel for a zero."""
+    if not axis.any():
+        raise InvalidModel(f"{who}: axis is zero; give a direction")
+    _, exponent = np.frexp(np.abs(axis).max())
+    axis = np.ldexp(axis, -exponent)  # exact; keeps the squares of a tiny axis from underflowing
+    return read_only(axis / np.linalg.norm(axis))
+
+
+def axis_normals(axis: Array) -> Array:
+    """t_1, t_2 (2, 3) normal to a unit axis p, with t_1 × t_2 = p.
+
+    t_1 is the normalised p × e with e the coordinate axis least aligned with p, t_2 = p × t_1.
+    """
+    alignment = np.abs(axis)
+    least = int(np.argmax(alignment <= alignment.min() + TIE))
+    t_1 = np.cross(axis, np.eye(3)[least])
+    t_1 /= np.linalg.norm(t_1)
+    return read_only(np.stack([t_1, np.cross(axis, t_1)]))
