@@ -12,15 +12,17 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn import _assembly as assembly
 from graphdyn._chord import Chord
 from graphdyn._coupling import Coupling, Freedoms, freedoms
-from graphdyn._errors import InvalidInput, InvalidModel, UnknownFrame
+from graphdyn._errors import InconsistentState, InvalidInput, InvalidModel, UnknownFrame
 from graphdyn._graph import Graph
 from graphdyn._inertia import (
     Consistency,
     consistency_problems,
     pseudo_inertia,
 )
+from graphdyn._loops import CLOSED, Loops
 from graphdyn._parts import Body, Frame, Joint, as_floats, check_type, freeze, read_only
 from graphdyn._placement import Placement
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
@@ -29,6 +31,9 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 """Gravity of a model unless told otherwise [m/s²]: the value Pinocchio and most URDF tools use."""
 
 ANGLE_RANGE = np.pi
+
+CLOSING_STARTS = 100
+"""Random poses from which the loops are closed before that counts as impossible."""
 
 SLIDE_RANGE = 0.5
 """Ranges that random_state takes where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
@@ -139,6 +144,29 @@ class RobotModel:
         """The number of constraint rows of all chords, and of their multipliers."""
         return sum(len(chord.rows) for chord in self.chords)
 
+    @cached_property
+    def loops(self) -> Loops:
+        """The geometry of the loops that the chords close."""
+        return Loops(self.joints, self.chords, self.freedoms)
+
+    @cached_property
+    def closed_pose(self) -> Array:
+        """Joint positions (n_freedoms,) that close the loops: near q = 0, or else near one of 100 random poses.
+
+        Raises InconsistentState, naming a loop, where none of them closes.
+        """
+        starts = self._drawn(np.random.default_rng(0), (CLOSING_STARTS,))[0]
+        starts[0] = 0.0
+        found, gaps = assembly.assembled(self.loops, starts)
+        closed = np.flatnonzero(np.abs(gaps).max(axis=-1, initial=0.0) <= CLOSED)
+        if not closed.size:
+            nearest = gaps[np.abs(gaps).max(axis=-1).argmin()]
+            remedy = (
+                f"No pose near {CLOSING_STARTS} others closes all loops: check where the chord stands on its bodies"
+            )
+            assembly.refuse_open(f"robot '{self.name}'", self.loops, nearest, remedy)
+        return read_only(found[closed[0]])
+
     def joint_positions(self, q: ArrayLike) -> Array:
         """Of all joints (…, n) [rad or m], from those of the independent ones (…, n_freedoms)."""
         return np.asarray(q) @ self.freedoms.matrix.T + self.freedoms.offset
@@ -241,13 +269,35 @@ class RobotModel:
 
         Continuous joints are drawn from [-π, π] rad. The default ranges are ±π rad, ±π rad/s, ±0.5 m and ±0.5 m/s;
         a limit beyond 1e6 is absurd. Limits of joints that others drive are not looked at.
+
+        With chords the states are closed: reached from closed_pose by moving towards such a draw, and therefore neither
+        uniform nor always within limits. Raises InconsistentState where the loops cannot be closed.
         """
-        shape = (size,) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
+        shape: Sequence[int] = (int(size),) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
+        return self._closed_states(rng, shape) if self.chords else self._drawn(rng, shape)
+
+    def _drawn(self, rng: np.random.Generator, shape: Sequence[int]) -> tuple[Array, Array]:
         ranges = [_sampling_range(self.joints[k]) for k in self.freedoms.independent]
         lower, upper, speed = (np.array(values) for values in zip(*ranges, strict=True))
         q = rng.uniform(lower, upper, (*shape, self.n_freedoms))
         v = rng.uniform(-speed, speed, (*shape, self.n_freedoms))
         return q, v
+
+    def _closed_states(self, rng: np.random.Generator, shape: Sequence[int]) -> tuple[Array, Array]:
+        q, v = (array.reshape(-1, self.n_freedoms) for array in self._drawn(rng, shape))
+        todo = np.arange(len(q))
+        for _ in range(CLOSING_STARTS):
+            q[todo], gaps = assembly.walked(self.loops, self.closed_pose, q[todo])
+            todo = todo[np.abs(gaps).max(axis=-1) > CLOSED]
+            if not todo.size:
+                jacobian = self.loops.jacobian(self.loops.links(q))
+                v = assembly.completed_rate(jacobian, v, np.zeros(jacobian.shape[:-1]), None)
+                return q.reshape(*shape, -1), v.reshape(*shape, -1)
+            q[todo] = self._drawn(rng, todo.shape)[0]
+        raise InconsistentState(
+            f"robot '{self.name}': {len(todo)} of {len(q)} random states did not close; give states of your own, "
+            "closed by graphdyn.assemble"
+        )
 
     def physical_consistency(self) -> tuple[Consistency, ...]:
         """Per body: whether a real body can have these inertials, and if not why. Reports; refuses nothing."""

@@ -1,0 +1,64 @@
+"""Rank and null spaces of the rows that chords add, pose by pose."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn._linear import apply
+from graphdyn._loops import RANK
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class LoopSpaces:
+    """J = U Σ Vᵀ with singular values below RANK taken as zero.
+
+    left: U (…, m, m); right: V (…, n, n)
+    inverse: 1/σ, and 0 where σ counts as zero              (…, min(m, n))
+    """
+
+    left: Array
+    right: Array
+    inverse: Array
+
+    @property
+    def rank(self) -> NDArray[np.intp]:
+        return np.asarray(np.count_nonzero(self.inverse, axis=-1))
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which columns of V are motions that keep the loops closed (…, n)."""
+        return _padded(self.inverse == 0, self.right.shape[-1])
+
+    @property
+    def redundant(self) -> NDArray[np.bool_]:
+        """Which columns of U are combinations of rows that hold nothing (…, m)."""
+        return _padded(self.inverse == 0, self.left.shape[-1])
+
+    def least_motion(self, rows: Array) -> Array:
+        """The smallest x (…, n) with J x = rows (…, m), where there is one; else the nearest."""
+        k = self.inverse.shape[-1]
+        return apply(self.right[..., :k], self.inverse * apply(_transposed(self.left[..., :k]), rows))
+
+    def least_multipliers(self, torques: Array) -> Array:
+        """The smallest λ (…, m) with Jᵀ λ = torques (…, n), where there is one; else the nearest."""
+        k = self.inverse.shape[-1]
+        return apply(self.left[..., :k], self.inverse * apply(_transposed(self.right[..., :k]), torques))
+
+
+def loop_spaces(jacobian: Array) -> LoopSpaces:
+    """Of J (…, m, n)."""
+    left, values, right = np.linalg.svd(jacobian)
+    kept = values > RANK * values.max(axis=-1, keepdims=True, initial=0.0)
+    return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))
+
+
+def _padded(flags: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
+    return np.concatenate([flags, np.ones((*flags.shape[:-1], size - flags.shape[-1]), dtype=bool)], axis=-1)
+
+
+def _transposed(matrix: Array) -> Array:
+    return np.swapaxes(matrix, -1, -2)
