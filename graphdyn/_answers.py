@@ -19,6 +19,11 @@ class ForwardDynamics:
     joint_wrenches: force, moment on body j, actuator included, at O_j, in link axes   (…, n, 6)  [N, N m]
     coupling_multipliers: what each coupling supplies to the joint that it drives, as an actuator there would; it takes
         ratio times as much from the joints that drive     (…, n_couplings)  [N m or N]
+    chord_multipliers: reaction of body i on body j of each chord, in the order of model.loops.row_names()
+                                                            (…, n_chord_rows)  [N, N m]
+
+    With chords, multipliers and joint wrenches are along t_1, t_2 and p of each joint, and NaN where redundant
+    constraints leave them undetermined.
     """
 
     a: Array
@@ -26,6 +31,7 @@ class ForwardDynamics:
     multipliers: Array
     joint_wrenches: Array
     coupling_multipliers: Array = field(default_factory=lambda: np.empty(0))
+    chord_multipliers: Array = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +39,7 @@ class InverseDynamics:
     """Answer of inverse_dynamics.
 
     tau: actuator torques or forces                         (…, n)     [N m or N]
-    body_accelerations, multipliers, joint_wrenches, coupling_multipliers: as in ForwardDynamics
+    body_accelerations, multipliers, joint_wrenches, coupling_multipliers, chord_multipliers: as in ForwardDynamics
     """
 
     tau: Array
@@ -41,6 +47,7 @@ class InverseDynamics:
     multipliers: Array
     joint_wrenches: Array
     coupling_multipliers: Array = field(default_factory=lambda: np.empty(0))
+    chord_multipliers: Array = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,8 @@ Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from numpy.typing import ArrayLike
 
 from graphdyn import _projected as projected
@@ -58,14 +60,19 @@ def inverse_dynamics(
     threads: int | None = None,
     check: bool = True,
     out: InverseDynamics | None = None,
+    actuated: Sequence[str] | None = None,
 ) -> InverseDynamics:
     """Actuator torques and all constraint forces, given the joint accelerations.
 
     q, v, a: joint state and accelerations                  (…, n)     [rad or m, …/s, …/s²]
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+    actuated: of a robot with loops, the joints that have motors, where they differ from model.actuated; torques of the
+        others are zero, and the smallest ones (least sum of squares, newtons and newton meters alike) where there are
+        more motors than motions
 
-    Raises InvalidInput.
+    Raises InvalidInput, with loops also where motors leave a motion free; InconsistentState where a loop is open.
     """
+    model = model if actuated is None else model.with_actuated(actuated)
     return Verbs.inverse_dynamics(model, (q, v, a), base, method, threads, check, out, external_wrenches)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from graphdyn._errors import RankDeficientConstraints, SingularMassMatrix
 from graphdyn._linear import apply, solve
+from graphdyn._loops import RANK, SELF_STRESS
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array, constraint_row_names, per_joint
 
 Coordinates = Literal["twist", "cardano"]
@@ -32,6 +33,7 @@ class KKTSystem:
     force: B                                                (…, 6n)
     zeta: ζ                                                 (…, 5n)
     coordinates: "twist", q̈ = (r̈, ω̇) per body, or "cardano", q̈ = (r̈, θ̈) with the rotational rows times Dᵀ
+    n_chord_rows: how many of the last rows are those of chords; with these, rows may depend on each other
     """
 
     mass: Array
@@ -39,6 +41,7 @@ class KKTSystem:
     force: Array
     zeta: Array
     coordinates: Coordinates = "twist"
+    n_chord_rows: int = 0
 
     @property
     def matrix(self) -> Array:
@@ -72,12 +75,17 @@ class KKTSystem:
         condition: float | Array = np.linalg.cond(self.matrix)
         return condition
 
-    def solve(self) -> KKTSolution:
+    def solve(self, *, least_norm: bool = False) -> KKTSolution:
         """All accelerations and all multipliers.
+
+        With chords, multipliers that the equations do not determine are NaN. least_norm: the smallest ones that satisfy
+        the equations instead, which depend on the units: newtons and newton meters count alike
 
         Raises RankDeficientConstraints, naming rank and rows, where φ_q loses rank; SingularMassMatrix where the
         constraints are independent and the matrix is singular all the same (a massless body).
         """
+        if self.n_chord_rows:
+            return self.solve_redundant(least_norm)
         n_rows, size = self.constraint_jacobian.shape[-2], self.matrix.shape[-1]
         if np.any(np.asarray(self.constraint_rank()) < n_rows):
             raise self._dependent_rows()
@@ -100,6 +108,26 @@ class KKTSystem:
         solution = solution + solve(balanced, residual * balance) * balance
         n_freedoms = self.mass.shape[-1]
         return KKTSolution(self, solution[..., :n_freedoms], solution[..., n_freedoms:])
+
+    def solve_redundant(self, least_norm: bool = True) -> KKTSolution:
+        """As solve, of rows that may depend on each other: φ_q = U Σ Vᵀ, whose first rows Vᵀ are independent.
+
+        Accelerations are unique; multipliers are the smallest. Systems of different rank are solved one by one.
+        """
+        jacobian, n_freedoms = self.constraint_jacobian, self.mass.shape[-1]
+        batch = jacobian.shape[:-2]
+        acceleration, multipliers = np.empty((*batch, n_freedoms)), np.empty(jacobian.shape[:-1])
+        for row in np.ndindex(batch):
+            left, values, right = np.linalg.svd(jacobian[row])
+            rank = int(np.count_nonzero(values > RANK * values.max()))
+            zeta = left.T[:rank] @ self.zeta[row] / values[:rank]
+            reduced = KKTSystem(self.mass, right[:rank], self.force[row], zeta).solve_unchecked()
+            acceleration[row] = reduced.acceleration
+            multipliers[row] = left[:, :rank] @ (reduced.stacked_multipliers / values[:rank])
+            if not least_norm:
+                null = np.abs(left[:, rank:])
+                multipliers[row][(null > SELF_STRESS * null.max(axis=0, initial=0.0)).any(axis=-1)] = np.nan
+        return KKTSolution(self, acceleration, multipliers)
 
     def _balance(self) -> Array:
         """Scaling d of rows and columns, diag(d) K diag(d): forces are measured in units of the largest mass term.
@@ -137,6 +165,7 @@ class KKTSolution:
     acceleration: q̈ of all bodies                           (…, 6n)
     multipliers: λ of the joints                            (…, n, 5)  [N, N m]
     coupling_multipliers: what couplings supply to the joints that they drive   (…, n_couplings)  [N m or N]
+    chord_multipliers: λ of the chords, one after the other (…, n_chord_rows)  [N, N m]
     """
 
     system: KKTSystem
@@ -149,7 +178,15 @@ class KKTSolution:
 
     @property
     def coupling_multipliers(self) -> Array:
-        return self.stacked_multipliers[..., self._of_joints :]
+        return self.stacked_multipliers[..., self._of_joints : self._before_chords]
+
+    @property
+    def chord_multipliers(self) -> Array:
+        return self.stacked_multipliers[..., self._before_chords :]
+
+    @property
+    def _before_chords(self) -> int:
+        return int(self.stacked_multipliers.shape[-1] - self.system.n_chord_rows)
 
     @property
     def _of_joints(self) -> int:

@@ -27,6 +27,11 @@ RANK = 1e-6
 far below those of a mechanism that works."""
 
 
+SELF_STRESS = 1e-6
+"""A reaction takes part in a self-stress if its entry reaches this part of the largest: far above rounding and the gaps
+that count as CLOSED, which leave entries of their size."""
+
+
 @dataclass(frozen=True, eq=False)
 class Links:
     """Ground (row 0) and link frames relative to the ground, and with which velocity and acceleration at a = 0.

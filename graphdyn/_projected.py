@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn._base_motion import BaseMotion, ground, rooted_ground
+from graphdyn._chord_rows import chord_rows, pin_rows
 from graphdyn._constraints import constraints, coupling_rows
 from graphdyn._errors import SingularMassMatrix
 from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations, state_on
@@ -31,7 +32,7 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     """Of x["q"], x["v"], x["tau"], x["external_wrenches"]. Raises SingularMassMatrix."""
     state = rooted_state(model, base, x["q"], x["v"])
     n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
-    mass = _projected_mass(state, n)
+    mass = projected_mass(state, n)
     refuse_singular(model, mass.real)
     if dense:
         solution = kkt(state, x["tau"], x["external_wrenches"], bias).solve_unchecked()
@@ -95,7 +96,7 @@ def _at_all_joints(model: RobotModel, tau: Array, coupling_multipliers: Array) -
 def mass_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
     """M = NᵀAN (…, n, n) at x["q"]; Eq. (111) has no other form of it."""
     state = rooted_state(model, base, x["q"], np.zeros(x["q"].shape))
-    return {"mass_matrix": _projected_mass(state, null_space(state))}
+    return {"mass_matrix": projected_mass(state, null_space(state))}
 
 
 def mass_matrix_inverse(
@@ -127,7 +128,12 @@ def potential_energy(model: RobotModel, x: Arguments, base: BaseMotion | None, d
 
 def _reactions(state: MaximalState, accelerations: Array, multipliers: Array, wrenches: Array) -> dict[str, Array]:
     joint_wrenches = in_link_axes(state, wrenches)
-    return {"body_accelerations": accelerations, "multipliers": multipliers, "joint_wrenches": joint_wrenches}
+    return {
+        "body_accelerations": accelerations,
+        "multipliers": multipliers,
+        "joint_wrenches": joint_wrenches,
+        "chord_multipliers": np.empty((*multipliers.shape[:-2], 0)),
+    }
 
 
 def torque_at_zero(name: str, *zero: str) -> Specification:
@@ -148,13 +154,20 @@ def rooted_state(
 
 
 def kkt(state: MaximalState, tau: Array, external_wrenches: Array, bias: Array) -> KKTSystem:
-    """Eq. (111) at a state, and below its constraints those of couplings; bias: Ṅ v (…, n, 6), which holds them."""
-    phi_q, zeta = constraints(state)
+    """Eq. (111) at a state, and below its constraints those of couplings and chords; bias: Ṅ v (…, n, 6).
+
+    With chords, the forces of the joints are along t_1, t_2, p.
+    """
+    phi_q, zeta = pin_rows(state) if state.model.chords else constraints(state)
     if state.model.couplings:
         rows = coupling_rows(state)
         phi_q = np.concatenate([phi_q, rows], axis=-2)
         zeta = np.concatenate([zeta, apply(rows, stacked(bias))], axis=-1)
-    return KKTSystem(mass_terms(state), phi_q, applied_terms(state, tau, external_wrenches), zeta)
+    if state.model.chords:
+        rows, right = chord_rows(state)
+        phi_q, zeta = np.concatenate([phi_q, rows], axis=-2), np.concatenate([zeta, right], axis=-1)
+    force = applied_terms(state, tau, external_wrenches)
+    return KKTSystem(mass_terms(state), phi_q, force, zeta, n_chord_rows=state.model.n_chord_rows)
 
 
 def inertial_terms(state: MaximalState, accelerations: Array) -> Array:
@@ -163,7 +176,7 @@ def inertial_terms(state: MaximalState, accelerations: Array) -> Array:
     return terms
 
 
-def _projected_mass(state: MaximalState, n: Array) -> Array:
+def projected_mass(state: MaximalState, n: Array) -> Array:
     blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, BODY_FREEDOMS, n.shape[-1])
     mass = np.einsum("...iak,iab,...ibl->...kl", blocks, mass_blocks(state), blocks, optimize=True)
     symmetric: Array = (mass + np.swapaxes(mass, -1, -2)) / 2

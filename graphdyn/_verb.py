@@ -16,6 +16,7 @@ from graphdyn._errors import InvalidInput
 from graphdyn._frame_choice import FrameChoice
 from graphdyn._methods import Method, is_recursive
 from graphdyn._model import RobotModel
+from graphdyn._projected import Specification
 from graphdyn.kernels.batch import Options
 from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
 from graphdyn.layout import BODY_FREEDOMS, Array
@@ -31,6 +32,7 @@ class Verb(Generic[Answer]):
     recursion: its name in graphdyn.kernels.recursions, where inputs, outputs, shapes and units are; that of the verb
         if left out
     outputs: which of the recursion's outputs the verb answers; all of them if left out
+    closed: the specification for robots with loops, where these matter
     answer: the class that holds several outputs; without one they are a tuple, and a single output is an array
     """
 
@@ -42,8 +44,9 @@ class Verb(Generic[Answer]):
         recursion: str | None = None,
         outputs: tuple[str, ...] = (),
         answer: type[Answer] | None = None,
+        closed: Specification | None = None,
     ) -> None:
-        self.specification, self.outputs = specification, outputs
+        self.specification, self.closed, self.outputs = specification, closed, outputs
         self._recursion, self._answer = recursion, answer
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -78,15 +81,28 @@ class Verb(Generic[Answer]):
             given["external_wrenches"] = external_wrenches
         x = joint_arrays(model, base, check=False, **given)
         specification = self.specification if frame is None else partial(self.specification, frame=frame)
+        if model.chords and self.closed is not None:
+            return self._of_loops(self.closed, model, x, base, method, out)
         if is_recursive(method, x, out):
             moving = base if RECURSIONS[self.recursion].on_moving_base else None
             options, memory = Options(threads, check), self._memory(out)
             return self._packed(
                 recursive.answers(model, specification, self.recursion, self.outputs, x, moving, options, memory, frame)
             )
-        refuse_non_finite(model, x)
-        x.setdefault("external_wrenches", np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_FREEDOMS)))
-        return self._packed(specification(model, x, base, method == "dense"))
+        return self._packed(specification(model, _complete(model, x), base, method == "dense"))
+
+    def _of_loops(
+        self,
+        closed: Specification,
+        model: RobotModel,
+        x: dict[str, Array],
+        base: BaseMotion | None,
+        method: Method,
+        out: Answer | None,
+    ) -> Answer:
+        if is_recursive(method, x, out) and method != "auto":
+            raise InvalidInput(f"{self.name} of robots with loops has no compiled form; use method='projected'")
+        return self._packed(closed(model, _complete(model, x), base, method == "dense"))
 
     def _packed(self, arrays: dict[str, Array]) -> Answer:
         found = [np.asarray(arrays[name]) for name in self.outputs]  # a number of one state, too
@@ -108,6 +124,13 @@ class Verb(Generic[Answer]):
         if not isinstance(out, tuple) or len(out) != len(self.outputs):
             raise InvalidInput(f"out is {type(out).__name__}; give a pair of arrays, for {' and '.join(self.outputs)}")
         return dict(zip(self.outputs, out, strict=True))
+
+
+def _complete(model: RobotModel, x: dict[str, Array]) -> dict[str, Array]:
+    """The arguments, finite, with external wrenches. Raises InvalidInput."""
+    refuse_non_finite(model, x)
+    x.setdefault("external_wrenches", np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_FREEDOMS)))
+    return x
 
 
 def _listed(names: Sequence[int | str]) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 from graphdyn import _body_sums as body_sums
 from graphdyn import _complex_steps as complex_steps
 from graphdyn import _frame_motion as frames
+from graphdyn import _loop_dynamics as loops
 from graphdyn import _projected as projected
 from graphdyn import _regressors as regressors
 from graphdyn._answers import (
@@ -22,24 +23,43 @@ from graphdyn._answers import (
 from graphdyn._verb import Verb
 from graphdyn.layout import Array
 
+NO_DERIVATIVES = "take differences along closed motions (graphdyn.assemble)"
+
 
 class Verbs:
     """The table of verbs. Each has a public function of its name; graphdyn.compile takes those of one array."""
 
-    forward_dynamics = Verb(projected.forward_dynamics, answer=ForwardDynamics)
-    inverse_dynamics = Verb(projected.inverse_dynamics, answer=InverseDynamics)
+    forward_dynamics = Verb(projected.forward_dynamics, answer=ForwardDynamics, closed=loops.forward_dynamics)
+    inverse_dynamics = Verb(projected.inverse_dynamics, answer=InverseDynamics, closed=loops.inverse_dynamics)
     solve_kkt = Verb[tuple[Array, Array]](
-        projected.forward_dynamics, "forward_dynamics", ("body_accelerations", "multipliers")
+        projected.forward_dynamics,
+        "forward_dynamics",
+        ("body_accelerations", "multipliers"),
+        closed=loops.forward_dynamics,
     )
-    joint_torques = Verb[Array](projected.inverse_dynamics, "inverse_dynamics", ("tau",))
-    joint_accelerations = Verb[Array](projected.forward_dynamics, "forward_dynamics", ("a",))
+    joint_torques = Verb[Array](projected.inverse_dynamics, "inverse_dynamics", ("tau",), closed=loops.inverse_dynamics)
+    joint_accelerations = Verb[Array](
+        projected.forward_dynamics, "forward_dynamics", ("a",), closed=loops.forward_dynamics
+    )
     mass_matrix = Verb[Array](projected.mass_matrix)
-    mass_matrix_inverse = Verb[Array](projected.mass_matrix_inverse)
+    mass_matrix_inverse = Verb[Array](
+        projected.mass_matrix_inverse,
+        closed=loops.refused("mass_matrix_inverse", "joint_accelerations says what torques do"),
+    )
     coriolis_matrix = Verb[Array](complex_steps.coriolis_matrix)
-    bias_torque = Verb[Array](projected.torque_at_zero("bias_torque", "a"))
-    gravity_torque = Verb[Array](projected.torque_at_zero("gravity_torque", "v", "a"))
-    static_torque = Verb[Array](projected.torque_at_zero("static_torque", "v", "a"))
-    power = Verb[Array](projected.power)
+    bias_torque = Verb[Array](
+        projected.torque_at_zero("bias_torque", "a"),
+        closed=loops.at_motors("bias_torque", projected.torque_at_zero("bias_torque", "a")),
+    )
+    gravity_torque = Verb[Array](
+        projected.torque_at_zero("gravity_torque", "v", "a"),
+        closed=loops.at_motors("gravity_torque", projected.torque_at_zero("gravity_torque", "v", "a")),
+    )
+    static_torque = Verb[Array](
+        projected.torque_at_zero("static_torque", "v", "a"),
+        closed=loops.at_motors("static_torque", projected.torque_at_zero("static_torque", "v", "a")),
+    )
+    power = Verb[Array](projected.power, closed=loops.power)
     kinetic_energy = Verb[Array](projected.kinetic_energy)
     potential_energy = Verb[Array](projected.potential_energy)
     center_of_mass = Verb[Array](body_sums.center_of_mass)
@@ -47,18 +67,38 @@ class Verbs:
     center_of_mass_jacobian = Verb[Array](body_sums.center_of_mass_jacobian)
     momentum = Verb(body_sums.momentum, answer=Momentum)
     centroidal_map = Verb[Array](body_sums.centroidal_map)
-    inverse_dynamics_derivatives = Verb(complex_steps.inverse_dynamics_derivatives, answer=InverseDynamicsDerivatives)
-    inverse_dynamics_second_derivatives = Verb(
-        complex_steps.inverse_dynamics_second_derivatives, answer=InverseDynamicsSecondDerivatives
+    inverse_dynamics_derivatives = Verb(
+        complex_steps.inverse_dynamics_derivatives,
+        answer=InverseDynamicsDerivatives,
+        closed=loops.refused("inverse_dynamics_derivatives", NO_DERIVATIVES),
     )
-    forward_dynamics_derivatives = Verb(complex_steps.forward_dynamics_derivatives, answer=ForwardDynamicsDerivatives)
-    reaction_derivatives = Verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives)
-    forward_dynamics_parameter_derivatives = Verb[Array](regressors.forward_dynamics_parameter_derivatives)
+    inverse_dynamics_second_derivatives = Verb(
+        complex_steps.inverse_dynamics_second_derivatives,
+        answer=InverseDynamicsSecondDerivatives,
+        closed=loops.refused("inverse_dynamics_second_derivatives", NO_DERIVATIVES),
+    )
+    forward_dynamics_derivatives = Verb(
+        complex_steps.forward_dynamics_derivatives,
+        answer=ForwardDynamicsDerivatives,
+        closed=loops.refused("forward_dynamics_derivatives", NO_DERIVATIVES),
+    )
+    reaction_derivatives = Verb(
+        complex_steps.reaction_derivatives,
+        answer=ReactionDerivatives,
+        closed=loops.refused("reaction_derivatives", NO_DERIVATIVES),
+    )
+    forward_dynamics_parameter_derivatives = Verb[Array](
+        regressors.forward_dynamics_parameter_derivatives,
+        closed=loops.refused("forward_dynamics_parameter_derivatives", NO_DERIVATIVES),
+    )
     frame_jacobian = Verb[Array](frames.frame_jacobian)
     frame_jacobian_derivative = Verb[Array](complex_steps.frame_jacobian_derivative)
     frame_velocity = Verb[Array](frames.frame_velocity)
     frame_acceleration = Verb[Array](frames.frame_acceleration)
-    joint_torque_regressor = Verb[Array](regressors.joint_torque_regressor)
+    joint_torque_regressor = Verb[Array](
+        regressors.joint_torque_regressor,
+        closed=loops.at_motors("joint_torque_regressor", regressors.joint_torque_regressor),
+    )
     body_regressor = Verb[Array](regressors.body_regressor)
     momentum_regressor = Verb[Array](regressors.momentum_regressor)
     energy_regressor = Verb(regressors.energy_regressor, answer=EnergyRegressor)

@@ -53,6 +53,7 @@ def record(model: RobotModel, request: Request) -> Program:
     if "coupling_multipliers" in recursion.outputs:
         needed = outputs["tau"] if model.couplings else sample.zeros
         outputs["coupling_multipliers"] = list(scalars(model.freedoms.reactions) @ np.array(needed, dtype=object))
+        outputs.setdefault("chord_multipliers", [])
     if model.couplings:
         outputs = sample.of_freedoms(outputs, shapes={} if compute is recursion.coupled else ARRAYS)
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}

@@ -36,6 +36,7 @@ class ArraySpec:
             "bodies": model.n_bodies,
             "10 bodies": BODY_PARAMETERS * model.n_bodies,
             "couplings": len(model.couplings),
+            "chord rows": model.n_chord_rows,
         }
         return tuple(size if isinstance(size, int) else sizes[size] for size in self.shape)
 
@@ -48,6 +49,7 @@ ARRAYS = {
     "body_accelerations": ArraySpec(("bodies", BODY_FREEDOMS), "m/s², rad/s²"),
     "multipliers": ArraySpec(("bodies", JOINT_CONSTRAINTS), "N, N m"),
     "coupling_multipliers": ArraySpec(("couplings",), "N m or N"),
+    "chord_multipliers": ArraySpec(("chord rows",), "N, N m"),
     "joint_wrenches": ArraySpec(("bodies", BODY_FREEDOMS), "N, N m"),
     "mass_matrix": ArraySpec(("n", "n"), "kg m², kg m, kg"),
     "mass_matrix_inverse": ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
@@ -112,7 +114,7 @@ class Recursion:
     coupled: Callable[..., Any] | None = None
 
 
-_REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches", "coupling_multipliers")
+_REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches", "coupling_multipliers", "chord_multipliers")
 
 RECURSIONS = {
     "forward_dynamics": Recursion(

@@ -1,0 +1,280 @@
+"""The dynamics of robots with loops: Eq. (111) with redundant rows, as it stands or projected onto the closed motions.
+
+Accelerations are unique. Redundant rows leave combinations of multipliers that nothing determines (self-stresses of the
+linkage); what takes part in one is NaN. Forces are along t_1, t_2, p of each joint and chord.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn import _projected as projected
+from graphdyn._assembly import refuse_moving_apart, refuse_open
+from graphdyn._base_motion import BaseMotion
+from graphdyn._chord_rows import chord_rows
+from graphdyn._errors import InvalidInput, SingularMassMatrix
+from graphdyn._kinematics import MaximalState, bias_acceleration, joint_axes, null_space, project_accelerations
+from graphdyn._linear import apply, solve
+from graphdyn._loop_spaces import LoopSpaces, loop_spaces
+from graphdyn._loops import RANK, SELF_STRESS
+from graphdyn._model import RobotModel
+from graphdyn._projected import Arguments, Specification
+from graphdyn._reactions import transmitted_wrenches
+from graphdyn._unconstrained import passive_terms
+from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
+
+REMEDY = "graphdyn.assemble(model, q) closes loops"
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """What the loops allow at a state.
+
+    jacobian: J (…, m, n); bias: γ (…, m); spaces: its rank and null spaces
+    """
+
+    jacobian: Array
+    bias: Array
+    spaces: LoopSpaces
+
+
+def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None = None) -> Closed:
+    """At q, v, a (…, n). Raises InconsistentState, naming the loop, where these would open one."""
+    loops, who = model.loops, f"robot '{model.name}'"
+    refuse_open(who, loops, loops.gaps(q), REMEDY)
+    links = loops.links(q, v)
+    jacobian, bias = loops.jacobian(links), loops.bias(links)
+    if v is not None:
+        refuse_moving_apart(who, loops, jacobian, v, np.zeros_like(bias), "velocity")
+    if a is not None:
+        refuse_moving_apart(who, loops, jacobian, a, bias, "acceleration")
+    return Closed(jacobian, bias, loop_spaces(jacobian))
+
+
+def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """As graphdyn._projected.forward_dynamics, with chord_multipliers. Raises InconsistentState, SingularMassMatrix."""
+    held = closed(model, x["q"], x["v"])
+    state = projected.rooted_state(model, base, x["q"], x["v"])
+    bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
+    n = null_space(state)
+    mass = projected.projected_mass(state, n)
+    _refuse_singular(model, held.spaces, mass)
+    if dense:
+        system = projected.kkt(state, x["tau"], x["external_wrenches"], bias)
+        solution = system.solve_redundant()
+        accelerations = per_body(solution.acceleration)
+        a = project_accelerations(state, accelerations, bias)
+        return {"a": a, **reactions(state, held, accelerations, x["external_wrenches"], solution.chord_multipliers)}
+    passive = passive_terms(state, x["external_wrenches"])
+    needed = apply(np.swapaxes(n, -1, -2), stacked(projected.inertial_terms(state, bias) - passive))
+    start = held.spaces.least_motion(held.bias)
+    a = start + _free_motion(held.spaces, mass, x["tau"] - needed - apply(mass, start))
+    accelerations = bias + per_body(apply(n, a))
+    multipliers = held.spaces.least_multipliers(x["tau"] - needed - apply(mass, a))
+    return {"a": a, **reactions(state, held, accelerations, x["external_wrenches"], multipliers)}
+
+
+def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """As graphdyn._projected.inverse_dynamics, of the actuated joints; the smallest torques where these are redundant.
+
+    Raises InconsistentState; InvalidInput, naming the motion, where the actuated joints leave one free.
+    """
+    held = closed(model, x["q"], x["v"], x["a"])
+    state = projected.rooted_state(model, base, x["q"], x["v"], x["a"])
+    assert state.acceleration is not None
+    accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
+    required = projected.inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
+    needed = apply(np.swapaxes(null_space(state), -1, -2), stacked(required))
+    tau = apply(actuation(model, held.spaces), needed)
+    multipliers = held.spaces.least_multipliers(tau - needed)
+    return {"tau": tau, **reactions(state, held, accelerations, x["external_wrenches"], multipliers)}
+
+
+def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
+    """T (…, n, n): the torques of the actuated joints that move the robot as torques f at all joints would: τ = T f.
+
+    Zᵀ τ = Zᵀ f with the closed motions Z; the smallest such τ where more joints are actuated than needed.
+    Raises InvalidInput where no joints are known to be actuated, or where these leave a motion free.
+    """
+    if model.actuated is None:
+        known = ", ".join(model.independent_joints)
+        raise InvalidInput(
+            f"robot '{model.name}' has loops, and which joints have motors is not known: give actuated= or "
+            f"model.with_actuated(…), names among {known}"
+        )
+    motors = [model.independent_joints.index(name) for name in model.actuated]
+    motions = np.where(spaces.free[..., None, :], spaces.right, 0.0)  # Z, and zero columns
+    of_motors = np.swapaxes(motions[..., motors, :], -1, -2)  # (…, n, n_actuated)
+    left, values, right = np.linalg.svd(of_motors, full_matrices=False)
+    kept = values > RANK
+    _refuse_idle(model, spaces, kept, motions, motors)
+    inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
+    to_motors = (np.swapaxes(right, -1, -2) * inverse[..., None, :]) @ np.swapaxes(left, -1, -2)
+    whole = np.zeros((*motions.shape[:-2], model.n_freedoms, model.n_freedoms))
+    whole[..., motors, :] = to_motors @ np.swapaxes(motions, -1, -2)
+    return whole
+
+
+def at_motors(name: str, tree: Specification) -> Specification:
+    """The torques (…, n) or torques per parameter (…, n, k) of a specification of trees, at the actuated joints."""
+
+    def torque(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+        held = closed(model, x["q"], x.get("v"), x.get("a"))
+        opened = replace(model, chords=(), actuated=None)
+        of_joints, to_motors = tree(opened, x, base, dense)[name], actuation(model, held.spaces)
+        return {name: apply(to_motors, of_joints) if of_joints.ndim == x["q"].ndim else to_motors @ of_joints}
+
+    return torque
+
+
+def power(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    """τ_j v_j (…, n) of inverse_dynamics."""
+    return {"power": inverse_dynamics(model, x, base, dense)["tau"] * x["v"]}
+
+
+def refused(name: str, remedy: str) -> Specification:
+    """Of a verb that has no answer for loops."""
+
+    def refuse(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+        raise InvalidInput(f"{name} does not know the loops of robot '{model.name}'; {remedy}")
+
+    return refuse
+
+
+def motion_names(model: RobotModel, motion: Array) -> str:
+    """The joints that take part in a motion (n,), largest first, with what they move by: "knee 1, hip -0.5"."""
+    size = np.abs(motion)
+    order = [k for k in np.argsort(-size) if size[k] > RANK * size.max()]
+    return ", ".join(f"{model.independent_joints[k]} {motion[k] / size.max():.3g}" for k in order)
+
+
+@dataclass(frozen=True, eq=False)
+class SelfStress:
+    """Reactions that hold each other without any load, a column for each combination (…, d = m), many of them zero.
+
+    joints: in the order force, moment along t_1, t_2, p    (…, n, 6, d)
+    chords: (…, m, d)
+    """
+
+    joints: Array
+    chords: Array
+
+
+def self_stress(state: MaximalState, spaces: LoopSpaces) -> SelfStress:
+    """Chord multipliers that do no work on any joint motion, and what the joints transmit then."""
+    rows, _ = chord_rows(state)
+    n = state.model.n_bodies
+    chords = np.where(spaces.redundant[..., None, :], spaces.left, 0.0)
+    loads = np.swapaxes(np.swapaxes(rows, -1, -2) @ chords, -1, -2)  # (…, d, 6n)
+    of_bodies = loads.reshape(*loads.shape[:-1], n, 6)
+    each = [along_pins(state, transmitted_wrenches(state, of_bodies[..., k, :, :])) for k in range(loads.shape[-2])]
+    return SelfStress(np.stack(each, axis=-1), chords)
+
+
+def along_pins(state: MaximalState, wrenches: Array) -> Array:
+    """World wrenches (…, n, 6) at O_j as force, moment along t_1, t_2, p of each joint."""
+    vertices, axes = state.vertices, joint_axes(state)
+    triads = np.empty((*axes.shape, 3))
+    for k, joint in enumerate(state.model.joints):
+        in_world = vertices.rotation[..., joint.inside, :, :] @ joint.placement.rotation
+        triads[..., k, :, :] = np.stack([*(in_world @ t for t in joint.axis_normals), axes[..., k, :]], axis=-2)
+    return np.concatenate([apply(triads, wrenches[..., part]) for part in (LINEAR, ANGULAR)], axis=-1)
+
+
+def reactions(
+    state: MaximalState, held: Closed, accelerations: Array, external_wrenches: Array, chord_multipliers: Array
+) -> dict[str, Array]:
+    """What joints and chords transmit, from any chord multipliers that move the robot so; NaN where undetermined."""
+    rows, _ = chord_rows(state)
+    required = projected.inertial_terms(state, accelerations) - passive_terms(state, external_wrenches)
+    required = required + per_body(apply(np.swapaxes(rows, -1, -2), chord_multipliers))
+    found = transmission(state.model, along_pins(state, transmitted_wrenches(state, required)), chord_multipliers)
+    undetermined = in_self_stress(state, held.spaces)
+    return {
+        "body_accelerations": accelerations,
+        **{name: np.where(undetermined[name], np.nan, array) for name, array in found.items()},
+    }
+
+
+def in_self_stress(state: MaximalState, spaces: LoopSpaces) -> dict[str, NDArray[np.bool_]]:
+    """Which multipliers and components of joint wrenches take part in a self-stress, by the name of the answer."""
+    stress = self_stress(state, spaces)
+    columns = [
+        transmission(state.model, stress.joints[..., d], stress.chords[..., d]) for d in range(stress.chords.shape[-1])
+    ]
+    involved = {name: np.zeros(array.shape, dtype=bool) for name, array in columns[0].items()}
+    for column in columns:
+        joints, chords = np.abs(column["joint_wrenches"]), np.abs(column["chord_multipliers"])
+        largest = np.maximum(joints.max(axis=(-2, -1), initial=0.0), chords.max(axis=-1, initial=0.0))
+        limit = SELF_STRESS * np.where(largest > 0, largest, np.inf)
+        for name, array in column.items():
+            involved[name] |= np.abs(array) > limit.reshape(*limit.shape, *(1,) * (array.ndim - limit.ndim))
+    return involved
+
+
+def transmission(model: RobotModel, wrenches: Array, chord_multipliers: Array) -> dict[str, Array]:
+    """The answers that state joint wrenches along the pins (…, n, 6) and chord multipliers (…, m)."""
+    slides = [joint.is_prismatic for joint in model.joints]
+    held = np.array([[0, 1, 3, 4, 5] if slide else [0, 1, 2, 3, 4] for slide in slides])
+    along = np.array([[2] if slide else [5] for slide in slides])
+    transmitted = _components(wrenches, along)[..., 0]
+    return {
+        "multipliers": _components(wrenches, held),
+        "joint_wrenches": wrenches,
+        "coupling_multipliers": transmitted @ model.freedoms.reactions.T,
+        "chord_multipliers": chord_multipliers,
+    }
+
+
+def _components(wrenches: Array, chosen: NDArray[np.intp]) -> Array:
+    picked: Array = np.take_along_axis(
+        wrenches, np.broadcast_to(chosen, (*wrenches.shape[:-1], chosen.shape[-1])), axis=-1
+    )
+    return picked
+
+
+def _free_motion(spaces: LoopSpaces, mass: Array, torque: Array) -> Array:
+    """The acceleration (…, n) along the closed motions Z that torques cause: Z (Zᵀ M Z)⁻¹ Zᵀ τ."""
+    right, free = spaces.right, spaces.free
+    on_motions = np.swapaxes(right, -1, -2) @ mass @ right
+    both, eye = free[..., :, None] & free[..., None, :], np.eye(right.shape[-1])
+    amounts = solve(np.where(both, on_motions, eye), np.where(free, apply(np.swapaxes(right, -1, -2), torque), 0.0))
+    return apply(right, amounts)
+
+
+def _refuse_singular(model: RobotModel, spaces: LoopSpaces, mass: Array) -> None:
+    """Raises SingularMassMatrix, naming a motion, where a closed motion has no inertia."""
+    right, free = spaces.right, spaces.free
+    both = free[..., :, None] & free[..., None, :]
+    on_motions = np.where(both, np.swapaxes(right, -1, -2) @ mass @ right, np.eye(right.shape[-1]))
+    at_fault = projected.singular(on_motions)
+    if not at_fault.any():
+        return
+    row = tuple(int(k) for k in np.argwhere(at_fault)[0])
+    values, vectors = np.linalg.eigh(on_motions[row])
+    motion = right[row] @ vectors[:, np.abs(values).argmin()]
+    raise SingularMassMatrix(
+        f"robot '{model.name}' can move without inertia{f' in row {row}' if row else ''}: "
+        f"{motion_names(model, motion)}. Torques do not determine accelerations there; see physical_consistency()"
+    )
+
+
+def _refuse_idle(
+    model: RobotModel, spaces: LoopSpaces, kept: NDArray[np.bool_], motions: Array, motors: list[int]
+) -> None:
+    """Raises InvalidInput, naming the motion that is left, where motors hold fewer motions than are free."""
+    idle = np.count_nonzero(kept, axis=-1) < np.count_nonzero(spaces.free, axis=-1)
+    if not idle.any():
+        return
+    row = tuple(int(k) for k in np.argwhere(idle)[0])
+    free = spaces.right[row][:, spaces.free[row]]
+    _, values, vectors = np.linalg.svd(free[motors, :])
+    still = vectors[np.count_nonzero(values > RANK) :]
+    named = "; ".join(motion_names(model, free @ amounts) for amounts in still)
+    raise InvalidInput(
+        f"robot '{model.name}': motors at {', '.join(model.actuated or ()) or 'no joint'} leave {len(still)} of "
+        f"{free.shape[1]} motions free{f' in row {row}' if row else ''}: {named}. Torques do not follow from accelerations; actuate more joints"
+    )
