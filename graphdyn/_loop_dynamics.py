@@ -274,7 +274,8 @@ def _refuse_idle(
     _, values, vectors = np.linalg.svd(free[motors, :])
     still = vectors[np.count_nonzero(values > RANK) :]
     named = "; ".join(motion_names(model, free @ amounts) for amounts in still)
+    where, motors_named = f" in row {row}" if row else "", ", ".join(model.actuated or ()) or "no joint"
     raise InvalidInput(
-        f"robot '{model.name}': motors at {', '.join(model.actuated or ()) or 'no joint'} leave {len(still)} of "
-        f"{free.shape[1]} motions free{f' in row {row}' if row else ''}: {named}. Torques do not follow from accelerations; actuate more joints"
+        f"robot '{model.name}': motors at {motors_named} leave {len(still)} of {free.shape[1]} motions free{where}: "
+        f"{named}. Torques do not follow from accelerations; actuate more joints"
     )

@@ -57,3 +57,55 @@ def palletiser(data: Path) -> tuple[RobotModel, np.ndarray]:
         actuated=("axis1", "axis2", "axis3", "axis4"),
     )
     return model, np.array(given["K"], dtype=float)
+
+
+def andrews(data: Path) -> tuple[RobotModel, dict]:
+    """Andrews' squeezer mechanism, without its spring and its motor; and its reference numbers."""
+    given = json.loads((data / "loops" / "references.json").read_text())["andrews"]
+    constants = given["parameters"]
+    values = {name: value for name, value in constants.items() if isinstance(value, (int, float))}
+
+    def point(texts: Sequence[str]) -> tuple[float, float, float]:
+        x, y = (float(eval(text, {"__builtins__": {}}, values)) for text in texts)  # such as "-(e-ea)"
+        return x, y, 0.0
+
+    rows = given["mechanism"]["bodies"]
+    names = ["ground", *(row[0] for row in rows)]
+    bodies, joints = [], []
+    for name, inside, where, angle, center in rows:
+        k = int(name[1]) - 1
+        inertia = np.diag([constants["I"][k]] * 3)
+        bodies.append(Body(name, constants["m"][k], np.array(point(center)), inertia))
+        joints.append(hinge(angle, names.index(inside), point(where)))
+    chords = [
+        Chord(name, "hinge", names.index(i), at(*point(on_i)), names.index(j), at(*point(on_j)))
+        for name, i, on_i, j, on_j in given["mechanism"]["chords"]
+    ]
+    return RobotModel("andrews", tuple(bodies), tuple(joints), np.zeros(3), chords=tuple(chords)), given
+
+
+def bricard() -> RobotModel:
+    """IFToMM A04: five rods of 1 m and 1 kg with square sections of 0.1 m, six hinges, axes y z x y z x at the start."""
+    corners = np.array([(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)], dtype=float)
+    axes = np.eye(3)[[1, 2, 0, 1, 2, 0]]
+    bodies, joints = [], []
+    for k in range(5):
+        along = corners[k + 1] - corners[k]
+        across = 0.1**2 / 6 * np.outer(along, along) + (1 + 0.1**2) / 12 * (np.eye(3) - np.outer(along, along))
+        bodies.append(Body(f"rod {k + 1}", 1.0, along / 2, across))
+        joints.append(hinge(f"hinge {k}", k, corners[k] - corners[k - 1] if k else corners[0], axes[k]))
+    closing = Chord("hinge 5", "hinge", 0, at(*corners[5]), 5, at(*(corners[5] - corners[4])), axes[5])
+    return RobotModel("bricard", tuple(bodies), tuple(joints), np.array([0, -9.81, 0]), chords=(closing,))
+
+
+def n_four_bar(n: int) -> RobotModel:
+    """IFToMM A02: n + 1 cranks and n couplers of 1 m and 1 kg in a plane; singular where all lie in one line."""
+    bodies, joints, chords = [], [], []
+    for k in range(n + 1):
+        bodies.append(rod(f"crank {k}"))
+        joints.append(hinge(f"a{k}", 0, (k, 0, 0)))
+    for k in range(n):
+        bodies.append(rod(f"coupler {k}"))
+        joints.append(hinge(f"b{k}", k + 1, (1, 0, 0)))
+        chords.append(Chord(f"c{k}", "hinge", n + 2 + k, at(1, 0, 0), k + 2, at(1, 0, 0)))
+    return RobotModel("n-four-bar", tuple(bodies), tuple(joints), np.array([0, -9.81, 0]), chords=tuple(chords))
