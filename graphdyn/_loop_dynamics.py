@@ -7,6 +7,7 @@ linkage); what takes part in one is NaN. Forces are along t_1, t_2, p of each jo
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -213,6 +214,18 @@ def in_self_stress(state: MaximalState, spaces: LoopSpaces) -> dict[str, NDArray
         for name, array in column.items():
             involved[name] |= np.abs(array) > limit.reshape(*limit.shape, *(1,) * (array.ndim - limit.ndim))
     return involved
+
+
+_usual: WeakKeyDictionary[RobotModel, dict[str, NDArray[np.bool_]]] = WeakKeyDictionary()
+
+
+def in_self_stress_usually(model: RobotModel) -> dict[str, NDArray[np.bool_]]:
+    """in_self_stress at the regular pose of the model: what is undetermined in all but singular poses."""
+    if model not in _usual:
+        q = model.regular_pose
+        state = projected.rooted_state(model, None, q, np.zeros_like(q))
+        _usual[model] = in_self_stress(state, closed(model, q).spaces)
+    return _usual[model]
 
 
 def transmission(model: RobotModel, wrenches: Array, chord_multipliers: Array) -> dict[str, Array]:

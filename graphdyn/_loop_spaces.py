@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,9 @@ from numpy.typing import NDArray
 from graphdyn._linear import apply
 from graphdyn._loops import RANK
 from graphdyn.layout import Array
+
+PREFERRED = 0.05
+"""A preferred column becomes dependent only where all others are shorter than this part of the longest of J."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +58,27 @@ def loop_spaces(jacobian: Array) -> LoopSpaces:
     left, values, right = np.linalg.svd(jacobian)
     kept = values > RANK * values.max(axis=-1, keepdims=True, initial=0.0)
     return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))
+
+
+def independent_columns(jacobian: Array, preferred: Sequence[int]) -> list[int]:
+    """Columns of J (m, n) on which the others depend: preferred ones as far as these leave the rest well determined.
+
+    The dependent columns are chosen one after the other, each the longest once what the chosen ones span is taken away
+    (QR with column pivoting; Golub and Van Loan, Matrix Computations, section 5.4), the preferred ones last.
+    """
+    rank = int(loop_spaces(jacobian).rank)
+    rest, dependent = jacobian.copy(), list[int]()
+    for _ in range(rank):
+        length = np.linalg.norm(rest, axis=0)
+        length[dependent] = 0.0
+        others = np.delete(length, preferred)
+        if others.size and others.max() > PREFERRED * np.linalg.norm(jacobian, axis=0).max():
+            length[list(preferred)] = 0.0
+        chosen = int(length.argmax())
+        direction = rest[:, chosen] / np.linalg.norm(rest[:, chosen])
+        rest = rest - np.outer(direction, direction @ rest)
+        dependent.append(chosen)
+    return [j for j in range(jacobian.shape[-1]) if j not in dependent]
 
 
 def _padded(flags: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:

@@ -22,6 +22,7 @@ from graphdyn._inertia import (
     consistency_problems,
     pseudo_inertia,
 )
+from graphdyn._loop_spaces import loop_spaces
 from graphdyn._loops import CLOSED, Loops
 from graphdyn._parts import Body, Frame, Joint, as_floats, check_type, freeze, read_only
 from graphdyn._placement import Placement
@@ -34,6 +35,9 @@ ANGLE_RANGE = np.pi
 
 CLOSING_STARTS = 100
 """Random poses from which the loops are closed before that counts as impossible."""
+
+REGULAR_CANDIDATES = 20
+"""Closed poses among which regular_pose chooses."""
 
 SLIDE_RANGE = 0.5
 """Ranges that random_state takes where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
@@ -166,6 +170,18 @@ class RobotModel:
             )
             assembly.refuse_open(f"robot '{self.name}'", self.loops, nearest, remedy)
         return read_only(found[closed[0]])
+
+    @cached_property
+    def regular_pose(self) -> Array:
+        """Of some closed poses (n_freedoms,), the one farthest from a singular one.
+
+        That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
+        Raises InconsistentState where the loops cannot be closed.
+        """
+        q, _ = self._closed_states(np.random.default_rng(0), (REGULAR_CANDIDATES,))
+        spaces = loop_spaces(self.loops.jacobian(self.loops.links(q)))
+        ratio = np.where(spaces.inverse > 0, spaces.inverse, np.inf).min(axis=-1) / spaces.inverse.max(axis=-1)
+        return read_only(q[np.lexsort((ratio, spaces.rank))[-1]])
 
     def joint_positions(self, q: ArrayLike) -> Array:
         """Of all joints (…, n) [rad or m], from those of the independent ones (…, n_freedoms)."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from graphdyn import _projected as projected
 from graphdyn._base_motion import BaseMotion
+from graphdyn._errors import GraphDynError
 from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel
 from graphdyn._projected import Arguments, Specification, refuse_singular
@@ -50,7 +51,14 @@ def _decide(
     chosen = {name: array[index] for name, array in x.items()}
     chosen.setdefault("external_wrenches", np.zeros((len(rows), model.n_bodies, BODY_FREEDOMS)))
     there = None if base is None else base.at(batch, index)
-    refuse_singular(model, projected.mass_matrix(model, chosen, there)["mass_matrix"], rows)
-    solved = specification(model, chosen, there, False)
+    if not model.chords:  # whose specification refuses by itself
+        refuse_singular(model, projected.mass_matrix(model, chosen, there)["mass_matrix"], rows)
+    try:
+        solved = specification(model, chosen, there, False)
+    except GraphDynError:
+        if model.chords:  # that of all samples names the row
+            none = np.zeros((*batch, model.n_bodies, BODY_FREEDOMS))
+            specification(model, {"external_wrenches": none, **x}, base, False)
+        raise
     for name, array in arrays.items():
         array[index] = solved[name]

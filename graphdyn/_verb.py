@@ -14,6 +14,7 @@ from graphdyn._arrays import joint_arrays, refuse_non_finite
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import InvalidInput
 from graphdyn._frame_choice import FrameChoice
+from graphdyn._loop_dynamics import in_self_stress_usually
 from graphdyn._methods import Method, is_recursive
 from graphdyn._model import RobotModel
 from graphdyn._projected import Specification
@@ -82,7 +83,7 @@ class Verb(Generic[Answer]):
         x = joint_arrays(model, base, check=False, **given)
         specification = self.specification if frame is None else partial(self.specification, frame=frame)
         if model.chords and self.closed is not None:
-            return self._of_loops(self.closed, model, x, base, method, out)
+            return self._of_loops(self.closed, model, x, base, method, Options(threads, check), out)
         if is_recursive(method, x, out):
             moving = base if RECURSIONS[self.recursion].on_moving_base else None
             options, memory = Options(threads, check), self._memory(out)
@@ -98,10 +99,21 @@ class Verb(Generic[Answer]):
         x: dict[str, Array],
         base: BaseMotion | None,
         method: Method,
+        options: Options,
         out: Answer | None,
     ) -> Answer:
-        if is_recursive(method, x, out) and method != "auto":
-            raise InvalidInput(f"{self.name} of robots with loops has no compiled form; use method='projected'")
+        """Of a robot with loops. What they leave undetermined is NaN."""
+        compiled = RECURSIONS[self.recursion].closed is not None and not model.couplings
+        if is_recursive(method, x, out) and (compiled or method == "recursive" or out is not None):
+            if not compiled:
+                what = "loops and couplings" if model.couplings else "loops"
+                raise InvalidInput(f"{self.name} of robots with {what} has no compiled form; use method='projected'")
+            memory = self._memory(out)
+            arrays = recursive.answers(model, closed, self.recursion, self.outputs, x, base, options, memory)
+            for name, undetermined in in_self_stress_usually(model).items():
+                if name in arrays:
+                    arrays[name][..., undetermined] = np.nan
+            return self._packed(arrays)
         return self._packed(closed(model, _complete(model, x), base, method == "dense"))
 
     def _packed(self, arrays: dict[str, Array]) -> Answer:

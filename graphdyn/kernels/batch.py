@@ -17,7 +17,7 @@ from graphdyn._model import RobotModel
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.programs import GROUND, Request
 from graphdyn.kernels.recursions import ARRAYS
-from graphdyn.kernels.running import run
+from graphdyn.kernels.running import prepared, run
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 SMALL_PIVOT = 1e-9
@@ -95,8 +95,9 @@ def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
 
 
 def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], options: Options) -> NDArray[np.intp]:
-    pivots = np.empty((len(inputs["q"]), model.n_freedoms))
-    run(model, replace(request, outputs=("pivots",)), inputs, {"pivots": pivots}, options.threads)
+    of_pivots = replace(request, outputs=("pivots",))
+    pivots = np.empty((len(inputs["q"]), len(prepared(model, of_pivots).program.outputs["pivots"])))
+    run(model, of_pivots, inputs, {"pivots": pivots}, options.threads)
     return np.flatnonzero((pivots < SMALL_PIVOT).any(axis=-1))
 
 

@@ -54,9 +54,9 @@ def links(model: RobotModel) -> tuple[Link, ...]:
             Link(
                 inside=joint.inside - 1,
                 prismatic=joint.is_prismatic,
-                rotation=_rotation(inside.T @ joint.placement.rotation @ own),
+                rotation=scalars(rounded(inside.T @ joint.placement.rotation @ own)),
                 translation=scalars(inside.T @ joint.placement.translation),
-                link_axes=_rotation(own),
+                link_axes=scalars(rounded(own)),
                 mass=body.mass,
                 center_of_mass=scalars(center),
                 first_moment=scalars(body.mass * center),
@@ -66,6 +66,7 @@ def links(model: RobotModel) -> tuple[Link, ...]:
     return tuple(result)
 
 
-def _rotation(matrix: Array) -> Scalars:
+def rounded(matrix: Array) -> Array:
+    """A rotation with entries of 0 and ±1 where it has them but for rounding."""
     nearest = np.round(matrix)
-    return scalars(np.where(np.abs(matrix - nearest) <= ROUNDING, nearest, matrix))
+    return np.where(np.abs(matrix - nearest) <= ROUNDING, nearest, matrix)

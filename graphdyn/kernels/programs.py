@@ -47,6 +47,7 @@ def record(model: RobotModel, request: Request) -> Program:
     """The program of a request. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
     sample, recursion = Sample(model, request), RECURSIONS[request.recursion]
     compute = recursion.coupled if model.couplings and recursion.coupled else recursion.compute
+    compute = recursion.closed if model.chords and recursion.closed else compute
     with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
         answer = compute(sample, sample.q, *map(sample.of_joints, recursion.inputs[1:]))
     outputs = answer if isinstance(answer, dict) else {recursion.outputs[0]: list(np.array(answer, object).ravel())}
@@ -58,7 +59,8 @@ def record(model: RobotModel, request: Request) -> Program:
         outputs = sample.of_freedoms(outputs, shapes={} if compute is recursion.coupled else ARRAYS)
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
     if "pivots" in outputs:
-        outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], pivot_scales(model), strict=True)]
+        scales = [1.0] * len(outputs["pivots"]) if compute is recursion.closed else pivot_scales(model)
+        outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], scales, strict=True)]
         watches["minimum"] = outputs["pivots"]
     return sample.recorder.program({name: outputs[name] for name in request.outputs}, watches)
 

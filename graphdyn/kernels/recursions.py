@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from graphdyn._model import RobotModel
-from graphdyn.kernels import couplings, derivatives, frames, momentum
+from graphdyn.kernels import couplings, derivatives, frames, loops, momentum
 from graphdyn.kernels.energies import energy_regressor, kinetic_energy, potential_energy
 from graphdyn.kernels.factorization import mass_matrix_inverse
 from graphdyn.kernels.forward import forward_dynamics
@@ -104,6 +104,7 @@ class Recursion:
     on_moving_base: whether the motion of the base matters
     of_frame: whether it speaks of a frame, which the sample has
     coupled: compute for robots with couplings, where it is not the projection of what compute answers for all joints
+    closed: compute for robots with chords and without couplings, where the chords matter
     """
 
     inputs: tuple[str, ...]
@@ -112,6 +113,7 @@ class Recursion:
     on_moving_base: bool = True
     of_frame: bool = False
     coupled: Callable[..., Any] | None = None
+    closed: Callable[..., Any] | None = None
 
 
 _REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches", "coupling_multipliers", "chord_multipliers")
@@ -122,9 +124,13 @@ RECURSIONS = {
         ("a", *_REACTIONS),
         lambda x, q, v, tau: forward_dynamics(x.links, x.root, q, v, tau, x.external),
         coupled=lambda x, q, v, tau: couplings.forward_dynamics(x.links, x.root, x.freedoms, q, v, tau, x.external),
+        closed=lambda x, q, v, tau: loops.forward_dynamics(x.model, x.links, x.root, q, v, tau, x.external),
     ),
     "inverse_dynamics": Recursion(
-        ("q", "v", "a"), ("tau", *_REACTIONS), lambda x, q, v, a: inverse_dynamics(x.links, x.root, q, v, a, x.external)
+        ("q", "v", "a"),
+        ("tau", *_REACTIONS),
+        lambda x, q, v, a: inverse_dynamics(x.links, x.root, q, v, a, x.external),
+        closed=lambda x, q, v, a: loops.inverse_dynamics_at_motors(x.model, x.links, x.root, q, v, a, x.external),
     ),
     "mass_matrix": Recursion(("q",), ("mass_matrix",), lambda x, q: mass_matrix(x.links, q), on_moving_base=False),
     "mass_matrix_inverse": Recursion(

@@ -85,7 +85,7 @@ def andrews(data: Path) -> tuple[RobotModel, dict]:
 
 
 def bricard() -> RobotModel:
-    """IFToMM A04: five rods of 1 m and 1 kg with square sections of 0.1 m, six hinges, axes y z x y z x at the start."""
+    """IFToMM A04: five rods of 1 m and 1 kg with square sections of 0.1 m; axes y z x y z x at the start."""
     corners = np.array([(0, 0, 0), (1, 0, 0), (1, -1, 0), (1, -1, 1), (0, -1, 1), (0, 0, 1)], dtype=float)
     axes = np.eye(3)[[1, 2, 0, 1, 2, 0]]
     bodies, joints = [], []
