@@ -20,6 +20,7 @@ from graphdyn._answers import (
     Momentum,
     ReactionDerivatives,
 )
+from graphdyn._assemble import assemble
 from graphdyn._base_motion import BaseMotion
 from graphdyn._chord import Chord
 from graphdyn._compiled import CompiledModel, compile
@@ -62,6 +63,7 @@ from graphdyn._inertia import Consistency
 from graphdyn._kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
 from graphdyn._kkt import KKTSolution, KKTSystem
 from graphdyn._kr500 import kr500, kr500_experiment
+from graphdyn._loop_analysis import LoopAnalysis, analyze_loops
 from graphdyn._matrices import (
     body_regressor,
     coriolis_matrix,
@@ -157,6 +159,7 @@ __all__ = [
     "JointStops",
     "KKTSolution",
     "KKTSystem",
+    "LoopAnalysis",
     "MaximalState",
     "MeasurementNoise",
     "Momentum",
@@ -172,6 +175,8 @@ __all__ = [
     "SingularMassMatrix",
     "UnknownFrame",
     "VirtualRecording",
+    "analyze_loops",
+    "assemble",
     "bias_torque",
     "body_regressor",
     "center_of_mass",

@@ -165,9 +165,7 @@ class RobotModel:
         closed = np.flatnonzero(np.abs(gaps).max(axis=-1, initial=0.0) <= CLOSED)
         if not closed.size:
             nearest = gaps[np.abs(gaps).max(axis=-1).argmin()]
-            remedy = (
-                f"No pose near {CLOSING_STARTS} others closes all loops: check where the chord stands on its bodies"
-            )
+            remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
             assembly.refuse_open(f"robot '{self.name}'", self.loops, nearest, remedy)
         return read_only(found[closed[0]])
 

@@ -32,15 +32,15 @@ class DirectSums:
         acting = [np.flatnonzero(row[self._others]) for row in structure.support]
         self._acting = acting
         self._n_extra = max(map(len, acting))
-        self._gram = torque_gram(
-            torque_model.model, (independent[self._rigid] - rigid.start).tolist(), self._n_extra, weighted=True
-        )
+        if not torque_model.model.chords:  # which the kernel does not cover
+            columns = (independent[self._rigid] - rigid.start).tolist()
+            self._gram = torque_gram(torque_model.model, columns, self._n_extra, weighted=True)
         self._width = len(independent) + 1
 
     def __call__(self, samples: Samples, kept: NDArray[np.bool_]) -> list[Array]:
         """Of all joints (b + 1, b + 1), over the equations that count (N, n). Raises InvalidInput for NaN, infinity."""
         right = np.asarray(samples.tau, dtype=float) - self._torque_model.known_torque(samples)
-        if samples.base is not None:
+        if samples.base is not None or self._torque_model.model.chords:
             return self._plain_sums(samples, right, kept)
         others = self._torque_model.rows(samples, self._other_columns)
         extra = np.zeros((*right.shape, self._n_extra))
@@ -53,7 +53,7 @@ class DirectSums:
         return [self._spread(joint, matrix) for joint, matrix in enumerate(matrices)]
 
     def _plain_sums(self, samples: Samples, right: Array, kept: NDArray[np.bool_]) -> list[Array]:
-        """On a moving base, which the kernel does not cover."""
+        """On a moving base and with loops, which the kernel does not cover."""
         equations = np.concatenate([self._torque_model.rows(samples, self._independent), right[..., None]], axis=-1)
         chosen = [equations[kept[:, joint], joint] for joint in range(right.shape[1])]
         return [rows.T @ rows for rows in chosen]

@@ -30,9 +30,9 @@ from graphdyn.kernels.vectors import E_Z, Scalars, cross, scalars, turn, turn_ba
 
 Columns = Sequence[Any]
 
-CAUTION = 1e-4
-"""Pivots of J_dᵀJ_d count this much: one of 1e-5 of its diagonal is as suspicious as one of 1e-9 of a mass matrix,
-since the normal equations square what they lose."""
+CAUTION = 2e-6
+"""Pivots of J_dᵀJ_d count this much: one of 5e-4 of the squares of all entries in its rows is as suspicious as one of
+1e-9 of a mass matrix. Above it accelerations agree with the projected ones to 1e-12, below to 1e-11 and less."""
 
 TINY = 1e20
 """Makes what is left below the bound of an open loop, of the size CLOSED² = 1e-16, comparable to pivots."""
@@ -106,7 +106,8 @@ def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) ->
     motions_of = zeros(len(links), len(independent))
     motions_of[independent, range(len(independent))] = 1.0
     motions_of[dependent, :] = -(inverse @ (columns.T @ jacobian[:, independent]))
-    watched = [_ratio(pivot, size) * CAUTION for pivot, size in zip(pivots, normal.diagonal(), strict=True)]
+    sizes = [sum(x * x for x in jacobian[[not _is_zero(x) for x in column]].ravel()) for column in columns.T]
+    watched = [_ratio(pivot, size) * CAUTION for pivot, size in zip(pivots, sizes, strict=True)]
     for row in rows:
         watched += [1.0 - gap * gap * (1.0 / CLOSED**2) for gap in row.gap]
         watched += row.agreeing
@@ -164,6 +165,15 @@ def inverse_dynamics_at_motors(
     tau = list(to_motors @ needed)
     answer = _reactions(model, links, root, held, q, v, a, tau, external)
     return {"tau": tau, **answer, "pivots": held.watched + pivots}
+
+
+def at_motors(
+    model: RobotModel, links: Sequence[Link], q: Columns, v: Columns, name: str, torques: Scalars | Columns
+) -> dict[str, list[Any]]:
+    """Torques (n) or torques per parameter (n, k) of the joints without chords, at the actuated joints, by name."""
+    held = closing(model, links, q, v)
+    to_motors, pivots = _actuation(model, held)
+    return {name: list((to_motors @ np.asarray(torques, dtype=object)).ravel()), "pivots": held.watched + pivots}
 
 
 def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:

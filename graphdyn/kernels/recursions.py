@@ -118,6 +118,22 @@ class Recursion:
 
 _REACTIONS = ("body_accelerations", "multipliers", "joint_wrenches", "coupling_multipliers", "chord_multipliers")
 
+
+def _torques(name: str, inputs: tuple[str, ...], compute: Callable[..., Any]) -> Recursion:
+    """Torques, or torques per parameter, of all joints; with chords those of the motors."""
+
+    def closed(x: Any, q: Any, v: Any = None, *rest: Any) -> Any:
+        arrays = (q, v, *rest)[: len(inputs)]
+        return loops.at_motors(x.model, x.links, q, x.zeros if v is None else v, name, compute(x, *arrays))
+
+    return Recursion(inputs, (name,), compute, closed=closed)
+
+
+def _needed(x: Any, q: Any, v: Any, external: Any = None) -> Any:
+    """The torques at a = 0."""
+    return inverse_dynamics(x.links, x.root, q, v, x.zeros, external)["tau"]
+
+
 RECURSIONS = {
     "forward_dynamics": Recursion(
         ("q", "v", "tau"),
@@ -232,22 +248,12 @@ RECURSIONS = {
         lambda x, q, v, a: frames.frame_acceleration(x.links, x.root, q, v, a, x.frame),
         of_frame=True,
     ),
-    "bias_torque": Recursion(
-        ("q", "v"), ("bias_torque",), lambda x, q, v: inverse_dynamics(x.links, x.root, q, v, x.zeros)["tau"]
-    ),
-    "gravity_torque": Recursion(
-        ("q",),
-        ("gravity_torque",),
-        lambda x, q: inverse_dynamics(x.links, x.root, q, x.zeros, x.zeros)["tau"],
-    ),
-    "static_torque": Recursion(
-        ("q",),
-        ("static_torque",),
-        lambda x, q: inverse_dynamics(x.links, x.root, q, x.zeros, x.zeros, x.external)["tau"],
-    ),
-    "joint_torque_regressor": Recursion(
+    "bias_torque": _torques("bias_torque", ("q", "v"), lambda x, q, v: _needed(x, q, v)),
+    "gravity_torque": _torques("gravity_torque", ("q",), lambda x, q: _needed(x, q, x.zeros)),
+    "static_torque": _torques("static_torque", ("q",), lambda x, q: _needed(x, q, x.zeros, x.external)),
+    "joint_torque_regressor": _torques(
+        "joint_torque_regressor",
         ("q", "v", "a"),
-        ("joint_torque_regressor",),
         lambda x, *arrays: joint_torque_regressor(x.links, x.root, *arrays),
     ),
     "body_regressor": Recursion(

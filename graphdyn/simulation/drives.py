@@ -74,6 +74,8 @@ class JointStops:
 
 def refuse_couplings(model: RobotModel) -> None:
     """Raises InvalidInput for a robot in which joints drive others."""
+    if model.chords:
+        raise InvalidInput(f"robot '{model.name}' has loops, which a simulation does not know yet")
     if model.couplings:
         raise InvalidInput(
             f"robot '{model.name}' has couplings, which a simulation does not know; lock the joints that others drive"

@@ -53,6 +53,8 @@ def test_the_function_is_public_and_has_the_signature_of_its_row(name):
     assert name in graphdyn.__all__
     parameters = dict(inspect.signature(getattr(graphdyn, name)).parameters)
     assert tuple(parameters)[: 1 + len(VERBS[name].inputs)] == ("model", *VERBS[name].inputs)
+    if name == "inverse_dynamics":
+        assert parameters.pop("actuated").kind is inspect.Parameter.KEYWORD_ONLY
     further = tuple(parameters)[1 + len(VERBS[name].inputs) : -len(KEYWORDS)]
     of_frame = [("frame", "reference"), ("frame", "reference", "classical")]
     assert further in (of_frame if VERBS[name].of_frame else [(), ("external_wrenches",)])

@@ -1,0 +1,277 @@
+"""Robots with loops: ranks, determined and undetermined reactions, closed forms and published mechanisms."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletiser, rod
+from shared_data import DATA, existing
+from witnesses import relative_error
+
+import graphdyn
+from graphdyn import Body, Chord, InconsistentState, InvalidInput, InvalidModel, Joint, Placement, RobotModel
+from graphdyn._chord import CHORD_ROWS
+from graphdyn._loops import Loops
+from graphdyn._rotation import rotation_about
+
+ROUNDING = 1e-13
+"""Of accelerations and torques relative to the largest: measured 1e-14, at poses with a well-conditioned J."""
+
+METHODS = ("dense", "projected", "recursive")
+methods = pytest.mark.parametrize("method", METHODS)
+REACTIONS = ("multipliers", "joint_wrenches", "chord_multipliers")
+
+
+def random_placement(rng):
+    axis = rng.normal(size=3)
+    return Placement(rotation_about(axis / np.linalg.norm(axis), rng.uniform(-3, 3)), rng.uniform(-0.5, 0.5, 3))
+
+
+def closed_chain(kind, n=10):
+    """A chain of turns and slides in space, closed by such a chord between bodies 1 and n; and a closed pose."""
+    rng = np.random.default_rng(len(kind))
+    bodies = [Body(f"body {k}", 1.0, rng.uniform(-0.2, 0.2, 3), 0.1 * np.eye(3)) for k in range(1, n + 1)]
+    kinds = ["prismatic" if k in (3, 6) else "revolute" for k in range(n)]
+    joints = [Joint(f"joint {k}", kinds[k], k, random_placement(rng), rng.normal(size=3)) for k in range(n)]
+    tree = RobotModel(kind, tuple(bodies), tuple(joints))
+    q, _ = tree.random_state(rng)
+    links, on_i, axis = Loops(joints, (), tree.freedoms).links(q), random_placement(rng), rng.normal(size=3)
+    p = axis / np.linalg.norm(axis)
+    left_free = {
+        "hinge": Placement(rotation_about(p, 1.1), np.zeros(3)),
+        "ball": Placement(random_placement(rng).rotation, np.zeros(3)),
+        "slide": Placement(np.eye(3), 0.3 * p),
+        "weld": Placement(),
+        "distance": random_placement(rng),
+    }[kind]
+    there = Placement(links.rotation[1], links.origin[1]) @ on_i @ left_free
+    length = float(np.linalg.norm(left_free.translation)) if kind == "distance" else None
+    on_j = Placement(links.rotation[n], links.origin[n]).inverse() @ there
+    return replace(tree, chords=(Chord("chord", kind, 1, on_i, n, on_j, axis, length),), actuated=tree.joint_names), q
+
+
+def compare(found, wanted, tolerance=ROUNDING):
+    """Reactions are NaN in the same places, and equal elsewhere."""
+    for name in REACTIONS:
+        ours, theirs = getattr(found, name), getattr(wanted, name)
+        np.testing.assert_array_equal(np.isnan(ours), np.isnan(theirs), name)
+        scale = np.nanmax(np.abs(wanted.multipliers), initial=1.0)
+        assert np.nanmax(np.abs(ours - theirs), initial=0.0) <= tolerance * scale, name
+
+
+@pytest.mark.parametrize("kind", CHORD_ROWS)
+def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
+    model, q = closed_chain(kind)
+    loops, step, rng = model.loops, 1e-6, np.random.default_rng(1)
+    assert np.abs(loops.gaps(q)).max() < 1e-14
+    jacobian = loops.jacobian(loops.links(q))
+    assert jacobian.shape == (len(CHORD_ROWS[kind]), 10)
+    differences = [(loops.gaps(q + step * e) - loops.gaps(q - step * e)) / (2 * step) for e in np.eye(10)]
+    np.testing.assert_allclose(jacobian, np.stack(differences, axis=-1), atol=1e-8)  # of central differences
+    q, v, a = graphdyn.assemble(model, q, *rng.normal(size=(2, 10)))
+    rates = [loops.jacobian(loops.links(q + s * step * v)) @ v for s in (1, -1)]
+    np.testing.assert_allclose(jacobian @ a, -(rates[0] - rates[1]) / (2 * step), atol=1e-7)
+    tau, wrenches = rng.normal(size=10), rng.normal(size=(10, 6))
+    answers = [graphdyn.forward_dynamics(model, q, v, tau, wrenches, method=method) for method in METHODS]
+    for answer in answers[1:]:
+        assert relative_error(answer.a, answers[0].a) < 1e-12  # of a chain whose masses hang far out
+        compare(answer, answers[0], 1e-11)
+    assert np.isfinite(answers[0].multipliers).all()  # no row is redundant in space
+    back = graphdyn.inverse_dynamics(model, q, v, answers[0].a, wrenches)
+    moved = graphdyn.joint_accelerations(model, q, v, back.tau, wrenches)
+    assert relative_error(moved, answers[0].a) < 1e-12  # ten motors move fewer freedoms: other torques, same motion
+
+
+@methods
+def test_the_palletiser_is_what_its_closed_form_says(method):
+    model, k = palletiser(existing(DATA / "loops").parent)
+    rng, count = np.random.default_rng(2), 20
+    u = rng.uniform((-3, -0.6, -0.5, -3), (3, 0.6, 0.5, 3), (count, 4))
+    q, v = u @ k.T, rng.uniform(-2, 2, (count, 4)) @ k.T
+    tau, wrenches = np.zeros((count, 10)), rng.normal(size=(count, 10, 6)) * 50
+    motors = [model.joint_names.index(name) for name in model.actuated]
+    tau[:, motors] = rng.normal(size=(count, 4)) * 300
+    tree = replace(model, chords=(), actuated=None)
+    needed = tau - graphdyn.joint_torques(tree, q, v, np.zeros_like(q), wrenches)
+    a = np.linalg.solve(k.T @ graphdyn.mass_matrix(tree, q) @ k, (needed @ k)[..., None])[..., 0] @ k.T
+    answer = graphdyn.forward_dynamics(model, q, v, tau, wrenches, method=method)
+    assert relative_error(answer.a, a) < ROUNDING
+    determined = np.isfinite(answer.multipliers).sum(axis=(1, 2)) + np.isfinite(answer.chord_multipliers).sum(axis=1)
+    np.testing.assert_array_equal(determined, 32)
+    compare(answer, graphdyn.forward_dynamics(model, q, v, tau, wrenches, method="projected"))
+    back = graphdyn.inverse_dynamics(model, q, v, a, wrenches, method=method if method != "dense" else "projected")
+    assert relative_error(back.tau, tau) < ROUNDING
+    regressor = graphdyn.joint_torque_regressor(model, q, v, a)
+    without = graphdyn.joint_torques(model, q, v, a)
+    assert relative_error(regressor @ model.inertial_parameters, without) < ROUNDING
+    for verb, arguments in (("bias_torque", (q, v)), ("gravity_torque", (q,)), ("joint_torque_regressor", (q, v, a))):
+        fast, plain = (getattr(graphdyn, verb)(model, *arguments, method=m) for m in ("recursive", "projected"))
+        assert relative_error(fast, plain) < ROUNDING, verb
+
+
+def test_andrews_mechanism_starts_as_published():
+    model, given = andrews(existing(DATA / "loops").parent)
+    names, constants = given["order"].split(";")[0].split(), given["parameters"]
+    q = np.array([float(given["q0"][names.index(name)]) for name in model.joint_names])
+    tau = constants["mom"] * (np.array(model.joint_names) == "beta")
+    rotation, origin = graphdyn.frame_placement(model, q, "K3")
+    hook = np.array([constants["sd"], -constants["sc"], 0])
+    line = np.array([constants["xc"], constants["yc"], 0]) - (origin + rotation @ hook)
+    length = np.linalg.norm(line)
+    force = rotation.T @ line / length * constants["c0"] * (length - constants["l0"])
+    wrenches = np.zeros((7, 6))
+    wrenches[model.body_names.index("K3")] = [*force, *np.cross(hook, force)]
+    published = np.array([given["a0"][names.index(name)] for name in model.joint_names])
+    for method in METHODS:
+        answer = graphdyn.forward_dynamics(model, q, np.zeros(7), tau, wrenches, method=method)
+        assert relative_error(answer.a, published) < 1e-12
+        in_ground = []
+        for chord, (f_1, f_2) in zip(model.chords, answer.chord_multipliers.reshape(3, 5)[:, :2], strict=True):
+            turned, _ = graphdyn.frame_placement(model, q, model.body_names[chord.body_i - 1])
+            in_ground += list((turned @ (chord.triad[:, :2] @ [f_1, f_2]))[:2])
+        assert relative_error(np.array(in_ground), np.array(given["lambda0"])) < 1e-12
+
+
+def test_ranks_mobility_and_self_stresses():
+    plane = graphdyn.analyze_loops(four_bar(), four_bar().closed_pose)
+    assert (plane.n_rows, plane.rank, plane.mobility, plane.grubler_mobility) == (20, 17, 1, -2)
+    np.testing.assert_array_equal(plane.determined_multipliers, [[True, True, False, False, False]] * 3)
+    np.testing.assert_array_equal(plane.determined_chord_multipliers, [True, True, False, False, False])
+    assert len(plane.self_stresses) == 3
+    in_space = graphdyn.analyze_loops(bricard(), np.zeros(5))
+    assert (in_space.n_rows, in_space.rank, in_space.mobility) == (30, 29, 1)
+    assert not in_space.determined_multipliers.any()
+    assert not in_space.determined_chord_multipliers.any()
+    (stress,) = in_space.self_stresses
+    assert len(stress) == 30
+    np.testing.assert_allclose(np.abs(list(stress.values())), 1)  # all forces [N] and moments [N m] alike: rods of 1 m
+    model = n_four_bar(2)
+    in_line = graphdyn.analyze_loops(model, np.zeros(5))
+    assert in_line.is_singular
+    assert (in_line.rank, in_line.usual_rank, in_line.mobility) == (27, 29, 3)
+    upright = np.pi / 2 * np.array([1, 1, 1, -1, -1])
+    assert not graphdyn.analyze_loops(model, upright).is_singular
+    system = graphdyn.kkt_system(model, upright, np.zeros(5), np.zeros(5))
+    assert system.constraint_rank() == 29
+    least = system.solve(least_norm=True)
+    assert least.dynamics_residual() < 1e-14
+    assert np.isnan(system.solve().multipliers).any()
+
+
+def test_assembly_holds_joints_and_keeps_the_branch():
+    model = four_bar(1.0, 2.0, 1.0, 2.0)  # a parallelogram, which could also close crossed over
+    q = graphdyn.assemble(model, [0.7, -0.6, 0.8], hold=["a"])
+    np.testing.assert_allclose(q, [0.7, -0.7, 0.7], atol=1e-12)
+    q, v, a = graphdyn.assemble(model, [0.7, -0.6, 0.8], [1.0, 0, 0], [0.5, 0, 0], hold=["a"])
+    np.testing.assert_allclose(v, [1, -1, 1], atol=1e-12)
+    np.testing.assert_allclose(a, [0.5, -0.5, 0.5], atol=1e-12)
+    flipped = replace(model, bodies=(rod("long", 2.0), *model.bodies[1:]))
+    assert np.abs(flipped.loops.gaps(np.array([0.7, -0.7, 0.7]))).max() < 1e-12  # masses do not matter
+    weld = RobotModel(
+        "two", (rod("a"), rod("b")), (four_bar().joints[0], four_bar().joints[1]),
+        chords=(Chord("weld", "weld", 0, at(2, 0, 0), 2, at(1, 0, 0)),),
+    )  # fmt: skip
+    assert np.abs(weld.loops.gaps(np.array([0.0, np.pi]))).max() > 1  # turned by half a turn is not closed
+    with pytest.raises(InconsistentState, match=r"the loop of chord 'closing' is open by 1 m .* with a, b, c held"):
+        graphdyn.assemble(replace(model, chords=model.chords), [0, 0, np.pi / 2], hold=["a", "b", "c"])
+
+
+def test_random_states_are_closed_and_gravity_and_inertia_of_trees_are_untouched():
+    model = four_bar()
+    q, v = model.random_state(np.random.default_rng(0), (2, 3))
+    assert np.abs(model.loops.gaps(q)).max() < 1e-12
+    assert np.abs(np.einsum("...mn,...n->...m", model.loops.jacobian(model.loops.links(q)), v)).max() < 1e-12
+    tree = replace(model, chords=(), actuated=None)
+    for verb in ("mass_matrix", "kinetic_energy", "coriolis_matrix"):
+        arguments = (q,) if verb == "mass_matrix" else (q, v)
+        np.testing.assert_array_equal(
+            getattr(graphdyn, verb)(model, *arguments), getattr(graphdyn, verb)(tree, *arguments)
+        )
+
+
+def test_motors():
+    model = four_bar()
+    q, v = model.random_state(np.random.default_rng(1), 4)
+    a = graphdyn.joint_accelerations(model, q, v, np.zeros_like(q))
+    both = graphdyn.inverse_dynamics(model, q, v, a + 0, actuated=["a", "c"]).tau
+    assert np.abs(both).max() < 1e-12  # no torque accelerates it so
+    q, v, a = graphdyn.assemble(model, q, v, a + 1.0)
+    one, both = (graphdyn.inverse_dynamics(model, q, v, a, actuated=names).tau for names in (["a"], ["a", "c"]))
+    assert (np.linalg.norm(both, axis=-1) < np.linalg.norm(one, axis=-1)).all()
+    assert relative_error(graphdyn.joint_accelerations(model, q, v, both), a) < ROUNDING
+    two = n_four_bar(2)
+    two = replace(two, chords=two.chords[:1])  # a2 and b1 stay open
+    q = graphdyn.assemble(two, np.pi / 2 * np.array([1, 1, 1, -1, -1]))
+    with pytest.raises(InvalidInput, match=r"motors at a0 leave 2 of 3 motions free: (a2 1; b1 1|b1 1; a2 1)\. .*more"):
+        graphdyn.inverse_dynamics(two, q, 0 * q, 0 * q, actuated=["a0"])
+    with pytest.raises(InvalidInput, match=r"which joints have motors is not known: give actuated= .* among a0, a1"):
+        graphdyn.gravity_torque(two, q)
+
+
+def test_refusals():
+    model = four_bar()
+    q, v = model.random_state(np.random.default_rng(1), 3)
+    still = np.zeros_like(q)
+    opened = q.copy()
+    opened[1, 0] += 1e-3
+    for method in METHODS:
+        with pytest.raises(
+            InconsistentState, match=r"'four-bar': the loop of chord 'closing' is open by .* in row 1; "
+        ):
+            graphdyn.forward_dynamics(model, opened, still, still, method=method)
+    with pytest.raises(InconsistentState, match=r"the velocity opens the loop of chord 'closing' in row 1 .*assemble"):
+        graphdyn.forward_dynamics(model, q, v + 1, still)
+    with pytest.raises(InconsistentState, match=r"the acceleration opens the loop"):
+        graphdyn.inverse_dynamics(model, q, v, v + 1)
+    with pytest.raises(InvalidInput, match=r"mass_matrix_inverse does not know the loops of robot 'four-bar'"):
+        graphdyn.mass_matrix_inverse(model, q)
+    with pytest.raises(InvalidInput, match=r"no compiled form; use method='projected'"):
+        graphdyn.power(model, q, still, still, method="recursive")
+    with pytest.raises(InvalidInput, match=r"power of robot 'four-bar', which has loops, has no compiled form"):
+        graphdyn.compile(model, "power")
+    with pytest.raises(InvalidInput, match=r"has no loops: all its reactions are determined"):
+        graphdyn.analyze_loops(graphdyn.kr500(), np.zeros(6))
+    with pytest.raises(InvalidInput, match=r"no free joint 'x' to hold; choose among a, b, c"):
+        graphdyn.assemble(model, q, hold=["x"])
+    with pytest.raises(InvalidInput, match=r"a is given without v"):
+        graphdyn.assemble(model, q, a=still)
+    with pytest.raises(InconsistentState, match=r"'closing' is open by 4.5 m .*None of 100 poses leads"):
+        _ = four_bar(ground=9.0).closed_pose
+    massless = replace(
+        model, bodies=tuple(Body(body.name, 0.0, np.zeros(3), np.zeros((3, 3))) for body in model.bodies)
+    )
+    with pytest.raises(graphdyn.SingularMassMatrix, match=r"can move without inertia in row \(0,\): .*b 1|a 1|c 1"):
+        graphdyn.joint_accelerations(massless, q, still, still)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"kind": "belt"}, "kind 'belt' is unknown; use one of hinge, ball, slide, weld, distance"),
+        ({"body_j": 2}, "both ends are on body 2"),
+        ({"body_j": 7}, "there is no body 7"),
+        ({"axis": np.zeros(3)}, "axis is zero"),
+        ({"placement_i": None}, "placement_i is of type NoneType"),
+        ({"length": 1.0}, "only a distance has one"),
+        ({"kind": "distance"}, "a distance needs its length"),
+        ({"kind": "distance", "length": -1.0}, "length is -1.0 m; give a positive one"),
+    ],
+)
+def test_refused_chords(change, message):
+    model = four_bar()
+    with pytest.raises(InvalidModel, match=message):
+        replace(model, chords=(replace(model.chords[0], **change),))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"actuated": ("a", "a")}, "joint 'a' is actuated more than once"),
+        ({"actuated": ("x",)}, "there is no joint 'x' to actuate; choose among a, b, c"),
+        ({"chords": ()}, "every joint of a tree is"),
+        ({"chords": four_bar().chords * 2}, "chord name 'closing' is used more than once"),
+    ],
+)
+def test_refused_models(change, message):
+    with pytest.raises(InvalidModel, match=message):
+        replace(four_bar(), **change)
