@@ -13,6 +13,7 @@ from urdf._errors import (
     GravityNotSavedWarning,
     InvalidChain,
     InvalidLock,
+    InvalidLoop,
     InvalidMimic,
     InvalidNumber,
     InvalidRepair,
@@ -35,6 +36,7 @@ from urdf._errors import (
     XacroWarning,
 )
 from urdf._loading import fused_links, load
+from urdf._loops import Loop
 from urdf._opening import Xacro
 from urdf._saving import save
 from urdf._updating import Update, update
@@ -51,11 +53,13 @@ __all__ = [
     "Inspection",
     "InvalidChain",
     "InvalidLock",
+    "InvalidLoop",
     "InvalidMimic",
     "InvalidNumber",
     "InvalidRepair",
     "InvalidRobot",
     "InvalidXacro",
+    "Loop",
     "MalformedXML",
     "MimicJointWarning",
     "MissingEntry",

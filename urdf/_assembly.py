@@ -26,6 +26,7 @@ class Assembly:
     """The bodies, joints and frames of a model.
 
     massless: per body without any <inertial>, the names of its links
+    locations: per link, its body and its placement in the link frame of that body
     fused: per fixed link with an <inertial>: number of the body that carries it, and what it adds to that body's
         inertial parameters (10,)
     """
@@ -35,6 +36,7 @@ class Assembly:
     frames: list[Frame] = field(default_factory=list)
     massless: list[list[str]] = field(default_factory=list)
     fused: dict[str, tuple[int, Array]] = field(default_factory=dict)
+    locations: dict[str, tuple[int, Placement]] = field(default_factory=dict)
 
 
 def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked: Mapping[str, float]) -> Assembly:
@@ -46,7 +48,8 @@ def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked
     by_name = {joint.name: joint for joint in robot.joints}
     links = {link.name: link for link in robot.links}
     assembly = Assembly()
-    location = {root: (0, Placement())}  # per link: its body, and its placement in the link frame of that body
+    location = assembly.locations
+    location[root] = 0, Placement()
     members: list[list[str]] = [[root]]  # per body: its links
     for joint in map(by_name.__getitem__, order):
         inside, placement = location[joint.parent]

@@ -14,7 +14,7 @@ from lxml import etree
 
 from urdf._elements import line_of, name_of
 from urdf._errors import DuplicateEntry, InvalidNumber, InvalidRobot, MissingEntry, UnsupportedJoint, URDFError
-from urdf._numerals import BadNumber, numbers
+from urdf._numerals import LARGEST, SHORTEST_AXIS, BadNumber, numbers
 from urdf._repairing import crossed_limits
 from urdf._source import Source
 from urdf._wording import shortened
@@ -39,13 +39,6 @@ _NUMBERS = {
     "mimic": {"multiplier": 1, "offset": 1},
 }
 """Per element and attribute: how many numbers it holds."""
-
-LARGEST = 1e60
-"""Largest mass, tensor entry, length or angle [SI units]: products of several stay far below 1.8e308, the largest
-double."""
-
-SHORTEST_AXIS = 1e-60
-"""Length of an axis below which it is refused as zero: readers that square the length of a far shorter one get zero."""
 
 _COMPUTED = ("origin", "mass", "inertia", "axis")
 """Elements that dynamics are computed from, held to LARGEST; a limit may be the largest double."""

@@ -11,7 +11,7 @@ from lxml import etree
 from urdf._elements import name_of
 from urdf._errors import InvalidChain, URDFError
 from urdf._source import Source
-from urdf._tree import end, joints_by, walk
+from urdf._tree import end, joint_into, joints_by, path_up, walk
 from urdf._wording import listed, shortened
 
 Chain = tuple[str, str] | None
@@ -46,7 +46,7 @@ def cut(source: Source, chain: Chain) -> Cut:
     if chain is None:
         return NOTHING
     base, tip = _two_names(source, chain)
-    into = {child: joints[0] for child, joints in joints_by(source, "child").items()}
+    into = joint_into(source)
     path = _path(source, into, base, tip)
     on_path = {end(joint, "child") for joint in path}
     carriers = joints_by(source, "parent")
@@ -70,7 +70,7 @@ def cut(source: Source, chain: Chain) -> Cut:
     for element in (*source.links, *source.joints):
         if element not in joints and (element.tag == "joint" or name_of(element) not in links):
             source.robot.remove(element)
-    return Cut(tuple(held), tuple(left_out), tuple(_up(into, base)))
+    return Cut(tuple(held), tuple(left_out), tuple(path_up(into, base)))
 
 
 def _two_names(source: Source, chain: Chain) -> tuple[str, str]:
@@ -89,16 +89,16 @@ def _two_names(source: Source, chain: Chain) -> tuple[str, str]:
 def _path(source: Source, into: dict[str, etree._Element], base: str, tip: str) -> list[etree._Element]:
     """The joints from the base link to the tip link."""
     path = []
-    for joint in _up(into, tip):
+    for joint in path_up(into, tip):
         if end(joint, "child") == base:
             break
         path.append(joint)
     if base != tip and (not path or end(path[-1], "parent") != base):
-        if tip in (end(joint, "parent") for joint in _up(into, base)):
+        if tip in (end(joint, "parent") for joint in path_up(into, base)):
             raise _error(
                 source, f"link '{tip}' comes before link '{base}'", f"exchange them: chain=('{tip}', '{base}')"
             )
-        above = [end(joint, "parent") for joint in _up(into, base)]
+        above = [end(joint, "parent") for joint in path_up(into, base)]
         common = next(name for name in (end(joint, "parent") for joint in path) if name in above)
         raise _error(
             source,
@@ -110,15 +110,6 @@ def _path(source: Source, into: dict[str, etree._Element], base: str, tip: str) 
             source, f"no movable joint lies between link '{base}' and link '{tip}'", "take links further apart"
         )
     return path
-
-
-def _up(into: dict[str, etree._Element], link: str) -> list[etree._Element]:
-    """The joints from this link up to the root."""
-    joints = []
-    while link in into:
-        joints.append(into[link])
-        link = end(into[link], "parent") or ""
-    return joints
 
 
 def _error(source: Source, problem: str, remedy: str) -> URDFError:

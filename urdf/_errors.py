@@ -72,9 +72,15 @@ class UnsupportedJoint(URDFError):
 
 
 class UnsupportedConstraint(URDFError):
-    """An element that closes a kinematic loop, couples joints or joins links: only trees are modelled."""
+    """An element that closes a loop, couples joints or joins links in a way that is not modelled."""
 
     default_code = "unsupported-constraint"
+
+
+class InvalidLoop(URDFError):
+    """A loop, a coupling or a motor that is malformed, or that names what the robot lacks."""
+
+    default_code = "invalid-loop"
 
 
 class NotATree(URDFError):
@@ -116,7 +122,7 @@ class InvalidRobot(URDFError):
 
 
 class CannotSave(URDFError):
-    """A model that a URDF file cannot express: names that XML cannot hold, joints that several others drive."""
+    """A model that a URDF file cannot express: names that XML cannot hold, some couplings of several joints."""
 
 
 class CannotUpdate(URDFError):

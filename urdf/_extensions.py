@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from lxml import etree
 
 from urdf._elements import describe, line_of, name_of, tag_of, written_tag
-from urdf._errors import UnsupportedConstraint
-from urdf._vocabulary import ATTRIBUTES, CHANGES, CLOSES, HARMLESS, READ, RIGID
+from urdf._loop_elements import read
+from urdf._loops import Closure, Motor, Place
+from urdf._vocabulary import ATTRIBUTES, CHANGES, CLOSES, HARMLESS, LOOPS, READ, RIGID
 from urdf._wording import shortened
-
-
-@dataclass(frozen=True)
-class Closure:
-    """An element that closes a loop, couples joints or joins links; links: those that it names."""
-
-    element: str
-    line: int | None
-    problem: str
-    links: frozenset[str]
 
 
 @dataclass(frozen=True)
@@ -41,35 +32,16 @@ class Extensions:
     """What a document has beside the tree of rigid bodies."""
 
     closures: tuple[Closure, ...] = ()
+    motors: tuple[Motor, ...] = ()
     unread: tuple[Unread, ...] = ()
 
 
-def extensions(robot: etree._Element) -> Extensions:
+def extensions(robot: etree._Element, path: Path) -> Extensions:
     """Of a document that still has all its elements."""
-    return Extensions(tuple(_closures(robot)), tuple(_unread(robot)))
+    return Extensions(tuple(_closures(robot, path)), tuple(_motors(robot, path)), tuple(_unread(robot)))
 
 
-def closure_faults(
-    closures: tuple[Closure, ...], carriers: Mapping[str, str | None], path: Path
-) -> Iterator[UnsupportedConstraint]:
-    """An error for each element that constrains the model.
-
-    carriers: per link of the model, the body that carries it. An element between links of one body constrains
-    nothing, nor does one between links that are not in the model.
-    """
-    for closure in closures:
-        ends = {carriers.get(link, "") for link in closure.links}
-        if len(closure.links) < 2 or len(ends) > 1:
-            yield UnsupportedConstraint(
-                closure.problem,
-                "remove it to load the tree without it, or let one body carry the links that it joins (chain=, lock=)",
-                path=path,
-                line=closure.line,
-                element=closure.element,
-            )
-
-
-def _closures(robot: etree._Element) -> Iterator[Closure]:
+def _closures(robot: etree._Element, path: Path) -> Iterator[Closure]:
     links = frozenset(name_of(link) for link in robot if tag_of(link) == "link")
     for parent in (robot, *robot):
         meanings = CLOSES.get(tag_of(parent), {})
@@ -77,8 +49,23 @@ def _closures(robot: etree._Element) -> Iterator[Closure]:
             meaning = meanings.get(written_tag(element))
             if meaning is not None:
                 name = f"'{shortened(name_of(element))}'" if name_of(element) else "it"
-                problem = f"{name} {meaning}, and only trees of links are modelled"
-                yield Closure(describe(element), line_of(element), problem, links & _quoted(element))
+                place = _place(element, path)
+                says = read(element, links, place) if parent is robot else None
+                yield Closure(place, f"{name} {meaning}", links & _quoted(element), says)
+
+
+def _motors(robot: etree._Element, path: Path) -> Iterator[Motor]:
+    """Of <transmission>: the joints that have an <actuator>."""
+    for transmission in robot.iterchildren(etree.Element):
+        tags = [tag_of(child) for child in transmission]
+        if tag_of(transmission) == "transmission" and "actuator" in tags:
+            for child in transmission:
+                if tag_of(child) == "joint":
+                    yield Motor(name_of(child), _place(transmission, path))
+
+
+def _place(element: etree._Element, path: Path) -> Place:
+    return Place(path, line_of(element), describe(element))
 
 
 def _quoted(element: etree._Element) -> frozenset[str]:
@@ -100,7 +87,11 @@ def _unread(robot: etree._Element) -> Iterator[Unread]:
         yield Unread(code, describe(element), line_of(element), problem, places[code, problem])
 
 
-_ON_THE_WAY = {**READ, "robot": (*READ["robot"], "gazebo", "mujoco", "transmission"), "transmission": ("actuator",)}
+_ON_THE_WAY = {
+    **READ,
+    "robot": (*READ["robot"], *LOOPS, "gazebo", "mujoco", "transmission"),
+    "transmission": ("actuator",),
+}
 """Per element, its children whose children are looked at."""
 
 

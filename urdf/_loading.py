@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from urdf._closing import Loops, stated_beside
 from urdf._cutting import Chain
 from urdf._locking import Lock
 from urdf._mimics import Mimic
@@ -23,6 +24,7 @@ def load(
     chain: Chain = None,
     lock: Lock = None,
     mimic: Mimic = "coupled",
+    loops: Loops = None,
     repair: Iterable[str] = (),
     gravity: ArrayLike | None = None,
     xacro: Xacro | None = None,
@@ -38,6 +40,9 @@ def load(
     mimic: what becomes of mimic joints: "coupled" ties them to the joint that they mimic, and q, v, a and tau have no
         entries for them (RobotModel.couplings); "independent" makes each a joint of its own, as Pinocchio does by
         default; "locked" holds them at 0, or where lock says
+    loops: loops that the file itself does not state: a sequence of urdf.Loop, or the path of a YAML file as the package
+        example-parallel-robots has them. Default: the YAML file of that form that stands beside the URDF and has its
+        name (arm.urdf, arm.yaml), if there is one; loops=() leaves it unread
     repair: what to repair, each change reported by RepairWarning: "axis" gives unit length to axes whose length
         differs from 1 by less than 1e-3, "limits" exchanges lower and upper limits that are reversed
     gravity: (3,) in world axes [m/s²]; default: the catalogue's for a name, (0, 0, -9.81) for a file
@@ -49,18 +54,22 @@ def load(
     π/2. The inertia of the root link, which never moves, is dropped. An effort or velocity limit that is the largest
     double means "none" (urdf.save writes it).
 
-    Elements that close loops, couple joints or join links are refused unless they constrain nothing: all links that
-    they name are carried by one body, or left out by chain.
+    Elements that close loops (<loop> of URDF+, <loop_joint>, <constraint>, <drake:ball_constraint>) become
+    RobotModel.chords, <coupling> of URDF+ becomes a coupling. Others that join links or joints are refused. All are
+    passed over where they constrain nothing: where one body carries all links that they name, or chain leaves all of
+    them out. In a robot with loops, joints named by a <transmission> with an <actuator>, or by the YAML file, are
+    actuated.
 
     Raises URDFError (RobotNotFound, MalformedXML, TooLarge, MissingEntry, DuplicateEntry, InvalidNumber,
-    UnsupportedJoint, UnsupportedConstraint, NotATree, InvalidChain, InvalidLock, InvalidMimic, InvalidRepair,
-    InvalidRobot, InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that would have to
-    be guessed, and InvalidModel for a gravity that is not three finite numbers.
+    UnsupportedJoint, UnsupportedConstraint, InvalidLoop, NotATree, InvalidChain, InvalidLock, InvalidMimic,
+    InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that
+    would have to be guessed, and InvalidModel for a gravity that is not three finite numbers.
     Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning, ChainWarning,
     RepairWarning, XacroWarning.
     """
     opened = open_document(source, xacro)
-    parsed = parse(reduced(opened.document), chain=chain, lock=lock, mimic=mimic, repair=repair)
+    beside = stated_beside(loops, opened.document.path)
+    parsed = parse(reduced(opened.document), beside, chain=chain, lock=lock, mimic=mimic, repair=repair)
     model = build(parsed, opened.gravity)
     warn(parsed, model.gravity if gravity is None else None, opened.complaints or ())
     return model if gravity is None else model.with_gravity(gravity)

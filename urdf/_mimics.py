@@ -1,16 +1,18 @@
-"""Mimic joints: joints whose position is multiplier × that of another joint + offset."""
+"""Joints that others drive: mimic joints (multiplier × the position of another + offset) and couplings of sums."""
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 from graphdyn import Coupling
-from urdf._elements import name_of
+from urdf._couplings import Relation, relations
+from urdf._elements import describe, line_of, name_of
 from urdf._errors import InvalidLock, InvalidMimic, URDFError
+from urdf._loops import Closure, Place
 from urdf._source import Source
-from urdf._wording import shortened
+from urdf._wording import listed, shortened
 
 if TYPE_CHECKING:
     import yourdfpy
@@ -20,7 +22,7 @@ Mimic = Literal["coupled", "independent", "locked"]
 
 @dataclass(frozen=True)
 class Mimics:
-    """couplings of the joints that mimic free ones; locked: value per joint held still, mimic joints included."""
+    """couplings of the joints that free ones drive; locked: value per joint held still, driven joints included."""
 
     couplings: tuple[Coupling, ...]
     locked: Mapping[str, float]
@@ -29,76 +31,109 @@ class Mimics:
 def resolve(
     source: Source,
     robot: yourdfpy.urdf.Robot,
+    order: Sequence[str],
+    closures: Sequence[Closure],
     mimic: Mimic,
     locked: Mapping[str, float],
     stated: Container[str],
 ) -> Mimics:
-    """What becomes of the mimic joints of a file.
+    """What becomes of the joints that others drive; couplings in the order of these joints.
 
-    locked: joints held still by the caller or by a chain; stated: those of them that the caller named. With "coupled" a
-    mimic joint beside a chain is held still only if the joint that it mimics is.
+    order: of the joints, by name
+    locked: joints held still by the caller or by a chain; stated: those of them that the caller named. A driven joint
+    beside a chain is held still only if all that drive it are.
 
-    Raises InvalidMimic for another choice, joints that mimic one that the robot lacks, or each other in a circle;
-    InvalidLock for a locked mimic joint that does not stand where the joint that it mimics wants it.
+    Raises InvalidMimic for another choice, joints that mimic one that the robot lacks, or drive each other in a circle;
+    InvalidLock for a locked joint that does not stand where those that drive it want it; InvalidLoop for a coupling
+    that cannot be read.
     """
     if mimic not in get_args(Mimic):
         choices = ", ".join(map(repr, get_args(Mimic)))
         raise InvalidMimic(f"mimic is {mimic!r}", f"give one of {choices}", path=source.path)
-    by_name = {joint.name: joint for joint in robot.joints}
-    followers = [joint.name for joint in robot.joints if joint.mimic is not None and joint.type != "fixed"]
-    if mimic == "independent":
-        return Mimics((), locked)
+    fixed = {joint.name for joint in robot.joints if joint.type == "fixed"}
+    movable = [name for name in order if name not in fixed]
+    mimicking = _mimic_relations(source, robot)
     if mimic == "locked":
-        return Mimics((), {**dict.fromkeys(followers, 0.0), **locked})
-    elements = {name_of(joint): joint for joint in source.joints}
-    multipliers = {name: _or(by_name[name].mimic.multiplier, 1.0) for name in followers}
-    offsets = {name: _or(by_name[name].mimic.offset, 0.0) for name in followers}
-
-    def error(name: str, problem: str, remedy: str) -> URDFError:
-        return source.error(InvalidMimic, "invalid-mimic", elements[name], problem, remedy)
+        locked = {**dict.fromkeys(mimicking, 0.0), **locked}
+    followed = mimicking if mimic == "coupled" else {}
+    by_joint = followed | {
+        relation.joint: relation
+        for relation in relations(source, closures, mimicking if mimic != "independent" else ())
+    }
 
     def value(name: str, on_the_way: tuple[str, ...]) -> float | None:
-        """Where a joint stands; None if it is free or mimics a free one."""
+        """Where a joint stands; None if it is free or a free one drives it."""
         if name in on_the_way:
-            circle = " → ".join(shortened(x) for x in (*on_the_way[on_the_way.index(name) :], name))
-            raise error(name, f"joints mimic each other in a circle: {circle}", "remove a <mimic>")
-        if name not in multipliers:
-            return 0.0 if by_name[name].type == "fixed" else locked.get(name)
-        other = by_name[name].mimic.joint
-        if other not in by_name and name in stated:
+            raise _circle(by_joint[name], (*on_the_way[on_the_way.index(name) :], name))
+        if name not in by_joint:
+            return 0.0 if name in fixed else locked.get(name)
+        relation = by_joint[name]
+        unknown = [other for other in relation.ratios if other not in fixed and other not in movable]
+        if unknown and name in stated:
             return locked[name]
-        if other not in by_name:
-            raise error(
-                name,
-                f"it mimics joint '{shortened(other)}', which the robot lacks or chain= leaves out",
+        if unknown:
+            raise relation.place.error(
+                InvalidMimic,
+                f"it mimics joint '{shortened(unknown[0])}', which the robot lacks or chain= leaves out",
                 "correct the name, take a longer chain, lock it, or load with mimic='independent'",
             )
-        at = value(other, (*on_the_way, name))
-        if multipliers[name] == 0:
-            return offsets[name]
-        return None if at is None else multipliers[name] * at + offsets[name]
+        terms = [(ratio, value(other, (*on_the_way, name))) for other, ratio in relation.ratios.items()]
+        if any(at is None and ratio != 0 for ratio, at in terms):
+            return None
+        return sum(ratio * at for ratio, at in terms if at is not None and ratio != 0) + relation.offset
 
     couplings, held = [], dict(locked)
-    for name in followers:
-        at, other = value(name, ()), by_name[name].mimic.joint
+    for name in (name for name in movable if name in by_joint):
+        at, relation = value(name, ()), by_joint[name]
         if at is None:
+            standing = {other: value(other, (name,)) for other in relation.ratios}
+            free = {other: ratio for other, ratio in relation.ratios.items() if standing[other] is None}
             if name in stated:
-                raise InvalidLock(
-                    f"cannot lock '{name}': it mimics joint '{other}', which is free",
-                    f"lock '{other}', which holds both, or load with mimic='independent'",
-                    path=source.path,
-                )
+                raise _cannot_lock(source, name, relation, list(free))
             held.pop(name, None)
-            couplings.append(Coupling(name, {other: multipliers[name]}, offsets[name]))
+            offset = relation.offset + sum(
+                relation.ratios[other] * at for other, at in standing.items() if at is not None
+            )
+            couplings.append(Coupling(name, free, offset))
         else:
             if name in stated and locked[name] != at:
                 raise InvalidLock(
-                    f"cannot lock '{name}' at {locked[name]:.9g}: it mimics joint '{other}', and stands at {at:.9g}",
-                    "leave it out of lock=, or load with mimic='independent'",
+                    f"cannot lock '{name}' at {locked[name]:.9g}: {relation.cause}, and stands at {at:.9g}",
+                    f"leave it out of lock=, or {relation.instead}",
                     path=source.path,
                 )
             held[name] = at
     return Mimics(tuple(couplings), held)
+
+
+def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Relation]:
+    """Of the mimic joints of a file, by joint."""
+    elements = {name_of(joint): joint for joint in source.joints}
+    found = {}
+    for joint in robot.joints:
+        if joint.mimic is not None and joint.type != "fixed":
+            ratio, offset = _or(joint.mimic.multiplier, 1.0), _or(joint.mimic.offset, 0.0)
+            element = elements[joint.name]
+            place = Place(source.path, line_of(element), describe(element))
+            cause = f"it mimics joint '{shortened(joint.mimic.joint)}'"
+            instead = "load with mimic='independent'"
+            found[joint.name] = Relation(joint.name, {joint.mimic.joint: ratio}, offset, cause, instead, place)
+    return found
+
+
+def _circle(relation: Relation, names: tuple[str, ...]) -> URDFError:
+    circle = " → ".join(map(shortened, names))
+    return relation.place.error(
+        InvalidMimic, f"joints drive each other in a circle: {circle}", "remove a <mimic> or <coupling>"
+    )
+
+
+def _cannot_lock(source: Source, name: str, relation: Relation, free: list[str]) -> URDFError:
+    return InvalidLock(
+        f"cannot lock '{name}': {relation.cause}, and {listed(free)} {'is' if len(free) == 1 else 'are'} free",
+        f"lock {listed(free)} instead, or {relation.instead}",
+        path=source.path,
+    )
 
 
 def _or(number: float | None, default: float) -> float:

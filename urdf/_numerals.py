@@ -18,6 +18,13 @@ _BLANKS = re.compile(r"[ \t\r\n]+")
 UNIT_LENGTH = 1e-9
 """Largest difference from 1 of the length of an axis that is used as a unit vector."""
 
+LARGEST = 1e60
+"""Largest mass, tensor entry, length or angle [SI units]: products of several stay far below 1.8e308, the largest
+double."""
+
+SHORTEST_AXIS = 1e-60
+"""Length of an axis below which it is refused as zero: readers that square the length of a far shorter one get zero."""
+
 UNEXPANDED = re.compile(r"\$[{(]")
 """Expressions that xacro would have replaced: ${…} and $(…)."""
 

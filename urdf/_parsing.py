@@ -12,14 +12,17 @@ import numpy as np
 from lxml import etree
 from numpy.typing import ArrayLike
 
-from graphdyn import Coupling, InvalidModel, RobotModel
+from graphdyn import Chord, Coupling, InvalidModel, RobotModel
 from urdf._assembly import Assembly, assemble
 from urdf._checks import check
+from urdf._closing import all_closures, chords, closure_faults
 from urdf._cutting import Chain, Cut, cut
 from urdf._errors import InvalidRobot
-from urdf._extensions import Unread, closure_faults
+from urdf._extensions import Unread
 from urdf._locking import Lock, locked_values
+from urdf._loops import Beside
 from urdf._mimics import Mimic, resolve
+from urdf._motors import actuated, check_motors, unread_beside, unread_motors
 from urdf._repairing import repair as mend
 from urdf._source import Source
 from urdf._tree import carriers, check_tree, joints_in_order
@@ -28,12 +31,16 @@ if TYPE_CHECKING:
     import yourdfpy
 
 
+NOTHING_BESIDE = Beside()
+
+
 @dataclass(frozen=True, eq=False)
 class Parsed:
     """A file as yourdfpy reads it, and the bodies, joints and frames made of it.
 
     locked: value per locked joint [rad or m]; stated: those of them that the caller named
-    couplings: of mimic joints
+    couplings: of mimic joints and <coupling> elements; chords: of the loops; actuated: the joints that have motors,
+        where there are chords and the file says it
     changes: the repairs, in words; unread: what of the file is not read and should be known
     """
 
@@ -44,6 +51,8 @@ class Parsed:
     locked: Mapping[str, float]
     stated: frozenset[str]
     couplings: tuple[Coupling, ...]
+    chords: tuple[Chord, ...]
+    actuated: tuple[str, ...] | None
     changes: tuple[str, ...]
     unread: tuple[Unread, ...]
     assembly: Assembly
@@ -51,25 +60,33 @@ class Parsed:
 
 def parse(
     source: Source,
+    beside: Beside = NOTHING_BESIDE,
     *,
     chain: Chain = None,
     lock: Lock = None,
     mimic: Mimic = "coupled",
     repair: Iterable[str] = (),
 ) -> Parsed:
-    """The stages between the document and the model; the source is modified. Raises as load does."""
+    """The stages between the document and the model; the source is modified. Raises as load does.
+
+    beside: what is stated beside the file about loops
+    """
     path = source.path
     changes = mend(source, repair)
     check(source)
     check_tree(source)
-    beside = cut(source, chain)
+    closures = all_closures(source, beside)
+    check_motors(source, beside)
+    around = cut(source, chain)
     root, order = joints_in_order(source)
     robot = _robot(source)
     movable = [joint.name for joint in robot.joints if joint.type != "fixed"]
     stated = locked_values(lock, movable, path)
-    mimics = resolve(source, robot, mimic, dict.fromkeys(beside.held, 0.0) | stated, stated)
+    mimics = resolve(source, robot, order, closures, mimic, dict.fromkeys(around.held, 0.0) | stated, stated)
     locked = mimics.locked
-    for fault in closure_faults(source.extensions.closures, carriers(source, locked), path):
+    carried = carriers(source, locked)
+    held = None if chain is None else [name for name in around.held if name in locked and name not in stated]
+    for fault in closure_faults(closures, carried, source, held):
         raise fault
     if not set(movable) - set(locked):
         raise InvalidRobot(
@@ -79,9 +96,22 @@ def parse(
         assembly = assemble(robot, root, order, locked)
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=path) from error
-    unread = source.extensions.unread
+    closing = tuple(chords(closures, carried, assembly.locations))
+    motors = (*source.extensions.motors, *beside.motors) if closing else ()
+    driven = {coupling.joint for coupling in mimics.couplings}
     return Parsed(
-        path, robot, root, beside, locked, frozenset(stated), mimics.couplings, tuple(changes), unread, assembly
+        path=path,
+        robot=robot,
+        root=root,
+        cut=around,
+        locked=locked,
+        stated=frozenset(stated),
+        couplings=mimics.couplings,
+        chords=closing,
+        actuated=actuated(motors, [joint.name for joint in assembly.joints if joint.name not in driven]),
+        changes=tuple(changes),
+        unread=(*source.extensions.unread, *unread_beside(beside), *unread_motors(motors, driven)),
+        assembly=assembly,
     )
 
 
@@ -96,6 +126,8 @@ def build(parsed: Parsed, gravity: ArrayLike) -> RobotModel:
             base_name=parsed.root,
             frames=tuple(parsed.assembly.frames),
             couplings=parsed.couplings,
+            chords=parsed.chords,
+            actuated=parsed.actuated,
         )
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=parsed.path) from error

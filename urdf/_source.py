@@ -45,7 +45,7 @@ class Source:
 def reduced(document: Document) -> Source:
     """The document without the elements that are not read; its own tree is modified. Raises TooLarge."""
     robot = document.robot
-    beside = extensions(robot)
+    beside = extensions(robot, document.path)
     _reduce(robot)
     etree.cleanup_namespaces(robot)
     source = Source(document.path, robot, beside)

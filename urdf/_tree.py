@@ -40,7 +40,7 @@ def tree_faults(source: Source) -> Iterator[URDFError]:
     for child, joints in carried.items():
         for joint in joints[1:]:
             problem = f"link '{shortened(child)}' is the child of joint '{shortened(name_of(joints[0]))}' too"
-            remedy = "a link has one parent; closed loops cannot be represented"
+            remedy = "a link has one parent; close the loop by <loop> instead of a second <joint>"
             yield source.error(NotATree, "two-parents", joint, problem, remedy)
     roots = root_links(source)
     if not roots and links:
@@ -73,6 +73,20 @@ def joints_by(source: Source, side: str) -> dict[str, list[etree._Element]]:
         if name is not None:
             found.setdefault(name, []).append(joint)
     return found
+
+
+def joint_into(source: Source) -> dict[str, etree._Element]:
+    """Per link: the first joint that it is the child of."""
+    return {child: joints[0] for child, joints in joints_by(source, "child").items()}
+
+
+def path_up(into: Mapping[str, etree._Element], link: str) -> list[etree._Element]:
+    """The joints from this link up to the root, of a valid tree."""
+    joints = []
+    while link in into:
+        joints.append(into[link])
+        link = end(into[link], "parent") or ""
+    return joints
 
 
 def carriers(source: Source, locked: Container[str] = ()) -> dict[str, str | None]:

@@ -7,6 +7,7 @@ change bodies. Tags are as written, with their prefix. Sources:
 - URDF+: M. Chignoli et al., "URDF+: An Enhanced URDF for Robots with Kinematic Loops", 2024, arXiv:2411.19753
 - Drake: "Parsing Models for Multibody Systems", section Drake Extensions; loop_joint is that of its former
   RigidBodyTree, read by RigidBodyDynamics.jl too
+- constraint: the proposal of ros/urdfdom, pull request 264
 - Gazebo: "SDFormat extensions to URDF (the <gazebo> tag)"; what it does not know is copied into the SDFormat model.
   joint:hinge and joint:slider are those of versions before 1.0
 - MuJoCo: the documentation, chapter Modeling, section URDF extensions
@@ -35,8 +36,17 @@ READ: Mapping[str, tuple[str, ...]] = {
     "limit": (),
     "dynamics": (),
     "mimic": (),
+    "loop": ("predecessor", "successor", "axis", "length"),
+    "coupling": ("predecessor", "successor", "ratio"),
+    "predecessor": ("origin",),
+    "successor": ("origin",),
+    "loop_joint": ("link1", "link2", "axis"),
+    "constraint": ("parent", "child", "parent_origin", "child_origin", "parent_axis", "child_axis"),
 }
 """Per element that is read, its children that are read."""
+
+LOOPS = ("loop", "coupling", "loop_joint", "constraint")
+"""Elements of <robot> that close loops or couple joints, of forms that are read."""
 
 ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
     "inertial": (),
@@ -46,6 +56,16 @@ ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
     "axis": ("xyz",),
     "parent": ("link",),
     "child": ("link",),
+    "predecessor": ("link",),
+    "successor": ("link",),
+    "link1": ("link", "xyz", "rpy"),
+    "link2": ("link", "xyz", "rpy"),
+    "parent_origin": ("xyz", "rpy", "quat_xyzw"),
+    "child_origin": ("xyz", "rpy", "quat_xyzw"),
+    "parent_axis": ("xyz",),
+    "child_axis": ("xyz",),
+    "ratio": ("value",),
+    "length": ("value",),
 }
 """Per element that dynamics are computed from, the attributes that URDF knows."""
 
@@ -71,7 +91,7 @@ CLOSES: Mapping[str, Mapping[str, str]] = {
         "tendon": "couples joints (MuJoCo)",
     },
 }
-"""Per element, the children that close loops, couple joints or join links: urdf.load refuses them."""
+"""Per element, the children that close loops, couple joints or join links: urdf.load reads them or refuses."""
 
 
 def _value(element: etree._Element) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable
 from dataclasses import dataclass
 from itertools import chain, count
 
@@ -10,10 +10,10 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import Body, Coupling, Joint, Placement, RobotModel
-from graphdyn.layout import Array
 from urdf import _limits as limits
 from urdf._errors import CannotSave
-from urdf._rpy import rpy_from_rotation
+from urdf._loop_writing import coupling_elements, independent_marks, loop_elements, transmission_elements
+from urdf._written import add_numbers, add_origin, add_placement, text
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +31,11 @@ def robot_element(model: RobotModel) -> etree._Element:
     links = (model.base_name, *model.body_names)
     frames = _fixed_links(model, links)
     link_names = [*links, *(frame.name for frame in frames)]
-    _check_names([model.name, *link_names, *model.joint_names, *(frame.joint for frame in frames)])
+    chord_names = [chord.name for chord in model.chords]
+    _check_names([model.name, *link_names, *model.joint_names, *(frame.joint for frame in frames), *chord_names])
 
-    driven = {coupling.joint: coupling for coupling in model.couplings}
+    mimics = {coupling.joint: coupling for coupling in model.couplings if len(coupling.ratios) == 1}
+    marks = independent_marks(model)
     robot = etree.Element("robot", name=model.name)
     root = model.base_name
     if not _is_identity(model.base):
@@ -53,10 +55,13 @@ def robot_element(model: RobotModel) -> etree._Element:
     for joint, body in zip(model.joints, model.bodies, strict=True):
         element = _add_joint(robot, joint.name, joint.kind, links[joint.inside], body.name, joint.placement)
         _add_motion(element, joint)
-        if joint.name in driven:
-            element.append(_mimic(driven[joint.name]))
+        if joint.name in mimics:
+            element.append(_mimic(mimics[joint.name]))
+        if joint.name in marks:
+            element.set("independent", marks[joint.name])
     for frame in frames:
         _add_joint(robot, frame.joint, "fixed", frame.parent, frame.name, frame.placement)
+    robot.extend([*coupling_elements(model), *loop_elements(model), *transmission_elements(model)])
     return robot
 
 
@@ -86,7 +91,7 @@ def _free_name(wish: str, taken: Container[str]) -> str:
 def _check_names(names: Iterable[str]) -> None:
     for name in names:
         if not name:
-            raise CannotSave("the robot, a link or a joint has an empty name", "give it a name")
+            raise CannotSave("the robot, a link, a joint or a chord has an empty name", "give it a name")
         try:
             etree.Element("link", name=name)
         except ValueError as error:
@@ -101,7 +106,7 @@ def _add_joint(
     robot: etree._Element, name: str, kind: str, parent: str, child: str, placement: Placement
 ) -> etree._Element:
     joint = etree.SubElement(robot, "joint", name=name, type=kind)
-    _add_origin(joint, placement.translation, rpy_from_rotation(placement.rotation))
+    add_placement(joint, placement)
     etree.SubElement(joint, "parent", link=parent)
     etree.SubElement(joint, "child", link=child)
     return joint
@@ -109,20 +114,15 @@ def _add_joint(
 
 def _add_motion(element: etree._Element, joint: Joint) -> None:
     """Axis, limits, damping and friction of a movable joint."""
-    etree.SubElement(element, "axis", xyz=_text(joint.axis))
+    etree.SubElement(element, "axis", xyz=text(joint.axis))
     bounds = limits.to_attributes(joint)
     if bounds:
-        _add_numbers(element, "limit", bounds)
+        add_numbers(element, "limit", bounds)
     if joint.damping or joint.friction:
-        _add_numbers(element, "dynamics", {"damping": joint.damping, "friction": joint.friction})
+        add_numbers(element, "dynamics", {"damping": joint.damping, "friction": joint.friction})
 
 
 def _mimic(coupling: Coupling) -> etree._Element:
-    if len(coupling.ratios) > 1:
-        raise CannotSave(
-            f"joint '{coupling.joint}' is driven by {len(coupling.ratios)} joints, and <mimic> has place for one",
-            "save model.uncoupled, and state the coupling where the file is loaded",
-        )
     ((driver, ratio),) = coupling.ratios.items()
     return etree.Element("mimic", joint=driver, multiplier=repr(ratio), offset=repr(float(coupling.offset)))
 
@@ -130,23 +130,10 @@ def _mimic(coupling: Coupling) -> etree._Element:
 def inertial_element(body: Body) -> etree._Element:
     """<inertial> of a body, in link axes."""
     inertial = etree.Element("inertial")
-    _add_origin(inertial, body.center_of_mass, np.zeros(3))
-    _add_numbers(inertial, "mass", {"value": body.mass})
+    add_origin(inertial, body.center_of_mass, np.zeros(3))
+    add_numbers(inertial, "mass", {"value": body.mass})
     entries = {
         f"i{'xyz'[row]}{'xyz'[column]}": body.inertia[row, column] for row in range(3) for column in range(row, 3)
     }
-    _add_numbers(inertial, "inertia", entries)
+    add_numbers(inertial, "inertia", entries)
     return inertial
-
-
-def _add_origin(element: etree._Element, xyz: Array, rpy: Array) -> None:
-    etree.SubElement(element, "origin", xyz=_text(xyz), rpy=_text(rpy))
-
-
-def _add_numbers(element: etree._Element, tag: str, values: Mapping[str, float]) -> None:
-    etree.SubElement(element, tag, {name: repr(float(value)) for name, value in values.items()})
-
-
-def _text(values: Array) -> str:
-    """Numbers as the shortest text that is read as the same doubles."""
-    return " ".join(repr(float(value)) for value in values)

@@ -9,8 +9,9 @@ import numpy as np
 
 from graphdyn._model import STANDARD_GRAVITY
 from urdf._checks import faults
+from urdf._closing import all_closures, closure_faults, stated_beside
 from urdf._errors import URDFError
-from urdf._extensions import closure_faults
+from urdf._loops import Beside
 from urdf._opening import Given, Opened, Xacro, open_document, path_of, said
 from urdf._parsing import build, parse
 from urdf._source import Source, reduced
@@ -59,18 +60,19 @@ def _findings(opened: Opened) -> Iterator[Finding]:
     around = [*_of_the_expansion(opened), *_limited(document_findings(document)), *_limited(reader_findings(document))]
     yield from around
     try:
+        beside = stated_beside(None, document.path)
         source = reduced(document)
     except URDFError as error:
         yield refusal(error)
         return
-    refusals = [refusal(error) for error in islice(_refusals(source), MOST_FINDINGS + 1)]
+    refusals = [refusal(error) for error in islice(_refusals(source, beside), MOST_FINDINGS + 1)]
     structure = Structure.of(source)
     found = [*_limited(iter(refusals))]
     for rules in (unread_findings, name_findings, link_findings, joint_findings):
         found += _limited(rules(structure))
     yield from found
     if not any(finding.severity == "error" for finding in found):
-        yield from _of_the_model(source, structure)
+        yield from _of_the_model(source, beside, structure)
 
 
 def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
@@ -93,15 +95,15 @@ def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
         )
 
 
-def _refusals(source: Source) -> Iterator[URDFError]:
+def _refusals(source: Source, beside: Beside) -> Iterator[URDFError]:
     yield from faults(source)
     yield from tree_faults(source)
-    yield from closure_faults(source.extensions.closures, carriers(source), source.path)
+    yield from closure_faults(all_closures(source, beside), carriers(source), source)
 
 
-def _of_the_model(source: Source, structure: Structure) -> Iterator[Finding]:
+def _of_the_model(source: Source, beside: Beside, structure: Structure) -> Iterator[Finding]:
     try:
-        model = build(parse(source), STANDARD_GRAVITY)
+        model = build(parse(source, beside), STANDARD_GRAVITY)
     except URDFError as error:
         yield refusal(error)
         return

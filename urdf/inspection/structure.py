@@ -8,7 +8,7 @@ from functools import cached_property
 from lxml import etree
 
 from urdf._source import Source
-from urdf._tree import carriers, joints_by, root_links
+from urdf._tree import carriers, joint_into, joints_by, root_links
 from urdf.inspection.inertials import LinkInertial, inertials
 
 
@@ -32,9 +32,8 @@ class Structure:
     @classmethod
     def of(cls, source: Source) -> Structure:
         joints_from = joints_by(source, "parent")
-        into = {child: joints[0] for child, joints in joints_by(source, "child").items()}
         rooted = len(root_links(source)) == 1
-        return cls(source, rooted, carriers(source), into, joints_from, tuple(inertials(source)))
+        return cls(source, rooted, carriers(source), joint_into(source), joints_from, tuple(inertials(source)))
 
     def moving(self, link: str) -> bool:
         return self.carrier.get(link) is not None
