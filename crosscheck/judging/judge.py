@@ -22,7 +22,7 @@ from crosscheck.judging.judgement import UNCOUPLED, Diagnosis, JudgedFunction, J
 from crosscheck.judging.references import References
 from crosscheck.judging.verdicts import judged
 from crosscheck.referee.mujoco_model import MujocoRefuses
-from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
+from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject
 from crosscheck.referee.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
 from graphdyn import InvalidInput, RobotModel
 from urdf._cutting import Chain
@@ -84,6 +84,7 @@ def judge(
     bound = TOLERANCES[precision].bound if tolerance is None else tolerance
     check_counts(samples, seed)
     judged_robot = subject(robot, lock, gravity, chain)
+    refuse_chords(judged_robot.model)
     model = judged_robot.model.uncoupled
     check_frame(given, frame, model)
     order = joint_order(model, joint_names)

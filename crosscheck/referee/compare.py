@@ -30,7 +30,7 @@ from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.referee.quantities import QUANTITIES, RECURSIVE
 from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.states import RANDOM, Case, cases, has_mass
-from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
+from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn._methods import WORTH_COMPILING, Method
 from graphdyn._projected import singular
@@ -71,11 +71,12 @@ def compare(
     Where joints drive each other (RobotModel.couplings), the quantities are those of the robot without couplings, and a
     few more (quantities.COUPLED) compare the coupled one with their projection.
 
-    Raises InvalidInput for invalid samples or seed, and for lock, gravity or chain with a RobotModel; urdf's errors for
-    a file that cannot be loaded.
+    Raises InvalidInput for invalid samples or seed, for a robot with loops, and for lock, gravity or chain with a
+    RobotModel; urdf's errors for a file that cannot be loaded.
     """
     check_counts(samples, seed)
     compared = subject(robot, lock, gravity, chain)
+    refuse_chords(compared.model)
     coupled, model = compared.model, compared.model.uncoupled
     compared = replace(compared, model=model)
     referees, notes = _referees(compared)

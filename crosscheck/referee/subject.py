@@ -59,6 +59,17 @@ def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = 
     return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
 
 
+def refuse_chords(model: RobotModel) -> None:
+    """Raise InvalidInput for a robot with loops."""
+    if model.chords:
+        names = ", ".join(f"'{chord.name}'" for chord in model.chords[:5])
+        more = f" and {len(model.chords) - 5} more" if len(model.chords) > 5 else ""
+        raise InvalidInput(
+            f"robot '{model.name}' has loops, closed by {names}{more}, which are not compared with Pinocchio; compare "
+            "its tree: give dataclasses.replace(urdf.load(…), chords=(), actuated=None)"
+        )
+
+
 def tip(model: RobotModel) -> str:
     """The frame that is meant where none is named: the last one fixed to the last body, or this body itself."""
     fixed = [frame.name for frame in model.frames if frame.body == model.n_bodies]

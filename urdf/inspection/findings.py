@@ -12,7 +12,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 Verdict = Literal["dynamics", "kinematics only", "refused"]
 VERDICTS: tuple[Verdict, ...] = ("dynamics", "kinematics only", "refused")
 
-NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite")
+NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close")
 """Codes of the findings that leave a robot fit for kinematics only."""
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from graphdyn import RobotModel, mass_matrix
+from graphdyn import InconsistentState, RobotModel, mass_matrix
 from graphdyn.layout import Array
 from urdf._elements import name_of
 from urdf._wording import listed
 from urdf.inspection.findings import Finding
+from urdf.inspection.loop_rules import MOST_ROWS, closed_states, free_motions, loop_findings
 from urdf.inspection.structure import Structure
 from urdf.inspection.telling import about, of_file
 
@@ -37,6 +39,8 @@ def model_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]
     """Findings about a robot that loads."""
     yield from _bodies(model, structure)
     yield from _units(model)
+    if model.chords:
+        yield from loop_findings(model, structure)
     yield from _mass_matrix(model)
 
 
@@ -90,10 +94,33 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
             "nothing need be done",
         )
         return
+    if model.chords:
+        yield from _of_closed_motions(model)
+        return
     q, _ = model.random_state(np.random.default_rng(SEED), STATES)
-    matrices = mass_matrix(model, q)
+    yield from _judged(model, mass_matrix(model, q), f"over {STATES} random states (seed {SEED})")
+
+
+def _of_closed_motions(model: RobotModel) -> Iterator[Finding]:
+    """Of the mass matrix of the motions that keep the loops closed; nothing where no such state is known."""
+    if model.n_chord_rows > MOST_ROWS:
+        return
+    try:
+        q = closed_states(model)
+    except InconsistentState:
+        return  # a finding of its own
+    motions = free_motions(model, q)
+    freedoms = min(motion.shape[-1] for motion in motions)
+    regular = [k for k, motion in enumerate(motions) if motion.shape[-1] == freedoms]
+    tree = replace(model, chords=(), actuated=None)
+    matrices = [motions[k].T @ mass_matrix(tree, q[k]) @ motions[k] for k in regular]
+    if freedoms:
+        yield from _judged(model, np.array(matrices), f"over motions that keep the loops closed, at {len(regular)} poses")
+
+
+def _judged(model: RobotModel, matrices: Array, where: str) -> Iterator[Finding]:
+    n = matrices.shape[-1]
     ranks, negative = _ranks(matrices)
-    where = f"over {STATES} random states (seed {SEED})"
     if negative.any():
         yield of_file(
             "mass-matrix-indefinite",
@@ -102,7 +129,7 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
             f"the mass matrix has negative eigenvalues {where}: some motion has a negative kinetic energy",
             "correct the inertials that no real body can have",
         )
-    if ranks.min() < model.n_freedoms:
+    if ranks.min() < n:
         massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
         cause = f"bodies without mass or inertia: {listed(massless)}" if massless else "every body has mass"
         yield of_file(

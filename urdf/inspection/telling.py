@@ -29,6 +29,7 @@ ELSEWHERE = {
     "inconsistent-body": _BOTH_LOAD,
     "incomplete-joint-part": "Pinocchio refuses the file",
     "indefinite-inertia": _BOTH_LOAD,
+    "invalid-loop": "Pinocchio and yourdfpy load the tree without it",
     "joint-dynamics": "Pinocchio reads them too and leaves them out of rnea",
     "joint-order": "Pinocchio sorts siblings by name: compare joints by name",
     "limits-crossed": _BOTH_LOAD,

@@ -18,7 +18,7 @@ from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judge import check_frame, judge
 from crosscheck.judging.judged_states import JudgedStates
 from crosscheck.judging.judgement import Judgement
-from crosscheck.referee.subject import Lock, Robot, check_counts, subject
+from crosscheck.referee.subject import Lock, Robot, check_counts, refuse_chords, subject
 from graphdyn import RobotModel
 from urdf._cutting import Chain
 
@@ -52,6 +52,7 @@ def drawn_states(setting: Setting, functions: Collection[KnownFunction]) -> Judg
     """The judged states. Raises InvalidInput, UnknownFrame, and urdf's errors for a file that cannot be loaded."""
     check_counts(setting.samples, setting.seed)
     given = subject(setting.robot, setting.lock, setting.gravity, setting.chain)
+    refuse_chords(given.model)
     model = given.model.uncoupled
     check_frame([known.name for known in functions], setting.frame, model)
     return JudgedStates.draw(
