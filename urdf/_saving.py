@@ -28,10 +28,11 @@ def save(model: RobotModel, path: str | PathLike[str]) -> None:
     The order of bodies comes back if they are numbered depth first, as load does. A frame becomes a link on a fixed
     joint that is named after its first alias. A base placement becomes a root link "world" with a fixed joint. A
     missing effort or velocity limit is written as the largest double (urdf._limits.NO_LIMIT); a continuous joint has no
-    position limits. A body without mass and inertia gets no <inertial>.
+    position limits. A body without mass and inertia gets no <inertial>. Chords become <loop> elements of URDF+, joints
+    that several others drive its <coupling>, and actuated joints <transmission> elements.
 
-    The file appears complete or not at all. Raises CannotSave for a name that is empty or cannot stand in XML,
-    and for a joint that several others drive: <mimic> has place for one.
+    The file appears complete or not at all. Raises CannotSave for a name that is empty or cannot stand in XML, and for
+    a joint that several others drive otherwise than <coupling> can say: two sums from a common ancestor, no offset.
     Warns GravityNotSavedWarning where gravity is not (0, 0, -9.81): URDF has no place for it.
     """
     check_model(model)

@@ -48,11 +48,20 @@ INERTIA = '<inertia ixx="0.11" ixy="0" ixz="0" iyy="0.13" iyz="0" izz="0.17"/>'
 FORE = '<inertia ixx="0.05" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.02"/>'
 ORIGIN = '<origin xyz="0.1 0.2 0.3" rpy="0 0 0"/>'
 SHOULDER = '<joint name="shoulder" type="revolute">'
+ELBOW = '<joint name="elbow" type="revolute">'
 AXIS = '<axis xyz="0 0 1"/>'
 LIMIT = '<limit lower="-1" upper="2" effort="30" velocity="3"/>'
 TOOL = '<link name="tool"/>'
 UNREADABLE = "Pinocchio gives a link with such a number mass 0 or a tensor of zero and refuses such a joint"
 FORE_INERTIAL = re.findall(r"<inertial>.*?</inertial>", CLEAN, re.DOTALL)[1]
+
+LOOP = '<loop name="l" type="{}"><predecessor link="base"/>'
+FAR = '<successor link="fore"><origin xyz="9 0 0"/></successor>'
+PARALLEL = (
+    '<loop name="l" type="spherical"><predecessor link="base"><origin xyz="0.3 0 0.5"/></predecessor>'
+    '<successor link="fore"/></loop>'
+)
+MOTOR = '<transmission><joint name="shoulder"/><actuator/></transmission>'
 
 
 @dataclass(frozen=True)
@@ -103,11 +112,56 @@ CASES = {
         "use one of revolute, continuous, prismatic, fixed, or replace it by several of them",
     ),
     "unsupported-constraint": Case(
-        ("</robot>", '<loop name="l"><predecessor link="base"/><successor link="fore"/></loop></robot>'),
+        ("</robot>", '<loop name="l" type="planar"><predecessor link="base"/><successor link="fore"/></loop></robot>'),
         "error", "<loop> of robot 'arm'", 37,
-        "'l' closes a kinematic loop (URDF+), and only trees of links are modelled. Pinocchio and yourdfpy load the "
-        "tree without it",
-        "remove it to load the tree without it, or let one body carry the links that it joins (chain=, lock=)",
+        "'l': type 'planar' is not modelled. Pinocchio and yourdfpy load the tree without it",
+        "use one of revolute, continuous, prismatic, fixed, spherical, distance, or replace it by several links and "
+        "joints",
+    ),
+    "invalid-loop": Case(
+        ("</robot>", f"{LOOP.format('revolute')}<successor link=\"hand\"/></loop></robot>"),
+        "error", "<loop> of robot 'arm'", 37,
+        "'l': link 'hand' of <successor> does not exist. Pinocchio and yourdfpy load the tree without it",
+        "correct the name or add the link",
+    ),
+    "loop-cannot-close": Case(
+        ("</robot>", f"{LOOP.format('spherical')}{FAR}</loop></robot>"),
+        "warning", None, None,
+        "robot 'arm': the loop of chord 'l' is open by 7.2 m or rad; closed is 1e-08. No pose near 100 others closes "
+        "all loops: check where the chord stands on its bodies",
+        "correct the loop, or the links on its way",
+    ),
+    "loop-rows": Case(
+        ("</robot>", f"{PARALLEL}</robot>"),
+        "note", None, None,
+        "3 rows close loops: they hold 1 of 2 joint freedoms and leave 1; redundant rows: 2, so that not all reactions "
+        "are determined",
+        "nothing need be done; graphdyn.assemble closes states",
+    ),
+    "idle-freedoms": Case(
+        ("</robot>", f"{PARALLEL}{MOTOR}</robot>"),
+        "warning", None, None,
+        "freedoms that no motor drives: 1; with all motors held, joints 'elbow' can move",
+        "lock one joint of each (lock=), or state more motors",
+    ),
+    "independent-contradiction": Case(
+        (ELBOW, ELBOW.replace(">", ' independent="false">'), "</robot>", f"{PARALLEL}</robot>"),
+        "warning", None, None,
+        "the loops leave 1 freedoms, and 1 joints are not marked independent=\"false\", whose motions determine 0 of "
+        "them: 'shoulder'",
+        "mark as independent as many joints as there are freedoms, so that they determine all others",
+    ),
+    "massless-closing-link": Case(
+        (FORE_INERTIAL, "", "</robot>", f"{PARALLEL}</robot>"),
+        "note", None, None,
+        "loops close at bodies without mass: 'fore'. Pinocchio's constrained dynamics are NaN there",
+        "nothing need be done, if other bodies of the loop have mass",
+    ),
+    "loops-not-examined": Case(
+        ("</robot>", "".join(PARALLEL.replace('"l"', f'"l{k}"') for k in range(34)) + "</robot>"),
+        "note", None, None,
+        "the loops have 102 rows: more than 100 are not examined",
+        "nothing need be done",
     ),
     "quaternion-origin": Case(
         ('xyz="0.3 0 0" rpy="0 0 0"', 'xyz="0.3 0 0" quat_xyzw="0 0 0 1"'),
@@ -223,7 +277,7 @@ CASES = {
         ('<child link="tool"/>', '<child link="upper"/>'),
         "error", "joint 'flange'", 32,
         "link 'upper' is the child of joint 'shoulder' too. Pinocchio and yourdfpy load it as it stands",
-        "a link has one parent; closed loops cannot be represented",
+        "a link has one parent; close the loop by <loop> instead of a second <joint>",
     ),
     "several-roots": Case(
         ('<link name="base"/>', '<link name="base"/><link name="shelf"/>'),

@@ -1,26 +1,19 @@
-"""Elements that other formats add to URDF: refused where they constrain the tree, told where they change dynamics."""
+"""Elements that other formats add to URDF and that are not read: refused or told where they change dynamics."""
 
 import numpy as np
 import pytest
 import yourdfpy
 from inspection_cases import CLEAN, TOOL, changed
-from shared_data import DATA, existing
 from urdf_text import joint, link, robot_text
 
 import urdf
 from crosscheck.referee.pinocchio_model import PinocchioModel
+from urdf._loop_elements import FORMS
 from urdf._vocabulary import CHANGES, CLOSES
 
 DRAKE = 'xmlns:drake="http://drake.mit.edu"'
-ENDS = '<predecessor link="base"/><successor link="fore"/>'
 CONSTRAINTS = {
-    "loop": f'<loop name="c" type="revolute">{ENDS}</loop>',
-    "coupling": f'<coupling name="c">{ENDS}<ratio value="2"/></coupling>',
-    "loop_joint": '<loop_joint name="c"><link1 link="base" xyz="0 0 1"/><link2 link="fore"/></loop_joint>',
-    "constraint": '<constraint name="c"><parent link="base"/><child link="fore"/></constraint>',
     "drake:joint": f'<drake:joint {DRAKE} name="c" type="ball"><parent link="base"/><child link="fore"/></drake:joint>',
-    "drake:ball_constraint": f'<drake:ball_constraint {DRAKE}><drake:ball_constraint_body_A name="base"/>'
-    '<drake:ball_constraint_body_B name="fore"/></drake:ball_constraint>',
     "drake:tendon_constraint": f"<drake:tendon_constraint {DRAKE}/>",
     "drake:linear_bushing_rpy": f"<drake:linear_bushing_rpy {DRAKE}/>",
     "drake:linear_spring_damper": f"<drake:linear_spring_damper {DRAKE}/>",
@@ -50,13 +43,13 @@ def found(path, code):
 
 class TestConstraints:
     def test_all_are_tried(self):
-        assert {tag for tags in CLOSES.values() for tag in tags} == set(CONSTRAINTS)
+        assert {tag for tags in CLOSES.values() for tag in tags} == {*CONSTRAINTS, *FORMS}
 
     @pytest.mark.parametrize("tag", CONSTRAINTS)
     def test_refused(self, written, tag):
         path = written(changed("</robot>", CONSTRAINTS[tag] + "\n</robot>"))
         with pytest.raises(
-            urdf.UnsupportedConstraint, match="and only trees of links are modelled; remove it"
+            urdf.UnsupportedConstraint, match="which is not modelled; remove it to load the robot without it"
         ) as caught:
             urdf.load(path)
         error = caught.value
@@ -76,29 +69,6 @@ class TestConstraints:
         assert np.isfinite(PinocchioModel.from_urdf(path, tree, {}).rnea(ones, ones, ones)).all()
         assert len(yourdfpy.URDF.load(str(path), build_scene_graph=False, load_meshes=False).robot.joints) == 3
 
-    @pytest.mark.parametrize(
-        ("file", "line", "number"),
-        [
-            ("strandbeest/Strandbeest.urdf", 211, 42),
-            ("urdfplus/four_bar.urdf", 82, 1),
-            ("urdfplus/six_bar.urdf", 82, 1),
-            ("urdfplus/planar_leg_linkage.urdf", 67, 1),
-            ("urdfplus/loop_size5.urdf", 78, 1),
-            ("urdfplus/loop_size4.urdf", 64, 1),
-            ("urdfplus/mini_cheetah_leg.urdf", 33, 3),
-        ],
-    )
-    def test_published_mechanisms(self, file, line, number):
-        path = existing(DATA / "loops" / file)
-        with pytest.raises(urdf.UnsupportedConstraint) as caught:
-            urdf.load(path)
-        assert caught.value.line == line
-        assert len(found(path, "unsupported-constraint")) == number
-
-    def test_one_without_a_name(self, written):
-        with pytest.raises(urdf.UnsupportedConstraint, match=r"<loop> of robot 'arm': it closes a kinematic loop"):
-            urdf.load(written(changed("</robot>", f"<loop>{ENDS}</loop></robot>")))
-
     def test_a_loop_elsewhere_is_none(self, written):
         """A tag counts where the format has it: a plugin may call anything a loop."""
         odd = "<gazebo><plugin><loop>true</loop><joint>elbow</joint></plugin></gazebo>"
@@ -115,7 +85,7 @@ GRIPPER = robot_text(
     joint("l", "hand", "left", more=LIMITS),
     joint("r", "hand", "right", more=LIMITS),
     joint("crank", "base", "lever", more=LIMITS),
-    '<loop name="c"><predecessor link="left"/><successor link="right"/></loop>',
+    '<loop name="c" type="planar"><predecessor link="left"/><successor link="right"/></loop>',
 )
 
 
@@ -146,14 +116,14 @@ class TestConstraintsWithinOneBody:
             urdf.load(path, chain=("base", "lever"))
 
     def test_fixed_together(self, written):
-        path = written(changed("</robot>", '<loop name="c"><a link="fore"/><b link="tool"/></loop></robot>'))
+        path = written(changed("</robot>", '<loop><predecessor link="fore"/><successor link="tool"/></loop></robot>'))
         assert urdf.load(path).n_bodies == 2
         assert urdf.inspect(path).usable
 
     def test_a_name_is_no_end(self, written):
         """The loop names one link beside its own name, which is also that of a link."""
         path = written(changed("</robot>", '<loop name="tool"><a link="fore"/></loop></robot>'))
-        with pytest.raises(urdf.UnsupportedConstraint):
+        with pytest.raises(urdf.InvalidLoop):
             urdf.load(path)
 
 

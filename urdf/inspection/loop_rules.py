@@ -1,4 +1,4 @@
-"""Findings about the loops of a robot: whether they close, what their rows hold, and what moves with all motors held."""
+"""Findings about the loops of a robot: whether they close, what their rows hold, what moves with all motors held."""
 
 from __future__ import annotations
 
@@ -34,7 +34,8 @@ def closed_states(model: RobotModel) -> Array:
     strayed = start + STRAY * np.random.default_rng(SEED).standard_normal((STATES, start.size))
     strayed[0] = start
     q, gaps = assembled(model.loops, strayed)
-    return q[np.abs(gaps).max(axis=-1) <= CLOSED]
+    closed: Array = q[np.abs(gaps).max(axis=-1) <= CLOSED]
+    return closed
 
 
 def free_motions(model: RobotModel, q: Array) -> list[Array]:

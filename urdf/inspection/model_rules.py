@@ -115,7 +115,8 @@ def _of_closed_motions(model: RobotModel) -> Iterator[Finding]:
     tree = replace(model, chords=(), actuated=None)
     matrices = [motions[k].T @ mass_matrix(tree, q[k]) @ motions[k] for k in regular]
     if freedoms:
-        yield from _judged(model, np.array(matrices), f"over motions that keep the loops closed, at {len(regular)} poses")
+        where = f"over motions that keep the loops closed, at {len(regular)} poses"
+        yield from _judged(model, np.array(matrices), where)
 
 
 def _judged(model: RobotModel, matrices: Array, where: str) -> Iterator[Finding]:
