@@ -116,7 +116,7 @@ def test_gravity_is_not_saved(tmp_path):
 @pytest.mark.parametrize(
     ("model", "message"),
     [
-        (one_joint(base_name=""), r"the robot, a link or a joint has an empty name; give it a name"),
+        (one_joint(base_name=""), r"the robot, a link, a joint or a chord has an empty name; give it a name"),
         (one_joint(frames=(Frame("a\x00b", 1, Placement()),)), r"the name 'a\\x00b' cannot stand in XML; rename it"),
         (one_joint(frames=(Frame("f", 1, Placement(), ("\x01",)),)), r"the name '\\x01' cannot stand in XML"),
     ],
