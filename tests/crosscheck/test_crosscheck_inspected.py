@@ -1,6 +1,7 @@
 """Whatever urdf.inspect calls fit for dynamics loads, and agrees with Pinocchio on the same file."""
 
 import warnings
+from dataclasses import replace
 
 import pytest
 from inspection_cases import CASES, changed
@@ -45,7 +46,7 @@ def agrees(path, otherwise=False):
     """Compare; whether Pinocchio read the file. otherwise: it does, and reads other numbers."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", urdf.URDFWarning)
-        model = urdf.load(path).uncoupled
+        model = replace(urdf.load(path).uncoupled, chords=(), actuated=None)  # Pinocchio's is the tree
     assert errors(PinocchioModel.from_model(model), model) == {}
     try:
         referee = PinocchioModel.from_urdf(path, model, {})
