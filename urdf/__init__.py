@@ -39,7 +39,9 @@ from urdf._loading import fused_links, load
 from urdf._loops import Loop
 from urdf._opening import Xacro
 from urdf._saving import save
+from urdf._shapes import shapes
 from urdf._updating import Update, update
+from urdf.geometry.shape import MissingShape, Shape, Shapes
 from urdf.inspection import Finding, Inspection, inspect
 
 __all__ = [
@@ -64,10 +66,13 @@ __all__ = [
     "MimicJointWarning",
     "MissingEntry",
     "MissingInertialWarning",
+    "MissingShape",
     "NotATree",
     "RepairWarning",
     "RobotEntry",
     "RobotNotFound",
+    "Shape",
+    "Shapes",
     "TooLarge",
     "URDFError",
     "URDFWarning",
@@ -83,5 +88,6 @@ __all__ = [
     "load",
     "robots",
     "save",
+    "shapes",
     "update",
 ]

@@ -13,6 +13,11 @@ from lxml import etree
 
 from urdf._errors import MalformedXML, TooLarge
 
+TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
+"""Path in messages about a source that has none."""
+
+UNNAMED = (TEXT, BYTES, STREAM)
+
 LARGEST_FILE = 10_000_000
 """Largest size of a file [bytes]; a robot of 2000 links with long names takes 2 MB."""
 

@@ -11,17 +11,12 @@ from typing import IO
 
 from graphdyn._model import STANDARD_GRAVITY
 from urdf._catalogue import locate
-from urdf._document import LARGEST_FILE, Document, check_size, parsed
+from urdf._document import BYTES, LARGEST_FILE, STREAM, TEXT, Document, check_size, parsed
 from urdf._errors import InvalidXacro, MalformedXML, RobotNotFound
 from urdf._xacro_files import expand
 
 Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]
 """A string is XML if it begins with "<", or has one and several lines and is no file; else it is a name or a path."""
-
-TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
-"""Path in messages about a source that has none."""
-
-UNNAMED = (TEXT, BYTES, STREAM)
 
 UTF8 = "utf-8"
 

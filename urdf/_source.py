@@ -8,6 +8,7 @@ from pathlib import Path
 from lxml import etree
 
 from urdf._document import Document
+from urdf._drawings import Drawings, drawings
 from urdf._elements import describe, line_of, tag_of
 from urdf._errors import TooLarge, URDFError
 from urdf._extensions import Extensions, extensions
@@ -22,12 +23,13 @@ have some 200 links."""
 class Source:
     """A file and its <robot> element, without namespaces, comments and everything that is not read.
 
-    extensions: what of the rest affects dynamics
+    extensions: what of the rest affects dynamics; drawings: what of the rest draws the robot
     """
 
     path: Path
     robot: etree._Element
     extensions: Extensions
+    drawings: Drawings
 
     @property
     def links(self) -> list[etree._Element]:
@@ -45,10 +47,10 @@ class Source:
 def reduced(document: Document) -> Source:
     """The document without the elements that are not read; its own tree is modified. Raises TooLarge."""
     robot = document.robot
-    beside = extensions(robot, document.path)
+    beside, drawn = extensions(robot, document.path), drawings(robot)
     _reduce(robot)
     etree.cleanup_namespaces(robot)
-    source = Source(document.path, robot, beside)
+    source = Source(document.path, robot, beside, drawn)
     for what, number in (("links", len(source.links)), ("joints", len(source.joints))):
         if number > MOST_LINKS:
             raise TooLarge(

@@ -14,7 +14,8 @@ import urdf
 from graphdyn import InvalidInput, RobotModel
 from urdf._catalogue import locate
 from urdf._cutting import Chain
-from urdf._opening import UNNAMED, content_of, path_of
+from urdf._document import UNNAMED
+from urdf._opening import content_of, path_of
 
 Robot = str | PathLike[str] | RobotModel
 Lock = Mapping[str, float] | Iterable[str] | None

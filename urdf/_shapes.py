@@ -1,0 +1,49 @@
+"""urdf.shapes: the visual or collision geometry of a robot, on the bodies of the model that urdf.load makes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from graphdyn import Frame, Placement
+from urdf._cutting import Chain
+from urdf._drawings import Geometry
+from urdf._locking import Lock
+from urdf._mimics import Mimic
+from urdf._opening import Given, Xacro, open_document
+from urdf._parsing import build, parse
+from urdf._source import reduced
+from urdf.geometry.reading import placed_shapes
+from urdf.geometry.shape import Shapes
+
+
+def shapes(
+    source: Given,
+    *,
+    geometry: Geometry = "visual",
+    faces: int | None = None,
+    chain: Chain = None,
+    lock: Lock = None,
+    mimic: Mimic = "coupled",
+    repair: Iterable[str] = (),
+    xacro: Xacro | None = None,
+) -> Shapes:
+    """What a robot looks like: boxes, cylinders, spheres and mesh files as triangles, each on a body of the model.
+
+    source, chain, lock, mimic, repair, xacro: as in load; the bodies are those of the model that load makes of them
+    geometry: "visual" or "collision"
+    faces: how many triangles all shapes may have together, about; None leaves them as they are
+
+    Mesh files are STL, OBJ and Collada (.dae), in metres times their scale; a Collada file states its own unit.
+    package://NAME/… is looked for beside the file and in every folder above it, then in ROS_PACKAGE_PATH and
+    AMENT_PREFIX_PATH; other paths are relative to the file. Nothing is fetched. What cannot be shown is listed in
+    .missing with the reason.
+
+    Raises load's errors. Warns nothing.
+    """
+    opened = open_document(source, xacro)
+    elements = reduced(opened.document)
+    model = build(parse(elements, chain=chain, lock=lock, mimic=mimic, repair=repair), opened.gravity)
+    names = (model.base_name, *model.body_names)
+    own = (Frame(name, body, Placement()) for body, name in enumerate(names))
+    places = {frame.name: (names[frame.body], frame.placement) for frame in (*model.frames, *own)}
+    return placed_shapes(elements, geometry, places, faces)

@@ -1,0 +1,1 @@
+"""What a robot looks like: boxes, cylinders, spheres and mesh files as triangles."""

@@ -1,0 +1,104 @@
+"""A <visual> or <collision> element as numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from lxml import etree
+
+from graphdyn import Placement
+from urdf._drawings import Drawing, children
+from urdf._elements import name_of, tag_of
+from urdf._numerals import BadNumber, numbers
+from urdf._rpy import rotation_from_rpy
+from urdf._wording import shortened
+from urdf.geometry.errors import Unreadable
+from urdf.geometry.mesh_files import LONGEST
+from urdf.geometry.primitives import SIZES
+from urdf.geometry.shape import Color
+
+MESH = "mesh"
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What a drawing is, and where.
+
+    kind: of the element: "box", "cylinder", "sphere", "capsule" or "mesh"
+    sizes: its numbers in the order of SIZES [m]; of a mesh its scale
+    placement: in the frame of its link
+    color: of its material; None without one
+    file: of a mesh, as the URDF names it
+    """
+
+    kind: str
+    sizes: tuple[float, ...]
+    placement: Placement
+    color: Color | None
+    file: str | None = None
+
+
+def read_drawing(drawing: Drawing, materials: Mapping[str, etree._Element]) -> Drawn:
+    """The element as numbers; materials: of the robot, by name. Raises Unreadable with what is wrong in it."""
+    geometry = next(children(drawing.element, "geometry"), None)
+    if geometry is None:
+        raise Unreadable(f"<{drawing.geometry}> has no <geometry>")
+    inside = [child for child in geometry if tag_of(child)]
+    if len(inside) != 1:
+        raise Unreadable(f"<geometry> has {len(inside)} elements, expected one")
+    (element,) = inside
+    kind = tag_of(element)
+    placement, color = _placement(drawing.element), _color(drawing.element, materials)
+    if kind == MESH:
+        scale = _numbers(element, "scale", 3, (1.0, 1.0, 1.0))
+        if not np.all(scale):
+            raise Unreadable(f'scale="{shortened(element.get("scale", ""))}": a scale of zero')
+        return Drawn(kind, scale, placement, color, element.get("filename", ""))
+    if kind not in SIZES:
+        raise Unreadable(f"<{shortened(kind)}> is none of {', '.join(f'<{name}>' for name in (*SIZES, MESH))}")
+    sizes = tuple(x for name, count in SIZES[kind].items() for x in _numbers(element, name, count))
+    if min(sizes) <= 0:
+        raise Unreadable(f"<{kind}>: a size that is not positive")
+    return Drawn(kind, sizes, placement, color)
+
+
+def _numbers(
+    element: etree._Element, name: str, count: int, default: tuple[float, ...] | None = None
+) -> tuple[float, ...]:
+    text = element.get(name)
+    if text is None:
+        if default is None:
+            raise Unreadable(f"<{tag_of(element)}>: attribute '{name}' is missing")
+        return default
+    found = numbers(text, count, f'{name}="{shortened(text)}"')
+    if isinstance(found, BadNumber):
+        raise Unreadable(f"<{tag_of(element)}>: {found.problem}; {found.remedy}")
+    if max(map(abs, found)) > LONGEST:
+        raise Unreadable(f'<{tag_of(element)}>: {name}="{shortened(text)}" is larger than {LONGEST:g}; give metres')
+    return tuple(found)
+
+
+def _placement(element: etree._Element) -> Placement:
+    origin = next(children(element, "origin"), None)
+    if origin is None:
+        return Placement()
+    zero = (0.0, 0.0, 0.0)
+    xyz, rpy = _numbers(origin, "xyz", 3, zero), _numbers(origin, "rpy", 3, zero)
+    return Placement(rotation_from_rpy(*rpy), np.array(xyz))
+
+
+def _color(element: etree._Element, materials: Mapping[str, etree._Element]) -> Color | None:
+    """None without a material, and where it has no valid color: that hides no shape."""
+    material = next(children(element, "material"), None)
+    if material is None:
+        return None
+    for place in (material, materials.get(name_of(material))):
+        color = None if place is None else next(children(place, "color"), None)
+        text = "" if color is None else color.get("rgba", "")
+        found = numbers(text, 4, "")
+        if not isinstance(found, BadNumber):
+            red, green, blue, opacity = np.clip(found, 0.0, 1.0).tolist()
+            return red, green, blue, opacity
+    return None

@@ -1,0 +1,12 @@
+"""Why a drawing cannot be read."""
+
+from __future__ import annotations
+
+from urdf._wording import one_line
+
+
+class Unreadable(Exception):
+    """The reason, on one line; caught where the drawings of a robot are read, and listed."""
+
+    def __init__(self, reason: str):
+        super().__init__(one_line(reason))

@@ -1,0 +1,105 @@
+"""The drawings of a robot as triangles; what cannot be read is listed with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn import Placement
+from urdf._drawings import Drawing, Geometry
+from urdf._elements import line_of
+from urdf._source import Source
+from urdf.geometry.decimation import decimated, shared_out
+from urdf.geometry.drawn import MESH, Drawn, read_drawing
+from urdf.geometry.errors import Unreadable
+from urdf.geometry.mesh_files import read_mesh
+from urdf.geometry.mesh_paths import find_mesh
+from urdf.geometry.primitives import primitive
+from urdf.geometry.shape import GREY, MissingShape, Shape, Shapes
+from urdf.geometry.triangles import Triangles
+
+MOST_TRIANGLES = 10_000_000
+"""Largest number of triangles of a robot."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A drawing of a link and its triangles, in the axes of the drawing; parts: one per color."""
+
+    link: str
+    drawn: Drawn
+    parts: tuple[Triangles, ...]
+
+
+def placed_shapes(
+    source: Source, geometry: Geometry, places: Mapping[str, tuple[str, Placement]], faces: int | None
+) -> Shapes:
+    """The shapes of some links. places: per link, the body that carries it and its placement in that body's frame"""
+    solids, missing = read_solids(source, geometry, places)
+    parts = [(solid, part) for solid in solids for part in solid.parts]
+    meshes = []
+    for (solid, part), size in zip(parts, shared_out([len(part.faces) for _, part in parts], faces), strict=True):
+        body, place = places[solid.link]
+        less = decimated(part, size)
+        color = part.color or solid.drawn.color or GREY  # a mesh file's own colors come first, as in RViz
+        placement = place @ solid.drawn.placement
+        meshes.append(Shape(body, solid.link, placement, less.vertices, less.faces, color, solid.drawn.file))
+    return Shapes(tuple(meshes), tuple(missing))
+
+
+def read_solids(source: Source, geometry: Geometry, links: Collection[str]) -> tuple[list[Solid], list[MissingShape]]:
+    """The solids of these links in the order of the file, and what cannot be read."""
+    solids: list[Solid] = []
+    missing: list[MissingShape] = []
+    reader, triangles = _Reader(source), 0
+    for drawing in source.drawings.drawings:
+        if drawing.geometry != geometry or drawing.link not in links:
+            continue
+        file = None
+        try:
+            drawn = read_drawing(drawing, source.drawings.materials)
+            file = drawn.file
+            parts = reader.parts(drawn)
+            triangles += sum(len(part.faces) for part in parts)
+            if triangles > MOST_TRIANGLES:
+                raise Unreadable(f"with it, the robot has more than {MOST_TRIANGLES} triangles; reduce the meshes")
+            solids.append(Solid(drawing.link, drawn, parts))
+        except Unreadable as error:
+            missing.append(MissingShape(drawing.link, file, _at(drawing, error)))
+    return solids, missing
+
+
+class _Reader:
+    """Reads every mesh file once."""
+
+    def __init__(self, source: Source):
+        self.document = source.path
+        self.files: dict[str, tuple[Triangles, ...] | Unreadable] = {}
+        self.scaled: dict[tuple[str, tuple[float, ...]], tuple[Triangles, ...]] = {}
+
+    def parts(self, drawn: Drawn) -> tuple[Triangles, ...]:
+        """Raises Unreadable."""
+        if drawn.kind != MESH or drawn.file is None:
+            return (primitive(drawn.kind, *drawn.sizes),)
+        key = drawn.file, drawn.sizes
+        if key not in self.scaled:
+            self.scaled[key] = tuple(part.scaled(np.array(drawn.sizes)) for part in self._file(drawn.file))
+        return self.scaled[key]
+
+    def _file(self, name: str) -> tuple[Triangles, ...]:
+        if name not in self.files:
+            try:
+                self.files[name] = read_mesh(find_mesh(name, self.document))
+            except Unreadable as error:
+                self.files[name] = error
+        found = self.files[name]
+        if isinstance(found, Unreadable):
+            raise found
+        return found
+
+
+def _at(drawing: Drawing, error: Unreadable) -> str:
+    line = line_of(drawing.element)
+    return str(error) if line is None or line == 0 else f"line {line}: {error}"
