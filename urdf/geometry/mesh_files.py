@@ -1,4 +1,4 @@
-"""Mesh files, read as triangles in metres. Files are foreign: every one is read within limits of size."""
+"""Mesh files as triangles in metres. They are foreign, and read within limits."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from typing import Any
 import numpy as np
 
 from urdf._wording import shortened
-from urdf.geometry.collada import check_collada
+from urdf.geometry.collada import read_collada
 from urdf.geometry.errors import Unreadable
 from urdf.geometry.shape import Color
-from urdf.geometry.triangles import Triangles, joined
+from urdf.geometry.triangles import Triangles, joined, welded
 
 SUFFIXES = (".stl", ".obj", ".dae")
 
 LARGEST_MESH = 100_000_000
 """Largest size of a mesh file [bytes]; the largest of published robots have some 30 MB."""
 
-LARGEST_MATERIALS = 1_000_000
-"""Largest size of the file of colors that an OBJ file names [bytes]."""
+LARGEST_COLORS = 1_000_000
+"""Largest size of the .mtl file that an OBJ file names [bytes]."""
 
 LONGEST = 1e6
 """Largest coordinate that is drawn [m]."""
@@ -32,29 +32,30 @@ STL_HEADER, STL_TRIANGLE = 84, 50
 
 
 def read_mesh(path: Path) -> tuple[Triangles, ...]:
-    """The triangles of a file [m], those of one color together.
-
-    The up_axis of a Collada file is left aside, as RViz and Pinocchio do: the axes of the file are those of the link.
+    """The triangles of a file [m], those of one color together, with vertices at the same place as one.
 
     Raises Unreadable: for a file that is none, too large or damaged, for NaN, for a mesh without triangles.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise Unreadable(f"'{shortened(suffix)}' files are not read, only {', '.join(SUFFIXES)}")
-    content = _content(path, LARGEST_MESH)
-    unit = 1.0
-    if suffix == ".stl":
-        content = _checked_stl(content)
-    elif suffix == ".dae":
-        unit = check_collada(content, LARGEST_MESH)
-    parts = [_triangles(mesh, unit) for mesh in _parsed(path, content)]
-    whole = _by_color([part for part in parts if len(part.faces)])
-    if not whole:
+    content = content_of(path, LARGEST_MESH)
+    try:
+        parts = _READERS[suffix](content, path)
+    except Unreadable:
+        raise
+    except Exception as error:  # whatever the parsers stumble over
+        raise Unreadable(f"the file is damaged: {shortened(f'{type(error).__name__}: {error}')}") from error
+    parts = [_checked(part) for part in parts if len(part.faces)]
+    colors = dict.fromkeys(part.color for part in parts)
+    whole = [welded(joined([part for part in parts if part.color == color])) for color in colors]
+    if not any(len(part.faces) for part in whole):
         raise Unreadable("the file has no triangles")
-    return whole
+    return tuple(whole)
 
 
-def _content(path: Path, largest: int) -> bytes:
+def content_of(path: Path, largest: int) -> bytes:
+    """The bytes of a regular file. Raises Unreadable, also for one that is larger than so many bytes."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise Unreadable("not a regular file")
@@ -67,22 +68,37 @@ def _content(path: Path, largest: int) -> bytes:
     return content
 
 
-def _checked_stl(content: bytes) -> bytes:
-    """The content without what follows the last triangle of a binary file."""
+def _collada(content: bytes, path: Path) -> list[Triangles]:
+    return read_collada(content)
+
+
+def _stl(content: bytes, path: Path) -> list[Triangles]:
+    from trimesh.exchange.stl import load_stl_ascii, load_stl_binary
+
     if content.lstrip()[:5].lower() == b"solid" and b"facet" in content[:1000]:
-        return content
+        return _of_trimesh(load_stl_ascii, io.BytesIO(content))
     if len(content) < STL_HEADER:
-        raise Unreadable("the file is shorter than the header of an STL file")
-    number = int.from_bytes(content[80:84], "little")
+        raise Unreadable("the file is truncated: shorter than the header of an STL file")
+    number = int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
     end = STL_HEADER + STL_TRIANGLE * number
     if len(content) < end:
         held = (len(content) - STL_HEADER) // STL_TRIANGLE
-        raise Unreadable(f"the file is truncated: it holds {held} of the {number} triangles in its header")
-    return content[:end]
+        raise Unreadable(f"the file is truncated: {held} of {number} triangles")
+    return _of_trimesh(load_stl_binary, io.BytesIO(content[:end]))
 
 
-class _Materials:
-    """What trimesh may read beside an OBJ file: small .mtl files in its folder."""
+def _obj(content: bytes, path: Path) -> list[Triangles]:
+    from trimesh.exchange.obj import load_obj
+
+    text = io.StringIO(content.decode(errors="replace"))  # names may be in any encoding
+    return _of_trimesh(load_obj, text, resolver=_Colors(path.parent))
+
+
+_READERS = {".stl": _stl, ".obj": _obj, ".dae": _collada}
+
+
+class _Colors:
+    """What trimesh may read beside an OBJ file: small .mtl files of its folder, and no images."""
 
     def __init__(self, folder: Path):
         self.folder = folder
@@ -92,58 +108,40 @@ class _Materials:
         if path.suffix.lower() != ".mtl":
             raise FileNotFoundError(name)
         try:
-            return _content(path, LARGEST_MATERIALS)
+            return content_of(path, LARGEST_COLORS)
         except Unreadable as error:
             raise FileNotFoundError(name) from error
 
     __getitem__ = get
 
 
-def _parsed(path: Path, content: bytes) -> list[Any]:
-    """The meshes of a file, in its axes and unit. Raises Unreadable, whatever the parser stumbles over."""
-    import trimesh
-
-    suffix = path.suffix.lower()
-    resolver: Any = _Materials(path.parent)
-    text = suffix == ".obj"
-    file = io.StringIO(content.decode(errors="replace")) if text else io.BytesIO(content)
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")
-            # NumPy's warning of numbers that are cut off in the middle: what follows them would be left out.
-            warnings.simplefilter("error", DeprecationWarning)
-            scene = trimesh.load_scene(file, file_type=suffix[1:], resolver=resolver, process=False)
-            return [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]
-    except ImportError as error:
-        raise Unreadable(f"a {suffix} file needs pycollada; pip install 'graphdyn[view]'") from error
-    except Exception as error:
-        raise Unreadable(f"the file is damaged: {shortened(f'{type(error).__name__}: {error}')}") from error
+def _of_trimesh(reader: Any, file: Any, **options: Any) -> list[Triangles]:
+    """What a reader of trimesh gives, without the class Trimesh, which drops vertices that are NaN."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", DeprecationWarning)  # NumPy's, of a text that is not all numbers
+        found = reader(file, **options)
+    return [
+        Triangles(np.array(mesh["vertices"], dtype=float), np.array(mesh["faces"], dtype=np.int64), _color(mesh))
+        for mesh in found.get("geometry", {"": found}).values()
+        if len(mesh.get("faces", ()))
+    ]
 
 
-def _triangles(mesh: Any, unit: float) -> Triangles:
-    vertices, faces = np.array(mesh.vertices, dtype=float) * unit, np.array(mesh.faces, dtype=np.int64)
-    if not len(faces):
-        return Triangles(vertices, faces)
-    if faces.min() < 0 or faces.max() >= len(vertices):
+def _color(mesh: Any) -> Color | None:
+    material = getattr(mesh.get("visual"), "material", None)
+    if material is None or not hasattr(material, "diffuse") or material.diffuse is None:
+        return None
+    red, green, blue, opacity = (float(x) / 255 for x in material.main_color)
+    return red, green, blue, opacity
+
+
+def _checked(part: Triangles) -> Triangles:
+    if part.faces.min() < 0 or part.faces.max() >= len(part.vertices):
         raise Unreadable("the file is damaged: a triangle names a vertex that is not there")
-    used = vertices[faces.ravel()]
+    used = part.vertices[part.faces.ravel()]
     if not np.isfinite(used).all():
         raise Unreadable("a vertex has a coordinate that is NaN or infinite")
     if np.abs(used).max() > LONGEST:
         raise Unreadable(f"a vertex lies farther than {LONGEST:g} m from the origin; check the unit of length")
-    return Triangles(vertices, faces, _color(mesh))
-
-
-def _color(mesh: Any) -> Color | None:
-    if not mesh.visual.defined:
-        return None
-    material = getattr(mesh.visual, "material", None)
-    red, green, blue, opacity = (float(x) / 255 for x in (material or mesh.visual).main_color)
-    return red, green, blue, opacity or 1.0  # some exporters write 0 for opaque
-
-
-def _by_color(parts: list[Triangles]) -> tuple[Triangles, ...]:
-    """Parts of the same color as one."""
-    return tuple(
-        joined([part for part in parts if part.color == color]) for color in dict.fromkeys(p.color for p in parts)
-    )
+    return part

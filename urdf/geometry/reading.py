@@ -18,10 +18,7 @@ from urdf.geometry.mesh_files import read_mesh
 from urdf.geometry.mesh_paths import find_mesh
 from urdf.geometry.primitives import primitive
 from urdf.geometry.shape import GREY, MissingShape, Shape, Shapes
-from urdf.geometry.triangles import Triangles
-
-MOST_TRIANGLES = 10_000_000
-"""Largest number of triangles of a robot."""
+from urdf.geometry.triangles import MOST_TRIANGLES, Triangles
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +36,12 @@ def placed_shapes(
     """The shapes of some links. places: per link, the body that carries it and its placement in that body's frame"""
     solids, missing = read_solids(source, geometry, places)
     parts = [(solid, part) for solid in solids for part in solid.parts]
+    fewer: dict[tuple[int, int], Triangles] = {}  # of a part that occurs several times, once
     meshes = []
     for (solid, part), size in zip(parts, shared_out([len(part.faces) for _, part in parts], faces), strict=True):
         body, place = places[solid.link]
-        less = decimated(part, size)
+        key = id(part), size
+        less = fewer[key] if key in fewer else fewer.setdefault(key, decimated(part, size))
         color = part.color or solid.drawn.color or GREY  # a mesh file's own colors come first, as in RViz
         placement = place @ solid.drawn.placement
         meshes.append(Shape(body, solid.link, placement, less.vertices, less.faces, color, solid.drawn.file))

@@ -10,6 +10,12 @@ import numpy as np
 from graphdyn.layout import Array
 from urdf.geometry.shape import Color, Faces
 
+MOST_TRIANGLES = 10_000_000
+"""Largest number of triangles of a file, and of a robot."""
+
+WELD = 1e-6
+"""Distance between vertices that count as one, as a part of the size of the mesh."""
+
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
@@ -30,6 +36,11 @@ class Triangles:
         faces = self.faces[:, ::-1].copy() if np.prod(np.sign(scale)) < 0 else self.faces
         return Triangles(self.vertices * scale, faces, self.color)
 
+    @property
+    def size(self) -> float:
+        """Longest side of the box around all vertices [m]; 0 without any."""
+        return float(np.ptp(self.vertices, axis=0).max()) if len(self.vertices) else 0.0
+
 
 def joined(parts: Sequence[Triangles]) -> Triangles:
     """All as one, with the color of the first."""
@@ -38,3 +49,37 @@ def joined(parts: Sequence[Triangles]) -> Triangles:
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     faces = [part.faces + start for part, start in zip(parts, starts, strict=False)]
     return Triangles(np.concatenate([part.vertices for part in parts]), np.concatenate(faces), parts[0].color)
+
+
+def welded(part: Triangles) -> Triangles:
+    """Vertices at the same place as one."""
+    return clustered(part, part.size * WELD)
+
+
+def clustered(part: Triangles, cell: float) -> Triangles:
+    """The vertices in one cell of a grid become their mean; triangles that collapse, or occur twice, go."""
+    used, corners = np.unique(part.faces, return_inverse=True)
+    vertices, faces = part.vertices[used], corners.reshape(-1, 3)
+    grid = np.floor((vertices - vertices.min(axis=0)) / (cell or 1.0) + 0.5).astype(np.int64)
+    _, first, inverse = np.unique(_key(grid), return_index=True, return_inverse=True)
+    count = np.bincount(inverse)
+    middle = vertices[first]
+    for k in range(3):  # offsets from one of them: vertices at the same place keep every bit
+        middle[:, k] += np.bincount(inverse, vertices[:, k] - middle[inverse, k]) / count
+    faces = inverse[faces]
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    _, first = np.unique(_key(np.sort(faces, axis=1)), return_index=True)
+    faces = faces[np.sort(first)]
+    used, corners = np.unique(faces, return_inverse=True)
+    return Triangles(middle[used], corners.reshape(-1, 3).astype(np.int64), part.color)
+
+
+def _key(rows: Faces) -> Faces:
+    """One whole number per row of three that are not negative, the same for equal rows: sorted much faster."""
+    if not len(rows):
+        return np.zeros(0, dtype=np.int64)
+    y, z = rows[:, 1].max() + 1, rows[:, 2].max() + 1
+    _, pairs = np.unique(rows[:, 0] * y + rows[:, 1], return_inverse=True)
+    key: Faces = pairs * z + rows[:, 2]
+    return key
