@@ -18,7 +18,7 @@ from urdf.geometry.errors import Unreadable
 from urdf.geometry.shape import Color, Faces
 from urdf.geometry.triangles import MOST_TRIANGLES, Triangles
 
-MOST_NODES, DEEPEST = 100_000, 100
+MOST_NODES, DEEPEST = 20_000, 100
 """Largest number of nodes of a scene, those that it shows several times counted as often; largest depth of them."""
 
 WITHOUT_SURFACE = ("lines", "linestrips")

@@ -21,7 +21,7 @@ AGGRESSIVENESS = 7
 ABOVE = 1.2
 """Part of the wanted number of faces that edge collapse may exceed, before vertices are clustered."""
 
-GRIDS = (256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8)
+GRIDS = (256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4)
 """Cells along the longest side of the mesh into which vertices are clustered, until it has few enough faces."""
 
 

@@ -117,12 +117,14 @@ class _Colors:
 
 def _of_trimesh(reader: Any, file: Any, **options: Any) -> list[Triangles]:
     """What a reader of trimesh gives, without the class Trimesh, which drops vertices that are NaN."""
+    from trimesh.geometry import triangulate_quads
+
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         warnings.simplefilter("error", DeprecationWarning)  # NumPy's, of a text that is not all numbers
         found = reader(file, **options)
     return [
-        Triangles(np.array(mesh["vertices"], dtype=float), np.array(mesh["faces"], dtype=np.int64), _color(mesh))
+        Triangles(np.array(mesh["vertices"], dtype=float), np.array(triangulate_quads(mesh["faces"])), _color(mesh))
         for mesh in found.get("geometry", {"": found}).values()
         if len(mesh.get("faces", ()))
     ]

@@ -1,0 +1,101 @@
+"""What a link would weigh if its shapes were filled uniformly: volume, center of mass and tensor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn import Placement
+from graphdyn._inertia import parallel_axis
+from graphdyn.layout import Array
+from urdf.geometry.drawn import MESH, Drawn
+from urdf.geometry.errors import Unreadable
+from urdf.geometry.triangles import Triangles, joined, welded
+
+ROUNDING = 1e-6
+"""Part of the volume of its convex hull by which a closed mesh may be larger than it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Filled:
+    """A solid of density 1 kg/m³.
+
+    volume [m³]; center: of mass (3,) [m]; tensor: about it, per density (3, 3) [m⁵]
+    low, high: corners of the box around it                 (3,)  [m]
+    hull: a part of it is no closed surface, and its convex hull stands in for it
+    """
+
+    volume: float
+    center: Array
+    tensor: Array
+    low: Array
+    high: Array
+    hull: bool = False
+
+    def seen_from(self, placement: Placement, corners: Array) -> Filled:
+        """The same in another frame. corners: points of its surface in its own frame (k, 3)."""
+        rotation = placement.rotation
+        points = corners @ rotation.T + placement.translation
+        center = rotation @ self.center + placement.translation
+        low, high = points.min(axis=0), points.max(axis=0)
+        return Filled(self.volume, center, rotation @ self.tensor @ rotation.T, low, high, self.hull)
+
+
+def filled(drawn: Drawn, parts: Sequence[Triangles]) -> Filled:
+    """A drawing filled uniformly, in the frame of its link. Raises Unreadable for a mesh without volume."""
+    whole = joined(parts)
+    own = _mesh(welded(whole)) if drawn.kind == MESH else _primitive(drawn, whole)
+    return own.seen_from(drawn.placement, whole.vertices)
+
+
+def together(solids: Sequence[Filled]) -> Filled:
+    """Several of one frame as one; where they overlap, they count twice."""
+    volume = sum(solid.volume for solid in solids)
+    center = np.sum([solid.volume * solid.center for solid in solids], axis=0) / volume
+    tensors = [solid.tensor + parallel_axis(solid.volume, solid.center - center) for solid in solids]
+    low, high = np.min([solid.low for solid in solids], axis=0), np.max([solid.high for solid in solids], axis=0)
+    return Filled(volume, center, np.sum(tensors, axis=0), low, high, any(solid.hull for solid in solids))
+
+
+def _primitive(drawn: Drawn, triangles: Triangles) -> Filled:
+    """By the formulas: the triangles of a round solid lie inside it."""
+    if drawn.kind == "box":
+        x, y, z = drawn.sizes
+        volume = x * y * z
+        tensor = np.diag([y * y + z * z, z * z + x * x, x * x + y * y]) * volume / 12
+    elif drawn.kind == "sphere":
+        (r,) = drawn.sizes
+        volume = 4 / 3 * np.pi * r**3
+        tensor = np.eye(3) * (0.4 * volume * r * r)
+    elif drawn.kind == "cylinder":
+        r, length = drawn.sizes
+        volume = np.pi * r * r * length
+        across = (3 * r * r + length * length) / 12
+        tensor = np.diag([across, across, r * r / 2]) * volume
+    else:
+        return _mesh(triangles)
+    low, high = triangles.vertices.min(axis=0), triangles.vertices.max(axis=0)
+    return Filled(float(volume), np.zeros(3), tensor, low, high)
+
+
+def _mesh(triangles: Triangles) -> Filled:
+    """A closed surface is filled; of any other, and of one larger than its convex hull, the hull."""
+    import trimesh
+    from scipy.spatial import QhullError
+
+    surface = trimesh.Trimesh(triangles.vertices, triangles.faces, process=False)
+    try:
+        hull = surface.convex_hull
+    except QhullError:
+        raise Unreadable("the mesh is flat: it has no volume") from None
+    closed = surface.is_watertight and surface.is_winding_consistent
+    if closed and surface.volume < 0:
+        surface.invert()
+    fits = closed and 0 < surface.volume <= (1 + ROUNDING) * hull.volume
+    solid = surface if fits else hull
+    if not solid.volume > 0:
+        raise Unreadable("the mesh is flat: it has no volume")
+    low, high = surface.bounds
+    return Filled(float(solid.volume), np.array(solid.center_mass), np.array(solid.moment_inertia), low, high, not fits)
