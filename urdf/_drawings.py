@@ -8,7 +8,7 @@ from typing import Literal
 
 from lxml import etree
 
-from urdf._elements import name_of, tag_of
+from urdf._elements import line_of, name_of, tag_of
 
 Geometry = Literal["visual", "collision"]
 GEOMETRIES: tuple[Geometry, ...] = ("visual", "collision")
@@ -21,6 +21,16 @@ class Drawing:
     link: str
     geometry: Geometry
     element: etree._Element
+
+    @property
+    def line(self) -> int | None:
+        """Of the file, if known."""
+        return line_of(self.element) or None
+
+    @property
+    def mesh(self) -> bool:
+        """Whether it names a mesh file."""
+        return any(tag_of(shape) == "mesh" for inside in children(self.element, "geometry") for shape in inside)
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -23,14 +24,26 @@ FilesArgument = Annotated[
     ),
 ]
 
+MeshesOption = Annotated[
+    Literal["summary", "detail", "off"],
+    typer.Option(
+        help="Compare inertials with meshes that are found: those that do not fit, every tensor, or no mesh at all.",
+    ),
+]
+
 EPILOG = f"""{EXAMPLES}  graphdyn inspect kr500
   graphdyn inspect my_arm.urdf --html findings.html
+  graphdyn inspect ur5 --meshes detail
   graphdyn inspect my_robots/ --json findings.json
 """
 
 
 def run(
-    context: typer.Context, files: FilesArgument, json_file: JsonOption = None, html_file: HtmlOption = None
+    context: typer.Context,
+    files: FilesArgument,
+    meshes: MeshesOption = "summary",
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
 ) -> None:
     """Find what is odd or wrong in URDF files.
 
@@ -40,6 +53,7 @@ def run(
     """
     from crosscheck.cli.inspect_many import inspect_files
     from crosscheck.report.commands.inspect import inspect_report
+    from urdf import inspect
 
     robots, failures = [], []
     for given in files:
@@ -49,7 +63,7 @@ def run(
             complain(error, context)
             failures.append({"robot": given, "message": str(error)})
     with progress("inspect", len(robots) if err.is_terminal else None) as advance:
-        reports = inspect_files(robots, advance)
+        reports = inspect_files(robots, advance, partial(inspect, meshes=meshes))
     deliver(inspect_report(reports, failures), html_file, json_file)
     if failures or any("unreadable-file" in report.codes for report in reports):
         raise typer.Exit(BAD_INPUT)

@@ -19,6 +19,7 @@ from inspection_cases import (
     changed,
 )
 from shared_data import REPOSITORY
+from test_urdf_inspect_meshes import MESH_CODES
 from urdf_text import joint, link, robot_text
 
 import urdf
@@ -308,6 +309,7 @@ def test_every_code_has_a_case():
     written |= set(unread_rules.REMEDIES)
     written |= {getattr(kind, "default_code", "") for kind in vars(errors).values()} - {""}
     elsewhere = {
+        *MESH_CODES,
         "byte-order-mark",
         "crlf",
         "invalid-robot",

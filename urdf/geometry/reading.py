@@ -9,7 +9,6 @@ import numpy as np
 
 from graphdyn import Placement
 from urdf._drawings import Drawing, Geometry
-from urdf._elements import line_of
 from urdf._source import Source
 from urdf.geometry.decimation import decimated, shared_out
 from urdf.geometry.drawn import MESH, Drawn, read_drawing
@@ -100,5 +99,4 @@ class _Reader:
 
 
 def _at(drawing: Drawing, error: Unreadable) -> str:
-    line = line_of(drawing.element)
-    return str(error) if line is None or line == 0 else f"line {line}: {error}"
+    return str(error) if drawing.line is None else f"line {drawing.line}: {error}"

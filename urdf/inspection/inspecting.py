@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import islice
+from typing import Literal, get_args
 
 import numpy as np
 
+from graphdyn import InvalidInput
 from graphdyn._model import STANDARD_GRAVITY
 from urdf._checks import faults
 from urdf._closing import all_closures, closure_faults, stated_beside
@@ -20,6 +22,7 @@ from urdf.inspection.document_rules import document_findings
 from urdf.inspection.findings import Finding, Inspection, report
 from urdf.inspection.joint_rules import joint_findings
 from urdf.inspection.link_rules import link_findings
+from urdf.inspection.mesh_rules import mesh_findings
 from urdf.inspection.model_rules import model_findings
 from urdf.inspection.name_rules import name_findings
 from urdf.inspection.reader_rules import reader_findings
@@ -31,21 +34,29 @@ MOST_FINDINGS = 1000
 """Largest number of findings that a stage reports."""
 
 
-def inspect(source: Given, *, xacro: Xacro | None = None) -> Inspection:
+Meshes = Literal["summary", "detail", "off"]
+
+
+def inspect(source: Given, *, xacro: Xacro | None = None, meshes: Meshes = "summary") -> Inspection:
     """Everything odd or wrong about a URDF file or a robot of the catalogue, and whether it is fit for dynamics.
 
     source: as urdf.load takes it: name, path, XML as text or bytes, an open file; xacro: for a .xacro file
+    meshes: inertials are compared with the meshes of their links where these are found: "detail" tells of every
+        link's tensor, "summary" in one finding of those that are far from it, "off" opens no mesh
 
-    Raises nothing for the content of a file, nor for a file that does not exist: both are errors among the findings.
-    report.usable says whether forward dynamics can be computed; report.findings has a code, a severity ("error":
-    urdf.load refuses the file, "warning": dynamics are doubtful, "note"), the element, its line, a message that also
-    tells what Pinocchio and yourdfpy do there, and a remedy. The mass matrix is examined at five random states.
+    Raises InvalidInput for another value of meshes, and nothing for the content of a file, nor for a file that does
+    not exist: both are errors among the findings. report.usable says whether forward dynamics can be computed;
+    report.findings has a code, a severity ("error": urdf.load refuses the file, "warning": dynamics are doubtful,
+    "note"), the element, its line, a message that also tells what Pinocchio and yourdfpy do there, and a remedy. The
+    mass matrix is examined at five random states.
     """
+    if meshes not in get_args(Meshes):
+        raise InvalidInput(f"meshes is {meshes!r}; give one of {', '.join(map(repr, get_args(Meshes)))}")
     asked, path = said(source), None
     try:
         path = path_of(source)
         with np.errstate(all="ignore"):  # numbers may be as large as the largest double
-            return report(asked, str(path), list(_findings(open_document(source, xacro))))
+            return report(asked, str(path), list(_findings(open_document(source, xacro), meshes)))
     except URDFError as error:
         found = refusal(error)
     except OSError as error:
@@ -55,14 +66,14 @@ def inspect(source: Given, *, xacro: Xacro | None = None) -> Inspection:
     return report(asked, None if path is None else str(path), [found])
 
 
-def _findings(opened: Opened) -> Iterator[Finding]:
+def _findings(opened: Opened, meshes: Meshes) -> Iterator[Finding]:
     document = opened.document
     around = [*_of_the_expansion(opened), *_limited(document_findings(document)), *_limited(reader_findings(document))]
-    yield from around
     try:
         beside = stated_beside(None, document.path)
         source = reduced(document)
     except URDFError as error:
+        yield from around
         yield refusal(error)
         return
     refusals = [refusal(error) for error in islice(_refusals(source, beside), MOST_FINDINGS + 1)]
@@ -70,8 +81,12 @@ def _findings(opened: Opened) -> Iterator[Finding]:
     found = [*_limited(iter(refusals))]
     for rules in (unread_findings, name_findings, link_findings, joint_findings):
         found += _limited(rules(structure))
-    yield from found
-    if not any(finding.severity == "error" for finding in found):
+    sound = not any(finding.severity == "error" for finding in found)
+    drawn = [*_limited(mesh_findings(structure, meshes == "detail"))] if sound and meshes != "off" else []
+    if drawn:  # which tell of the mesh files too
+        around = [finding for finding in around if finding.code != "mesh-files"]
+    yield from (*around, *found, *drawn)
+    if sound:
         yield from _of_the_model(source, beside, structure)
 
 
