@@ -37,6 +37,7 @@ from urdf._errors import (
 )
 from urdf._loading import fused_links, load
 from urdf._loops import Loop
+from urdf._mesh_inertials import InertialsFromMeshes
 from urdf._opening import Xacro
 from urdf._saving import save
 from urdf._shapes import shapes
@@ -52,6 +53,7 @@ __all__ = [
     "DuplicateEntry",
     "Finding",
     "GravityNotSavedWarning",
+    "InertialsFromMeshes",
     "Inspection",
     "InvalidChain",
     "InvalidLock",

@@ -14,6 +14,7 @@ from urdf._locking import Lock
 from urdf._mimics import Mimic
 from urdf._opening import Given, Xacro, open_document
 from urdf._parsing import build, parse
+from urdf._repairing import Repair
 from urdf._source import reduced
 from urdf._telling import warn
 
@@ -25,7 +26,7 @@ def load(
     lock: Lock = None,
     mimic: Mimic = "coupled",
     loops: Loops = None,
-    repair: Iterable[str] = (),
+    repair: Iterable[Repair] = (),
     gravity: ArrayLike | None = None,
     xacro: Xacro | None = None,
 ) -> RobotModel:
@@ -44,7 +45,8 @@ def load(
         example-parallel-robots has them. Default: the YAML file of that form that stands beside the URDF and has its
         name (arm.urdf, arm.yaml), if there is one; loops=() leaves it unread
     repair: what to repair, each change reported by RepairWarning: "axis" gives unit length to axes whose length
-        differs from 1 by less than 1e-3, "limits" exchanges lower and upper limits that are reversed
+        differs from 1 by less than 1e-3, "limits" exchanges lower and upper limits that are reversed,
+        InertialsFromMeshes(density=…) computes missing inertials from the shapes of their links
     gravity: (3,) in world axes [m/s²]; default: the catalogue's for a name, (0, 0, -9.81) for a file
     xacro: arguments and packages for a .xacro file
 
@@ -81,7 +83,7 @@ def fused_links(
     chain: Chain = None,
     lock: Lock = None,
     mimic: Mimic = "coupled",
-    repair: Iterable[str] = (),
+    repair: Iterable[Repair] = (),
     xacro: Xacro | None = None,
 ) -> dict[str, tuple[int, Array]]:
     """What fixed links add to the bodies that carry them: by link name, number of the body and its share (10,).

@@ -23,6 +23,7 @@ from urdf._locking import Lock, locked_values
 from urdf._loops import Beside
 from urdf._mimics import Mimic, resolve
 from urdf._motors import actuated, check_motors, unread_beside, unread_motors
+from urdf._repairing import Repair
 from urdf._repairing import repair as mend
 from urdf._source import Source
 from urdf._tree import carriers, check_tree, joints_in_order
@@ -65,7 +66,7 @@ def parse(
     chain: Chain = None,
     lock: Lock = None,
     mimic: Mimic = "coupled",
-    repair: Iterable[str] = (),
+    repair: Iterable[Repair] = (),
 ) -> Parsed:
     """The stages between the document and the model; the source is modified. Raises as load does.
 

@@ -10,6 +10,7 @@ from lxml import etree
 from urdf._elements import describe, line_of
 from urdf._errors import InvalidRepair
 from urdf._limits import ENDLESS
+from urdf._mesh_inertials import InertialsFromMeshes, inertials_from_meshes
 from urdf._numerals import UNIT_LENGTH, values
 from urdf._source import Source
 
@@ -17,19 +18,40 @@ ROUNDED = 1e-3
 """Difference from 1 below which the length of an axis is 1, written with few digits."""
 
 
-def repair(source: Source, wanted: Iterable[str]) -> list[str]:
+FROM_MESHES = "inertials-from-meshes"
+"""The name of the repair that has numbers."""
+
+Repair = str | InertialsFromMeshes
+"""A repair by its name, or one that has numbers."""
+
+
+def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     """Repair the elements of the source; return every change, in words. Raises InvalidRepair for unknown names.
 
+    InertialsFromMeshes: links get inertials that are computed from their shapes
     "axis": axes whose length differs from 1 by less than ROUNDED get unit length
     "limits": lower and upper limits of position that are reversed are exchanged
     """
-    if isinstance(wanted, str):
-        raise InvalidRepair(f"repair is the string '{wanted}'", f"give a tuple: ('{wanted}',)", path=source.path)
-    names = tuple(wanted)
+    if isinstance(wanted, Repair):
+        raise InvalidRepair(f"repair is {_said(wanted)}", f"give a tuple: ({wanted!r},)", path=source.path)
+    wanted = tuple(wanted)
+    names = [one for one in wanted if not isinstance(one, InertialsFromMeshes)]
     unknown = [name for name in names if name not in REPAIRS]
+    if FROM_MESHES in unknown:
+        remedy = "give urdf.InertialsFromMeshes(density=…) or (total_mass=…)"
+        raise InvalidRepair(f"'{FROM_MESHES}' needs a density or a total mass", remedy, path=source.path)
     if unknown:
-        raise InvalidRepair(f"no repair is called {unknown[0]!r}", f"known: {', '.join(REPAIRS)}", path=source.path)
-    return [change for name in REPAIRS if name in names for change in REPAIRS[name](source)]
+        known = ", ".join((*REPAIRS, "urdf.InertialsFromMeshes(…)"))
+        raise InvalidRepair(f"no repair is called {unknown[0]!r}", f"known: {known}", path=source.path)
+    changes = [change for name in REPAIRS if name in names for change in REPAIRS[name](source)]
+    for one in wanted:
+        if isinstance(one, InertialsFromMeshes):
+            changes += inertials_from_meshes(source, one)
+    return changes
+
+
+def _said(wanted: Repair) -> str:
+    return f"the string '{wanted}'" if isinstance(wanted, str) else f"one {type(wanted).__name__}"
 
 
 def crossed_limits(joint: etree._Element) -> tuple[float, float] | None:

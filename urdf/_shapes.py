@@ -11,6 +11,7 @@ from urdf._locking import Lock
 from urdf._mimics import Mimic
 from urdf._opening import Given, Xacro, open_document
 from urdf._parsing import build, parse
+from urdf._repairing import Repair
 from urdf._source import reduced
 from urdf.geometry.reading import placed_shapes
 from urdf.geometry.shape import Shapes
@@ -24,7 +25,7 @@ def shapes(
     chain: Chain = None,
     lock: Lock = None,
     mimic: Mimic = "coupled",
-    repair: Iterable[str] = (),
+    repair: Iterable[Repair] = (),
     xacro: Xacro | None = None,
 ) -> Shapes:
     """What a robot looks like: boxes, cylinders, spheres and mesh files as triangles, each on a body of the model.

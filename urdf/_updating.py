@@ -22,7 +22,7 @@ from urdf._loading import fused_links, load
 from urdf._locking import Lock
 from urdf._mimics import Mimic
 from urdf._wording import one_line
-from urdf._writing import inertial_element
+from urdf._written import inertial_element
 
 _OTHER_ENCODINGS = (b"\xff\xfe", b"\xfe\xff")
 """Byte-order marks of UTF-16: ASCII text cannot be inserted into such a file."""

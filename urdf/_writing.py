@@ -9,11 +9,11 @@ from itertools import chain, count
 import numpy as np
 from lxml import etree
 
-from graphdyn import Body, Coupling, Joint, Placement, RobotModel
+from graphdyn import Coupling, Joint, Placement, RobotModel
 from urdf import _limits as limits
 from urdf._errors import CannotSave
 from urdf._loop_writing import coupling_elements, independent_marks, loop_elements, transmission_elements
-from urdf._written import add_numbers, add_origin, add_placement, text
+from urdf._written import add_numbers, add_placement, inertial_element, text
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,15 +125,3 @@ def _add_motion(element: etree._Element, joint: Joint) -> None:
 def _mimic(coupling: Coupling) -> etree._Element:
     ((driver, ratio),) = coupling.ratios.items()
     return etree.Element("mimic", joint=driver, multiplier=repr(ratio), offset=repr(float(coupling.offset)))
-
-
-def inertial_element(body: Body) -> etree._Element:
-    """<inertial> of a body, in link axes."""
-    inertial = etree.Element("inertial")
-    add_origin(inertial, body.center_of_mass, np.zeros(3))
-    add_numbers(inertial, "mass", {"value": body.mass})
-    entries = {
-        f"i{'xyz'[row]}{'xyz'[column]}": body.inertia[row, column] for row in range(3) for column in range(row, 3)
-    }
-    add_numbers(inertial, "inertia", entries)
-    return inertial

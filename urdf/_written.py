@@ -1,4 +1,4 @@
-"""Placements and numbers as the attributes that urdf.save writes."""
+"""Placements, inertials and numbers as the attributes that urdf.save writes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from lxml import etree
 
-from graphdyn import Placement
+from graphdyn import Body, Placement
 from graphdyn.layout import Array
 from urdf._rpy import rpy_from_rotation
 
@@ -23,6 +23,18 @@ def add_origin(element: etree._Element, xyz: Array, rpy: Array) -> None:
 
 def add_numbers(element: etree._Element, tag: str, values: Mapping[str, float]) -> None:
     etree.SubElement(element, tag, {name: repr(float(value)) for name, value in values.items()})
+
+
+def inertial_element(body: Body) -> etree._Element:
+    """<inertial> of a body, in link axes."""
+    inertial = etree.Element("inertial")
+    add_origin(inertial, body.center_of_mass, np.zeros(3))
+    add_numbers(inertial, "mass", {"value": body.mass})
+    entries = {
+        f"i{'xyz'[row]}{'xyz'[column]}": body.inertia[row, column] for row in range(3) for column in range(row, 3)
+    }
+    add_numbers(inertial, "inertia", entries)
+    return inertial
 
 
 def text(values: Array) -> str:

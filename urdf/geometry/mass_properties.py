@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,8 +15,14 @@ from urdf.geometry.drawn import MESH, Drawn
 from urdf.geometry.errors import Unreadable
 from urdf.geometry.triangles import Triangles, joined, welded
 
+if TYPE_CHECKING:
+    import trimesh
+
 ROUNDING = 1e-6
-"""Part of the volume of its convex hull by which a closed mesh may be larger than it."""
+"""Part of the volume of its convex hull by which a closed mesh may be larger than it, and which it must have."""
+
+FLAT = 1e-9
+"""Volume of a convex hull, as a part of the cube of its longest side, below which it is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,21 +88,33 @@ def _primitive(drawn: Drawn, triangles: Triangles) -> Filled:
 
 
 def _mesh(triangles: Triangles) -> Filled:
-    """A closed surface is filled; of any other, and of one larger than its convex hull, the hull."""
+    """A closed surface is filled; of any other, and of one that is larger than its convex hull, the hull."""
     import trimesh
-    from scipy.spatial import QhullError
 
+    hull = _hull(triangles.vertices)
     surface = trimesh.Trimesh(triangles.vertices, triangles.faces, process=False)
-    try:
-        hull = surface.convex_hull
-    except QhullError:
-        raise Unreadable("the mesh is flat: it has no volume") from None
-    closed = surface.is_watertight and surface.is_winding_consistent
+    largest = float(hull.volume)
+    closed = bool(surface.is_watertight and surface.is_winding_consistent)
     if closed and surface.volume < 0:
         surface.invert()
-    fits = closed and 0 < surface.volume <= (1 + ROUNDING) * hull.volume
+    fits = closed and ROUNDING * largest < surface.volume <= (1 + ROUNDING) * largest
     solid = surface if fits else hull
-    if not solid.volume > 0:
-        raise Unreadable("the mesh is flat: it has no volume")
     low, high = surface.bounds
     return Filled(float(solid.volume), np.array(solid.center_mass), np.array(solid.moment_inertia), low, high, not fits)
+
+
+def _hull(vertices: Array) -> trimesh.Trimesh:
+    """The convex hull, its faces anticlockwise from outside. Raises Unreadable for points in one plane."""
+    import trimesh
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(vertices)
+    except QhullError:
+        hull = None
+    if hull is None or hull.volume < FLAT * np.ptp(vertices, axis=0).max() ** 3:
+        raise Unreadable("the mesh is flat: it has no volume")
+    a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
+    inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    faces = np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)
+    return trimesh.Trimesh(vertices, faces, process=False)
