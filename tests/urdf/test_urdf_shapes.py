@@ -332,6 +332,7 @@ def damaged():
             ".obj",
             "the file is damaged: IndexError: index 8",
         ),
+        "two coordinates": ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", ".obj", "vertices without three coordinates"),
         "NaN in OBJ": ("v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", ".obj", "a coordinate that is NaN or infinite"),
         "no Collada": ("<robot/>", ".dae", "the root element is <robot>, not <COLLADA>"),
         "a zip file": (b"PK\x03\x04" + bytes(100), ".dae", "the file is damaged: not XML in UTF-8"),

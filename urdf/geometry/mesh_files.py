@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import stat
 import warnings
 from pathlib import Path
@@ -26,6 +27,8 @@ LARGEST_COLORS = 1_000_000
 
 LONGEST = 1e6
 """Largest coordinate that is drawn [m]."""
+
+logging.getLogger("trimesh").addHandler(logging.NullHandler())  # else its messages are printed where nobody asked
 
 STL_HEADER, STL_TRIANGLE = 84, 50
 """Bytes of the header and of a triangle in a binary STL file."""
@@ -139,6 +142,8 @@ def _color(mesh: Any) -> Color | None:
 
 
 def _checked(part: Triangles) -> Triangles:
+    if part.vertices.shape[1:] != (3,) or part.faces.shape[1:] != (3,):
+        raise Unreadable("the file is damaged: vertices without three coordinates")
     if part.faces.min() < 0 or part.faces.max() >= len(part.vertices):
         raise Unreadable("the file is damaged: a triangle names a vertex that is not there")
     used = part.vertices[part.faces.ravel()]
