@@ -418,6 +418,9 @@ def test_limits(drawn, monkeypatch):
         found = urdf.shapes(robot)
         assert len(found.meshes) == 1
         assert "with it, the robot has more than 20 triangles; reduce the meshes" in found.missing[0].reason
+    with monkeypatch.context() as patched:
+        patched.setattr(reading, "MOST_BYTES", 600)
+        assert "with it, the meshes have more than 0 MB; reduce them" in urdf.shapes(robot).missing[0].reason
     monkeypatch.setattr(collada_reader, "MOST_TRIANGLES", 20)
     nodes = '<node><instance_geometry url="#g"/></node>' * 2
     robot = drawn(mesh("../meshes/a.dae"), collada(box(), nodes=nodes), "a.dae")

@@ -17,8 +17,6 @@ from urdf.geometry.errors import Unreadable
 from urdf.geometry.shape import Color
 from urdf.geometry.triangles import Triangles, joined, welded
 
-SUFFIXES = (".stl", ".obj", ".dae")
-
 LARGEST_MESH = 100_000_000
 """Largest size of a mesh file [bytes]; the largest of published robots have some 30 MB."""
 
@@ -40,8 +38,8 @@ def read_mesh(path: Path) -> tuple[Triangles, ...]:
     Raises Unreadable: for a file that is none, too large or damaged, for NaN, for a mesh without triangles.
     """
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise Unreadable(f"'{shortened(suffix)}' files are not read, only {', '.join(SUFFIXES)}")
+    if suffix not in _READERS:
+        raise Unreadable(f"'{shortened(suffix)}' files are not read, only {', '.join(_READERS)}")
     content = content_of(path, LARGEST_MESH)
     try:
         parts = _READERS[suffix](content, path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
@@ -18,6 +19,9 @@ from urdf.geometry.mesh_paths import find_mesh
 from urdf.geometry.primitives import primitive
 from urdf.geometry.shape import GREY, MissingShape, Shape, Shapes
 from urdf.geometry.triangles import MOST_TRIANGLES, Triangles
+
+MOST_BYTES = 500_000_000
+"""Largest size of all mesh files of a robot; those of the largest published robots have some 100 MB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +78,7 @@ class _Reader:
 
     def __init__(self, source: Source):
         self.document = source.path
+        self.bytes = 0
         self.files: dict[str, tuple[Triangles, ...] | Unreadable] = {}
         self.scaled: dict[tuple[str, tuple[float, ...]], tuple[Triangles, ...]] = {}
 
@@ -89,7 +94,11 @@ class _Reader:
     def _file(self, name: str) -> tuple[Triangles, ...]:
         if name not in self.files:
             try:
-                self.files[name] = read_mesh(find_mesh(name, self.document))
+                path = find_mesh(name, self.document)
+                self.bytes += os.path.getsize(path)
+                if self.bytes > MOST_BYTES:
+                    raise Unreadable(f"with it, the meshes have more than {MOST_BYTES // 1_000_000} MB; reduce them")
+                self.files[name] = read_mesh(path)
             except Unreadable as error:
                 self.files[name] = error
         found = self.files[name]

@@ -10,7 +10,7 @@ import numpy as np
 from graphdyn.layout import Array
 from urdf.geometry.shape import Color, Faces
 
-MOST_TRIANGLES = 10_000_000
+MOST_TRIANGLES = 4_000_000
 """Largest number of triangles of a file, and of a robot."""
 
 WELD = 1e-6
