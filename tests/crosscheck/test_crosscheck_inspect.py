@@ -11,6 +11,7 @@ from inspection_cases import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
 from inspection_workers import broken, fatal
 from jsonschema import Draft202012Validator
 from lxml import etree
+from mesh_files import box, mesh, one_link, stl, visual
 from typer.testing import CliRunner
 
 import urdf
@@ -77,6 +78,15 @@ class TestCommand:
         done = run("kr500")
         assert done.exit_code == 0
         assert done.stdout.startswith("kr500: dynamics\nDynamics can be computed (0 errors, ")
+
+    @pytest.mark.parametrize(("meshes", "told"), [("summary", False), ("detail", True), ("off", False)])
+    def test_meshes(self, tmp_path, meshes, told):
+        stl(tmp_path / "a.stl", box())
+        robot = tmp_path / "r.urdf"
+        robot.write_text(one_link(visual(mesh("a.stl"))), encoding="utf-8")
+        done = run(robot, "--meshes", meshes)
+        assert ("inertia-of-mesh" in done.output) == told
+        assert ("not opened" in done.output) == (meshes == "off")
 
     def test_kinematics_only(self, folder):
         done = run(folder / "b_kinematics.urdf")
