@@ -114,8 +114,10 @@ def _written(link: etree._Element, shape: FilledLink, density: float) -> str:
 def _numbers(inertial: etree._Element) -> str:
     """All numbers of an <inertial> under their names, to six digits."""
     elements = [child for tag in ("mass", "origin", "inertia") for child in inertial.findall(tag)]
-    said = [(tag_of(each) if key == "value" else key, str(text)) for each in elements for key, text in each.items()]
-    return ", ".join(f"{name!s} {_rounded(text)}" for name, text in said)
+    said = [
+        (tag_of(each) if key == "value" else str(key), str(text)) for each in elements for key, text in each.items()
+    ]
+    return ", ".join(f"{name} {_rounded(text)}" for name, text in said)
 
 
 def _rounded(text: str) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from numbers import Integral
 
-from graphdyn import Frame, Placement
+from graphdyn import Frame, InvalidInput, Placement
 from urdf._cutting import Chain
-from urdf._drawings import Geometry
+from urdf._drawings import GEOMETRIES, Geometry
 from urdf._locking import Lock
 from urdf._mimics import Mimic
 from urdf._opening import Given, Xacro, open_document
@@ -39,8 +40,12 @@ def shapes(
     AMENT_PREFIX_PATH; other paths are relative to the file. Nothing is fetched. What cannot be shown is listed in
     .missing with the reason.
 
-    Raises load's errors. Warns nothing.
+    Raises load's errors, and InvalidInput for another geometry or a number of faces that is none. Warns nothing.
     """
+    if geometry not in GEOMETRIES:
+        raise InvalidInput(f"geometry is {geometry!r}; give 'visual' or 'collision'")
+    if faces is not None and (not isinstance(faces, Integral) or isinstance(faces, bool) or faces < 1):
+        raise InvalidInput(f"faces is {faces!r}; give a whole number from 1 on, or None")
     opened = open_document(source, xacro)
     elements = reduced(opened.document)
     model = build(parse(elements, chain=chain, lock=lock, mimic=mimic, repair=repair), opened.gravity)

@@ -13,6 +13,7 @@ from mesh_files import box, collada, mesh, one_link, visual
 from numpy.testing import assert_allclose
 from urdf_text import joint, link, robot_text
 
+import graphdyn
 import urdf
 from urdf.geometry import collada as collada_reader
 from urdf.geometry import decimation, reading
@@ -94,6 +95,19 @@ class TestPlaces:
             urdf.shapes(
                 robot_text("r", link("a"), link("b"), '<joint name="j" type="revolute"><child link="b"/></joint>')
             )
+
+    @pytest.mark.parametrize(
+        ("argument", "message"),
+        [
+            ({"geometry": "visuals"}, "geometry is 'visuals'; give 'visual' or 'collision'"),
+            ({"faces": 0}, "faces is 0; give a whole number from 1 on, or None"),
+            ({"faces": 1.5}, "faces is 1.5; give a whole number"),
+            ({"faces": True}, "faces is True; give a whole number"),
+        ],
+    )
+    def test_arguments(self, argument, message):
+        with pytest.raises(graphdyn.InvalidInput, match=re.escape(message)):
+            urdf.shapes("kr500", **argument)
 
 
 class TestForms:

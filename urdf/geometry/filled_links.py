@@ -33,7 +33,7 @@ def filled_links(
     found: dict[str, FilledLink] = {}
     failed: dict[str, str] = {}
     for geometry in GEOMETRIES:
-        solids, missing = read_solids(source, geometry, [link for link in links if link not in found])
+        solids, missing = read_solids(source, geometry, set(links).difference(found))
         for each in missing:
             failed.setdefault(each.link, each.reason)
         by_link: dict[str, list[Solid]] = {}

@@ -55,7 +55,7 @@ def read_solids(source: Source, geometry: Geometry, links: Collection[str]) -> t
     """The solids of these links in the order of the file, and what cannot be read."""
     solids: list[Solid] = []
     missing: list[MissingShape] = []
-    reader, triangles = _Reader(source), 0
+    reader = _Reader(source)
     for drawing in source.drawings.drawings:
         if drawing.geometry != geometry or drawing.link not in links:
             continue
@@ -63,32 +63,36 @@ def read_solids(source: Source, geometry: Geometry, links: Collection[str]) -> t
         try:
             drawn = read_drawing(drawing, source.drawings.materials)
             file = drawn.file
-            parts = reader.parts(drawn)
-            triangles += sum(len(part.faces) for part in parts)
-            if triangles > MOST_TRIANGLES:
-                raise Unreadable(f"with it, the robot has more than {MOST_TRIANGLES} triangles; reduce the meshes")
-            solids.append(Solid(drawing.link, drawn, parts))
+            solids.append(Solid(drawing.link, drawn, reader.parts(drawn)))
         except Unreadable as error:
             missing.append(MissingShape(drawing.link, file, _at(drawing, error)))
     return solids, missing
 
 
 class _Reader:
-    """Reads every mesh file once."""
+    """Reads every mesh file once, and no more triangles than MOST_TRIANGLES."""
 
     def __init__(self, source: Source):
         self.document = source.path
-        self.bytes = 0
+        self.bytes = self.triangles = 0
         self.files: dict[str, tuple[Triangles, ...] | Unreadable] = {}
         self.scaled: dict[tuple[str, tuple[float, ...]], tuple[Triangles, ...]] = {}
 
     def parts(self, drawn: Drawn) -> tuple[Triangles, ...]:
         """Raises Unreadable."""
         if drawn.kind != MESH or drawn.file is None:
-            return (primitive(drawn.kind, *drawn.sizes),)
+            parts: tuple[Triangles, ...] = (primitive(drawn.kind, *drawn.sizes),)
+        else:
+            parts = self._file(drawn.file)
+        number = sum(len(part.faces) for part in parts)
+        if self.triangles + number > MOST_TRIANGLES:
+            raise Unreadable(f"with it, the robot has more than {MOST_TRIANGLES} triangles; reduce the meshes")
+        self.triangles += number
+        if drawn.file is None:
+            return parts
         key = drawn.file, drawn.sizes
         if key not in self.scaled:
-            self.scaled[key] = tuple(part.scaled(np.array(drawn.sizes)) for part in self._file(drawn.file))
+            self.scaled[key] = tuple(part.scaled(np.array(drawn.sizes)) for part in parts)
         return self.scaled[key]
 
     def _file(self, name: str) -> tuple[Triangles, ...]:
