@@ -258,6 +258,11 @@ class RobotModel:
         """The same robot without couplings: every joint is free. Itself where it has none."""
         return dataclasses.replace(self, couplings=()) if self.couplings else self
 
+    @cached_property
+    def opened(self) -> RobotModel:
+        """The same robot without chords: its tree, whose joints are free. Itself where it has none."""
+        return dataclasses.replace(self, chords=(), actuated=None) if self.chords else self
+
     def with_inertial_parameters(self, parameters: ArrayLike) -> RobotModel:
         """The same robot with other inertial parameters (10 n,). Raises InvalidModel for a wrong length."""
         pi = as_floats(f"robot '{self.name}'", "parameter vector", parameters, (BODY_PARAMETERS * self.n_bodies,))

@@ -108,5 +108,5 @@ def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], ch
     from crosscheck.referee.states import cases
 
     with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
-        model = urdf.load(robot, chain=chain, lock=locked or None).uncoupled
+        model = urdf.load(robot, chain=chain, lock=locked or None).uncoupled.opened
     return sum(len(case.q) for case in cases(model, samples, seed))

@@ -26,11 +26,12 @@ from crosscheck.referee.errors import (
     rank_errors,
     torque_errors,
 )
+from crosscheck.referee.looped import looped_case, looped_errors, why_not_closed
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.referee.quantities import QUANTITIES, RECURSIVE
+from crosscheck.referee.quantities import LOOPED, QUANTITIES, RECURSIVE
 from crosscheck.referee.reference_values import RefereeValues
 from crosscheck.referee.states import RANDOM, Case, cases, has_mass
-from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject
+from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn._methods import WORTH_COMPILING, Method
 from graphdyn._projected import singular
@@ -69,15 +70,16 @@ def compare(
     lock, gravity, chain: as in urdf.load, for names and paths only
 
     Where joints drive each other (RobotModel.couplings), the quantities are those of the robot without couplings, and a
-    few more (quantities.COUPLED) compare the coupled one with their projection.
+    few more (quantities.COUPLED) compare the coupled one with their projection. Where chords close loops, they are
+    those of the tree, and a few more (quantities.LOOPED) compare the closed robot with constraintDynamics.
 
     Raises InvalidInput for invalid samples or seed, for a robot with loops, and for lock, gravity or chain with a
     RobotModel; urdf's errors for a file that cannot be loaded.
     """
     check_counts(samples, seed)
     compared = subject(robot, lock, gravity, chain)
-    refuse_chords(compared.model)
-    coupled, model = compared.model, compared.model.uncoupled
+    coupled, looped = compared.model.opened, compared.model.uncoupled
+    model = coupled.uncoupled
     compared = replace(compared, model=model)
     referees, notes = _referees(compared)
     record = ErrorRecord()
@@ -95,6 +97,13 @@ def compare(
             answers = coupled_answers(case)
             for route, referee in referees.items():
                 record.add(route, case, dict(coupled_errors(case, answers, referee, forward=reason is None)))
+        if looped.chords:
+            if why := why_not_closed(looped):
+                skipped |= dict.fromkeys(LOOPED, why)
+            else:
+                case = looped_case(looped, samples, seed)
+                for route, referee in referees.items():
+                    record.add(route, case, dict(looped_errors(case, referee)))
         identification = compare_identification(model, referees["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:

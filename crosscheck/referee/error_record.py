@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from crosscheck.referee.baseline import BaselineIdentification
 from crosscheck.referee.comparison import QuantityResult, WorstState
 from crosscheck.referee.errors import Conditioning
-from crosscheck.referee.quantities import BY_NAME, COUPLED
+from crosscheck.referee.quantities import BY_NAME, COUPLED, LOOPED
 from crosscheck.referee.states import Case
 from graphdyn.layout import Array
 
@@ -66,7 +66,7 @@ class ErrorRecord:
                 self._by_route[name],
                 self._worst[name][1],
             )
-            for name, quantity in {**BY_NAME, **COUPLED}.items()
+            for name, quantity in {**BY_NAME, **COUPLED, **LOOPED}.items()
             if name in self._worst
         }
 

@@ -50,6 +50,8 @@ _BY_TYPE = "columns of m: compensated × lever; of m c: compensated; of I: turn"
 _BY_PART = "forces: force; moments: moment"
 _WRENCH = "largest joint wrench"
 _TORQUE = "largest joint wrench; spin"
+_CLOSED = "that of acceleration × largest over smallest singular value of J"
+_CLOSED_WRENCH = "that of joint_wrench and ∣M∣ ∣a∣, × largest over smallest singular value of J"
 _SOLVED = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
 _REQUIRED = "only τ, the largest joint wrench and load, ∣M∣ ∣a∣"
 _SOLVED_BODIES = "that of acceleration × n × max(1, lever)"
@@ -204,6 +206,16 @@ COUPLED = {
     )
 }
 """Compared in addition where joints drive each other; the others are then those of the robot without couplings."""
+
+LOOPED = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity("closed_acceleration", "constraintDynamics, of points held together", _CLOSED, ACCELERATION),
+        Quantity("closed_joint_wrench", "rnea with its forces; what is determined", _CLOSED_WRENCH, AGREEMENT),
+        Quantity("motor_torque", "a for which constraintDynamics moves as given", _CLOSED, ACCELERATION),
+    )
+}
+"""Compared in addition where chords close loops; the others are then those of the tree."""
 
 DERIVED = tuple(row.name for row in _DERIVED)
 """Quantities that are compared at the first random states only, by the plain and by the recursive methods."""

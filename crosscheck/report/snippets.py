@@ -10,7 +10,7 @@ import urdf
 from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.judgement import UNCOUPLED, JudgedFunction, Judgement
 from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
-from crosscheck.referee.quantities import BY_NAME, COUPLED, QUANTITIES, RECURSIVE
+from crosscheck.referee.quantities import BY_NAME, COUPLED, LOOPED, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
 from graphdyn._verbs import VERBS
 from graphdyn.layout import Array
@@ -158,6 +158,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     text = "\n".join(expression for pair in calls for expression in pair)
     text += f"\n{_REFERENCE}" if "reference" in text else ""
     referee, coupled = "refer" in text, not COUPLED.keys().isdisjoint(comparison.quantities)
+    looped = not LOOPED.keys().isdisjoint(comparison.quantities)
     lines = ["import numpy as np", "", "import graphdyn"]
     lines += ["import urdf"] if comparison.file else []
     lines += ["from crosscheck.referee.pinocchio_model import PinocchioModel"] if referee else []
@@ -167,7 +168,13 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines += ["from urdf._catalogue import locate"] if referee and worst.route == "urdf" else []
     lines += [
         "",
-        *_robot(_origin(comparison), comparison.locked, comparison.model, comparison.chain, uncoupled=coupled),
+        *_robot(
+            _origin(comparison),
+            comparison.locked,
+            comparison.model,
+            comparison.chain,
+            only=".uncoupled" * coupled + ".opened" * looped,
+        ),
     ]
     lines += [f"referee = PinocchioModel.{_referee(comparison, worst.route)}"] if referee else []
     lines += _surroundings(worst, comparison.model, referee)
@@ -185,7 +192,9 @@ def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
     """
     origin, model = _origin(judgement), judgement.model
     lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if origin else []), ""]
-    lines += _robot(origin, judgement.locked, model, judgement.chain, uncoupled=UNCOUPLED in judgement.notes)
+    lines += _robot(
+        origin, judgement.locked, model, judgement.chain, only=".uncoupled" * (UNCOUPLED in judgement.notes)
+    )
     reordered = judgement.joint_names != model.joint_names
     if reordered:
         lines += [
@@ -221,14 +230,13 @@ def _robot(
     model: RobotModel,
     chain: tuple[str, str] | None = None,
     *,
-    uncoupled: bool = False,
+    only: str = "",
 ) -> list[str]:
     if origin is None:
         return ["# model is the RobotModel that was given"]
     cut = f", chain={tuple(chain)!r}" if chain else ""
     lock = f", lock={dict(locked)!r}" if locked else ""
-    free = ".uncoupled" if uncoupled else ""
-    return [f"model = urdf.load({origin!r}{cut}{lock}, gravity={model.gravity.tolist()}){free}"]
+    return [f"model = urdf.load({origin!r}{cut}{lock}, gravity={model.gravity.tolist()}){only}"]
 
 
 def _referee(comparison: Comparison, route: str) -> str:

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from crosscheck.referee.comparison import Comparison, QuantityResult
-from crosscheck.referee.quantities import BY_NAME, COUPLED
+from crosscheck.referee.quantities import BY_NAME, COUPLED, LOOPED
 from crosscheck.report.commands.crosscheck_robot import robot_section
 from crosscheck.report.commands.errors import ERROR, error_text, verdict_of
 from crosscheck.report.records.crosscheck import record
@@ -99,7 +99,7 @@ def _within(comparison: Comparison) -> str:
 def _overview(comparisons: Sequence[Comparison]) -> Table:
     """Quantities by robots, for the terminal."""
     rows = []
-    for name, quantity in {**BY_NAME, **COUPLED}.items():
+    for name, quantity in {**BY_NAME, **COUPLED, **LOOPED}.items():
         results = [comparison.quantities.get(name) for comparison in comparisons]
         if any(results):
             agrees = all(result.agrees for result in results if result)
