@@ -59,12 +59,16 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
 
 def refuse_open(who: str, loops: Loops, gaps: Array, remedy: str) -> None:
     """Raises InconsistentState, naming the loop, its gap and the row, where gaps (…, m) exceed CLOSED."""
+    if np.nanmax(np.abs(gaps), initial=0.0) > CLOSED:
+        raise open_loop(who, loops, gaps, remedy)
+
+
+def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentState:
+    """The error that names the widest of gaps (…, m)."""
     wide = np.abs(gaps)
-    if not wide.size or np.nanmax(wide) <= CLOSED:
-        return
     *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(wide)), wide.shape))
     where = f" in row {row[0] if len(row) == 1 else tuple(row)}" if row else ""
-    raise InconsistentState(
+    return InconsistentState(
         f"{who}: the loop of chord '{_chord_of(loops, worst)}' is open by {wide[(*row, worst)]:.2g} m or rad{where}; "
         f"closed is {CLOSED:g}. {remedy}"
     )

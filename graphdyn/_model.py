@@ -161,13 +161,14 @@ class RobotModel:
         """
         starts = self._drawn(np.random.default_rng(0), (CLOSING_STARTS,))[0]
         starts[0] = 0.0
-        found, gaps = assembly.assembled(self.loops, starts)
-        closed = np.flatnonzero(np.abs(gaps).max(axis=-1, initial=0.0) <= CLOSED)
-        if not closed.size:
-            nearest = gaps[np.abs(gaps).max(axis=-1).argmin()]
-            remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
-            assembly.refuse_open(f"robot '{self.name}'", self.loops, nearest, remedy)
-        return read_only(found[closed[0]])
+        nearest = np.full(self.n_chord_rows, np.inf)
+        for start in starts:
+            found, gaps = assembly.assembled(self.loops, start)
+            if np.abs(gaps).max() <= CLOSED:
+                return read_only(found)
+            nearest = min(nearest, gaps, key=lambda gap: float(np.abs(gap).max()))
+        remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
+        raise assembly.open_loop(f"robot '{self.name}'", self.loops, nearest, remedy)
 
     @cached_property
     def regular_pose(self) -> Array:

@@ -14,7 +14,7 @@ from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.pinocchio_model.closed import KINDS, closed_dynamics
 from crosscheck.referee.scales import acceleration_scale, largest
 from crosscheck.referee.states import ACCELERATION_RANGE, LOAD, Case
-from crosscheck.referee.tolerances import AGREEMENT
+from crosscheck.referee.tolerances import ACCELERATION, AGREEMENT
 from graphdyn import (
     InvalidInput,
     Placement,
@@ -71,9 +71,8 @@ def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Ar
     mass = mass_matrix(model, case.q)
     scale = acceleration_scale(mass, a, case.tau, wrenches) * condition
     yield "closed_acceleration", np.maximum.reduce([largest(answer.a - a) / scale for answer in ours])
-    summed = largest(np.einsum("kij,kj->ki", np.abs(mass), np.abs(a)))
-    size = np.maximum(largest(wrenches), summed) + missing / AGREEMENT.bound  # Pinocchio's own error, up to the bound
-    pins, size = _along_pins(case, wrenches), size * condition
+    inherited = np.abs(mass).sum(axis=-1).max(axis=-1) * scale * (ACCELERATION.bound / AGREEMENT.bound)
+    pins, size = _along_pins(case, wrenches), largest(wrenches) * condition + inherited + missing / AGREEMENT.bound
     determined = [np.nan_to_num(answer.joint_wrenches - pins, nan=0.0) for answer in ours]
     yield "closed_joint_wrench", np.maximum.reduce([largest(difference) / size for difference in determined])
     if model.actuated is None:

@@ -51,7 +51,9 @@ _BY_PART = "forces: force; moments: moment"
 _WRENCH = "largest joint wrench"
 _TORQUE = "largest joint wrench; spin"
 _CLOSED = "that of acceleration × largest over smallest singular value of J"
-_CLOSED_WRENCH = "that of joint_wrench and ∣M∣ ∣a∣, × largest over smallest singular value of J"
+_CLOSED_WRENCH = (
+    "largest joint wrench × largest over smallest singular value of J; ∣M∣ × the error of a; Pinocchio's own residual"
+)
 _SOLVED = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
 _REQUIRED = "only τ, the largest joint wrench and load, ∣M∣ ∣a∣"
 _SOLVED_BODIES = "that of acceleration × n × max(1, lever)"

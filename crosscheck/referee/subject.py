@@ -66,8 +66,8 @@ def refuse_chords(model: RobotModel) -> None:
         names = ", ".join(f"'{chord.name}'" for chord in model.chords[:5])
         more = f" and {len(model.chords) - 5} more" if len(model.chords) > 5 else ""
         raise InvalidInput(
-            f"robot '{model.name}' has loops, closed by {names}{more}, which are not compared with Pinocchio; compare "
-            "its tree: give dataclasses.replace(urdf.load(…), chords=(), actuated=None)"
+            f"robot '{model.name}' has loops, closed by {names}{more}, which are not judged; judge its tree: give "
+            "urdf.load(…).opened"
         )
 
 

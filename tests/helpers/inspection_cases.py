@@ -127,8 +127,8 @@ CASES = {
     "loop-cannot-close": Case(
         ("</robot>", f"{LOOP.format('spherical')}{FAR}</loop></robot>"),
         "warning", None, None,
-        "robot 'arm': the loop of chord 'l' is open by 7.2 m or rad; closed is 1e-08. No pose near 100 others closes "
-        "all loops: check where the chord stands on its bodies",
+        "robot 'arm': the loop of chord 'l' is open by 7.2 m or rad; closed is 1e-08. None of 100 poses "
+        "leads to a closed one: check where the chord stands on its bodies",
         "correct the loop, or the links on its way",
     ),
     "loop-rows": Case(

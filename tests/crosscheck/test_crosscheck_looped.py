@@ -1,0 +1,50 @@
+"""The cross-check of robots with loops: Pinocchio's constrained dynamics, which can fail."""
+
+from dataclasses import replace
+
+import pytest
+from mechanisms import bricard, four_bar, palletiser
+from shared_data import DATA, existing
+
+import crosscheck
+from crosscheck.referee import looped
+from crosscheck.referee.quantities import BY_NAME, LOOPED
+from graphdyn import Chord
+
+SAMPLES = 2
+
+
+def test_a_palletising_arm_agrees():
+    model, _ = palletiser(existing(DATA / "loops").parent)
+    comparison = crosscheck.compare(model, samples=SAMPLES)
+    assert comparison.agrees
+    assert set(comparison.quantities) - set(BY_NAME) == set(LOOPED)
+    assert comparison.model.chords == ()
+
+
+@pytest.mark.parametrize(
+    ("value", "seen"), [(0, {"closed_acceleration", "motor_torque"}), (1, {"closed_joint_wrench"})]
+)
+def test_an_error_of_pinocchio_is_seen(monkeypatch, value, seen):
+    original = looped.closed_dynamics
+
+    def planted(*arguments):
+        values = list(original(*arguments))
+        values[value] = values[value] * (1 + 1e-9)
+        return tuple(values)
+
+    monkeypatch.setattr(looped, "closed_dynamics", planted)
+    results = crosscheck.compare(four_bar(), samples=SAMPLES).quantities
+    assert {name for name in LOOPED if not results[name].agrees} == seen
+
+
+def test_redundant_rows_in_space_and_loops_that_pinocchio_has_not():
+    model = bricard()
+    comparison = crosscheck.compare(model, samples=SAMPLES)
+    assert comparison.agrees
+    assert "motor_torque" not in comparison.quantities  # no motors are known
+    (hinge,) = model.chords
+    ends = (hinge.body_i, hinge.placement_i, hinge.body_j, hinge.placement_j)
+    slide = replace(model, chords=(Chord("slide", "slide", *ends),))
+    told = crosscheck.compare(slide, samples=SAMPLES)
+    assert told.not_compared["closed_acceleration"] == "Pinocchio has no constraint for a slide that keeps its digits"
