@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -42,6 +42,7 @@ def plausibility(
 ) -> list[Plausibility]:
     """One for every row of parameters (m, p); poses are drawn from the limits of the robot."""
     x = np.asarray(parameters, dtype=float)
+    torque_model = replace(torque_model, model=torque_model.model.opened)  # loops leave its motions inertia, too
     q, _ = torque_model.model.random_state(np.random.default_rng(seed), poses)
     parts = [mass_matrices(torque_model, q[k : k + POSES_AT_ONCE], x) for k in range(0, poses, POSES_AT_ONCE)]
     smallest = np.concatenate([np.linalg.eigvalsh(part)[..., 0] for part in parts])

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn._assemble import assemble
 from graphdyn.identification.base_parameters import BaseParameters, base_parameters
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.torque_model import TorqueModel
@@ -50,4 +51,6 @@ def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
     q, v = torque_model.model.random_state(rng, size)
     v = np.clip(v, -SPEED, SPEED)
     a = rng.uniform(-ACCELERATION, ACCELERATION, q.shape)
+    if torque_model.model.chords:
+        q, v, a = assemble(torque_model.model, q, v, a)
     return Samples(q, v, a, np.zeros_like(q))

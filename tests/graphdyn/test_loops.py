@@ -9,7 +9,17 @@ from shared_data import DATA, existing
 from witnesses import relative_error
 
 import graphdyn
-from graphdyn import Body, Chord, InconsistentState, InvalidInput, InvalidModel, Joint, Placement, RobotModel
+from graphdyn import (
+    Body,
+    Chord,
+    InconsistentState,
+    InvalidInput,
+    InvalidModel,
+    Joint,
+    Placement,
+    RobotModel,
+    identification,
+)
 from graphdyn._chord import CHORD_ROWS
 from graphdyn._loops import Loops
 from graphdyn._rotation import rotation_about
@@ -107,6 +117,25 @@ def test_the_palletiser_is_what_its_closed_form_says(method):
     for verb, arguments in (("bias_torque", (q, v)), ("gravity_torque", (q,)), ("joint_torque_regressor", (q, v, a))):
         fast, plain = (getattr(graphdyn, verb)(model, *arguments, method=m) for m in ("recursive", "projected"))
         assert relative_error(fast, plain) < ROUNDING, verb
+
+
+def test_the_payload_of_a_palletiser_is_identified_at_its_motors():
+    model, k = palletiser(existing(DATA / "loops").parent)
+    rng = np.random.default_rng(3)
+    u = rng.uniform((-3, -0.6, -0.5, -3), (3, 0.6, 0.5, 3), (200, 4))
+    q, (v, a) = u @ k.T, rng.uniform(-2, 2, (2, 200, 4)) @ k.T
+    loaded = model.inertial_parameters.copy()
+    loaded[-10] += 80.0  # kg at the flange
+    tau = graphdyn.joint_torques(model.with_inertial_parameters(loaded), q, v, a)
+    torque_model = identification.TorqueModel(model, (identification.terms.RigidBodies(),))
+    problem = identification.Problem(torque_model, identification.Samples(q, v, a, tau))
+    found = model.with_inertial_parameters(identification.OrdinaryLeastSquares().estimate(problem).parameters)
+    u = rng.uniform(-0.4, 0.4, (20, 4))
+    q, (v, a) = u @ k.T, rng.uniform(-2, 2, (2, 20, 4)) @ k.T
+    torques = [graphdyn.joint_torques(robot, q, v, a) for robot in (found, model.with_inertial_parameters(loaded))]
+    assert relative_error(*torques) < 1e-9  # exact data, as well as the regressor is conditioned
+    with pytest.raises(InconsistentState, match="is open by"):
+        identification.Problem(torque_model, identification.Samples(q + 0.1, v, a, torques[0])).base.rank  # noqa: B018
 
 
 def test_andrews_mechanism_starts_as_published():
