@@ -25,7 +25,7 @@ AT_ONCE = 1000
 """States whose steps are taken in one call: enough for calls to cost little, few enough for their matrices."""
 
 
-def _derivatives(
+def derivatives(
     function: Specification, model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool, name: str
 ) -> Mapping[str, Array]:
     """∂/∂x[name] of all that a specification answers, by name: (…, *answer, n), a column per joint."""
@@ -48,7 +48,7 @@ def inverse_dynamics_derivatives(
 ) -> dict[str, Array]:
     """∂τ/∂q, ∂τ/∂v, ∂τ/∂a of graphdyn._projected.inverse_dynamics."""
     return {
-        f"dtau_d{name}": _derivatives(projected.inverse_dynamics, model, x, base, dense, name)["tau"] for name in "qva"
+        f"dtau_d{name}": derivatives(projected.inverse_dynamics, model, x, base, dense, name)["tau"] for name in "qva"
     }
 
 
@@ -71,7 +71,7 @@ def inverse_dynamics_second_derivatives(
         """∂/∂x[name]_j of ∂τ/∂x for each x of these."""
         steps, weights = rule
         moved = _moved(x, name, np.outer(steps, np.eye(model.n_bodies)[j]))
-        torques = [_derivatives(projected.inverse_dynamics, model, moved, base, dense, by)["tau"] for by in of]
+        torques = [derivatives(projected.inverse_dynamics, model, moved, base, dense, by)["tau"] for by in of]
         return [np.tensordot(weights, torque, axes=1) for torque in torques]
 
     turn, slide = _of_trigonometric_sums(order=2), (np.array([1.0, -1.0]), np.array([0.5, -0.5]))
@@ -103,7 +103,7 @@ def forward_dynamics_derivatives(
     """∂a/∂q, ∂a/∂v, ∂a/∂τ of graphdyn._projected.forward_dynamics. Raises SingularMassMatrix."""
     projected.refuse_singular(model, projected.mass_matrix(model, x, base)["mass_matrix"])  # names the row of x
     return {
-        f"da_d{name}": _derivatives(projected.forward_dynamics, model, x, base, dense, name)["a"]
+        f"da_d{name}": derivatives(projected.forward_dynamics, model, x, base, dense, name)["a"]
         for name in ("q", "v", "tau")
     }
 
@@ -112,7 +112,7 @@ def reaction_derivatives(
     model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
 ) -> dict[str, Array]:
     """∂λ and ∂(joint wrenches) by q, v, a of graphdyn._projected.inverse_dynamics."""
-    found = {name: _derivatives(projected.inverse_dynamics, model, x, base, dense, name) for name in "qva"}
+    found = {name: derivatives(projected.inverse_dynamics, model, x, base, dense, name) for name in "qva"}
     return {
         f"d{short}_d{name}": parts[answer]
         for name, parts in found.items()
@@ -130,6 +130,6 @@ def frame_jacobian_derivative(
 
 def coriolis_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
     """C_ij = Σ_k ½ (∂M_ij/∂q_k + ∂M_ik/∂q_j - ∂M_jk/∂q_i) v_k."""
-    change = _derivatives(projected.mass_matrix, model, x, base, dense, "q")["mass_matrix"]  # (…, i, j, k)
+    change = derivatives(projected.mass_matrix, model, x, base, dense, "q")["mass_matrix"]  # (…, i, j, k)
     christoffel = (change + np.swapaxes(change, -1, -2) - np.moveaxis(change, -1, -3)) / 2
     return {"coriolis_matrix": np.einsum("...ijk,...k->...ij", christoffel, x["v"])}

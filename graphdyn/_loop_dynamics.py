@@ -18,7 +18,7 @@ from graphdyn._base_motion import BaseMotion
 from graphdyn._chord_rows import chord_rows
 from graphdyn._errors import InvalidInput, SingularMassMatrix
 from graphdyn._kinematics import MaximalState, bias_acceleration, joint_axes, null_space, project_accelerations
-from graphdyn._linear import apply, solve
+from graphdyn._linear import apply
 from graphdyn._loop_spaces import LoopSpaces, loop_spaces
 from graphdyn._loops import RANK, SELF_STRESS
 from graphdyn._model import RobotModel
@@ -57,25 +57,55 @@ def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None 
 
 def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
     """As graphdyn._projected.forward_dynamics, with chord_multipliers. Raises InconsistentState, SingularMassMatrix."""
+    found = solved(model, x, base)
+    state, a, multipliers = found.state, found.a, found.multipliers
+    if dense:
+        solution = projected.kkt(state, x["tau"], x["external_wrenches"], found.bias).solve_redundant()
+        accelerations, multipliers = per_body(solution.acceleration), solution.chord_multipliers
+        a = project_accelerations(state, accelerations, found.bias)
+    else:
+        accelerations = found.bias + per_body(apply(found.null_space, a))
+    return {"a": a, **reactions(state, found.held, accelerations, x["external_wrenches"], multipliers)}
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """The accelerations a (…, n) and the smallest chord multipliers (…, m), and what they were computed from.
+
+    null_space: N of the tree; bias: Ṅ v; mass: M of the tree
+    """
+
+    held: Closed
+    state: MaximalState
+    null_space: Array
+    bias: Array
+    mass: Array
+    a: Array
+    multipliers: Array
+
+
+def solved(model: RobotModel, x: Arguments, base: BaseMotion | None) -> Solved:
+    """M a + h + Jᵀλ = τ and J a = γ, by projection onto the closed motions. Raises as forward_dynamics does."""
     held = closed(model, x["q"], x["v"])
     state = projected.rooted_state(model, base, x["q"], x["v"])
     bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     n = null_space(state)
     mass = projected.projected_mass(state, n)
     _refuse_singular(model, held.spaces, mass)
-    if dense:
-        system = projected.kkt(state, x["tau"], x["external_wrenches"], bias)
-        solution = system.solve_redundant()
-        accelerations = per_body(solution.acceleration)
-        a = project_accelerations(state, accelerations, bias)
-        return {"a": a, **reactions(state, held, accelerations, x["external_wrenches"], solution.chord_multipliers)}
     passive = passive_terms(state, x["external_wrenches"])
     needed = apply(np.swapaxes(n, -1, -2), stacked(projected.inertial_terms(state, bias) - passive))
     start = held.spaces.least_motion(held.bias)
-    a = start + _free_motion(held.spaces, mass, x["tau"] - needed - apply(mass, start))
-    accelerations = bias + per_body(apply(n, a))
-    multipliers = held.spaces.least_multipliers(x["tau"] - needed - apply(mass, a))
-    return {"a": a, **reactions(state, held, accelerations, x["external_wrenches"], multipliers)}
+    a = start + apply(response(held.spaces, mass), x["tau"] - needed - apply(mass, start))
+    return Solved(held, state, n, bias, mass, a, held.spaces.least_multipliers(x["tau"] - needed - apply(mass, a)))
+
+
+def response(spaces: LoopSpaces, mass: Array) -> Array:
+    """Z (Zᵀ M Z)⁻¹ Zᵀ (…, n, n): the accelerations that torques cause, along the closed motions Z."""
+    right, free = spaces.right, spaces.free[..., :, None]
+    transposed = np.swapaxes(right, -1, -2)
+    on_motions = np.where(free & np.swapaxes(free, -1, -2), transposed @ mass @ right, np.eye(right.shape[-1]))
+    matrix: Array = right @ np.linalg.solve(on_motions, np.where(free, transposed, 0.0))
+    return matrix
 
 
 def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
@@ -247,15 +277,6 @@ def _components(wrenches: Array, chosen: NDArray[np.intp]) -> Array:
         wrenches, np.broadcast_to(chosen, (*wrenches.shape[:-1], chosen.shape[-1])), axis=-1
     )
     return picked
-
-
-def _free_motion(spaces: LoopSpaces, mass: Array, torque: Array) -> Array:
-    """The acceleration (…, n) along the closed motions Z that torques cause: Z (Zᵀ M Z)⁻¹ Zᵀ τ."""
-    right, free = spaces.right, spaces.free
-    on_motions = np.swapaxes(right, -1, -2) @ mass @ right
-    both, eye = free[..., :, None] & free[..., None, :], np.eye(right.shape[-1])
-    amounts = solve(np.where(both, on_motions, eye), np.where(free, apply(np.swapaxes(right, -1, -2), torque), 0.0))
-    return apply(right, amounts)
 
 
 def _refuse_singular(model: RobotModel, spaces: LoopSpaces, mass: Array) -> None:

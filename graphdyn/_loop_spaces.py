@@ -42,6 +42,13 @@ class LoopSpaces:
         """Which columns of U are combinations of rows that hold nothing (…, m)."""
         return _padded(self.inverse == 0, self.left.shape[-1])
 
+    @property
+    def inverse_matrix(self) -> Array:
+        """The pseudoinverse of J (…, n, m)."""
+        k = self.inverse.shape[-1]
+        matrix: Array = (self.right[..., :k] * self.inverse[..., None, :]) @ _transposed(self.left[..., :k])
+        return matrix
+
     def least_motion(self, rows: Array) -> Array:
         """The smallest x (…, n) with J x = rows (…, m), where there is one; else the nearest."""
         k = self.inverse.shape[-1]

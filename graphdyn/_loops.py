@@ -86,7 +86,7 @@ class Loops:
         positions = q @ self.freedoms.matrix.T + self.freedoms.offset
         rates = None if v is None else v @ self.freedoms.matrix.T
         batch, n = positions.shape[:-1], len(self.joints)
-        number = positions.dtype
+        number = np.result_type(positions, *(() if rates is None else (rates,)))
         rotation = np.empty((*batch, n + 1, 3, 3), dtype=number)
         rotation[..., 0, :, :] = np.eye(3)
         axis = np.empty((*batch, n, 3), dtype=number)

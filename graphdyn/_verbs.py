@@ -7,6 +7,7 @@ from typing import Any
 from graphdyn import _body_sums as body_sums
 from graphdyn import _complex_steps as complex_steps
 from graphdyn import _frame_motion as frames
+from graphdyn import _loop_derivatives as loop_derivatives
 from graphdyn import _loop_dynamics as loops
 from graphdyn import _projected as projected
 from graphdyn import _regressors as regressors
@@ -80,7 +81,7 @@ class Verbs:
     forward_dynamics_derivatives = Verb(
         complex_steps.forward_dynamics_derivatives,
         answer=ForwardDynamicsDerivatives,
-        closed=loops.refused("forward_dynamics_derivatives", NO_DERIVATIVES),
+        closed=loop_derivatives.forward_dynamics_derivatives,
     )
     reaction_derivatives = Verb(
         complex_steps.reaction_derivatives,

@@ -218,6 +218,28 @@ def test_random_states_are_closed_and_gravity_and_inertia_of_trees_are_untouched
         )
 
 
+@pytest.mark.parametrize("model", [four_bar(), bricard()], ids=["plane", "in space, redundant"])
+def test_derivatives_along_closed_motions(model):
+    rng, step = np.random.default_rng(5), 1e-5
+    q, v = model.random_state(rng, 3)
+    tau = rng.normal(size=q.shape)
+    found = graphdyn.forward_dynamics_derivatives(model, q, v, tau)
+    motion = graphdyn.assemble(model, q, v)[1]
+
+    def at(s):
+        moved = graphdyn.assemble(model, q + s * motion)
+        return moved, graphdyn.assemble(model, moved, v)[1]
+
+    (q_1, v_1), (q_0, v_0) = at(step), at(-step)
+    change = [
+        np.einsum("...ij,...j->...i", part, d) for part, d in ((found.da_dq, q_1 - q_0), (found.da_dv, v_1 - v_0))
+    ]
+    difference = graphdyn.joint_accelerations(model, q_1, v_1, tau) - graphdyn.joint_accelerations(model, q_0, v_0, tau)
+    assert relative_error(sum(change) / step, difference / step) < 1e-7  # of central differences
+    linear = graphdyn.joint_accelerations(model, q, v, tau + 1.0) - graphdyn.joint_accelerations(model, q, v, tau)
+    assert relative_error(found.da_dtau.sum(axis=-1), linear, graphdyn.joint_accelerations(model, q, v, tau)) < 1e-12
+
+
 def test_motors():
     model = four_bar()
     q, v = model.random_state(np.random.default_rng(1), 4)
