@@ -98,6 +98,7 @@ def compare(
             for route, referee in referees.items():
                 record.add(route, case, dict(coupled_errors(case, answers, referee, forward=reason is None)))
         if looped.chords:
+            notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
             if why := why_not_closed(looped):
                 skipped |= dict.fromkeys(LOOPED, why)
             else:
