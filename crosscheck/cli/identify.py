@@ -14,6 +14,8 @@ from crosscheck.cli import identify_options as options
 from crosscheck.cli.console import out, progress, say, warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
+from crosscheck.cli.identify_models import candidate_models, known_torques, method_shown, methods_of, payload_of
+from crosscheck.cli.model_file import models_of
 from crosscheck.cli.options import (
     EXAMPLES,
     ChainOption,
@@ -25,11 +27,10 @@ from crosscheck.cli.options import (
 from crosscheck.report.plain_text import printable
 
 if TYPE_CHECKING:
-    from crosscheck.identifying import Identified, Preparation
+    from crosscheck.identifying import CandidateModel, Identified, Preparation
     from crosscheck.recordings import Recording
     from graphdyn import RobotModel
-    from graphdyn.identification import Estimator, MethodResult
-    from graphdyn.identification.terms import Term
+    from graphdyn.identification import MethodResult
 
 DEFAULT_ROBOT = "ur5"
 """The robot that `graphdyn identify` without arguments simulates."""
@@ -37,6 +38,7 @@ DEFAULT_ROBOT = "ur5"
 EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,graph
   graphdyn identify log.csv --robot arm.urdf --cutoff 8 --html found.html --urdf better.urdf
   graphdyn identify a.csv b.csv --validate c.csv --robot arm.urdf --mapping columns.toml --methods all
+  graphdyn identify a.csv --robot arm.urdf --models drives.toml --folds 10 --validate b.csv --json rows.json
   graphdyn identify pos.csv cur.csv --mapping tx40.toml --robot tx40.urdf --cutoff 20 --decimate 10,10 --split 0:6 6:9
 """
 
@@ -51,7 +53,8 @@ def run(
     derive_velocity: options.DerivedOption = False,
     decimate: options.DecimateOption = None,
     min_speed: options.MinSpeedOption = "0",
-    terms: options.TermsOption = "viscous,coulomb,offset",
+    terms: options.TermsOption = None,
+    models: options.ModelsOption = None,
     width: options.WidthOption = None,
     stribeck_velocity: options.StribeckOption = None,
     term: options.TermOption = None,
@@ -80,8 +83,10 @@ def run(
     Which ones do they determine, how well does each method predict, and which model can be trusted? Methods stand side
     by side with their errors on rows that they have not seen: over all rows, and per joint over those with |v| > 0.02,
     because at standstill friction is undetermined. The recommended one has real bodies, a positive definite mass
-    matrix and the smallest held-out error. Held out is the last quarter unless told otherwise. Without a LOG the robot
-    is simulated with friction, noise and wrong CAD values, and the truth is shown.
+    matrix and the smallest held-out error, or is simpler and as good. The links of CAD with fitted drives are always
+    among the rows; --terms given several times, or --models, compares several torque models. Held out is the last
+    quarter unless told otherwise. Without a LOG the robot is simulated with friction, noise and wrong CAD values, and
+    the truth is shown.
 
     Before any fit the recording is examined: reversed signs, exchanged columns, degrees, zeros, units, delays. Each
     finding comes with lines for --mapping. Nothing is recommended from a recording with a fault, nor a model that
@@ -97,18 +102,21 @@ def run(
     if not logs:
         options.refuse_without_log(
             validate=validate, split=split, split_rows=split_rows, folds=folds, mapping=mapping, rate=rate, drop=drop,
-            known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on,
+            known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on, models=models,
         )  # fmt: skip
     frozen = Frozen(locked_joints(lock) or None, chain, gravity)
-    drives = options.terms_of(terms, width, stribeck_velocity, term)
-    subtracted = options.known_torques(known_torque)
-    preparation, ways = prepared_as(cutoff, derive_velocity, decimate, min_speed), options.methods_of(methods)
+    load, known_load = payload_of(payload, payload_on)
+    ways, known = methods_of(methods), (*known_torques(known_torque), *known_load)
+    if models is None:
+        compared = candidate_models(terms, width, stribeck_velocity, term, ways, load, known, known_bodies)
+    else:
+        options.refuse_beside_models(terms=terms, width=width, stribeck_velocity=stribeck_velocity, term=term)
+        compared = models_of(models, ways, load, known, known_bodies)
+    preparation = prepared_as(cutoff, derive_velocity, decimate, min_speed)
     from crosscheck.report.commands.identify import identify_report
 
     if logs:
         options.refuse_with_log(seconds=seconds, seed=seed)
-        load, known_load = options.payload_of(payload, payload_on)
-        bodies, known_links = options.links(known_bodies)
         with warnings_shown():
             joints = frozen.load(robot).independent_joints
             with progress("read", len(logs) + len(validate or [])) as advance:
@@ -120,9 +128,7 @@ def run(
                 robot,
                 recordings,
                 frozen,
-                terms=(*bodies, *load, *drives),
-                known=(*known_links, *subtracted, *known_load),
-                methods=ways,
+                models=compared,
                 preparation=preparation,
                 held_out=options.held_out_of(unseen, split, split_rows, folds),
                 poses=poses,
@@ -130,10 +136,8 @@ def run(
     else:
         with warnings_shown():
             how_long, which = 20.0 if seconds is None else seconds, seed or 0
-            found = simulated(
-                robot, drives, frozen, how_long, which, methods=ways, preparation=preparation, poses=poses
-            )
-    shown = found.shown(None if choose is None else options.method_shown(choose))
+            found = simulated(robot, compared, frozen, how_long, which, preparation=preparation, poses=poses)
+    shown = found.shown(None if choose is None else method_shown(choose))
     deliver(identify_report(found, shown), html_file, json_file)
     if urdf_file is not None:
         doubted = bool(found.recommendation.doubts) and choose is None
@@ -186,19 +190,16 @@ def from_records(
     robot: str | RobotModel,
     recordings: Sequence[Recording],
     frozen: Frozen,
-    *,
-    methods: Sequence[str | Estimator],
     **how: Any,
 ) -> Identified:
     """crosscheck.identify with a bar."""
-    from crosscheck.identifying import Folds, identify
+    from crosscheck.identifying import identify
+    from crosscheck.identifying.identify import number_of_steps
 
-    folds = how["held_out"].folds if isinstance(how["held_out"], Folds) else 0
-    with progress("identify", 3 + len(methods) * (1 + folds)) as advance:
+    with progress("identify", number_of_steps(how["models"], how["held_out"])) as advance:
         return identify(
             robot,
             recordings,
-            methods=methods,
             lock=frozen.lock,
             chain=frozen.chain,
             gravity=frozen.gravity,
@@ -207,14 +208,17 @@ def from_records(
         )
 
 
-def simulated(robot: str, drives: Sequence[Term], frozen: Frozen, seconds: float, seed: int, **how: Any) -> Identified:
-    """A virtual robot recorded and identified; the truth goes with the result."""
+def simulated(
+    robot: str, compared: Sequence[CandidateModel], frozen: Frozen, seconds: float, seed: int, **how: Any
+) -> Identified:
+    """A virtual robot recorded and identified; the truth goes with the result. The first model is the true one."""
     from crosscheck.identifying import OtherRecordings, virtual_robot
+    from graphdyn.identification.terms import RigidBodies
 
     with progress("simulate", 2) as advance:
         virtual = virtual_robot(
             robot,
-            drives,
+            [term for term in compared[0].terms if not isinstance(term, RigidBodies)],
             seconds=seconds,
             seed=seed,
             lock=frozen.lock,
@@ -226,7 +230,7 @@ def simulated(robot: str, drives: Sequence[Term], frozen: Frozen, seconds: float
         virtual.subject.model,
         [virtual.fitted],
         Frozen(None, None, None),
-        terms=virtual.torque_model.terms,
+        models=compared,
         held_out=OtherRecordings((virtual.held_out,)),
         **how,
     )
@@ -238,10 +242,12 @@ def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, f
     import urdf
     from crosscheck.identifying.recommending import real
 
-    if shown.name != found.recommendation.name and not real(shown):
-        say(f"{path} is not written: {shown.name} is not physically consistent", "red")
+    model = found.model_of(shown)
+    name = model.row_name(shown)
+    if name != found.recommendation.name and not real(shown):
+        say(f"{path} is not written: {name} is not physically consistent", "red")
         return False
-    update = urdf.update(robot, path, found.body_parameters(shown), chain=frozen.chain, lock=frozen.lock)
-    for line in (f"{path}: {len(update.changed)} links with the inertials of {shown.name}", *update.notes):
+    update = urdf.update(robot, path, model.body_parameters(shown), chain=frozen.chain, lock=frozen.lock)
+    for line in (f"{path}: {len(update.changed)} links with the inertials of {name}", *update.notes):
         out.print(Text(printable(line)), soft_wrap=True)
     return True

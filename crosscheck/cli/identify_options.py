@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from crosscheck.cli.foreign import foreign_function
 from crosscheck.cli.options import robot_names
 from crosscheck.cli.output_files import OutputFile
 
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
     from crosscheck.identifying import HeldOut
     from crosscheck.recordings import ColumnMapping, Recording
     from crosscheck.recordings.derivatives import Cutoff
-    from graphdyn.identification import Estimator
-    from graphdyn.identification.terms import KnownTerm, Term
 
 FUNCTION = "FILE.py:NAME"
 
@@ -54,19 +51,24 @@ MinSpeedOption = Annotated[
     str, typer.Option(metavar="X|X,X,…", help="Rows of a joint slower than this are not fitted [rad/s or m/s].")
 ]
 TermsOption = Annotated[
-    str,
+    list[str] | None,
     typer.Option(
         metavar="NAME,…",
         help="What the drives add: viscous, coulomb, stribeck, offset, rotor, asymmetric-viscous, asymmetric-coulomb, "
-        "coupled-wrist; none.",
+        "coupled-wrist; none. Repeatable: torque models to compare. viscous,coulomb,offset if left out.",
     ),
 ]
+ModelsOption = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="TOML file of torque models to compare (docs/identification.md), for --terms."),
+]
 WidthOption = Annotated[
-    float | None, typer.Option(metavar="X", help="tanh(v/X) in place of the sign of v in friction [rad/s or m/s].")
+    str | None,
+    typer.Option(metavar="X|X,X,…", help="tanh(v/X) in place of the sign of v in friction [rad/s or m/s]."),
 ]
 StribeckOption = Annotated[
-    float | None,
-    typer.Option(metavar="X", help="Speed at which Stribeck friction fades [rad/s or m/s], 0.1 if left out."),
+    str | None,
+    typer.Option(metavar="X|X,X,…", help="Speed at which Stribeck friction fades [rad/s or m/s], 0.1 if left out."),
 ]
 TermOption = Annotated[
     list[str] | None,
@@ -107,7 +109,12 @@ SplitRowsOption = Annotated[
 ]
 FoldsOption = Annotated[
     int | None,
-    typer.Option(min=2, metavar="N", help="Fit everything; predict each of N consecutive pieces from the others."),
+    typer.Option(
+        min=2,
+        metavar="N",
+        help="Fit everything; predict each of N consecutive pieces from the others. Beside --validate or a split the "
+        "pieces choose, and the other rows are a test.",
+    ),
 ]
 ChooseOption = Annotated[
     str | None, typer.Option(metavar="METHOD", help="Show and write this result instead of the recommended one.")
@@ -176,69 +183,21 @@ def interval(option: str, text: str) -> tuple[float, float]:
 def held_out_of(
     validate: list[Recording] | None, split: tuple[str, str] | None, rows: tuple[str, str] | None, folds: int | None
 ) -> HeldOut | None:
-    """The one that is given. Raises typer.BadParameter for several."""
+    """The one that is given; with folds beside it, these choose. Raises typer.BadParameter for several."""
     from crosscheck.identifying import ByRows, ByTime, Folds, OtherRecordings
 
-    given = {"--validate": validate, "--split": split, "--split-rows": rows, "--folds": folds}
+    given = {"--validate": validate, "--split": split, "--split-rows": rows}
     named = [option for option, value in given.items() if value]
     if len(named) > 1:
-        raise typer.BadParameter(f"{' and '.join(named)} exclude each other; choose one way to hold out rows")
+        raise typer.BadParameter(f"{' and '.join(named)} exclude each other; choose one way to keep rows aside")
+    aside: HeldOut | None = None
     if split:
-        return ByTime(*(interval("--split", text) for text in split))
+        aside = ByTime(*(interval("--split", text) for text in split))
     if rows:
-        return ByRows(*(interval("--split-rows", text) for text in rows))
-    if folds:
-        return Folds(folds)
-    return OtherRecordings(tuple(validate)) if validate else None
-
-
-def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[KnownTerm]]:
-    """--payload as an unknown or as a known term. Raises typer.BadParameter."""
-    import numpy as np
-
-    from graphdyn._inertia import parameters_from_inertia
-    from graphdyn.identification.terms import KnownPayload, Payload, PayloadMass
-
-    if text is None:
-        if link is not None:
-            raise typer.BadParameter(f"--payload-on {link}: say with --payload what it carries")
-        return [], []
-    if text == "unknown":
-        return [Payload(link)], []
-    mass, at, place = text.partition("@")
-    center = numbers("--payload", place) if at else []
-    if len(center) != 3:
-        raise typer.BadParameter(f"--payload {text}: give unknown, unknown@X,Y,Z or M@X,Y,Z [kg, m]")
-    if mass == "unknown":
-        return [PayloadMass(center, body=link)], []
-    try:
-        kilograms = float(mass)
-    except ValueError:
-        raise typer.BadParameter(f"--payload {text}: '{mass}' is neither unknown nor a mass in kg") from None
-    return [], [KnownPayload(parameters_from_inertia(kilograms, np.array(center), np.zeros((3, 3))), link)]
-
-
-def terms_of(names: str, width: float | None, stribeck: float | None, further: list[str] | None) -> tuple[Term, ...]:
-    """What the drives add. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
-    from crosscheck.identifying import friction_terms
-
-    known = [] if names == "none" else [name.strip() for name in names.split(",")]
-    own = tuple(_made("--term", text, "columns", "rows") for text in further or ())
-    return friction_terms(known, width=width, stribeck_velocity=stribeck) + own
-
-
-def links(known: bool) -> tuple[list[Term], list[KnownTerm]]:
-    """The rigid bodies as an unknown or as a known term."""
-    from graphdyn.identification.terms import KnownBodies, RigidBodies
-
-    return ([], [KnownBodies()]) if known else ([RigidBodies()], [])
-
-
-def known_torques(texts: list[str] | None) -> list[KnownTerm]:
-    """--known-torque. Raises typer.BadParameter for a wrong FILE.py:NAME."""
-    from graphdyn.identification.terms import KnownTorque
-
-    return [KnownTorque(foreign_function("--known-torque", text)) for text in texts or ()]  # type: ignore[arg-type]
+        aside = ByRows(*(interval("--split-rows", text) for text in rows))
+    if validate:
+        aside = OtherRecordings(tuple(validate))
+    return Folds(folds, aside) if folds else aside
 
 
 def refuse_without_log(**given: object) -> None:
@@ -253,30 +212,6 @@ def refuse_with_log(**given: object) -> None:
     for name, value in given.items():
         if value is not None:
             raise typer.BadParameter(f"--{name} is for the simulated robot; leave it out with a LOG")
-
-
-def method_shown(text: str) -> str:
-    """--choose: the name in the table of a method that may be named as in --methods."""
-    from crosscheck.identifying import METHODS, method_named
-
-    return method_named(text).name if text in METHODS else text
-
-
-def methods_of(text: str | None) -> list[str | Estimator]:
-    """--methods. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
-    from crosscheck.identifying import METHODS, STANDARD_METHODS, method_named
-
-    if text is None:
-        return list(STANDARD_METHODS)
-    if text == "all":
-        return list(METHODS)
-    names = [name.strip() for name in text.split(",")]
-    return [
-        _made("--methods", name, "name", "reference", "assumptions", "needs", "estimate")
-        if ":" in name
-        else method_named(name)
-        for name in names
-    ]
 
 
 def recordings(
@@ -322,10 +257,10 @@ def files_per_recording(mapping: ColumnMapping | None) -> int:
     return max(1, len(named))
 
 
-def _made(option: str, text: str, *needed: str) -> Any:
-    """What a user's function or class makes. Raises typer.BadParameter where something that is needed is missing."""
-    made: Any = foreign_function(option, text)()
-    missing = [name for name in needed if not hasattr(made, name)]
-    if missing:
-        raise typer.BadParameter(f"{option} {text}: what it makes has no {', '.join(missing)}")
-    return made
+def refuse_beside_models(**given: object) -> None:
+    """Raises typer.BadParameter for an option that the file of --models has a place for."""
+    for name, value in given.items():
+        if value is not None:
+            raise typer.BadParameter(
+                f"--{name.replace('_', '-')} and --models exclude each other; write it in the file"
+            )

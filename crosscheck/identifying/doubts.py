@@ -12,7 +12,7 @@ import numpy as np
 
 from crosscheck.identifying.baselines import Baselines
 from crosscheck.identifying.health import Health
-from crosscheck.identifying.recommending import joint_errors
+from crosscheck.identifying.result_errors import joint_errors
 from graphdyn.identification import MethodResult, Problem
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.layout import Array
@@ -38,9 +38,12 @@ def doubts(
     joint_names: Sequence[str],
     baselines: Baselines,
     health: Health | None,
+    *,
+    unconstrained: Problem | None = None,
 ) -> tuple[str, ...]:
     """Sentences; none for a result that can be trusted. problem: of the fit
 
+    unconstrained: problem of the fit with unknown links, where those of `problem` are known
     result: the best one, with an estimate; the health of the recording alone counts where there is none
     """
     said = [finding.message for finding in health.faults] if health else []
@@ -65,7 +68,7 @@ def doubts(
             f"CAD with fitted drives predicts better on the mean over the joints: {_against(known, mean)}; "
             "use --known-bodies"
         )
-    ratio = residual_ratio(problem, result.base_values)
+    ratio = residual_ratio(problem, result.base_values, unconstrained)
     worst = int(np.argmax(ratio))
     if ratio[worst] > UNCONSTRAINED:
         said.append(
@@ -75,12 +78,16 @@ def doubts(
     return tuple(said)
 
 
-def residual_ratio(problem: Problem, base_values: Array) -> Array:
-    """Residual of each joint over that of weighted least squares (n,), neither below REPEATABLE of the torque."""
-    equations = problem.equations
-    least = REPEATABLE**2 * equations.measured_squares
-    solution, _ = weighted_solution(equations)
-    own, free = (np.maximum(equations.residual_squares(x), least) for x in (base_values, solution.x))
+def residual_ratio(problem: Problem, base_values: Array, unconstrained: Problem | None = None) -> Array:
+    """Residual of each joint over that of weighted least squares (n,), neither below REPEATABLE of the torque.
+
+    unconstrained: problem of the weighted least squares, the same if left out
+    """
+    equations, free_equations = problem.equations, (unconstrained or problem).equations
+    least = REPEATABLE**2 * free_equations.measured_squares
+    solution, _ = weighted_solution(free_equations)
+    own = np.maximum(equations.residual_squares(base_values), least)
+    free = np.maximum(free_equations.residual_squares(solution.x), least)
     return np.asarray(np.sqrt(np.where(free > 0, own / np.where(free > 0, free, 1.0), 1.0)))
 
 

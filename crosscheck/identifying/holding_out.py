@@ -21,17 +21,31 @@ NANOSECONDS = 9
 """Decimal places of the start time, computed with rounding from the rows that the filter cut off."""
 
 
+class Trial(NamedTuple):
+    """Rows that are fitted, and rows that are predicted from them.
+
+    name: of the rows that are predicted; own_recording: whether they are all of a recording that is not fitted
+    """
+
+    name: str
+    train: Recording
+    test: Recording
+    own_recording: bool = False
+
+
 class Division(NamedTuple):
     """Rows for the parameters and rows for the held-out error.
 
     fit: from which the parameters are identified
-    trials: pairs of fit and prediction, for the held-out error
+    trials: for the held-out error, by which results are chosen
     words: what is held out, in words
+    aside: predicted from the fit, without any say in the choice
     """
 
     fit: Recording
-    trials: list[Split]
+    trials: list[Trial]
     words: str
+    aside: tuple[Trial, ...] = ()
 
 
 class HeldOut(Protocol):
@@ -57,7 +71,7 @@ class ByTime:
         start = round(float(recording.t[0]) - recording.rows[0] * _step(recording), NANOSECONDS)
         intervals = [(first + start, last + start) for first, last in (self.fit, self.predict)]
         split = split_by_time(recording, *intervals)
-        return Division(split.train, [split], _told("", self.predict, " s"))
+        return _one(split, _told("", self.predict, " s"))
 
 
 @dataclass(frozen=True)
@@ -72,7 +86,7 @@ class ByRows:
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
         split = split_by_rows(_only(recordings, "rows"), self.fit, self.predict)
-        return Division(split.train, [split], _told("rows ", self.predict))
+        return _one(split, _told("rows ", self.predict))
 
 
 @dataclass(frozen=True)
@@ -85,13 +99,17 @@ class OtherRecordings:
     recordings: tuple[Recording, ...]
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
-        fit, test = concatenated(recordings), concatenated(self.recordings)
+        fit = concatenated(recordings)
         fitted = _rows_of_files(fit)
-        for file, rows in _rows_of_files(test).items():
+        for file, rows in _rows_of_files(concatenated(self.recordings)).items():
             shared = rows & fitted.get(file, set())
             if shared:
                 raise InvalidInput(f"{file}: {len(shared)} rows are fitted and predicted; predict another recording")
-        return Division(fit, [Split(fit, test)], f"all of {', '.join(test.provenance.files)}")
+        trials = [
+            Trial(Path(other.provenance.files[0]).name, fit, other, own_recording=True) for other in self.recordings
+        ]
+        files = [name for other in self.recordings for name in other.provenance.files]
+        return Division(fit, trials, f"all of {', '.join(files)}")
 
 
 @dataclass(frozen=True)
@@ -112,20 +130,34 @@ class LastPart:
             ahead = (border, float(np.nextafter(recording.t[-1], np.inf)))
             splits.append(split_by_time(recording, (float(recording.t[0]), border - GUARD), ahead))
         both = Split(*(concatenated([split[k] for split in splits]) for k in range(2)))
-        return Division(both.train, [both], f"the last {100 * self.part:g} % of every recording")
+        return _one(both, f"the last {100 * self.part:g} % of every recording")
 
 
 @dataclass(frozen=True)
 class Folds:
-    """Blocked cross-validation: parameters from all rows; each consecutive fold is predicted from the others."""
+    """Blocked cross-validation: parameters from all rows; each consecutive fold is predicted from the others.
+
+    aside: rows that are neither fitted nor choose a result, but predicted: the honest test of the choice
+    """
 
     folds: int = 5
+    aside: HeldOut | None = None
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
-        recording = concatenated(recordings)
-        return Division(
-            recording, time_folds(recording, self.folds, GUARD), f"{self.folds} consecutive folds, each from the others"
-        )
+        words, kept = f"{self.folds} consecutive folds, each from the others", tuple[Trial, ...]()
+        if self.aside is None:
+            recording = concatenated(recordings)
+        else:
+            others = self.aside.divide(recordings)
+            recording, kept = others.fit, tuple(others.trials)
+            words += f"; kept aside: {others.words}"
+        folds = time_folds(recording, self.folds, GUARD)
+        trials = [Trial(f"fold {number}", *split) for number, split in enumerate(folds, start=1)]
+        return Division(recording, trials, words, kept)
+
+
+def _one(split: Split, words: str) -> Division:
+    return Division(split.train, [Trial(words, *split)], words)
 
 
 def _rows_of_files(recording: Recording) -> dict[Path, set[int]]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crosscheck.identifying.identified_model import IdentifiedModel
 from crosscheck.identifying.result import Identified
 from graphdyn._inertia import pseudo_inertia_from_parameters
 from graphdyn.identification import MethodResult
@@ -58,7 +59,7 @@ def deviations_of(found: Identified, result: MethodResult) -> tuple[MethodResult
     if result.block_deviations is not None:
         return result, f"of {result.name}"
     for name in LIKELIEST:
-        for other in found.comparison.results:
+        for other in found.model_of(result).comparison.results:
             if other.name == name and other.block_deviations is not None:
                 return other, f"of {name}, because {result.name} gives none: from the data alone"
     return None, f"{result.name} gives none"
@@ -96,13 +97,14 @@ def correlation_of(found: Identified, result: MethodResult) -> Correlation:
 
 def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
     """Every base parameter of the recording; the result must have an estimate."""
-    comparison, source = found.comparison, deviations_of(found, result)[0]
+    model, source = found.model_of(result), deviations_of(found, result)[0]
+    comparison, problem = model.comparison, model.problem
     assert result.base_values is not None
     unknown = np.full(comparison.rank, np.nan)
-    cad = found.prior_base_values
+    cad = model.prior_base_values
     deviations = unknown if source is None or source.standard_deviations is None else source.standard_deviations
     blocks = unknown if source is None or source.block_deviations is None else source.block_deviations
-    truth = unknown if found.truth is None else found.problem.base.values(found.truth)
+    truth = unknown if found.truth is None else problem.base.values(_truth_of(found, model))
     cad, truth = (_without_rounding(values) for values in (cad, truth))
     rows = []
     for k, x in enumerate(result.base_values):
@@ -112,6 +114,13 @@ def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
     return rows
 
 
+def _truth_of(found: Identified, model: IdentifiedModel) -> Array:
+    """True parameters of a torque model, by their names; NaN for those that the simulated robot has not."""
+    assert found.truth is not None
+    known = dict(zip(found.comparison.names, found.truth, strict=True))
+    return np.array([known.get(name, np.nan) for name in model.comparison.names])
+
+
 def _without_rounding(values: Array) -> Array:
     """The values, with zero for those that are rounding beside the largest."""
     return np.where(np.abs(values) < ROUNDING * np.nanmax(np.abs(values), initial=0.0), 0.0, values)
@@ -119,9 +128,10 @@ def _without_rounding(values: Array) -> Array:
 
 def body_rows(found: Identified, result: MethodResult) -> list[BodyRow]:
     """Every link; the result must have an estimate."""
-    new, rows = found.body_parameters(result), []
+    model = found.model_of(result)
+    new, rows = model.body_parameters(result), []
     eigenvalues = np.linalg.eigvalsh(pseudo_inertia_from_parameters(new))[:, 0]
-    for body, ten, eigenvalue in zip(found.torque_model.model.bodies, new, eigenvalues, strict=True):
+    for body, ten, eigenvalue in zip(model.torque_model.model.bodies, new, eigenvalues, strict=True):
         center = ten[1:4] / ten[0] if ten[0] > 0 else np.full(3, np.nan)
         rows.append(
             BodyRow(body.name, ten, body.parameters, body.mass, float(ten[0]), body.center_of_mass, center, eigenvalue)

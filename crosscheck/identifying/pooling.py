@@ -10,7 +10,9 @@ from graphdyn.identification import ResidualSizes, ResidualStatistics
 
 
 def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
-    """Statistics of all rows of all trials. Whiteness and correlation are NaN: every trial has its own parameters."""
+    """Statistics of all rows of all trials. Whiteness and correlation of several are NaN: between trials rows lack."""
+    if len(parts) == 1:
+        return parts[0]
     unknown = np.full(len(parts[0].durbin_watson), np.nan)
     return ResidualStatistics(
         pooled_sizes([part.everything for part in parts]),

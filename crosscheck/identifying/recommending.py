@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from graphdyn.identification import MethodComparison, MethodResult, ResidualStatistics
-from graphdyn.layout import Array
-
-LEAST_ROWS = 50
-"""Smallest number of moving rows of a joint; with fewer, its error is taken over all rows."""
+from crosscheck.identifying.identified_model import Candidate
+from crosscheck.identifying.result_errors import mean_error
+from crosscheck.identifying.spread import difference
+from graphdyn.identification import MethodResult
 
 NOTHING = 1.0
 """Relative error of a model that predicts zero torque."""
@@ -35,18 +33,6 @@ class Recommendation:
     doubts: tuple[str, ...] = ()
 
 
-def joint_errors(statistics: ResidualStatistics) -> Array:
-    """‖e‖ / ‖τ‖ per joint (n,): over the rows in which it moves, or over all rows if these are too few."""
-    enough = statistics.moving.count >= LEAST_ROWS
-    return np.where(enough, statistics.moving.relative, statistics.everything.relative)
-
-
-def mean_error(result: MethodResult) -> float:
-    """Mean over the joints of the held-out error, or of the training error where nothing was held out."""
-    statistics = result.held_out or result.training
-    return float(np.nanmean(joint_errors(statistics))) if statistics is not None else float("nan")
-
-
 def real(result: MethodResult) -> bool:
     """Whether every link is physically consistent, and the mass matrix positive definite in every tested pose."""
     plausible = result.plausibility
@@ -57,16 +43,20 @@ def real(result: MethodResult) -> bool:
     )
 
 
-def recommendation(comparison: MethodComparison) -> Recommendation:
-    """The physically consistent result with the smallest mean held-out error."""
-    answered = [result for result in comparison.results if result.failure is None]
+def recommendation(candidates: Sequence[Candidate]) -> Recommendation:
+    """The physically consistent result with the smallest mean held-out error, or a simpler one that is as good.
+
+    Of results that differ by less than one standard deviation of their difference, the simplest is taken: the rule of
+    one standard error of Breiman, Friedman, Olshen and Stone, Classification and Regression Trees, 1984, section 3.4.3.
+    """
+    answered = [candidate for candidate in candidates if candidate.result.failure is None]
     if not answered:
         return Recommendation(None, "no method has a result")
-    consistent = [result for result in answered if real(result)]
+    consistent = [candidate for candidate in answered if real(candidate.result)]
     if not consistent:
-        failed = [result for result in comparison.results if result.failure is not None]
+        failed = [candidate for candidate in candidates if candidate.result.failure is not None]
         remedy = (
-            f"{', '.join(result.name for result in failed)} failed: {failed[0].failure}"
+            f"{', '.join(candidate.name for candidate in failed)} failed: {failed[0].result.failure}"
             if failed
             else "add the methods consistent, entropic or log-cholesky"
         )
@@ -75,9 +65,9 @@ def recommendation(comparison: MethodComparison) -> Recommendation:
             "no result is physically consistent: each has a link that cannot be a real body, or a mass matrix that is "
             f"not positive definite in some pose; {remedy}",
         )
-    smallest = min(map(mean_error, consistent))
-    best = next(result for result in consistent if not mean_error(result) > smallest * (1 + TIE))
-    error = mean_error(best)
+    smallest = min(mean_error(candidate.result) for candidate in consistent)
+    best = next(c for c in consistent if not mean_error(c.result) > smallest * (1 + TIE))
+    error = mean_error(best.result)
     if not error < NOTHING:
         return Recommendation(
             None,
@@ -85,13 +75,44 @@ def recommendation(comparison: MethodComparison) -> Recommendation:
             "than a torque of zero; the torque model or the recording is wrong, or the robot stands still in all "
             "held-out rows",
         )
+    simplest = min((c for c in consistent if c is best or _as_good(c, best)), key=simplicity)
+    words = "physically consistent in every link and pose, and its held-out error, averaged over the joints, is "
+    if simplest is not best:
+        apart = difference(simplest, best)
+        return Recommendation(
+            simplest.name,
+            f"{words}{100 * mean_error(simplest.result):.1f} %; {best.name} has {100 * error:.1f} % and "
+            f"{_more(best, simplest)}, and the difference is less than its standard deviation over the pieces of the "
+            f"held-out rows, {100 * apart.deviation:.1f} %",
+            best=simplest.name,
+        )
     others = f"the smallest of {len(consistent)} such results" if len(consistent) > 1 else "the only such result"
-    return Recommendation(
-        best.name,
-        f"physically consistent in every link and pose, and its held-out error, averaged over the joints, is "
-        f"{100 * error:.1f} %, {others}",
-        best=best.name,
-    )
+    return Recommendation(best.name, f"{words}{100 * error:.1f} %, {others}", best=best.name)
+
+
+def simplicity(candidate: Candidate) -> tuple[int, float, float]:
+    """Small for a simple result: few base parameters, then a strong prior, then a small error."""
+    return (candidate.model.problem.base.rank, -prior_strength(candidate), mean_error(candidate.result))
+
+
+def prior_strength(candidate: Candidate) -> float:
+    """Of the prior of the links; zero for methods without one."""
+    assert candidate.result.estimate is not None
+    return float(candidate.result.estimate.settings.get("strength", 0.0))
+
+
+def _as_good(candidate: Candidate, best: Candidate) -> bool:
+    """Whether a result is simpler, and predicts worse by less than the difference is certain to."""
+    if not simplicity(candidate)[:2] < simplicity(best)[:2]:
+        return False
+    apart = difference(candidate, best)
+    return apart.value <= apart.deviation
+
+
+def _more(one: Candidate, other: Candidate) -> str:
+    """What the first result has more of."""
+    ranks = [candidate.model.problem.base.rank for candidate in (one, other)]
+    return "more parameters" if ranks[0] > ranks[1] else "the weaker prior"
 
 
 def doubted(found: Recommendation, doubts: tuple[str, ...]) -> Recommendation:

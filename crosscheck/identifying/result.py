@@ -2,107 +2,120 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-
-import numpy as np
 
 from crosscheck.identifying.baselines import Baselines
 from crosscheck.identifying.doubts import doubts
 from crosscheck.identifying.health import Health
 from crosscheck.identifying.holding_out import Division
+from crosscheck.identifying.identified_model import Candidate, IdentifiedModel
 from crosscheck.identifying.preparation import Preparation
-from crosscheck.identifying.recommending import Recommendation, doubted, mean_error, recommendation
+from crosscheck.identifying.recommending import Recommendation, doubted, recommendation
+from crosscheck.identifying.result_errors import mean_error
 from crosscheck.recordings import Recording
-from crosscheck.referee.subject import Subject
 from graphdyn import InvalidInput
-from graphdyn.identification import MethodComparison, MethodResult, Problem, TorqueModel
-from graphdyn.identification.terms import KnownPayload
-from graphdyn.identification.terms.term import CarriesKnownBodies
+from graphdyn.identification import MethodResult, ResidualStatistics
 from graphdyn.layout import Array
 
 
-@dataclass(frozen=True, eq=False)
-class TorqueCurve:
-    """Measured and predicted torque of one interval of time.
-
-    t (N,) [s]; measured, predicted (N, n) [N m or N]; velocity (N, n) [rad/s or m/s]
-    """
-
-    t: Array
-    measured: Array
-    predicted: Array
-    velocity: Array
-
-
-@dataclass(frozen=True, eq=False)
-class HeldOutPrediction:
-    """Rows that were predicted, with the parameters of every method that has a result.
-
-    times: of the rows, interval by interval (N_k,) [s]; parameters: by method (p,)
-    """
-
-    problem: Problem
-    times: Sequence[Array]
-    parameters: Mapping[str, Array]
-
-    @classmethod
-    def of(cls, problem: Problem, times: Sequence[Array], comparison: MethodComparison) -> HeldOutPrediction:
-        found = {result.name: result.estimate.parameters for result in comparison.results if result.estimate}
-        return cls(problem, times, found)
-
-    def curves(self, method: str) -> list[TorqueCurve]:
-        """One curve per interval."""
-        x = self.problem.structure.base.matrix @ self.parameters[method]
-        parts = [  # in chunks, because the regressor of a long recording does not fit into memory
-            (rows.measured, rows.measured + rows.matrix @ x - rows.right, rows.velocity) for rows in self.problem.rows()
-        ]
-        whole = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
-        borders = np.cumsum([len(t) for t in self.times])[:-1]
-        pieces = zip(*(np.split(array, borders) for array in whole), strict=True)
-        return [TorqueCurve(t, *piece) for t, piece in zip(self.times, pieces, strict=True)]
-
-
-@dataclass(frozen=True, eq=False)
-class Identified:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identified(IdentifiedModel):
     """An identification: what was fitted, the result of every method, and which one to use.
 
-    subject: the robot; its parameters are the prior
+    torque_model, comparison, fit and trials are those of the first torque model that was asked for.
+
     recordings: as read, before filtering
     division: which rows were fitted and which predicted
-    fit: the rows of the fit
-    trials: the rows that were predicted
-    comparison: every method; held-out errors are those of all trials together
-    truth: the true parameters of a virtual robot           (p,)
+    others: further torque models on the same rows: those that were asked for, and the links of CAD with fitted drives
+    constant: errors of a constant torque on the predicted rows
     health: of the recordings of the fit; None where they are too short to tell
-    baselines: errors of a constant, and of CAD with fitted drives, on the predicted rows
+    validation_health: of every recording that is predicted and not fitted, likewise
+    truth: the true parameters of a virtual robot           (p,)
     """
 
-    subject: Subject
-    torque_model: TorqueModel
     recordings: tuple[Recording, ...]
     division: Division
     preparation: Preparation
-    fit: HeldOutPrediction
-    trials: tuple[HeldOutPrediction, ...]
-    comparison: MethodComparison
-    baselines: Baselines
+    others: tuple[IdentifiedModel, ...] = ()
+    constant: ResidualStatistics
     health: Health | None = None
+    validation_health: tuple[Health | None, ...] = ()
     truth: Array | None = None
 
     @property
-    def problem(self) -> Problem:
-        """The equations of the fit."""
-        return self.fit.problem
+    def predicted_recordings(self) -> tuple[str, ...]:
+        """Names of the recordings that are predicted and not fitted, in the order of validation_health."""
+        trials = (*self.division.trials, *self.division.aside)
+        return tuple(trial.name for trial in trials if trial.own_recording)
+
+    @property
+    def models(self) -> tuple[IdentifiedModel, ...]:
+        """All torque models: those that were asked for, each followed by that with the links of CAD."""
+        return (self, *self.others)
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Every method of every torque model: the rows of the tables."""
+        return tuple(
+            Candidate(model.row_name(result), model, result)
+            for model in self.models
+            for result in model.comparison.results
+        )
+
+    def candidate(self, name: str) -> Candidate:
+        """Raises InvalidInput for an unknown name."""
+        for candidate in self.candidates:
+            if candidate.name == name:
+                return candidate
+        known = ", ".join(candidate.name for candidate in self.candidates)
+        raise InvalidInput(f"there is no method '{name}'; known: {known}")
+
+    def model_of(self, result: MethodResult) -> IdentifiedModel:
+        """The torque model of a result; the first one for a result that is none of this identification."""
+        return next((c.model for c in self.candidates if c.result is result), self)
+
+    def body_parameters(self, result: MethodResult) -> Array:
+        """As IdentifiedModel.body_parameters, of a result of any of the torque models."""
+        model = self.model_of(result)
+        return super().body_parameters(result) if model is self else model.body_parameters(result)
+
+    def fitted_errors(self, result: MethodResult) -> Array:
+        """As IdentifiedModel.fitted_errors, of a result of any of the torque models."""
+        model = self.model_of(result)
+        return super().fitted_errors(result) if model is self else model.fitted_errors(result)
+
+    def baselines_of(self, model: IdentifiedModel) -> Baselines:
+        """What every result of this model has to beat."""
+        unknown = model.name if model.cad_of is None else model.cad_of
+        cad = next((other for other in self.models if other.cad_of == unknown), None)
+        result = None if cad is None else cad.comparison.results[0]
+        return Baselines(self.constant, None if result is None else result.held_out or result.training)
+
+    @property
+    def baselines(self) -> Baselines:
+        """What every result of the first torque model has to beat."""
+        return self.baselines_of(self)
 
     @cached_property
     def recommendation(self) -> Recommendation:
         """Which method, and why; or why none, joint by joint."""
-        found = recommendation(self.comparison)
-        best = None if found.best is None else self.comparison.of(found.best)
-        names = self.torque_model.model.independent_joints
-        return doubted(found, doubts(best, self.problem, names, self.baselines, self.health))
+        found = recommendation(self.candidates)
+        best = self if found.best is None else self.candidate(found.best).model
+        unconstrained = next((m for m in self.models if m.name == best.cad_of), best)
+        said = doubts(
+            None if found.best is None else self.candidate(found.best).result,
+            best.problem,
+            self.torque_model.model.independent_joints,
+            self.baselines_of(best),
+            self.health,
+            unconstrained=unconstrained.problem,
+        )
+        for name, health in zip(self.predicted_recordings, self.validation_health, strict=True):
+            said += (
+                tuple(f"{name}, which is predicted: {finding.message}" for finding in health.faults) if health else ()
+            )
+        return doubted(found, said)
 
     @property
     def usable(self) -> bool:
@@ -116,34 +129,11 @@ class Identified:
         None where no method has a result. Raises InvalidInput for an unknown method, and for one that failed.
         """
         if name is not None:
-            result = self.comparison.of(name)
+            result = self.candidate(name).result
             if result.failure is not None:
                 raise InvalidInput(f"{name} has no result: {result.failure}")
             return result
         if self.recommendation.best is not None:
-            return self.comparison.of(self.recommendation.best)
-        answered = [result for result in self.comparison.results if result.failure is None]
+            return self.candidate(self.recommendation.best).result
+        answered = [c.result for c in self.candidates if c.result.failure is None]
         return min(answered, key=mean_error) if answered else None
-
-    @property
-    def prior_base_values(self) -> Array:
-        """Base parameters of the robot as given; zero for those of the drives (r,)."""
-        return self.problem.base.values(self.torque_model.prior())
-
-    def fitted_errors(self, result: MethodResult) -> Array:
-        """‖e‖ / ‖τ‖ per joint over the rows that were fitted (n,); the result must have an estimate."""
-        assert result.base_values is not None
-        equations = self.problem.equations
-        return np.asarray(np.sqrt(equations.residual_squares(result.base_values) / equations.measured_squares))
-
-    def body_parameters(self, result: MethodResult) -> Array:
-        """Ten per link (n, 10): unknown or known bodies with an unknown payload; a known payload is left out.
-
-        The result must have an estimate.
-        """
-        assert result.estimate is not None
-        total = self.torque_model.inertial_parameters(result.estimate.parameters)
-        for term in self.torque_model.known:
-            if isinstance(term, KnownPayload) and isinstance(term, CarriesKnownBodies):
-                total = total - term.known_inertial_parameters(self.torque_model.model)
-        return total.reshape(-1, 10)

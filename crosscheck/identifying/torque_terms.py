@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -12,8 +14,10 @@ from graphdyn.identification.terms import (
     AsymmetricViscous,
     Coulomb,
     CoupledWrist,
+    LoadFriction,
     Offset,
     RotorInertia,
+    SmoothCoulomb,
     Stribeck,
     Term,
     Viscous,
@@ -24,45 +28,65 @@ STRIBECK_VELOCITY = 0.1
 
 STANDARD_TERMS = ("viscous", "coulomb", "offset")
 
-WITH_WIDTH, WITH_VELOCITY = ("coulomb", "asymmetric-coulomb", "stribeck", "coupled-wrist"), ("stribeck",)
+TERMS: dict[str, Callable[..., Term]] = {
+    "viscous": Viscous,
+    "asymmetric-viscous": AsymmetricViscous,
+    "coulomb": Coulomb,
+    "asymmetric-coulomb": AsymmetricCoulomb,
+    "stribeck": lambda velocity=STRIBECK_VELOCITY, exponent=2.0, width=None: Stribeck(velocity, exponent, width),
+    "load": LoadFriction,
+    "smooth-coulomb": SmoothCoulomb,
+    "offset": Offset,
+    "rotor": RotorInertia,
+    "coupled-wrist": CoupledWrist,
+}
+"""By name: a function that returns the term; its keywords are the settings of the term."""
+
+
+def settings_of(name: str) -> tuple[str, ...]:
+    """The settings of the term with this name. Raises InvalidInput for an unknown name."""
+    if name not in TERMS:
+        raise InvalidInput(f"there is no term '{name}'; known: {', '.join(TERMS)}")
+    return tuple(inspect.signature(TERMS[name]).parameters)
+
+
+WITH_WIDTH, WITH_VELOCITY = (
+    tuple(name for name in TERMS if setting in settings_of(name)) for setting in ("width", "velocity")
+)
 """Terms with a sign of v, and with a Stribeck velocity."""
 
-TERMS: dict[str, Callable[[float | None, ArrayLike], Term]] = {
-    "viscous": lambda width, velocity: Viscous(),
-    "asymmetric-viscous": lambda width, velocity: AsymmetricViscous(),
-    "coulomb": lambda width, velocity: Coulomb(width),
-    "asymmetric-coulomb": lambda width, velocity: AsymmetricCoulomb(width),
-    "stribeck": lambda width, velocity: Stribeck(velocity, width=width),
-    "offset": lambda width, velocity: Offset(),
-    "rotor": lambda width, velocity: RotorInertia(),
-    "coupled-wrist": lambda width, velocity: CoupledWrist(width=width),
-}
-"""By name: a function of the width of the smooth sign and the Stribeck velocity that returns the term."""
+
+def term_with(term: str, **settings: Any) -> Term:
+    """The term of this name (TERMS) with settings. Raises InvalidInput for a name or a setting that does not exist."""
+    known = settings_of(term)
+    for setting in settings:
+        if setting not in known:
+            raise InvalidInput(f"the term '{term}' has no setting '{setting}'; it has: {', '.join(known) or 'none'}")
+    return TERMS[term](**settings)
 
 
 def friction_terms(
-    names: Sequence[str], *, width: float | None = None, stribeck_velocity: ArrayLike | None = None
+    names: Sequence[str], *, width: ArrayLike | None = None, stribeck_velocity: ArrayLike | None = None
 ) -> tuple[Term, ...]:
     """The terms with these names (TERMS), in their order.
 
-    width: sign(v) becomes tanh(v / width) [rad/s or m/s]
+    width: sign(v) becomes tanh(v / width), one for all joints or one each [rad/s or m/s]
     stribeck_velocity: speed at which Stribeck friction fades, STRIBECK_VELOCITY unless given [rad/s or m/s]
 
     Raises InvalidInput for an unknown or a repeated name, and for a width or a velocity that none of the terms has.
     """
     for k, name in enumerate(names):
-        if name not in TERMS:
-            raise InvalidInput(f"there is no term '{name}'; known: {', '.join(TERMS)}")
+        settings_of(name)
         if name in names[:k]:
             raise InvalidInput(f"the term '{name}' is given twice; give each once")
-    for what, value, users in (
-        ("width", width, WITH_WIDTH),
-        ("Stribeck velocity", stribeck_velocity, WITH_VELOCITY),
-    ):
+    given = {"width": (width, WITH_WIDTH, "width"), "velocity": (stribeck_velocity, WITH_VELOCITY, "Stribeck velocity")}
+    for value, users, what in given.values():
         if value is not None and not set(names) & set(users):
             raise InvalidInput(
                 f"a {what} is given, but none of the terms ({', '.join(names) or 'none'}) has one; "
                 f"leave it out, or take one of: {', '.join(users)}"
             )
-    velocity = STRIBECK_VELOCITY if stribeck_velocity is None else stribeck_velocity
-    return tuple(TERMS[name](width, velocity) for name in names)
+    settings = {key: (value, users) for key, (value, users, _) in given.items() if value is not None}
+    return tuple(
+        term_with(name, **{key: value for key, (value, users) in settings.items() if name in users}) for name in names
+    )

@@ -20,6 +20,7 @@ from graphdyn.identification.estimators import (
     OrdinaryLeastSquares,
     ReweightedLeastSquares,
     Ridge,
+    RobustConsistent,
     WeightedLeastSquares,
 )
 from graphdyn.identification.identified_bodies import IdentifiedBodies
@@ -75,6 +76,7 @@ __all__ = [
     "ResidualStatistics",
     "ReweightedLeastSquares",
     "Ridge",
+    "RobustConsistent",
     "RowFilter",
     "Samples",
     "TorqueModel",

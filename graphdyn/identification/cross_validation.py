@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn._errors import EstimationFailed
-from graphdyn.identification.compressed import CompressedEquations
+from graphdyn.identification.compressed import CompressedEquations, merged
 from graphdyn.identification.problem import Problem
 from graphdyn.layout import Array
 
@@ -49,21 +49,27 @@ class CrossValidation:
 
 
 def cross_validation(
-    problem: Problem, noise: Array, strengths: Sequence[float], train: Callable[[CompressedEquations], Trained]
+    problem: Problem,
+    noise: Array,
+    strengths: Sequence[float],
+    train: Callable[[CompressedEquations], Trained],
+    *,
+    folds: Sequence[CompressedEquations] | None = None,
 ) -> CrossValidation:
     """train: prepares the fit to all folds but one; noise: σ_g of every joint (n,).
 
+    folds: those of the problem if left out
     Raises EstimationFailed with less than two time blocks, and where every strength fails.
     """
-    folds = len(problem.folds)
-    if folds < 2:
+    folds = problem.folds if folds is None else folds
+    if len(folds) < 2:
         raise EstimationFailed(
-            f"cross-validation needs two time blocks, there is {folds}; give a strength, a longer recording or more "
-            "blocks (n_blocks)"
+            f"cross-validation needs two time blocks, there is {len(folds)}; give a strength, a longer recording or "
+            "more blocks (n_blocks)"
         )
-    errors, failures = np.full((folds, len(strengths)), np.inf), list[str]()
-    for k, held_out in enumerate(problem.folds):
-        trained = train(problem.all_but(k))
+    errors, failures = np.full((len(folds), len(strengths)), np.inf), list[str]()
+    for k, held_out in enumerate(folds):
+        trained = train(merged([part for other, part in enumerate(folds) if other != k]))
         for s, strength in enumerate(strengths):
             try:
                 x = problem.base.values(trained(strength))

@@ -162,9 +162,7 @@ class Problem:
     @cached_property
     def folds(self) -> tuple[CompressedEquations, ...]:
         """The time blocks for cross-validation: neighbours together, so that there are FOLDS of them at most."""
-        together = -(-len(self.blocks) // FOLDS)
-        starts = range(0, len(self.blocks), together)
-        return tuple(merged(self.blocks[start : start + together]) for start in starts)
+        return together(self.blocks)
 
     def all_but(self, fold: int) -> CompressedEquations:
         """The factors without one fold."""
@@ -257,3 +255,9 @@ class Problem:
         if self.block_samples is not None:
             return self.block_samples
         return max(1, -(-sum(run.filtered_length() for run in self._runs()) // self.n_blocks))
+
+
+def together(blocks: Sequence[CompressedEquations]) -> tuple[CompressedEquations, ...]:
+    """Neighbouring time blocks merged, so that there are FOLDS at most."""
+    length = -(-len(blocks) // FOLDS)
+    return tuple(merged(blocks[start : start + length]) for start in range(0, len(blocks), length))

@@ -13,12 +13,13 @@ from shared_data import DATA, existing
 from typer.testing import CliRunner
 
 from crosscheck.cli import app
-from crosscheck.identifying import friction_terms, virtual_robot
+from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
 from crosscheck.identifying.baselines import Baselines
 from crosscheck.identifying.doubts import doubts, residual_ratio
 from crosscheck.identifying.health import health
 from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
 from crosscheck.report.commands.identify import identify_report
+from crosscheck.report.records.identify import record
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
 
@@ -202,6 +203,20 @@ class TestVerdict:
         assert "no usable model" in text
         assert "Why no model is recommended" in text
         assert "Lines of the file of --mapping" in text
+
+    def test_a_fault_of_a_recording_that_is_predicted(self):
+        """It says nothing of the model, and is told."""
+        arm = identified_arm.virtual()
+        spoilt = replace(arm.held_out, tau=arm.held_out.tau * [1, -1, 1])
+        found = identified_arm.identified(["wls", "consistent"], held_out=OtherRecordings((spoilt,)))
+        assert found.health.faults == ()
+        assert not found.usable
+        name = arm.held_out.provenance.files[0]
+        assert any(
+            words.startswith(f"{name}, which is predicted: the torque of") for words in found.recommendation.doubts
+        )
+        assert f"Of {name}, which is predicted:" in as_text(identify_report(found, found.shown()), 250)
+        assert record(found, None, []).validation_health[0].findings[0].code == "reversed-torque"
 
     def test_every_joint_counts(self):
         found = identified_arm.compared()

@@ -191,6 +191,86 @@ class TestFiles:
         assert "--urdf nowhere/out.urdf: folder" in said
 
 
+MODELS = """
+[plain]
+terms = ["viscous", {term = "coulomb", width = 0.05}]
+methods = ["wls", {method = "pullback", strength = 10}, {method = "pullback", strength = 1e7, name = "CAD, nearly"}]
+
+[known]
+terms = ["viscous", "own.py:offset"]
+known_torques = ["own.py:nothing"]
+known_bodies = true
+"""
+
+
+class TestModels:
+    def test_several_in_one_comparison(self, program, two_files, arm, tmp_path):
+        """Folds of the first recording choose, the second is predicted; every row has its errors in the file."""
+        (arm / "models.toml").write_text(MODELS, encoding="utf-8")
+        more = ("--validate", arm / "pos_two.csv", "--validate", arm / "cur_two.csv")
+        code, said = program(
+            *two_files, "--cutoff", 10, "--models", arm / "models.toml", "--methods", "wls", "--folds", 3, *more,
+            "--json", tmp_path / "x.json", *QUICK,
+        )  # fmt: skip
+        assert code == 0, said
+        written = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
+        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(written)
+        rows = {row["name"]: row for row in written["comparison"]}
+        assert list(rows) == [
+            "plain: WLS", "plain: consistent, pullback prior, strength 10", "plain: CAD, nearly",
+            "plain, CAD links: WLS", "known: WLS",
+        ]  # fmt: skip
+        for name, row in rows.items():
+            assert [trial["name"] for trial in row["trials"]] == ["fold 1", "fold 2", "fold 3"]
+            assert [trial["name"] for trial in row["aside"]] == ["pos_two.csv"]
+            assert name in said
+        assert written["recommended"] == "plain: consistent, pullback prior, strength 10"
+        errors = [
+            rows[f"plain: {name}"]["mean_error"] for name in ("consistent, pullback prior, strength 10", "CAD, nearly")
+        ]
+        assert 2 * errors[0] < errors[1] == pytest.approx(rows["plain, CAD links: WLS"]["mean_error"], rel=0.2)
+        (plain, cad, known) = (written["base_matrix"], *(model["base_matrix"] for model in written["other_models"]))
+        assert [len(matrix) for matrix in (plain, cad, known)] == [written["rank"], 6, 6]
+        assert "Errors, held out, one by one" in said
+        assert "Errors, kept aside: pos_two.csv" in said
+
+    def test_repeated_terms(self, program, two_files):
+        code, said = program(
+            *two_files, "--cutoff", 10, "--terms", "viscous,coulomb", "--terms", "viscous", "--width", "0.05,0.1,0.05",
+            "--methods", "consistent", *QUICK,
+        )  # fmt: skip
+        assert code == 0, said
+        assert "use viscous,coulomb: consistent" in said
+        assert "viscous, CAD links: WLS" in said
+
+    @pytest.mark.parametrize(
+        ("text", "message"),
+        [
+            ("", "the file has no table; give one per torque model, such as [gears]"),
+            ("x = 1", "[x] is no table; give one per torque model"),
+            ("[a", "models.toml: "),
+            ("[a]\nkind = 1", "[a] kind: unknown; a torque model has terms, methods, known_torques, known_bodies"),
+            ("[a]\nmethods = []", "[a]: terms are missing; give a list, which may be empty"),
+            ("[a]\nterms = 'viscous'", "[a] terms is 'viscous'; give a list of names"),
+            ("[a]\nterms = [{width = 1}]", "names no term; write {term = NAME, …}"),
+            ("[a]\nterms = [{term = 'offset', width = 1}]", "the term 'offset' has no setting 'width'; it has: none"),
+            ("[a]\nterms = []\nmethods = [{method = 'wls', strength = 1}]", "'wls' has no setting 'strength'"),
+            ("[a]\nterms = []\nmethods = ['magic']", "there is no method 'magic'"),
+            ("[a]\nterms = []\nknown_bodies = 1", "known_bodies is 1; give true or false"),
+        ],
+    )
+    def test_bad_files(self, program, two_files, tmp_path, text, message):
+        (tmp_path / "models.toml").write_text(text, encoding="utf-8")
+        code, said = program(*two_files, "--models", "models.toml")
+        assert code == 2
+        assert message in " ".join(re.sub("[│╭╰─╮╯]", " ", said).split())
+
+    def test_options_that_the_file_has_a_place_for(self, program, two_files):
+        code, said = program(*two_files, "--models", "models.toml", "--width", "0.1")
+        assert code == 2
+        assert "--width and --models exclude each other; write it in the file" in said
+
+
 class TestSimulated:
     def test_truth_is_shown(self, program, arm, tmp_path):
         code, said = program(
@@ -293,7 +373,7 @@ class TestOptions:
             (["--decimate", "x"], "--decimate x: give whole numbers with commas between them"),
             (["--min-speed", "x"], "--min-speed x: give numbers with commas between them"),
             (["--split", "0", "1"], "--split 0: give FIRST:LAST, such as 0:6"),
-            (["--folds", "2", "--split", "0:1", "1:2"], "--split and --folds exclude each other"),
+            (["--split-rows", "0:9", "9:", "--split", "0:1", "1:2"], "--split and --split-rows exclude each other"),
             (["--payload-on", "fore"], "--payload-on fore: say with --payload what it carries"),
             (["--payload", "x"], "--payload x: give unknown, unknown@X,Y,Z or M@X,Y,Z"),
             (["--payload", "x@0,0,0"], "--payload x@0,0,0: 'x' is neither unknown nor a mass in kg"),

@@ -41,10 +41,10 @@ def tables(report, key):
 class TestMethods:
     def test_one_row_per_method(self, found, report):
         (methods, held_out, fitted) = tables(report, "methods")
-        names = [result.name for result in found.comparison.results]
+        names = [*(result.name for result in found.comparison.results), "CAD links: WLS"]
         assert [row.cells[0] for row in methods.rows] == names
         assert next(row.cells[0] for row in methods.ordered) == "graph method"  # failures first
-        answered = [result for result in found.comparison.results if result.failure is None]
+        answered = [candidate.result for candidate in found.candidates if candidate.result.failure is None]
         for table, part in ((held_out, "held_out"), (fitted, "training")):
             assert len(table.rows) == len(answered)
             for row, result in zip(table.rows, answered, strict=True):
@@ -58,7 +58,8 @@ class TestMethods:
 
     def test_no_answer(self, found):
         graph = found.comparison.of("graph method")
-        nothing = dataclasses.replace(found, comparison=dataclasses.replace(found.comparison, results=(graph,)))
+        comparison = dataclasses.replace(found.comparison, results=(graph,))
+        nothing = dataclasses.replace(found, comparison=comparison, others=())
         report = identify_report(nothing, None)
         assert (report.verdict.words, report.verdict.reason) == ("no usable model", "No method has a result.")
         assert [part.key for part in report.sections] == ["recording", "health", "methods", "excitation", "end"]

@@ -19,6 +19,8 @@ from graphdyn.identification import (
     PhysicalLimits,
     Prior,
     Problem,
+    ReweightedLeastSquares,
+    RobustConsistent,
     TorqueModel,
     WeightedLeastSquares,
 )
@@ -26,6 +28,7 @@ from graphdyn.identification.consistent import fit as fitting
 from graphdyn.identification.consistent import semidefinite
 from graphdyn.identification.consistent.coordinates import CLEAREST
 from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
+from graphdyn.identification.estimators.robust_consistent import SETTLED
 from graphdyn.identification.terms import Coulomb, KnownBodies, Payload, RigidBodies, Viscous
 
 EXACT = 1e-8
@@ -351,3 +354,58 @@ class TestCrossValidation:
     def test_senseless_metric(self):
         with pytest.raises(InvalidInput, match="metric is 'riemannian'; use 'entropic' or 'pullback'"):
             ConsistentWithPrior(metric="riemannian")
+
+
+class TestRobust:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def outliers():
+        """Every tenth torque is wrong by ten times the noise."""
+        rng = np.random.default_rng(5)
+        noise = rng.normal(size=(120, 2))
+        noise[rng.random(noise.shape) < 0.1] += 10.0
+        return torque_data.small_problem(noise, n_blocks=4)
+
+    def test_is_the_robust_fit_where_that_is_real(self, outliers):
+        robust = ReweightedLeastSquares("huber").estimate(outliers)
+        found = RobustConsistent().estimate(outliers)
+        off = np.abs(outliers.base.values(found.parameters - robust.parameters))
+        assert np.all(off <= 0.05 * np.sqrt(np.diag(robust.covariance)))
+        assert found.settings["mean weight"] == pytest.approx(robust.settings["mean weight"], rel=1e-3)
+        assert found.noise == pytest.approx(robust.noise, rel=1e-2)
+
+    def test_minimum_with_a_prior(self, outliers):
+        """The same torques as by one cone program with Huber's norm, at the same scale."""
+        strength, columns = 1000.0, len(outliers.torque_model.columns)
+        found = RobustConsistent("pullback", strength=strength).estimate(outliers)
+        w = np.concatenate([outliers.reduced(rows) for rows in outliers.rows()]) @ outliers.base.matrix
+        torque = np.concatenate([rows.right for rows in outliers.rows()])
+        x = cvxpy.Variable(columns)
+        residuals = [(w[:, j] @ x - torque[:, j]) / found.noise[j] for j in range(2)]
+        cost = sum(cvxpy.sum(cvxpy.huber(residual, 1.345)) for residual in residuals)
+        bodies = []
+        for i in range(2):
+            prior = pseudo_inertia_from_parameters(outliers.torque_model.model.bodies[i].parameters)
+            inverse = np.linalg.inv(np.linalg.cholesky(prior))
+            basis = pseudo_inertia_from_parameters(np.eye(10))
+            matrix = sum(x[10 * i + k] * basis[k] for k in range(10))
+            relative = inverse @ (matrix - prior) @ inverse.T
+            cost = cost + strength / 2 * cvxpy.sum_squares(relative)
+            bodies.append(relative + np.eye(2 * 2) * (1 - MARGIN) >> 0)
+        cvxpy.Problem(cvxpy.Minimize(cost), [*bodies, x[20:] >= 0]).solve(solver="CLARABEL")
+        apart = (w @ (found.parameters - x.value)) / found.noise
+        assert np.sqrt(np.mean(apart**2, axis=0)).max() <= 2 * SETTLED
+        plain = ConsistentWithPrior("pullback", strength=strength).estimate(outliers)
+        assert np.sqrt(np.mean(((w @ (plain.parameters - x.value)) / found.noise) ** 2, axis=0)).min() > 10 * SETTLED
+
+    def test_strength_is_chosen(self, outliers):
+        found = RobustConsistent("pullback", strengths=(1.0, 10.0)).estimate(outliers)
+        assert found.settings["strength"] in (1.0, 10.0)
+        assert found.covariance is None
+
+    def test_stops_and_says_so(self, outliers, monkeypatch):
+        monkeypatch.setattr("graphdyn.identification.estimators.robust_consistent.MOST_ITERATIONS", 1)
+        assert (
+            "stopped after 1 reweightings before the torques had settled"
+            in RobustConsistent().estimate(outliers).remarks
+        )

@@ -17,11 +17,13 @@ from graphdyn.identification.terms import (
     KnownBodies,
     KnownPayload,
     KnownTorque,
+    LoadFriction,
     Offset,
     Payload,
     PayloadMass,
     RigidBodies,
     RotorInertia,
+    SmoothCoulomb,
     Stribeck,
     UserColumns,
     Viscous,
@@ -75,6 +77,13 @@ PER_JOINT = {
         "FS_2",
         "N m",
     ),
+    "load": (
+        LoadFriction(width=0.1),
+        lambda s: np.abs(graphdyn.static_torque(MODEL, s.q)) * np.tanh(s.v / 0.1),
+        "O2 load-dependent friction",
+        "FL_2",
+        "1",
+    ),
     "offset": (Offset(), lambda s: np.ones_like(s.v), "O2 offset", "OFF_2", "N m"),
     "rotor": (RotorInertia(), lambda s: s.a, "O2 rotor inertia", "IA_2", "kg m²"),
 }
@@ -87,6 +96,19 @@ def test_per_joint(case, samples):
     column = term.columns(MODEL)[1]
     assert (column.name, column.symbol, column.unit) == (name, symbol, unit)
     assert len(term.columns(MODEL)) == 6
+
+
+def test_several_widths(samples):
+    own = np.arange(1.0, 7.0)
+    term = SmoothCoulomb([0.1, own])
+    rows = term.rows(MODEL, samples)
+    assert close(rows[..., :6], diagonal(np.tanh(samples.v / 0.1)))
+    assert close(rows[..., 6:], diagonal(np.tanh(samples.v / own)))
+    named = [(column.name, column.symbol) for column in term.columns(MODEL)]
+    assert named[1] == ("O2 Coulomb friction of width 0.1", "FC1_2")
+    assert named[7] == ("O2 Coulomb friction of width 2", "FC2_2")
+    with pytest.raises(InvalidInput, match=r"width is 0\.; give one positive number, or 6"):
+        SmoothCoulomb([0.0]).columns(MODEL)
 
 
 def test_units_of_a_slide():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.identifying import Identified
+from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.health import CLEAR, Health
 from crosscheck.report.report import Block, Code, Column, Note, Notes, Prose, Row, Section, Table
 from graphdyn.identification.health import RecordingHealth, excitation
@@ -19,7 +19,7 @@ def health_section(found: Identified) -> Section:
     if health is None:
         blocks: tuple[Block, ...] = (Prose(TOO_SHORT),)
     else:
-        blocks = (_joints(health.measures), *_findings(health), _unseen(health))
+        blocks = (_joints(health.measures), *_findings(health), *_of_predicted(found), _unseen(health))
     return Section("health", "Health of the recording", blocks)
 
 
@@ -85,16 +85,27 @@ def _findings(health: Health) -> list[Block]:
     return blocks
 
 
+def _of_predicted(found: Identified) -> list[Block]:
+    """Findings of the recordings that are predicted and not fitted."""
+    blocks: list[Block] = []
+    for name, health in zip(found.predicted_recordings, found.validation_health, strict=True):
+        if health is None:
+            blocks.append(Prose(f"{name}, which is predicted, is too short to be examined."))
+        elif health.findings:
+            blocks += [Prose(f"Of {name}, which is predicted:"), *_findings(health)]
+    return blocks
+
+
 def _unseen(health: Health) -> Notes:
     return Notes(
         tuple(Note(words) for words in health.unseen), title="What this recording cannot show, and the test that would"
     )
 
 
-def excitation_table(found: Identified) -> Table:
+def excitation_table(model: IdentifiedModel) -> Table:
     rows = tuple(
         Row((group.name, f"{group.determined} of {group.structural}", group.weakest))
-        for group in excitation(found.problem)
+        for group in excitation(model.problem)
         if group.structural
     )
     return Table(

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.identifying import Identified, TorqueCurve
+from crosscheck.identifying import Identified, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
 from crosscheck.report.pictures.parameter_bars import parameter_bars
 from crosscheck.report.report import NOTHING, ROOMY, Column, Panel, Picture, Plot, Row, Section, Series, Table
@@ -25,10 +25,12 @@ DEVIATION: dict[str, Any] = {"kind": "number", "form": ".2g"}
 
 
 def torques_section(found: Identified, shown: MethodResult) -> Section:
-    """For the page: every joint over the fitted rows and, beside it, over those held out."""
+    """For the page: every joint over the fitted rows and, beside it, over those held out and those kept aside."""
+    of_shown = found.model_of(shown)
     sides = {
-        "fitted": found.fit.curves(shown.name),
-        "held out": [curve for trial in found.trials for curve in trial.curves(shown.name)],
+        "fitted": of_shown.fit.curves(shown.name),
+        "held out": [curve for trial in of_shown.trials for curve in trial.curves(shown.name)],
+        "kept aside": [curve for trial in of_shown.aside for curve in trial.curves(shown.name)],
     }
     model = found.torque_model.model
     plots = tuple(
@@ -37,7 +39,7 @@ def torques_section(found: Identified, shown: MethodResult) -> Section:
         for side, curves in sides.items()
         if curves
     )
-    return Section("torques", f"Torques by {shown.name}", plots)
+    return Section("torques", f"Torques by {of_shown.row_name(shown)}", plots)
 
 
 def _torque_plot(joint: str, j: int, prismatic: bool, side: str, curves: Sequence[TorqueCurve]) -> Plot:
@@ -99,9 +101,9 @@ def parameters_section(found: Identified, shown: MethodResult) -> Section:
     )
     return Section(
         "parameters",
-        f"Parameters by {shown.name}",
+        f"Parameters by {found.model_of(shown).row_name(shown)}",
         (
-            Picture(lambda key: parameter_bars(key, rows, _torque_sizes(found)), caption),
+            Picture(lambda key: parameter_bars(key, rows, _torque_sizes(found.model_of(shown))), caption),
             _base_parameters(rows, source, virtual=found.truth is not None),
             _links(found, shown),
         ),
@@ -163,7 +165,8 @@ def _position_text(position: Array) -> str:
     return " ".join(f"{x:.4f}" for x in position) if np.all(np.isfinite(position)) else NOTHING
 
 
-def _torque_sizes(found: Identified) -> Array:
+def _torque_sizes(model: IdentifiedModel) -> Array:
     """Root mean square torque that each base parameter makes at 1, over the rows that count (r,)."""
-    factors = found.problem.equations.factors[..., :-1]
-    return np.asarray(np.sqrt(np.sum(factors**2, axis=(0, 1)) / found.problem.equations.counts.sum()))
+    equations = model.problem.equations
+    factors = equations.factors[..., :-1]
+    return np.asarray(np.sqrt(np.sum(factors**2, axis=(0, 1)) / equations.counts.sum()))

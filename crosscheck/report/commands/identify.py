@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.identifying import Identified
+from crosscheck.identifying import Candidate, Identified, IdentifiedModel
+from crosscheck.identifying.candidate_models import CAD
 from crosscheck.identifying.parameters import correlation_of, deviations_of
-from crosscheck.identifying.recommending import joint_errors, mean_error, real
+from crosscheck.identifying.recommending import real
+from crosscheck.identifying.result_errors import joint_errors, mean_error
 from crosscheck.report.commands.identified_health import doubts_sections, excitation_table, health_section
 from crosscheck.report.commands.identified_model import parameters_section, torques_section
 from crosscheck.report.pictures.method_errors import method_errors, singular_values
@@ -32,7 +34,7 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
-from graphdyn.identification import MethodResult
+from graphdyn.identification import MethodResult, ResidualStatistics
 from graphdyn.identification.comparison import ENOUGH
 from graphdyn.layout import Array
 
@@ -54,11 +56,16 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
             health_section(found),
             Section("methods", "Methods", _methods_blocks(found)),
             *model,
-            Section("excitation", "What the motion excites", _excitation(found)),
+            Section("excitation", "What the motion excites", _excitation(_model(found, shown))),
             Section("end", "", (Prose(last_line, apart=True, on=("text",)),)),
         ),
         record=partial(record, found, shown),
     )
+
+
+def _model(found: Identified, shown: MethodResult | None) -> IdentifiedModel:
+    """The torque model of the result that is shown."""
+    return found if shown is None else found.model_of(shown)
 
 
 def _verdict(found: Identified) -> Verdict:
@@ -70,15 +77,16 @@ def _verdict(found: Identified) -> Verdict:
 
 
 def _overview(found: Identified, shown: MethodResult | None) -> Facts:
-    comparison, fit = found.comparison, found.division.fit.provenance
+    comparison, fit = _model(found, shown).comparison, found.division.fit.provenance
     held_out_rows = sum(len(t) for trial in found.trials for t in trial.times)
+    of_model = f" of {_model(found, shown).name}" if _model(found, shown).name else ""
     return Facts(
         (
             ("fitted", f"{sum(map(len, found.fit.times))} rows of {', '.join(fit.files)}"),
             ("held out", f"{found.division.words}, {held_out_rows} rows"),
             *(("" if k else "prepared", step) for k, step in enumerate(fit.steps)),
             (
-                "parameters",
+                f"parameters{of_model}",
                 f"{len(comparison.names)}, of which {comparison.rank} base parameters are determined; any motion could "
                 f"determine {comparison.structural_rank}",
             ),
@@ -109,21 +117,36 @@ def _correlation(found: Identified, shown: MethodResult | None) -> tuple[tuple[s
 
 
 def _methods_blocks(found: Identified) -> tuple[Block, ...]:
-    answered = [result for result in found.comparison.results if result.failure is None]
+    answered = [candidate for candidate in found.candidates if candidate.result.failure is None]
     caption = "Held-out error per joint over its moving rows (|v| > 0.02 rad/s or m/s); over all rows for a joint that "
     pictures = [Picture(partial(_errors_drawn, found, answered), f"{caption}hardly moves.")] if answered else []
+    different = {candidate.result.name: candidate.result for candidate in found.candidates}
     assumed = tuple(
-        Note(f"{result.assumptions}. Needs {result.needs}. {result.reference}.", where=result.name)
-        for result in found.comparison.results
+        Note(f"{result.assumptions}. Needs {result.needs}. {result.reference}.", where=name)
+        for name, result in different.items()
     )
     return (
         _methods(found),
-        Notes(tuple(_remarks(found.comparison.results)), title="What the methods say"),
+        Notes(tuple(_remarks(found.candidates)), title="What the methods say"),
         *pictures,
-        _errors(found, "held out"),
-        _errors(found, "fitted"),
+        _errors(found, "held out", {c.name: c.result.held_out for c in found.candidates}),
+        *([trial_errors(found)] if len(found.trials) > 1 else []),
+        *(
+            _errors(
+                found,
+                f"kept aside: {rows.name}",
+                {c.name: c.model.aside[k].statistics.get(c.result.name) for c in answered},
+            )
+            for k, rows in enumerate(found.aside)
+        ),
+        _errors(found, "fitted", {c.name: c.result.training for c in found.candidates}),
         Notes(assumed, title="What each method assumes and needs", on=("page",), folded=True),
     )
+
+
+def _aside(answered: Sequence[Candidate], k: int) -> dict[str, ResidualStatistics | None]:
+    """Errors on the k-th part of the rows that were kept aside."""
+    return {c.name: c.model.aside[k].statistics.get(c.result.name) for c in answered}
 
 
 def _methods(found: Identified) -> Table:
@@ -137,23 +160,28 @@ def _methods(found: Identified) -> Table:
             Column("smallest eigenvalue", "number", form=".2g", meaning="of the mass matrix, over all poses"),
             Column("time", "number", "s", ".2f", meaning="of the estimation alone"),
         ),
-        tuple(_method(found, result) for result in found.comparison.results),
+        tuple(_method(found, candidate) for candidate in found.candidates),
         caption="error: ‖e‖/‖τ‖ over the moving rows of each joint (all rows where it hardly moves), mean over joints; "
-        "M: the mass matrix in random poses",
+        f"M: the mass matrix in random poses{_words_of_cad(found)}",
     )
 
 
-def _method(found: Identified, result: MethodResult) -> Row:
-    plausible = result.plausibility
+def _words_of_cad(found: Identified) -> str:
+    known = any(model.cad_of is not None for model in found.models)
+    return f"; {CAD}: as in the file, drives fitted" if known else ""
+
+
+def _method(found: Identified, candidate: Candidate) -> Row:
+    result, plausible = candidate.result, candidate.result.plausibility
     if result.failure is not None or plausible is None:
-        return Row((result.name, Verdict("disagrees", "failed"), *4 * (None,), result.seconds), "disagrees")
+        return Row((candidate.name, Verdict("disagrees", "failed"), *4 * (None,), result.seconds), "disagrees")
     verdict: Verdict | str = "" if real(result) else Verdict("disagrees", "no real robot")
-    if result.name == found.recommendation.name:
+    if candidate.name == found.recommendation.name:
         verdict = Verdict("agrees", "recommended")
     links = int((plausible.pseudo_inertia_eigenvalues >= 0).sum())
     return Row(
         (
-            result.name,
+            candidate.name,
             verdict,
             100 * mean_error(result),
             f"{links} of {found.torque_model.model.n_bodies}",
@@ -164,27 +192,28 @@ def _method(found: Identified, result: MethodResult) -> Row:
     )
 
 
-def _remarks(results: Sequence[MethodResult]) -> list[Note]:
+def _remarks(candidates: Sequence[Candidate]) -> list[Note]:
     """Why methods failed, then what the others say of their answers."""
     failed = [
-        Note(f"failed: {result.failure}", where=result.name, state="disagrees") for result in results if result.failure
+        Note(f"failed: {c.result.failure}", where=c.name, state="disagrees") for c in candidates if c.result.failure
     ]
-    said = [
-        Note(remark, where=result.name) for result in results if result.estimate for remark in result.estimate.remarks
-    ]
+    said = [Note(remark, where=c.name) for c in candidates if c.result.estimate for remark in c.result.estimate.remarks]
     return [*failed, *said]
 
 
-def _errors(found: Identified, which: Literal["held out", "fitted"]) -> Table:
-    """RMS over all rows, and relative errors, per joint."""
+def _errors(found: Identified, which: str, statistics: Mapping[str, ResidualStatistics | None]) -> Table:
+    """RMS over all rows, and relative errors, per joint. statistics: by name of the candidate"""
     slow = which == "fitted" and bool(np.any(np.asarray(found.preparation.min_speed) > 0))
     unit = "N m or N" if any(joint.is_prismatic for joint in found.torque_model.model.joints) else "N m"
     rows = []
-    for result in found.comparison.results:
-        statistics = result.held_out if which == "held out" else result.training
-        if statistics is not None:
-            relative = [statistics.moving.relative, *([found.fitted_errors(result)] if slow else [])]
-            rows.append(Row((result.name, *zip(statistics.everything.rms, *relative, strict=True))))
+    for name, of_rows in statistics.items():
+        if of_rows is not None:
+            candidate = found.candidate(name)
+            relative = [
+                of_rows.moving.relative,
+                *([candidate.model.fitted_errors(candidate.result)] if slow else []),
+            ]
+            rows.append(Row((name, *zip(of_rows.everything.rms, *relative, strict=True))))
     return Table(
         (
             Column("method", "name"),
@@ -202,8 +231,25 @@ def _error_text(errors: Sequence[float]) -> str:
     return " / ".join([f"{rms:.3g}", *(NOTHING if np.isnan(x) else f"{100 * x:.1f}" for x in relative)])
 
 
-def _excitation(found: Identified) -> tuple[Block, ...]:
-    comparison = found.comparison
+def trial_errors(found: Identified) -> Table:
+    """The mean error of every trial."""
+    rows = []
+    for candidate in found.candidates:
+        if candidate.result.failure is None:
+            parts = [trial.statistics[candidate.result.name] for trial in candidate.model.trials]
+            rows.append(Row((candidate.name, *(100 * float(np.nanmean(joint_errors(part))) for part in parts))))
+    columns = (Column(trial.name, "number", form=".1f") for trial in found.trials)
+    return Table(
+        (Column("method", "name"), *columns),
+        tuple(rows),
+        title="Errors, held out, one by one",
+        caption="% of moving rows, mean over joints",
+        compact=True,
+    )
+
+
+def _excitation(model: IdentifiedModel) -> tuple[Block, ...]:
+    comparison = model.comparison
     caption = (
         "Singular values of the regressor, joints weighted by their torque, columns at unit length: a small one is a "
         f"combination that the noise hides. Smallest accepted pivot {comparison.gap[0]:.2g}, largest rejected one "
@@ -214,8 +260,8 @@ def _excitation(found: Identified) -> tuple[Block, ...]:
         "not at all"
     )
     return (
-        excitation_table(found),
-        Picture(lambda key: singular_values(key, _singular_values(found)), caption),
+        excitation_table(model),
+        Picture(lambda key: singular_values(key, _singular_values(model)), caption),
         *_listed("Not determined by this recording", comparison.lost, folded=False),
         *_listed(shared, comparison.undetermined, folded=True),
     )
@@ -232,15 +278,17 @@ def _listed(title: str, names: Sequence[str], *, folded: bool) -> tuple[Block, .
     )
 
 
-def _errors_drawn(found: Identified, answered: Sequence[MethodResult], key: str) -> Markup:
-    chosen: list[Any] = [result.held_out or result.training for result in answered]
+def _errors_drawn(found: Identified, answered: Sequence[Candidate], key: str) -> Markup:
+    chosen: list[Any] = [candidate.result.held_out or candidate.result.training for candidate in answered]
     errors = np.array([joint_errors(statistics) for statistics in chosen])
-    return method_errors(key, [result.name for result in answered], found.torque_model.model.independent_joints, errors)
+    return method_errors(
+        key, [candidate.name for candidate in answered], found.torque_model.model.independent_joints, errors
+    )
 
 
-def _singular_values(found: Identified) -> Array:
+def _singular_values(model: IdentifiedModel) -> Array:
     """Of the regressor of the base parameters, joints weighted by their torque, columns at unit length (r,)."""
-    equations = found.problem.equations
+    equations = model.problem.equations
     size = np.sqrt(equations.measured_squares / np.maximum(equations.counts, 1))
     r, _ = equations.weighted(np.where(size > 0, size, 1.0))
     return np.asarray(np.linalg.svd(r / np.linalg.norm(r, axis=0), compute_uv=False))

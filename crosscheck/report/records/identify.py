@@ -6,9 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
+import numpy as np
+
+from crosscheck.identifying.identified_model import Candidate, HeldOutPrediction, IdentifiedModel
 from crosscheck.identifying.parameters import base_rows, body_rows, correlation_of, deviations_of
-from crosscheck.identifying.recommending import mean_error
 from crosscheck.identifying.result import Identified
+from crosscheck.identifying.result_errors import joint_errors, mean_error
 from crosscheck.report.records._fields import FORMAT, Command, Keywords, Number, Versions, taken
 from crosscheck.report.records.identify_recording import (
     ExcitationRecord,
@@ -19,7 +22,7 @@ from crosscheck.report.records.identify_recording import (
 )
 from crosscheck.report.versions import versions
 from graphdyn._inertia import PARAMETER_NAMES
-from graphdyn.identification import MethodResult, ResidualStatistics
+from graphdyn.identification import MethodComparison, MethodResult, ResidualStatistics
 from graphdyn.identification.health import excitation
 
 Inertial = Annotated[
@@ -235,8 +238,11 @@ class ShownRecord:
     no method has an answer.
     """
 
+    name: str
+    """As in comparison."""
+
     method: str
-    """Its name."""
+    """Name of the method."""
 
     deviations: str
     """Whose standard deviations these are."""
@@ -255,6 +261,81 @@ class ShownRecord:
 
     bodies: Sequence[IdentifyBodyRecord]
     """Links."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialRecord:
+    """Errors of one result on some of the predicted rows."""
+
+    name: str
+    """Of the rows: a fold, a file, or an interval."""
+
+    mean_error: Number
+    """Mean over the joints of ‖e‖ / ‖τ‖ over moving rows."""
+
+    everything: SizesRecord
+    """Over all rows."""
+
+    moving: SizesRecord
+    """Per joint over its rows with |v| > 0.02 rad/s or m/s."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CandidateRecord:
+    """A row of the tables: a torque model and a method."""
+
+    name: str
+    """As in the tables, and in recommended, best and shown."""
+
+    model: str
+    """Name of the torque model; empty for the only one."""
+
+    method: str
+    """Name of the method, as in methods of the model."""
+
+    cad_links: bool
+    """The links are those of CAD, only the drives are fitted."""
+
+    mean_error: Number
+    """Mean over the joints of the held-out ‖e‖ / ‖τ‖ over moving rows; null where there is no answer."""
+
+    trials: Sequence[TrialRecord]
+    """Rows that were predicted and choose: fold by fold, file by file."""
+
+    aside: Sequence[TrialRecord]
+    """Rows that were predicted and choose nothing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelRecord:
+    """A further torque model."""
+
+    name: str
+    """As in the tables."""
+
+    cad_links: bool
+    """The links are those of CAD, only the drives are fitted."""
+
+    parameters: Sequence[ParameterRecord]
+    """Standard parameters of the torque model, in order."""
+
+    rank: int
+    """Number of base parameters that the recording determines."""
+
+    structural_rank: int
+    """Number that any motion could determine."""
+
+    condition_number: float
+    """Of the regressor, joints weighted by their torque, columns at unit length."""
+
+    base_parameters: Sequence[BaseParameterRecord]
+    """Base parameters of the recording, in order."""
+
+    base_matrix: Sequence[Sequence[float]]
+    """B with base parameters = B · parameters, one row per base parameter."""
+
+    methods: Sequence[MethodRecord]
+    """Every method, in the order asked for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -327,6 +408,9 @@ class IdentifyRecord:
     base_parameters: Sequence[BaseParameterRecord]
     """Base parameters of the recording, in order."""
 
+    base_matrix: Sequence[Sequence[float]]
+    """B with base parameters = B · parameters, one row per base parameter."""
+
     undetermined: Sequence[str]
     """Standard parameters that are determined in combinations only, or not at all."""
 
@@ -335,6 +419,19 @@ class IdentifyRecord:
 
     methods: Sequence[MethodRecord]
     """Every method, in the order asked for."""
+
+    model: str
+    """Name of the torque model that parameters, rank, base_parameters, methods and what is between them belong to: the
+    first one; empty where only one was asked for."""
+
+    other_models: Sequence[ModelRecord]
+    """Further torque models on the same rows: those that were asked for, and the links of CAD with fitted drives."""
+
+    comparison: Sequence[CandidateRecord]
+    """Every method of every torque model, in the order of the tables."""
+
+    validation_health: Sequence[HealthRecord | None]
+    """What every recording that is predicted and not fitted shows of itself; null where it is too short."""
 
     shown: ShownRecord | None
     """The result in the tables: the chosen one, else the recommended one, else the one that predicts best; null where
@@ -367,17 +464,65 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         excitation=[taken(ExcitationRecord, group) for group in excitation(found.problem)],
         recording=recording_record(found),
         parameters=[taken(ParameterRecord, column) for column in found.torque_model.columns],
-        base_parameters=[
-            BaseParameterRecord(name=name, unit=unit)
-            for name, unit in zip(comparison.base_names, comparison.base_units, strict=True)
-        ],
+        base_parameters=_base_parameters(comparison),
+        base_matrix=found.problem.base.matrix.tolist(),
         methods=[_method(found, result) for result in comparison.results],
+        model=found.name,
+        other_models=[_model(model) for model in found.others],
+        comparison=[_candidate(candidate) for candidate in found.candidates],
+        validation_health=[None if other is None else health_record(other) for other in found.validation_health],
         shown=_shown(found, shown),
         truth=found.truth,
     )
 
 
-def _method(found: Identified, result: MethodResult) -> MethodRecord:
+def _base_parameters(comparison: MethodComparison) -> list[BaseParameterRecord]:
+    return [
+        BaseParameterRecord(name=name, unit=unit)
+        for name, unit in zip(comparison.base_names, comparison.base_units, strict=True)
+    ]
+
+
+def _model(model: IdentifiedModel) -> ModelRecord:
+    return taken(
+        ModelRecord,
+        model.comparison,
+        name=model.name,
+        cad_links=model.cad_of is not None,
+        parameters=[taken(ParameterRecord, column) for column in model.torque_model.columns],
+        base_parameters=_base_parameters(model.comparison),
+        base_matrix=model.problem.base.matrix.tolist(),
+        methods=[_method(model, result) for result in model.comparison.results],
+    )
+
+
+def _candidate(candidate: Candidate) -> CandidateRecord:
+    model, result = candidate.model, candidate.result
+
+    def errors(predictions: Sequence[HeldOutPrediction]) -> list[TrialRecord]:
+        return [
+            TrialRecord(
+                name=prediction.name,
+                mean_error=float(np.nanmean(joint_errors(statistics))),
+                everything=taken(SizesRecord, statistics.everything),
+                moving=taken(SizesRecord, statistics.moving),
+            )
+            for prediction in predictions
+            if (statistics := prediction.statistics.get(result.name)) is not None
+        ]
+
+    return CandidateRecord(
+        name=candidate.name,
+        model=model.name,
+        method=result.name,
+        cad_links=model.cad_of is not None,
+        mean_error=None if result.failure is not None else mean_error(result),
+        trials=errors(model.trials),
+        aside=errors(model.aside),
+    )
+
+
+def _method(found: IdentifiedModel, result: MethodResult) -> MethodRecord:
     estimate, plausible = result.estimate, result.plausibility
     answered = estimate is not None and plausible is not None
     return taken(
@@ -417,6 +562,7 @@ def _shown(found: Identified, result: MethodResult | None) -> ShownRecord | None
     source, words = deviations_of(found, result)
     correlation = None if source is None else correlation_of(found, source)
     return ShownRecord(
+        name=found.model_of(result).row_name(result),
         method=result.name,
         deviations=words,
         correlation_time=correlation.time if correlation else None,

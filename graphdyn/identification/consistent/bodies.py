@@ -13,6 +13,7 @@ from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,
     Coulomb,
+    LoadFriction,
     Payload,
     PayloadMass,
     RigidBodies,
@@ -22,7 +23,7 @@ from graphdyn.identification.terms import (
 from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 
-NOT_NEGATIVE = (Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, RotorInertia, PayloadMass)
+NOT_NEGATIVE = (Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, LoadFriction, RotorInertia, PayloadMass)
 """Dissipation takes energy, a rotor has mass. Stribeck friction may fall below zero: it comes on top of Coulomb's."""
 
 

@@ -8,6 +8,7 @@ from graphdyn.identification.estimators.log_cholesky import LogCholesky
 from graphdyn.identification.estimators.ordinary import OrdinaryLeastSquares
 from graphdyn.identification.estimators.reweighted import ReweightedLeastSquares
 from graphdyn.identification.estimators.ridge import Ridge
+from graphdyn.identification.estimators.robust_consistent import RobustConsistent
 from graphdyn.identification.estimators.weighted import WeightedLeastSquares
 
 __all__ = [
@@ -19,5 +20,6 @@ __all__ = [
     "OrdinaryLeastSquares",
     "ReweightedLeastSquares",
     "Ridge",
+    "RobustConsistent",
     "WeightedLeastSquares",
 ]

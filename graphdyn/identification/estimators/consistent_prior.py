@@ -33,7 +33,7 @@ from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.prior import Prior
 from graphdyn.identification.problem import Problem
 
-STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5)
+STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,8 +13,6 @@ A6, 1977.
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -24,14 +22,19 @@ from graphdyn._errors import InvalidInput
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.identification.estimators.robust_weights import (
+    Norm,
+    huber,
+    residuals_of,
+    robust_scale,
+    tukey,
+    weighted_blocks,
+)
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.jackknife import jackknife_covariance
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import EPS, Solution, leverages, solve
+from graphdyn.identification.solution import Solution, leverages, solve
 from graphdyn.layout import Array
-
-MEDIAN = 0.6745
-"""Median of |u| for normal noise of unit deviation."""
 
 MOST_ITERATIONS = 50
 
@@ -40,29 +43,6 @@ SETTLED = 1e-3
 
 ROUNDING = 1e-10
 """or of itself, which is what data without noise can give."""
-
-
-@dataclass(frozen=True)
-class Norm:
-    """influence: ψ(u); slope: ψ'(u)."""
-
-    influence: Callable[[Array], Array]
-    slope: Callable[[Array], Array]
-
-    def weight(self, u: Array) -> Array:
-        """ψ(u) / u, 1 at u = 0."""
-        return np.divide(self.influence(u), u, out=np.ones_like(u), where=u != 0)
-
-
-def huber(c: float = 1.345) -> Norm:
-    return Norm(lambda u: np.clip(u, -c, c), lambda u: (np.abs(u) <= c).astype(float))
-
-
-def tukey(c: float = 4.685) -> Norm:
-    def inside(u: Array) -> Array:
-        return np.maximum(1.0 - (u / c) ** 2, 0.0)
-
-    return Norm(lambda u: u * inside(u) ** 2, lambda u: inside(u) * (inside(u) - 4.0 * (u / c) ** 2))
 
 
 @dataclass(frozen=True)
@@ -113,7 +93,7 @@ class ReweightedLeastSquares:
 class _Fit:
     x: Array
     covariance: Array
-    blocks: list[CompressedEquations]
+    blocks: tuple[CompressedEquations, ...]
     scale: Array
     mean_weight: float
     iterations: int
@@ -121,34 +101,19 @@ class _Fit:
 
 
 def _iterate(problem: Problem, norm: Norm, x: Array) -> _Fit:
-    residuals, used = _residuals(problem, x), np.zeros(problem.n_joints)
+    residuals, used = residuals_of(problem, x), np.zeros(problem.n_joints)
     iterations, converged = 0, False
     while not converged and iterations < MOST_ITERATIONS:
-        scale = _scale(problem, residuals, used)
+        scale = robust_scale(problem, residuals, used)
         solution, used = _reweighted(problem, norm, residuals, scale)
         step, x = np.abs(solution.x - x), solution.x
-        residuals = _residuals(problem, x)
+        residuals = residuals_of(problem, x)
         converged = bool(np.all(step <= SETTLED * np.sqrt(np.diag(solution.inverse)) + ROUNDING * np.abs(x)))
         iterations += 1
-    scale = _scale(problem, residuals, used)
+    scale = robust_scale(problem, residuals, used)
     covariance, mean_weight = _covariance(problem, norm, residuals, scale)
     blocks = _blocks_at_minimum(problem, norm, x, residuals, scale)
     return _Fit(x, covariance, blocks, scale, mean_weight, iterations, converged)
-
-
-def _residuals(problem: Problem, x: Array) -> Array:
-    """e (N, n), NaN where an equation does not count."""
-    parts = (np.where(rows.kept, problem.reduced(rows) @ x - rows.right, np.nan) for rows in problem.rows())
-    return np.concatenate(list(parts))
-
-
-def _scale(problem: Problem, residuals: Array, used: Array) -> Array:
-    """σ (n,), at least rounding of the torque."""
-    counts = problem.equations.counts
-    counted = (np.abs(column[np.isfinite(column)]) for column in residuals.T)
-    median = np.array([np.median(sizes) for sizes in counted]) / MEDIAN * np.sqrt(counts / (counts - used))
-    rounding = EPS * np.sqrt(problem.equations.measured_squares / counts) + np.finfo(float).tiny
-    return np.maximum(median, rounding)
 
 
 def _reweighted(problem: Problem, norm: Norm, residuals: Array, scale: Array) -> tuple[Solution, Array]:
@@ -166,7 +131,7 @@ def _reweighted(problem: Problem, norm: Norm, residuals: Array, scale: Array) ->
 
 def _blocks_at_minimum(
     problem: Problem, norm: Norm, x: Array, residuals: Array, scale: Array
-) -> list[CompressedEquations]:
+) -> tuple[CompressedEquations, ...]:
     """Least-squares equations of every time block with the gradient of ρ at its minimum x.
 
     Their second derivative is that of ρ on the average over each joint: W_gᵀ w W_g times c_g = mean(ψ') / mean(w).
@@ -175,17 +140,11 @@ def _blocks_at_minimum(
     counted = np.isfinite(u)
     ratio = np.mean(norm.slope(u), axis=0, where=counted) / np.mean(norm.weight(u), axis=0, where=counted)
     weights = np.sqrt(ratio * norm.weight(np.nan_to_num(u))) / scale
-    blocks: dict[int, Accumulator] = defaultdict(
-        lambda: Accumulator(problem.base.rank, problem.n_joints, support=problem.support)
-    )
-    position = 0
-    for rows in problem.rows():
-        here = slice(position, position + len(rows))
-        matrix = problem.reduced(rows)
-        right = matrix @ x - np.nan_to_num(residuals[here]) / ratio
-        blocks[rows.block].add(matrix, right, kept=rows.kept, weights=weights[here])
-        position = here.stop
-    return [accumulator.compressed for _, accumulator in sorted(blocks.items())]
+
+    def right(here: slice, matrix: Array, _: Array) -> Array:
+        return np.asarray(matrix @ x - np.nan_to_num(residuals[here]) / ratio)
+
+    return weighted_blocks(problem, weights, right)
 
 
 def _covariance(problem: Problem, norm: Norm, residuals: Array, scale: Array) -> tuple[Array, float]:

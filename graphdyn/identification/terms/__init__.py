@@ -9,6 +9,7 @@ from graphdyn.identification.terms.friction import (
     Stribeck,
     Viscous,
 )
+from graphdyn.identification.terms.load_friction import LoadFriction, SmoothCoulomb
 from graphdyn.identification.terms.payload import KnownPayload, Payload, PayloadMass
 from graphdyn.identification.terms.rigid_bodies import KnownBodies, RigidBodies
 from graphdyn.identification.terms.term import Column, KnownTerm, Term
@@ -24,11 +25,13 @@ __all__ = [
     "KnownPayload",
     "KnownTerm",
     "KnownTorque",
+    "LoadFriction",
     "Offset",
     "Payload",
     "PayloadMass",
     "RigidBodies",
     "RotorInertia",
+    "SmoothCoulomb",
     "Stribeck",
     "Term",
     "UserColumns",

@@ -1,0 +1,141 @@
+"""One torque model, identified with several methods on the rows of a division."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from crosscheck.identifying.candidate_models import CandidateModel
+from crosscheck.identifying.holding_out import Division, Trial
+from crosscheck.identifying.identified_model import HeldOutPrediction, IdentifiedModel
+from crosscheck.identifying.methods import method_named
+from crosscheck.identifying.pinocchio_method import WithPinocchio
+from crosscheck.identifying.pooling import pooled
+from crosscheck.identifying.preparation import Preparation
+from crosscheck.identifying.wrench_method import FromWrenches
+from crosscheck.recordings import Recording
+from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.referee.subject import Subject
+from graphdyn.identification import (
+    Estimator,
+    MethodComparison,
+    MethodResult,
+    ResidualStatistics,
+    TorqueModel,
+    compare_methods,
+    residual_statistics,
+)
+from graphdyn.layout import Array
+
+TRIAL_POSES = 1
+"""Poses in which the mass matrix of a trial is tested: one, because a trial only predicts."""
+
+
+def identified_model(
+    subject: Subject,
+    candidate: CandidateModel,
+    division: Division,
+    preparation: Preparation,
+    *,
+    cut: bool,
+    poses: int,
+    progress: Callable[[str], None],
+) -> IdentifiedModel:
+    """cut: the arm is a chain out of a larger robot; progress: called with the name of every method that begins"""
+    torque_model = candidate.of(subject.model)
+    named = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
+    estimators = _with_referee(named, subject, cut)
+
+    def say(what: str) -> None:
+        progress(f"{candidate.name}: {what}" if candidate.name else what)
+
+    fit = preparation.problem(torque_model, division.fit)
+    comparison = compare_methods(fit, _fitted_to(estimators, division.fit), poses=poses, progress=say)
+    if all(trial.train is division.fit for trial in division.trials):
+        trials = [_predicted(trial, torque_model, preparation, comparison) for trial in division.trials]
+    else:
+        trials = [_tried(trial, torque_model, preparation, estimators, say) for trial in division.trials]
+    comparison = replace(comparison, results=tuple(_with_trials(result, trials) for result in comparison.results))
+    return IdentifiedModel(
+        subject=subject,
+        torque_model=torque_model,
+        fit=HeldOutPrediction(fit, preparation.times(division.fit), *_fitted(comparison)),
+        trials=tuple(prediction for prediction, _ in trials),
+        aside=tuple(_predicted(trial, torque_model, preparation, comparison)[0] for trial in division.aside),
+        comparison=comparison,
+        name=candidate.name,
+        cad_of=candidate.cad_of,
+    )
+
+
+Tried = tuple[HeldOutPrediction, MethodComparison]
+"""What a trial predicts, and the results that it comes from."""
+
+
+def _fitted(comparison: MethodComparison) -> tuple[dict[str, Array], dict[str, ResidualStatistics]]:
+    """Parameters and residuals of every method that has a result."""
+    answered = [result for result in comparison.results if result.estimate is not None]
+    return (
+        {result.name: result.estimate.parameters for result in answered if result.estimate},
+        {result.name: result.training for result in answered if result.training},
+    )
+
+
+def _predicted(
+    trial: Trial, torque_model: TorqueModel, preparation: Preparation, comparison: MethodComparison
+) -> Tried:
+    """The rows of a trial, predicted by results that are there already."""
+    problem = preparation.problem(torque_model, trial.test)
+    parameters, _ = _fitted(comparison)
+    statistics = residual_statistics(problem, np.array(list(parameters.values()))) if parameters else []
+    by_method = dict(zip(parameters, statistics, strict=True))
+    times = preparation.times(trial.test)
+    return HeldOutPrediction(problem, times, parameters, by_method, trial.name), comparison
+
+
+def _tried(
+    trial: Trial,
+    torque_model: TorqueModel,
+    preparation: Preparation,
+    estimators: Sequence[Estimator],
+    say: Callable[[str], None],
+) -> Tried:
+    """The rows of a trial, predicted by results from its own rows."""
+    train = preparation.problem(torque_model, trial.train)
+    found = compare_methods(train, _fitted_to(estimators, trial.train), poses=TRIAL_POSES, progress=say)
+    return _predicted(trial, torque_model, preparation, found)
+
+
+def _with_trials(result: MethodResult, trials: Sequence[Tried]) -> MethodResult:
+    """The result with the errors of all trials together; failed where it fails in one."""
+    if result.failure is not None:
+        return result
+    failures = [why for _, found in trials if (why := found.of(result.name).failure) is not None]
+    if failures:
+        return replace(result, failure=f"in {len(failures)} of {len(trials)} folds: {failures[0]}", estimate=None)
+    return replace(result, held_out=pooled([prediction.statistics[result.name] for prediction, _ in trials]))
+
+
+def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Estimator]:
+    """The estimators; those that need wrenches are given the recording."""
+    return [
+        replace(estimator, recording=recording)
+        if isinstance(estimator, FromWrenches) and not estimator.recording
+        else estimator
+        for estimator in estimators
+    ]
+
+
+def _with_referee(estimators: Sequence[Estimator], robot: Subject, cut: bool) -> list[Estimator]:
+    """The estimators; those on Pinocchio's regressor use its own reading of the file, where it can read it."""
+    wanting = [estimator for estimator in estimators if isinstance(estimator, WithPinocchio) and not estimator.referee]
+    if not wanting or robot.file is None:
+        return list(estimators)
+    try:
+        referee = PinocchioModel.from_urdf(Path(robot.file), robot.model, robot.locked, cut=cut)
+    except PinocchioRefuses:  # Pinocchio's model is then built from ours, as `graphdyn crosscheck` reports
+        return list(estimators)
+    return [replace(estimator, referee=referee) if estimator in wanting else estimator for estimator in estimators]

@@ -1,0 +1,141 @@
+"""Physically consistent least squares in which samples with large residuals count less: Huber's norm among real bodies.
+
+    minimise Σ_g Σ_t 2 ρ(e_gt / σ_g) + strength Σ_i d(P_i(x), P₀_i)
+    subject to P_i ⪰ margin · P₀_i for every body,  F_v, F_c, I_a ≥ 0
+
+by iterative reweighting: with the weights w(u) = ρ'(u) / u of the last residuals it is the program of
+ConsistentWithPrior (ConsistentLeastSquares without a metric). At a given σ the cost is convex, and each step lowers it.
+Stiction at standstill, slips and collisions then bend neither friction nor links. The strength of the prior comes from
+cross-validation with the weights that were found without a prior.
+
+Huber, Annals of Mathematical Statistics 35(1), 1964; Wensing, Kim and Slotine, IEEE Robotics and Automation Letters
+3(1), 2018; Lee, Wensing and Park, IEEE Transactions on Robotics 36(2), 2020.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from graphdyn.identification.compressed import CompressedEquations, merged
+from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
+from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
+from graphdyn.identification.consistent.explaining import consistent_estimate
+from graphdyn.identification.consistent.fit import MARGIN, WEAK, ConsistentFit, ConsistentProblem
+from graphdyn.identification.consistent.limits import Inequalities, PhysicalLimits, inequalities
+from graphdyn.identification.consistent.polishing import Metric
+from graphdyn.identification.cross_validation import Trained, cross_validation
+from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimators.consistent_prior import STRENGTHS
+from graphdyn.identification.estimators.robust_weights import Norm, huber, residuals_of, robust_scale, weighted_blocks
+from graphdyn.identification.estimators.weighted import weighted_solution
+from graphdyn.identification.prior import Prior
+from graphdyn.identification.problem import Problem, together
+from graphdyn.layout import Array
+
+SETTLED = 1e-2
+"""Converged where no joint's predicted torque moves by more than this part of its noise, root mean square."""
+
+MOST_ITERATIONS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class RobustConsistent:
+    """Huber's norm among bodies that can be real. Every iteration reads the recording and solves a cone program.
+
+    metric: distance from the prior, "entropic" or "pullback"; none without a prior
+    strength: of the prior; chosen by cross-validation from strengths if left out
+    prior, limits, margin: as in ConsistentLeastSquares
+    """
+
+    metric: Metric | None = None
+    strength: float | None = None
+    strengths: Sequence[float] = STRENGTHS
+    prior: Prior | None = None
+    limits: PhysicalLimits = field(default_factory=PhysicalLimits)
+    margin: float = MARGIN
+    reference: str = "Huber 1964; Wensing, Kim and Slotine 2018; Lee, Wensing and Park 2020"
+    assumptions: str = "most noise white, of its own size per joint, the rest outliers; every body is a real one"
+    needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
+
+    @property
+    def name(self) -> str:
+        return f"consistent, {self.metric} prior, Huber" if self.metric else "consistent, Huber"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Raises EstimationFailed, InvalidInput for limits that make no sense."""
+        bodies = unknown_bodies(problem.torque_model, self.prior)
+        limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
+        program = _Program(problem, bodies, limits, self.metric or "pullback", self.margin, huber())
+        start, _ = weighted_solution(problem.equations)
+        state = program.settled(residuals_of(problem, start.x), WEAK)
+        strength, remarks = 0.0 if self.metric is None else self.strength, bodies.remarks
+        if strength is None:
+            folds, ones = together(state.blocks), np.ones(problem.n_joints)
+
+            def trained(equations: CompressedEquations) -> Trained:
+                return lambda chosen: program.solve(equations, chosen)[1].parameters
+
+            choice = cross_validation(problem, ones, self.strengths, trained, folds=folds)
+            strength, remarks = choice.best, (*remarks, *choice.remarks)
+        iterations = state.iterations
+        if strength > 0:
+            state = program.settled(state.residuals, strength)
+            iterations += state.iterations
+        coordinates, fit = program.solve(merged(state.blocks), strength)
+        if not state.converged:
+            remarks += (f"stopped after {MOST_ITERATIONS} reweightings before the torques had settled",)
+        settings = {"strength": strength} if self.metric else {}
+        settings["mean weight"] = state.mean_weight
+        found = consistent_estimate(coordinates, fit, state.scale, remarks, settings)
+        return replace(found, covariance=None, iterations=iterations)
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """residuals (N, n), blocks with the weights of the residuals before, scale (n,) [N m or N]"""
+
+    residuals: Array
+    blocks: tuple[CompressedEquations, ...]
+    scale: Array
+    mean_weight: float
+    iterations: int
+    converged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Program:
+    problem: Problem
+    bodies: Bodies
+    limits: Inequalities
+    metric: Metric
+    margin: float
+    norm: Norm
+
+    def solve(self, equations: CompressedEquations, strength: float) -> tuple[PriorCoordinates, ConsistentFit]:
+        """Of equations whose weights are in them."""
+        weighted = equations.weighted(np.ones(equations.n_groups))
+        coordinates = prior_coordinates(self.problem.base, *weighted, self.bodies.prior, self.bodies.columns)
+        program = ConsistentProblem(coordinates, self.limits, metric=self.metric, margin=self.margin)
+        return coordinates, program.solve(strength)
+
+    def settled(self, residuals: Array, strength: float) -> _State:
+        """From these residuals on."""
+        used = self.problem.base.rank / self.problem.equations.counts.sum()
+        iteration, converged = 0, False
+        while not converged and iteration < MOST_ITERATIONS:
+            iteration += 1
+            scale = robust_scale(self.problem, residuals, used * self.problem.equations.counts)
+            weights = self.norm.weight(np.nan_to_num(residuals / scale))
+            blocks = weighted_blocks(self.problem, np.sqrt(weights) / scale)
+            x = self.problem.base.values(self.solve(merged(blocks), strength)[1].parameters)
+            before, residuals = residuals, residuals_of(self.problem, x)
+            step = np.sqrt(np.nanmean((residuals - before) ** 2, axis=0))
+            converged = bool(np.all(step <= SETTLED * scale))
+            if converged:
+                break
+        return _State(
+            residuals, blocks, scale, float(np.mean(weights, where=np.isfinite(before))), iteration, converged
+        )

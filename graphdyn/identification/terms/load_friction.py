@@ -1,0 +1,66 @@
+"""Friction of gears that grows with the load, and Coulomb friction with several widths.
+
+Hamon, Gautier and Garrec, "Dynamic identification of robots with a dry friction model depending on load and velocity",
+IEEE/RSJ IROS 2010; harmonic drives and worm gears lose a part of the torque that they transmit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._dynamics import gravity_torque
+from graphdyn._model import RobotModel
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.terms.friction import TORQUE, positive, smooth_sign
+from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
+from graphdyn.layout import Array
+
+WIDTHS = (0.02, 0.1, 0.5)
+"""[rad/s or m/s] Default widths of SmoothCoulomb: stiction, Stribeck's range, half the speed of slow motions."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadFriction:
+    """F_l |g_j(q)| sign(v) per joint: Coulomb friction as a part of the load that the gear transmits.
+
+    The load g is the torque of gravity on the model's own bodies, as from CAD, so that the torque stays linear in F_l.
+    width: as in Coulomb
+    """
+
+    width: ArrayLike | None = None
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return per_joint_columns(model, "load-dependent friction", "FL", "1", "1")
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        load = np.abs(gravity_torque(model, samples.q, base=samples.base))
+        return per_joint_rows(load * smooth_sign(samples.v, self.width))
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothCoulomb:
+    """Σ_k F_k tanh(v / width_k) per joint: a friction curve of any shape that saturates.
+
+    A narrow part that is positive beside a wide one that is negative is Stribeck friction.
+    widths: at least one, each one number for all joints or one per joint    (k,) or (k, n)  [rad/s or m/s]
+    """
+
+    widths: Sequence[ArrayLike] = WIDTHS
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        names: list[Column] = []
+        for k, widths in enumerate(self.widths, start=1):
+            per_joint = positive("width", widths, model.n_freedoms)
+            plain = per_joint_columns(model, "Coulomb friction", f"FC{k}", *TORQUE)
+            names += [
+                Column(f"{column.name} of width {width:g}", column.symbol, column.unit)
+                for column, width in zip(plain, per_joint, strict=True)
+            ]
+        return tuple(names)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return np.concatenate([per_joint_rows(smooth_sign(samples.v, width)) for width in self.widths], axis=-1)
