@@ -353,7 +353,8 @@ class TestParameters:
         load = KnownPayload([1.0, *[0.0] * 9])
         with_load = identified(["wls"], known=(load,))
         without = identified(["wls"])
-        lighter = without.body_parameters(without.shown()) - with_load.body_parameters(with_load.shown())
+        links = [found.body_parameters(found.comparison.of("WLS")) for found in (without, with_load)]
+        lighter = links[0] - links[1]
         model = virtual().subject.model
         assert mass_of_base(with_load, lighter) == pytest.approx(
             mass_of_base(with_load, load_parameters(model)), abs=1e-8

@@ -71,7 +71,7 @@ def _model(found: Identified, shown: MethodResult | None) -> IdentifiedModel:
 def _verdict(found: Identified) -> Verdict:
     chosen = found.recommendation
     if chosen.name is None:
-        reason = chosen.reason.partition(": ")[0] if chosen.doubts else chosen.reason
+        reason = chosen.reason.removesuffix(f": {'; '.join(chosen.doubts)}") if chosen.doubts else chosen.reason
         return Verdict("disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.")
     return Verdict("agrees", f"use {chosen.name}", f"It is {chosen.reason}.")
 

@@ -29,7 +29,7 @@ from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimate import Estimate
 from graphdyn.identification.estimators.consistent_prior import STRENGTHS
-from graphdyn.identification.estimators.robust_weights import Norm, huber, residuals_of, robust_scale, weighted_blocks
+from graphdyn.identification.estimators.robust_weights import HUBER, Norm, huber, residuals_of, robust_scale, weighted_blocks
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.prior import Prior
 from graphdyn.identification.problem import Problem, together
@@ -48,6 +48,7 @@ class RobustConsistent:
     metric: distance from the prior, "entropic" or "pullback"; none without a prior
     strength: of the prior; chosen by cross-validation from strengths if left out
     prior, limits, margin: as in ConsistentLeastSquares
+    threshold: residual, in units of the noise, from which samples count less
     """
 
     metric: Metric | None = None
@@ -56,6 +57,7 @@ class RobustConsistent:
     prior: Prior | None = None
     limits: PhysicalLimits = field(default_factory=PhysicalLimits)
     margin: float = MARGIN
+    threshold: float = HUBER
     reference: str = "Huber 1964; Wensing, Kim and Slotine 2018; Lee, Wensing and Park 2020"
     assumptions: str = "most noise white, of its own size per joint, the rest outliers; every body is a real one"
     needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
@@ -68,7 +70,7 @@ class RobustConsistent:
         """Raises EstimationFailed, InvalidInput for limits that make no sense."""
         bodies = unknown_bodies(problem.torque_model, self.prior)
         limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
-        program = _Program(problem, bodies, limits, self.metric or "pullback", self.margin, huber())
+        program = _Program(problem, bodies, limits, self.metric or "pullback", self.margin, huber(self.threshold))
         start, _ = weighted_solution(problem.equations)
         state = program.settled(residuals_of(problem, start.x), WEAK)
         strength, remarks = 0.0 if self.metric is None else self.strength, bodies.remarks

@@ -18,6 +18,10 @@ MEDIAN = 0.6745
 """Median of |u| for normal noise of unit deviation."""
 
 
+HUBER = 1.345
+"""Huber's threshold: 95 % efficient for normal noise."""
+
+
 @dataclass(frozen=True)
 class Norm:
     """influence: ψ(u); slope: ψ'(u)."""
@@ -30,7 +34,7 @@ class Norm:
         return np.divide(self.influence(u), u, out=np.ones_like(u), where=u != 0)
 
 
-def huber(c: float = 1.345) -> Norm:
+def huber(c: float = HUBER) -> Norm:
     return Norm(lambda u: np.clip(u, -c, c), lambda u: (np.abs(u) <= c).astype(float))
 
 
