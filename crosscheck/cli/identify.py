@@ -14,7 +14,14 @@ from crosscheck.cli import identify_options as options
 from crosscheck.cli.console import out, progress, say, warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
-from crosscheck.cli.identify_models import candidate_models, known_torques, method_shown, methods_of, payload_of
+from crosscheck.cli.identify_models import (
+    candidate_models,
+    known_torques,
+    method_shown,
+    methods_of,
+    payload_of,
+    scaled_torques,
+)
 from crosscheck.cli.model_file import models_of
 from crosscheck.cli.options import (
     EXAMPLES,
@@ -59,6 +66,7 @@ def run(
     stribeck_velocity: options.StribeckOption = None,
     term: options.TermOption = None,
     known_torque: options.KnownTorqueOption = None,
+    scaled_torque: options.ScaledTorqueOption = None,
     known_bodies: options.KnownBodiesOption = False,
     payload: options.PayloadOption = None,
     payload_on: options.PayloadLinkOption = None,
@@ -106,6 +114,7 @@ def run(
         )  # fmt: skip
     frozen = Frozen(locked_joints(lock) or None, chain, gravity)
     load, known_load = payload_of(payload, payload_on)
+    load += scaled_torques(scaled_torque)
     ways, known = methods_of(methods), (*known_torques(known_torque), *known_load)
     if models is None:
         compared = candidate_models(terms, width, stribeck_velocity, term, ways, load, known, known_bodies)

@@ -119,6 +119,16 @@ def known_torques(texts: list[str] | None) -> list[KnownTerm]:
     return [KnownTorque(foreign_function("--known-torque", text)) for text in texts or ()]  # type: ignore[arg-type]
 
 
+def scaled_torques(texts: Sequence[str] | None) -> list[Term]:
+    """--scaled-torque. Raises typer.BadParameter for a wrong FILE.py:NAME."""
+    from graphdyn.identification.terms import ScaledTorque
+
+    return [
+        ScaledTorque(foreign_function("--scaled-torque", text), text.rpartition(":")[2])  # type: ignore[arg-type]
+        for text in texts or ()
+    ]
+
+
 def method_shown(text: str) -> str:
     """--choose: the name in the table of a method that may be named as in --methods."""
     from crosscheck.identifying import METHODS, method_named

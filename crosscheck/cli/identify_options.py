@@ -78,6 +78,10 @@ KnownTorqueOption = Annotated[
     list[str] | None,
     typer.Option(metavar=FUNCTION, help="(q, v, a) → known torque (N, n), subtracted. Repeatable."),
 ]
+ScaledTorqueOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar=FUNCTION, help="The same, with an unknown factor: springs, counterbalances. Repeatable."),
+]
 KnownBodiesOption = Annotated[
     bool, typer.Option("--known-bodies", help="Take the links as in the URDF; identify drives and payload only.")
 ]

@@ -4,6 +4,7 @@
     terms = ["viscous", {term = "coulomb", width = 0.05}, "offset", "drives.py:Spring"]
     methods = ["wls", "consistent", {method = "pullback", strength = 1e6}]
     known_torques = ["drives.py:counterbalance"]
+    scaled_torques = ["drives.py:spring"]
     known_bodies = false
 
 Files are looked up beside the TOML file.
@@ -18,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from crosscheck.cli.identify_models import OF_A_METHOD, known_torques, links, made
+from crosscheck.cli.identify_models import OF_A_METHOD, known_torques, links, made, scaled_torques
 from graphdyn import InvalidInput
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from graphdyn.identification import Estimator
     from graphdyn.identification.terms import KnownTerm, Term
 
-KEYS = ("terms", "methods", "known_torques", "known_bodies")
+KEYS = ("terms", "methods", "known_torques", "scaled_torques", "known_bodies")
 
 
 def models_of(
@@ -51,11 +52,15 @@ def models_of(
         where = f"--models {file}: [{name}]"
         _check(where, table)
         bodies, known_links = links(_flag(f"{where} known_bodies", table.get("known_bodies", known_bodies)))
-        own = [_beside(file, text) for text in _entries(where, table, "known_torques") if isinstance(text, str)]
+        own, scaled = (
+            [_beside(file, text) for text in _entries(where, table, key) if isinstance(text, str)]
+            for key in ("known_torques", "scaled_torques")
+        )
         drives = [_term(where, file, entry) for entry in _entries(where, table, "terms")]
         chosen = [_method(where, file, entry) for entry in _entries(where, table, "methods")] or methods
         subtracted = (*known_links, *known, *known_torques(own))
-        found.append(CandidateModel(name, (*bodies, *load, *drives), subtracted, chosen))
+        terms = (*bodies, *load, *drives, *scaled_torques(scaled))
+        found.append(CandidateModel(name, terms, subtracted, chosen))
     return found
 
 

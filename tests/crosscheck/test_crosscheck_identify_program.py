@@ -33,6 +33,9 @@ from graphdyn.identification.terms import Offset
 def nothing(q, v, a):
     return 0 * q
 
+def square(q, v, a):
+    return q**2
+
 def offset():
     return Offset()
 
@@ -247,7 +250,7 @@ class TestModels:
             ("", "the file has no table; give one per torque model, such as [gears]"),
             ("x = 1", "[x] is no table; give one per torque model"),
             ("[a", "models.toml: "),
-            ("[a]\nkind = 1", "[a] kind: unknown; a torque model has terms, methods, known_torques, known_bodies"),
+            ("[a]\nkind = 1", "[a] kind: unknown; a torque model has terms, methods, known_torques, scaled_torques"),
             ("[a]\nmethods = []", "[a]: terms are missing; give a list, which may be empty"),
             ("[a]\nterms = 'viscous'", "[a] terms is 'viscous'; give a list of names"),
             ("[a]\nterms = [{width = 1}]", "names no term; write {term = NAME, …}"),
@@ -316,6 +319,8 @@ class TestOptions:
             f"{own}:offset",
             "--known-torque",
             f"{own}:nothing",
+            "--scaled-torque",
+            f"{own}:square",
             "--methods",
             f"wls,{own}:Prior",
             "--split",
@@ -328,6 +333,7 @@ class TestOptions:
         assert code in (0, 1), said
         assert "prior" in said
         assert "OFF_1" in said
+        assert " square " in said
 
     @pytest.mark.parametrize(
         ("payload", "expected"), [("unknown@0,0,0.1", "M_L"), ("unknown", "XX_L"), ("1@0,0,0.1", "FV_1")]

@@ -23,6 +23,7 @@ from graphdyn.identification.terms import (
     PayloadMass,
     RigidBodies,
     RotorInertia,
+    ScaledTorque,
     SmoothCoulomb,
     Stribeck,
     UserColumns,
@@ -109,6 +110,16 @@ def test_several_widths(samples):
     assert named[7] == ("O2 Coulomb friction of width 2", "FC2_2")
     with pytest.raises(InvalidInput, match=r"width is 0\.; give one positive number, or 6"):
         SmoothCoulomb([0.0]).columns(MODEL)
+
+
+def test_scaled_torque(samples):
+    term = ScaledTorque(lambda q, v, a: q * v, "spring")
+    assert np.array_equal(term.rows(MODEL, samples)[..., 0], samples.q * samples.v)
+    assert [(column.name, column.symbol, column.unit) for column in term.columns(MODEL)] == [
+        ("spring factor", "spring", "1")
+    ]
+    with pytest.raises(InvalidInput, match=r"the torque 'spring' answers shape \(20,\)"):
+        ScaledTorque(lambda q, v, a: q[:, 0], "spring").rows(MODEL, samples)
 
 
 def test_units_of_a_slide():

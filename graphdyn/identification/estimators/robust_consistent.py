@@ -29,7 +29,14 @@ from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimate import Estimate
 from graphdyn.identification.estimators.consistent_prior import STRENGTHS
-from graphdyn.identification.estimators.robust_weights import HUBER, Norm, huber, residuals_of, robust_scale, weighted_blocks
+from graphdyn.identification.estimators.robust_weights import (
+    HUBER,
+    Norm,
+    huber,
+    residuals_of,
+    robust_scale,
+    weighted_blocks,
+)
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.prior import Prior
 from graphdyn.identification.problem import Problem, together

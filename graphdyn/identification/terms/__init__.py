@@ -13,7 +13,7 @@ from graphdyn.identification.terms.load_friction import LoadFriction, SmoothCoul
 from graphdyn.identification.terms.payload import KnownPayload, Payload, PayloadMass
 from graphdyn.identification.terms.rigid_bodies import KnownBodies, RigidBodies
 from graphdyn.identification.terms.term import Column, KnownTerm, Term
-from graphdyn.identification.terms.user_columns import KnownTorque, UserColumns
+from graphdyn.identification.terms.user_columns import KnownTorque, ScaledTorque, UserColumns
 
 __all__ = [
     "AsymmetricCoulomb",
@@ -31,6 +31,7 @@ __all__ = [
     "PayloadMass",
     "RigidBodies",
     "RotorInertia",
+    "ScaledTorque",
     "SmoothCoulomb",
     "Stribeck",
     "Term",

@@ -46,6 +46,24 @@ class UserColumns:
 
 
 @dataclass(frozen=True, eq=False)
+class ScaledTorque:
+    """A torque (q, v, a) → (N, n) [N m or N] of known form and unknown scale: a spring, a gas spring, a counterbalance.
+
+    name: of the factor, which is 1 where the law is right
+    """
+
+    law: Law
+    name: str = "scale"
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return (Column(f"{self.name} factor", self.name, "1"),)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        who = f"the torque '{self.name}'"
+        return _checked(who, _answer(who, self.law, samples), samples.q.shape)[..., None]
+
+
+@dataclass(frozen=True, eq=False)
 class KnownTorque:
     """A known torque (q, v, a) → (N, n) [N m or N] that the drives supply in addition; it is subtracted.
 
