@@ -3,9 +3,10 @@
     python kr300.py kr300.json kr300.urdf        bodies as published
     python kr300.py kr300.json kr300.urdf 150    with a load of 150 kg in link_6
 
-    graphdyn identify … --robot kr300.urdf --known-torque kr300.py:counterbalance --known-torque kr300.py:rotors
+    graphdyn identify … --robot kr300.urdf --known-torque kr300.py:counterbalance --terms viscous,coulomb,offset,rotor
 
-The two functions read kr300.json in the working folder, or the file that the environment variable KR300_JSON names.
+counterbalance reads kr300.json in the working folder, or the file that the environment variable KR300_JSON names.
+The published rotor inertias do not fit the recording and are not used: fit them.
 Joint angles are those of the standard Denavit-Hartenberg kinematics, as kr300.toml makes them of the measured ones.
 Data and figures: JonasWeigand/Robot_Identification on GitHub (MIT).
 """
@@ -26,15 +27,12 @@ LEAST_RADIUS = 0.1
 
 
 class Kr300:
-    """robot; zero (6,): added to measured angles [rad]; rotor_inertia (6,): at the joints; payload_center (3,): of
-    the load in the frame of link_6 [m]
-    """
+    """robot; zero (6,): added to measured angles [rad]; payload_center (3,): of the load in the frame of link_6 [m]"""
 
     def __init__(self, path, payload=0.0):
         self._figures = json.loads(Path(path).read_text(encoding="utf-8"))
         self.zero = np.deg2rad(self._figures["zero_of_measured_angles_deg"])
         links = self._figures["links"]
-        self.rotor_inertia = np.array([link["Jm"] * link["G"] ** 2 for link in links])
         ends = [_link_end(link) for link in links]
         load_center = [0, 0, self._figures["payload"]["centre_z"]]
         self.payload_center = ends[-1].rotation @ load_center + ends[-1].translation
@@ -71,11 +69,6 @@ def published():
 def counterbalance(q, v, a):
     """(N, 6) [N m]"""
     return published().counterbalance(q[:, 1])[:, None] * np.eye(6)[1]
-
-
-def rotors(q, v, a):
-    """(N, 6) [N m]"""
-    return published().rotor_inertia * a
 
 
 def _body(name, link, end):

@@ -20,8 +20,11 @@ from crosscheck.cli import app, own_process
 DOCUMENT = REPOSITORY / "docs" / "identification.md"
 RECORDINGS = {"ur10": DATA / "data" / "ur10", "tx40": DATA / "data" / "tx40", "kr300": DATA / "data" / "kr300"}
 
-UR10_HELD_OUT = [1.6, 3.0, 1.75, 0.45, 0.5]
-"""[N m] joints 1-5, fitted to rows 60-1700, predicted from 1750 on."""
+UR10_HELD_OUT = [1.54, 2.88, 1.56, 0.38, 0.49]
+"""[N m] joints 1-5, fitted to rows 60-1700, predicted from 1750 on: no worse than without load friction and weights."""
+
+UR10_LAST_JOINT = 0.61
+"""[N m] joint 6, over its moving rows of these; 0.60 measured."""
 
 TX40_TRAINING = [5.0, 5.0, 8.0, 8.0, 11.0, 11.0]
 """[%] over the fitted rows."""
@@ -68,8 +71,8 @@ def table(arm_heading, number=0):
     for line in part.splitlines()[2:]:
         if not line.startswith("|"):
             break
-        name, *cells = (cell.strip(" *") for cell in line.strip("|").split("|"))
-        rows[name] = [float(cell) for cell in cells[:6]]
+        name, *cells = (cell.strip(" *%") for cell in line.strip("|").split("|"))
+        rows[name] = [float(cell) for cell in cells if cell.replace(".", "").isdigit()]
     return rows
 
 
@@ -105,14 +108,20 @@ def as_printed(row, numbers):
 
 
 def test_ur10(run):
+    """The rows kept aside, without the folds, which take a minute; the fit does not depend on them."""
     (command,) = commands("ur10")
-    recording = run(command, "--methods", "wls,wls-pinocchio,consistent,graph")
-    assert (recording["rank"], recording["structural_rank"]) == (60, 60)
-    assert recording["recommended"] == "consistent"
-    best = method(recording, "consistent")
-    assert np.all(np.array(best["held_out"]["everything"]["rms"][:5]) <= UR10_HELD_OUT)
-    for name in ("WLS", "consistent"):
-        as_printed(table("UR10")[name], method(recording, name)["held_out"]["everything"]["rms"])
+    folds = command.index("--folds")
+    recording = run([*command[:folds], *command[folds + 2 :]], "--methods", "wls,wls-pinocchio,consistent-huber,graph")
+    (smooth,) = [model for model in recording["other_models"] if model["name"] == "smooth"]
+    assert (recording["rank"], recording["structural_rank"], smooth["rank"]) == (60, 60, 69)
+    rows = {row["name"]: row["trials"][0] for row in recording["comparison"] if row["trials"]}
+    for name in ("stribeck: WLS", "stribeck, CAD links: WLS", "smooth: WLS", "smooth: consistent, Huber"):
+        as_printed(table("UR10")[name][1:7], rows[name]["everything"]["rms"])
+        assert rows[name]["moving"]["rms"][5] == pytest.approx(table("UR10")[name][7], rel=PRINTED, abs=0.01)
+    best = rows["smooth: consistent, Huber"]
+    assert np.all(np.array(best["everything"]["rms"][:5]) <= UR10_HELD_OUT)
+    assert best["moving"]["rms"][5] <= UR10_LAST_JOINT
+    assert recording["recommended"] in ("stribeck: consistent, Huber", "smooth: consistent, Huber")
     assert not method(recording, "WLS")["consistent"]
     assert method(recording, "WLS")["positive_definite"] == 0
     assert method(recording, "WLS, Pinocchio's regressor")["settings"]["difference"] <= SAME_REGRESSOR
@@ -138,7 +147,7 @@ def test_tx40_predicts(run):
     assert best["name"] == "consistent, entropic prior"
     assert np.all(np.array(best["held_out"]["everything"]["rms"]) <= TX40_HELD_OUT)
     for name in ("WLS", best["name"]):
-        as_printed(table("TX40")[name], method(recording, name)["held_out"]["everything"]["rms"])
+        as_printed(table("TX40")[name][:6], method(recording, name)["held_out"]["everything"]["rms"])
 
 
 @pytest.fixture
@@ -171,11 +180,15 @@ def test_kr300_prior_predicts_better(run, kr300):
     Path("prior.py").write_text(FIXED_PRIOR, encoding="utf-8")
     recording = run(everything, "--methods", "wls,prior.py:fixed")
     unconstrained, best = method(recording, "WLS"), method(recording, "consistent, entropic prior")
-    assert recording["recommended"] == best["name"]
-    errors = [100 * np.array(found["held_out"]["moving"]["relative"]) for found in (unconstrained, best)]
-    assert errors[1].mean() < errors[0].mean()
-    as_printed(table("KR300")["WLS"], errors[0])
-    assert errors[1].mean() == pytest.approx(np.mean(table("KR300")[best["name"]]), rel=NEAR)
+    (cad,) = recording["other_models"][0]["methods"]
+    assert recording["recommended"] == "CAD links: WLS"
+    wls, prior, known = (
+        100 * np.array(found["held_out"]["moving"]["relative"]) for found in (unconstrained, best, cad)
+    )
+    assert known.mean() < prior.mean() < wls.mean()
+    as_printed(table("KR300")["WLS"][:6], wls)
+    as_printed(table("KR300")["CAD links: WLS"][:6], known)
+    assert prior.mean() == pytest.approx(table("KR300")[best["name"]][6], rel=NEAR)
     assert best["consistent"]
     assert best["positive_definite"] == POSES > unconstrained["positive_definite"]
 

@@ -74,8 +74,11 @@ def _kr300():
     import kr300
 
     model, mapping = kr300.Kr300(os.environ["KR300_JSON"], 150.0).robot, load_mapping(MAPPINGS / "kr300.toml")
-    options = {"terms": (RigidBodies(), *friction_terms(["viscous", "coulomb", "offset"])), "held_out": Folds(3)}
-    options |= {"known": (KnownTorque(kr300.counterbalance), KnownTorque(kr300.rotors))}
+    options = {
+        "terms": (RigidBodies(), *friction_terms(["viscous", "coulomb", "offset", "rotor"])),
+        "held_out": Folds(3),
+    }
+    options |= {"known": (KnownTorque(kr300.counterbalance),)}
     options |= {"preparation": Preparation(8.0, min_speed=0.02)}
     options |= {"methods": ["wls", ConsistentWithPrior("pullback", strength=1000.0)]}
     path = DATA / "kr300" / "kr300_A.csv"

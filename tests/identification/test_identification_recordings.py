@@ -131,7 +131,7 @@ def test_ur10():
 
 
 def test_kr300_payload():
-    """CAD bodies, rotors and counterbalance known, friction and one mass unknown; about 150 kg were mounted.
+    """CAD bodies and counterbalance known, drives and one mass unknown; about 150 kg were mounted.
 
     The residuals are far from white, and the deviations for white noise several times too small.
     """
@@ -141,10 +141,9 @@ def test_kr300_payload():
     measured = (np.stack([recording[f"{name}_{k}"] for k in range(1, 7)], axis=-1) for name in names)
     q, v, tau = (low_pass(x, 250.0, 8.0) for x in measured)
     samples = Samples(q + kr300.zero, v, np.gradient(v, 0.004, axis=0), tau)
-    terms = (PayloadMass(kr300.payload_center), Viscous(), Coulomb(), Offset())
+    terms = (PayloadMass(kr300.payload_center), Viscous(), Coulomb(), Offset(), RotorInertia())
     counterbalance = KnownTorque(lambda q, v, a: kr300.counterbalance(q[:, 1])[:, None] * np.eye(6)[1])
-    rotors = KnownTorque(lambda q, v, a: kr300.rotor_inertia * a)
-    model = TorqueModel(kr300.robot, terms, (KnownBodies(), counterbalance, rotors))
+    model = TorqueModel(kr300.robot, terms, (KnownBodies(), counterbalance))
     problem = Problem(model, samples, min_speed=0.02)
     comparison = compare_methods(problem, [WeightedLeastSquares(), OrdinaryLeastSquares()], poses=POSES)
     for result in comparison.results:
