@@ -32,8 +32,8 @@ TX40_TRAINING = [5.0, 5.0, 8.0, 8.0, 11.0, 11.0]
 TX40_HELD_OUT = [2.0, 4.4, 1.2, 0.65, 1.2, 1.3]
 """[N m] fitted to 0-6 s, predicted on 6-9 s."""
 
-PAYLOAD, PAYLOAD_WITHIN = 150.0, 10.0
-"""[kg] on the KR300."""
+PAYLOAD, DEVIATIONS = 150.0, 3.0
+"""[kg] on the KR300, about; found within so many of its own σ blocks, which are a lower bound."""
 
 SAME_REGRESSOR = 1e-10
 """Pinocchio's against ours, relative to the torque; measured below 3e-14."""
@@ -45,7 +45,7 @@ FIXED_PRIOR = """
 from graphdyn.identification import ConsistentWithPrior
 
 def fixed():
-    return ConsistentWithPrior("entropic", strength=1000.0)
+    return ConsistentWithPrior("entropic", strength=1e7)
 """
 """The strength that cross-validation chooses for the whole recording; choosing it in every fold takes a minute."""
 
@@ -137,17 +137,18 @@ def test_tx40_with_the_settings_of_the_literature(run):
     assert (recording["rank"], recording["structural_rank"]) == (61, 61)
     for name in ("WLS", "consistent"):
         assert np.all(100 * np.array(method(recording, name)["fitted_relative"]) <= TX40_TRAINING), name
-    assert recording["recommended"] == "consistent"
+    assert recording["recommended"] == "CAD links: WLS"
 
 
 def test_tx40_predicts(run):
     _, prediction = commands("tx40")
     recording = run(prediction, "--methods", "wls,entropic")
-    best = method(recording, recording["recommended"])
-    assert best["name"] == "consistent, entropic prior"
-    assert np.all(np.array(best["held_out"]["everything"]["rms"]) <= TX40_HELD_OUT)
-    for name in ("WLS", best["name"]):
-        as_printed(table("TX40")[name][:6], method(recording, name)["held_out"]["everything"]["rms"])
+    assert recording["recommended"] == "CAD links: WLS"
+    assert "consistent, entropic prior has 13.0 % and more parameters" in recording["reason"]
+    rows = {row["name"]: row["trials"][0]["everything"]["rms"] for row in recording["comparison"]}
+    assert np.all(np.array(rows["consistent, entropic prior"]) <= TX40_HELD_OUT)
+    for name, rms in rows.items():
+        as_printed(table("TX40")[name][:6], rms)
 
 
 @pytest.fixture
@@ -169,7 +170,7 @@ def test_kr300_payload(run, kr300):
     kr300("kr300.urdf", 0.0)
     recording = run(payload, "--methods", "wls")
     (mass,) = [row for row in recording["shown"]["base_parameters"] if row["name"] == "M_L"]
-    assert mass["value"] == pytest.approx(PAYLOAD, abs=PAYLOAD_WITHIN)
+    assert mass["value"] == pytest.approx(PAYLOAD, abs=DEVIATIONS * mass["block_deviation"])
     assert mass["block_deviation"] > 3 * mass["deviation"]
     assert recording["shown"]["bodies"][5]["identified"]["m"] == pytest.approx(17.78 + mass["value"])
 
