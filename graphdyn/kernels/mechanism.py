@@ -30,6 +30,8 @@ class Link:
     rotation, translation: placement of the joint axes at q = 0, in joint axes of the inside body
     link_axes: Q, from joint axes to link axes
     mass, center_of_mass, first_moment, tensor: m, c, m c, I about O_j
+    slide: how far O_j lies along p_j from the link origin
+    quarters, offset: the angle is q + offset + quarters π/2
     """
 
     inside: int
@@ -41,6 +43,9 @@ class Link:
     center_of_mass: Scalars
     first_moment: Scalars
     tensor: Scalars
+    slide: float = 0.0
+    quarters: int = 0
+    offset: float = 0.0
 
 
 def links(model: RobotModel) -> tuple[Link, ...]:
@@ -66,7 +71,14 @@ def links(model: RobotModel) -> tuple[Link, ...]:
     return tuple(result)
 
 
-def rounded(matrix: Array) -> Array:
-    """A rotation with entries of 0 and ±1 where it has them but for rounding."""
-    nearest = np.round(matrix)
-    return np.where(np.abs(matrix - nearest) <= ROUNDING, nearest, matrix)
+def rounded(rotation: Array) -> Array:
+    """With 0 and ±1 where rounding has left something else."""
+    nearest = np.round(rotation)
+    cleaned: Array = np.where(np.abs(rotation - nearest) <= ROUNDING, nearest, rotation)
+    return cleaned
+
+
+def without_rounding(values: Array, size: float) -> Array:
+    """With 0 where rounding has left something else of a sum; size: of the terms."""
+    cleaned: Array = np.where(np.abs(values) <= ROUNDING * size, 0.0, values)
+    return cleaned

@@ -113,9 +113,15 @@ def places(links: Sequence[Link], q: Sequence[Any]) -> list[Place]:
     return [
         Place(link.rotation, 1.0, 0.0, link.translation + link.rotation @ (E_Z * x))
         if link.prismatic
-        else Place(link.rotation, x.cosine, x.sine, link.translation)
+        else Place(link.rotation, *_cosine_and_sine(x + link.offset, link.quarters), link.translation)
         for link, x in zip(links, q, strict=True)
     ]
+
+
+def _cosine_and_sine(angle: Any, quarters: int) -> tuple[Any, Any]:
+    """Of the angle plus this many quarter turns, 0 … 3."""
+    c, s = angle.cosine, angle.sine
+    return ((c, s), (-s, c), (-c, -s), (s, -c))[quarters]
 
 
 def motions(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[Any], a: Sequence[Any]) -> list[Motion]:
@@ -165,8 +171,21 @@ def twists(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[A
 def inertial_wrench(link: Link, motion: Motion) -> tuple[Scalars, Scalars]:
     """Force, and moment about O_j, that the motion of body j takes: Eq. (22), (23) moved to the link origin."""
     force = link.mass * motion.compensated + motion.spread() @ link.first_moment
-    momentum = cross(motion.omega, link.tensor @ motion.omega)
-    return force, link.tensor @ motion.alpha + momentum + cross(link.first_moment, motion.compensated)
+    return force, rotary_moment(link.tensor, motion) + cross(link.first_moment, motion.compensated)
+
+
+def rotary_moment(tensor: Scalars, motion: Motion) -> Scalars:
+    """I ω̇ + ω × I ω, summed by the entries of I, whose factors are entries of the spread or common products."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
+    (x, y, z), (alpha_x, alpha_y, alpha_z), spread = motion.omega, motion.alpha, motion.spread()
+    return np.array(
+        [
+            xx * alpha_x + (zz - yy) * (y * z) + yz * (y * y - z * z) - xy * spread[2, 0] + xz * spread[1, 0],
+            yy * alpha_y + (xx - zz) * (z * x) + xz * (z * z - x * x) - yz * spread[0, 1] + xy * spread[2, 1],
+            zz * alpha_z + (yy - xx) * (x * y) + xy * (x * x - y * y) - xz * spread[1, 2] + yz * spread[0, 2],
+        ],
+        dtype=object,
+    )
 
 
 def stacked(vectors: Sequence[Scalars]) -> list[Any]:

@@ -15,11 +15,13 @@ from graphdyn.kernels.couplings import projected
 from graphdyn.kernels.differentiation import substituted
 from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.kernels.frames import fixed_frame
+from graphdyn.kernels.joint_frames import slid, turned
 from graphdyn.kernels.mechanism import Link, links
 from graphdyn.kernels.motion import Root
 from graphdyn.kernels.reactions import Wrench, in_joint_axes
 from graphdyn.kernels.recursions import ARRAYS, RECURSIONS, ArraySpec
 from graphdyn.kernels.regressors import joint_torque_regressor
+from graphdyn.kernels.regrouping import regrouped
 from graphdyn.kernels.vectors import scalars, zeros
 from graphdyn.layout import BODY_FREEDOMS, Array
 
@@ -27,6 +29,17 @@ GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,),
 """The input ground of a base that moves, column after column: the fields of motion.Root that are not constant."""
 
 GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND.values())
+
+
+REDUCTIONS = (slid, turned, regrouped)
+"""What makes a robot with the same answers for its joints from fewer constants. Its bodies have none of their own."""
+
+JOINT_ARRAYS = {
+    *("a", "tau", "pivots", "power", "bias_torque", "gravity_torque", "static_torque"),
+    *("mass_matrix", "mass_matrix_inverse", "coriolis_matrix", "da_dq", "da_dv", "da_dtau"),
+    *("dtau_dq", "dtau_dv", "dtau_da", "d2tau_dqdq", "d2tau_dqdv", "d2tau_dqda", "d2tau_dvdv"),
+}
+"""Answers for the joints. A request for nothing else is recorded on the reduced robot."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +86,7 @@ def record_equations(
     Inputs are q, v, a, tau, extra (n n_extra) and, if weighted, weights (n), one for each equation; the output is
     COLUMNS.
     """
-    sample = Sample(model, Request("joint_torque_regressor", ()))
+    sample = Sample(model, Request("joint_torque_regressor", ("joint_torque_regressor",)))
     matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.of_joints("v"), sample.of_joints("a"))
     if model.couplings:
         flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAYS)["joint_torque_regressor"]
@@ -96,6 +109,9 @@ class Sample:
     def __init__(self, model: RobotModel, request: Request) -> None:
         self.model = model
         self.links: tuple[Link, ...] = links(model)
+        if JOINT_ARRAYS.issuperset(request.outputs) and not model.chords:  # these hold bodies
+            for reduced in REDUCTIONS:
+                self.links = reduced(self.links)
         self.recorder = Recorder()
         self.given: list[Any] = []
         self.n, self.freedoms = model.n_freedoms, model.freedoms

@@ -44,7 +44,8 @@ class Inputs:
 
 def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
     """a (n), and required (n): the torque that holds the joints that are not free, tau elsewhere."""
-    sample = Sample(model, Request("forward_dynamics", (), inputs.external, inputs.moving_base))
+    outputs = ("a", "parameters") if inputs.parameters else ("a",)  # these belong to links that are not reduced
+    sample = Sample(model, Request("forward_dynamics", outputs, inputs.external, inputs.moving_base))
     n = sample.n
     bodies = sample.links
     if inputs.parameters:
@@ -67,7 +68,7 @@ def record_law(model: RobotModel, law: Law) -> Program:
     "pd": K_p (q_d - q) + K_d (v_d - v) + the torque of the reference
     "computed_torque": the inverse dynamics of a_d + K_p (q_d - q) + K_d (v_d - v)
     """
-    sample = Sample(model, Request("inverse_dynamics", ()))
+    sample = Sample(model, Request("inverse_dynamics", ("tau",)))
     n, v = sample.n, sample.input("v")
     reference, gains = sample.input("reference", 3 * n), sample.input("gains", 2 * n)
     wanted = [
