@@ -20,7 +20,7 @@ Recorded = tuple[Any, ...]
 COLUMNS = "columns"
 """The output of a program whose columns are not stored but multiplied with each other (graphdyn.kernels.gram)."""
 
-Watch = Literal["finite", "magnitude", "minimum"]
+Watch = Literal["finite", "squares", "minimum"]
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Program:
     inputs: widths of the input arrays, by name
     outputs: operations whose values are the columns of each output array, by name
     watches: what to remember of all samples together: operations by kind; "finite" is 0 if all are finite and NaN if
-        not, "magnitude" the largest |x|, "minimum" the smallest x, both without regard to NaN
+        not, "squares" the sum of x², "minimum" the smallest x without regard to NaN
     """
 
     operations: tuple[Recorded, ...]

@@ -1,4 +1,4 @@
-"""M = Lᵀ D L along the tree, and M⁻¹ from it.
+"""M = Lᵀ D L along the tree, M⁻¹ from it, and M x = b.
 
 Featherstone, "Rigid Body Dynamics Algorithms", 2008, section 6.5. L is lower triangular with ones on its diagonal, and
 like M it has entries only where one joint lies between the other and the ground; D_j is the inertia about joint j with
@@ -27,6 +27,21 @@ def mass_matrix_inverse(links: Sequence[Link], q: Sequence[Any]) -> dict[str, li
 def inverted_mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> tuple[Scalars, list[Any]]:
     """M⁻¹ (n, n), and the pivots D (n)."""
     return inverted(mass_matrix(links, q), [list(_inside(links, j)) for j in range(len(links))])
+
+
+def solved(links: Sequence[Link], q: Sequence[Any], right: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """x of M x = right (n), and the pivots D (n)."""
+    inside = [list(_inside(links, j)) for j in range(len(links))]
+    lower, pivots = _factors(mass_matrix(links, q), inside)
+    x = list(right)
+    for j in reversed(range(len(links))):
+        for i in inside[j]:
+            x[i] = x[i] - lower[j, i] * x[j]
+    x = [value * reciprocal(pivot) for value, pivot in zip(x, pivots, strict=True)]
+    for j in range(len(links)):
+        for i in reversed(inside[j]):
+            x[j] = x[j] - lower[j, i] * x[i]
+    return x, pivots
 
 
 def inverted(mass: Scalars, inside: Sequence[Sequence[int]]) -> tuple[Scalars, list[Any]]:

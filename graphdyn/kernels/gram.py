@@ -24,8 +24,7 @@ from graphdyn.kernels.gram_emitter import STRIDE, emit_gram, products, tiles
 from graphdyn.kernels.interpreter import Interpreter, merged
 from graphdyn.kernels.native import MachineCode, host_lanes, watch_memory, watches
 from graphdyn.kernels.programs import record_equations
-from graphdyn.kernels.running import LONGEST, chosen_backend, in_threads, turned_back
-from graphdyn.kernels.sines import FARTHEST
+from graphdyn.kernels.running import LONGEST, beyond_reduction, chosen_backend, in_threads, turned_back
 from graphdyn.layout import Array
 
 PORTION = 8192
@@ -92,7 +91,7 @@ class TorqueGram:
             arrays["weights"] = weights
         inputs = {name: np.require(arrays[name], float, ["C", "ALIGNED"]) for name in self._program.inputs}
         matrices, seen = self._sum(inputs, threads)
-        if seen["magnitude"] > FARTHEST:
+        if beyond_reduction(self.model, q, seen):
             return self._sum({**inputs, "q": turned_back(self.model, inputs["q"])}, threads)
         return matrices, seen
 

@@ -87,18 +87,14 @@ class Interpreter:
 
 def merged(kind: Watch, values: list[float]) -> float:
     """What several watches have seen together."""
-    if kind == "finite":
-        return float(sum(values))
-    return max(values, default=0.0) if kind == "magnitude" else min(values, default=np.inf)
+    return min(values, default=np.inf) if kind == "minimum" else float(sum(values))
 
 
 def _watched(kind: Watch, values: Array) -> float:
-    with np.errstate(invalid="ignore"):
-        if kind == "finite":
-            return float(np.sum(values - values))
-        if kind == "magnitude":
-            return float(np.fmax.reduce(np.abs(values), initial=0.0))
-        return float(np.fmin.reduce(np.atleast_1d(values), initial=np.inf))
+    with np.errstate(invalid="ignore", over="ignore"):
+        if kind == "minimum":
+            return float(np.fmin.reduce(np.atleast_1d(values), initial=np.inf))
+        return float(np.sum(values * 0.0 if kind == "finite" else values * values))
 
 
 def _last_uses(program: Program) -> list[list[int]]:

@@ -23,6 +23,7 @@ from graphdyn.kernels.recursions import ARRAYS, RECURSIONS, ArraySpec
 from graphdyn.kernels.regressors import joint_torque_regressor
 from graphdyn.kernels.regrouping import regrouped
 from graphdyn.kernels.vectors import scalars, zeros
+from graphdyn.kernels.watching import sufficient
 from graphdyn.layout import BODY_FREEDOMS, Array
 
 GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "compensated": (3,)}
@@ -64,18 +65,20 @@ def record(model: RobotModel, request: Request) -> Program:
     with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
         answer = compute(sample, sample.q, *map(sample.of_joints, recursion.inputs[1:]))
     outputs = answer if isinstance(answer, dict) else {recursion.outputs[0]: list(np.array(answer, object).ravel())}
-    if "coupling_multipliers" in recursion.outputs:
+    if "coupling_multipliers" in request.outputs:
         needed = outputs["tau"] if model.couplings else sample.zeros
         outputs["coupling_multipliers"] = list(scalars(model.freedoms.reactions) @ np.array(needed, dtype=object))
         outputs.setdefault("chord_multipliers", [])
     if model.couplings:
         outputs = sample.of_freedoms(outputs, shapes={} if compute is recursion.coupled else ARRAYS)
-    watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
+    watches: dict[Watch, list[Any]] = {"squares": sample.turning}
     if "pivots" in outputs:
         scales = [1.0] * len(outputs["pivots"]) if compute is recursion.closed else pivot_scales(model)
         outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], scales, strict=True)]
         watches["minimum"] = outputs["pivots"]
-    return sample.recorder.program({name: outputs[name] for name in request.outputs}, watches)
+    wanted = {name: outputs[name] for name in request.outputs}
+    watches["finite"] = sufficient(sample.recorder, sample.given, [x for columns in wanted.values() for x in columns])
+    return sample.recorder.program(wanted, watches)
 
 
 def record_equations(
@@ -99,7 +102,7 @@ def record_equations(
     equations: list[Any] = []
     for j, further in enumerate(extra.reshape(sample.n, n_extra)):
         equations += [x * weights[j] for x in (*matrix[j, used[j]], *further, tau[j])]
-    watches: dict[Watch, list[Any]] = {"finite": sample.given, "magnitude": sample.turning}
+    watches: dict[Watch, list[Any]] = {"finite": sample.given, "squares": sample.turning}
     return sample.recorder.program({COLUMNS: equations}, watches), used
 
 
@@ -109,7 +112,8 @@ class Sample:
     def __init__(self, model: RobotModel, request: Request) -> None:
         self.model = model
         self.links: tuple[Link, ...] = links(model)
-        if JOINT_ARRAYS.issuperset(request.outputs) and not model.chords:  # these hold bodies
+        self.joints_only = JOINT_ARRAYS.issuperset(request.outputs) and not model.chords  # these hold bodies
+        if self.joints_only:
             for reduced in REDUCTIONS:
                 self.links = reduced(self.links)
         self.recorder = Recorder()

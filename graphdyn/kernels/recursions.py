@@ -15,6 +15,7 @@ from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics, power
 from graphdyn.kernels.positions import maximal_state
 from graphdyn.kernels.regressors import body_regressors, joint_torque_regressor, momentum_regressor
+from graphdyn.kernels.short_chains import is_short, joint_accelerations
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS
 
 
@@ -99,8 +100,8 @@ class Recursion:
     """inputs: names of its joint arrays, q first; outputs: of what it answers.
 
     compute(sample, *inputs) answers scalars: the one output, of any shape, or a dictionary of flat outputs; the sample
-        (graphdyn.kernels.programs) has the links of the robot, its root, total mass, external wrenches, and zeros for
-        an input
+        (graphdyn.kernels.programs) has the links of the robot, its root, total mass, external wrenches, zeros for an
+        input, and joints_only: whether nothing but answers for the joints is asked for
     on_moving_base: whether the motion of the base matters
     of_frame: whether it speaks of a frame, which the sample has
     coupled: compute for robots with couplings, where it is not the projection of what compute answers for all joints
@@ -138,7 +139,9 @@ RECURSIONS = {
     "forward_dynamics": Recursion(
         ("q", "v", "tau"),
         ("a", *_REACTIONS),
-        lambda x, q, v, tau: forward_dynamics(x.links, x.root, q, v, tau, x.external),
+        lambda x, q, v, tau: (joint_accelerations if x.joints_only and is_short(x.links) else forward_dynamics)(
+            x.links, x.root, q, v, tau, x.external
+        ),
         coupled=lambda x, q, v, tau: couplings.forward_dynamics(x.links, x.root, x.freedoms, q, v, tau, x.external),
         closed=lambda x, q, v, tau: loops.forward_dynamics(x.model, x.links, x.root, q, v, tau, x.external),
     ),

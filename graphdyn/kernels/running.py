@@ -84,9 +84,18 @@ def run(
     ready = prepared(model, request)
     count = len(inputs["q"])
     watches = _in_parallel(ready, inputs, outputs, count, threads)
-    if watches.get("magnitude", 0.0) > FARTHEST:
+    if beyond_reduction(model, inputs["q"], watches):
         return _in_parallel(ready, {**inputs, "q": turned_back(model, inputs["q"])}, outputs, count, threads)
     return watches
+
+
+def beyond_reduction(model: RobotModel, q: Array, seen: Mapping[Watch, float]) -> bool:
+    """Whether an angle is beyond FARTHEST. What was seen of all, the sum of squares, mostly denies it."""
+    if seen.get("squares", 0.0) <= FARTHEST**2:
+        return False
+    turning = [not joint.is_prismatic for joint in model.joints]
+    positions = model.joint_positions(q) if model.couplings else q  # one that is NaN does not spoil those beside it
+    return bool(np.any(np.abs(positions[:, turning]) > FARTHEST))
 
 
 def turned_back(model: RobotModel, q: Array) -> Array:

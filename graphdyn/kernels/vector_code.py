@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.sines import COSINE, HALF_PI, QUARTER_TURNS, ROUND, SINE
 
-WATCHES: tuple[Watch, ...] = ("finite", "magnitude", "minimum")
+WATCHES: tuple[Watch, ...] = ("finite", "squares", "minimum")
 """Order in which code keeps what it watches: one vector each."""
 
 WATCH_STARTS = (0.0, 0.0, float("inf"))
@@ -32,7 +32,7 @@ class VectorCode:
 
     @property
     def declarations(self) -> list[str]:
-        functions = {"fabs": 1, "maxnum": 2, "minnum": 2, "fma": 3}
+        functions = {"fabs": 1, "fma": 3}
         return [
             f"declare {self.vector} @llvm.{name}.v{self.lanes}f64({', '.join([self.vector] * count)})"
             for name, count in functions.items()
@@ -108,14 +108,13 @@ class VectorCode:
         return values
 
     def watch(self, kind: Watch, values: Sequence[str], seen: str) -> str:
-        """What was seen before, and in these values."""
+        """What was seen before, and in these values: one instruction for each."""
         for value in values:
-            if kind == "finite":
-                seen = self.let(f"fadd {self.vector} {seen}, {self.let(f'fsub {self.vector} {value}, {value}')}")
-            elif kind == "magnitude":
-                seen = self.call("maxnum", seen, self.call("fabs", value))
+            if kind == "minimum":  # the comparison with NaN fails
+                less = self.let(f"fcmp olt {self.vector} {value}, {seen}")
+                seen = self.let(f"select <{self.lanes} x i1> {less}, {self.vector} {value}, {self.vector} {seen}")
             else:
-                seen = self.call("minnum", seen, value)
+                seen = self.call("fma", value, self.splat(0.0) if kind == "finite" else value, seen)
         return seen
 
     def sine_and_cosine(self, angle: str) -> tuple[str, str]:
