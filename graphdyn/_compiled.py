@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel, check_model
 from graphdyn._verbs import VERBS
+from graphdyn.kernels.native import CompiledProgram
 from graphdyn.kernels.programs import Request
+from graphdyn.kernels.python_calls import python_call
 from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
 from graphdyn.kernels.running import prepared
 from graphdyn.layout import Array
@@ -46,22 +48,33 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
         self.result: Array = answer[0].reshape(shape)
         for unfilled in (*self.arguments.values(), self.result):
             unfilled.fill(np.nan)
-        self._own = tuple(self.arguments.values()), n, backend.bind_row(memory, {output: answer}), self.result
+        self._places = tuple(self.arguments.values())
+        self._own_result: Array = self.result
+        self._n, self._run = n, backend.bind_row(memory, {output: answer})
+        self._otherwise = self._filled
+        self._call: Callable[..., Array] = self._otherwise
+        if isinstance(backend, CompiledProgram):
+            self._row = backend.row_call(memory, {output: answer})
+            call = python_call(self._row, self._places, self._own_result, self._otherwise)
+            self._call = call or self._otherwise
 
     def __call__(self, *arguments: ArrayLike) -> Array:
-        result: Array
-        places, n, run, result = self._own  # once: looking for what a thread owns takes as long as half the rest
+        result: Array = self._call(*arguments)
+        return result
+
+    def _filled(self, *arguments: ArrayLike) -> Array:
+        """The call with anything that NumPy turns into vectors."""
         if arguments:
             try:
-                for place, argument in zip(places, arguments, strict=True):
-                    if len(argument) != n:  # type: ignore[arg-type]  # a third of the time that shape takes
+                for place, argument in zip(self._places, arguments, strict=True):
+                    if len(argument) != self._n:  # type: ignore[arg-type]  # a third of the time that shape takes
                         raise ValueError
                     place[...] = argument  # half of the time that [:] takes
             except (TypeError, ValueError):
                 self._refuse_shapes(arguments)
                 raise
-        run()
-        return result
+        self._run()
+        return self._own_result
 
     def __reduce__(self) -> tuple[Callable[[RobotModel, str], SingleState], tuple[RobotModel, str]]:
         return SingleState, (self.model, self._name)

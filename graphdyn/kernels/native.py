@@ -7,6 +7,7 @@ import os
 import threading
 import weakref
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -28,6 +29,15 @@ inherit a lock, this one or llvmlite's own, that a thread of the parent held and
 
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(before=compiling.acquire, after_in_parent=compiling.release, after_in_child=compiling.release)
+
+
+@dataclass(frozen=True, eq=False)
+class RowCall:
+    """A call on one row of memory: function(table), both addresses, and what they need to live."""
+
+    function: int
+    table: int
+    owned: tuple[object, ...]
 
 
 class CompiledProgram:
@@ -63,11 +73,17 @@ class CompiledProgram:
 
         Not for several threads at once.
         """
-        owned = [self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)]
-        table = (ctypes.c_void_p * len(owned))(*(array.ctypes.data for array in owned))
-        call = partial(self._single, ctypes.c_void_p(ctypes.addressof(table)))
-        call.owned = (self, table, owned)  # type: ignore[attr-defined]  # what the addresses point to lives as long
+        row = self.row_call(inputs, outputs)
+        call = partial(self._single, ctypes.c_void_p(row.table))
+        call.owned = row  # type: ignore[attr-defined]  # what the addresses point to lives as long
         return call
+
+    def row_call(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> RowCall:
+        """The same for machine code that calls it."""
+        arrays = [self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)]
+        table = (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))
+        function = ctypes.cast(self._single, ctypes.c_void_p).value or 0
+        return RowCall(function, ctypes.addressof(table), (self, table, arrays))
 
     def _arrays(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> list[Array]:
         return [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]

@@ -65,7 +65,7 @@ def record(model: RobotModel, request: Request) -> Program:
     with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
         answer = compute(sample, sample.q, *map(sample.of_joints, recursion.inputs[1:]))
     outputs = answer if isinstance(answer, dict) else {recursion.outputs[0]: list(np.array(answer, object).ravel())}
-    if "coupling_multipliers" in request.outputs:
+    if "coupling_multipliers" in recursion.outputs:
         needed = outputs["tau"] if model.couplings else sample.zeros
         outputs["coupling_multipliers"] = list(scalars(model.freedoms.reactions) @ np.array(needed, dtype=object))
         outputs.setdefault("chord_multipliers", [])

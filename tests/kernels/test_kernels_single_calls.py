@@ -1,10 +1,13 @@
 """graphdyn.compile: what a single-state call takes, and what it refuses."""
 
+import sys
+
 import numpy as np
 import pytest
 
 import graphdyn
 from graphdyn import InvalidInput, kr500
+from graphdyn.kernels import python_calls
 
 
 @pytest.fixture(scope="module")
@@ -29,6 +32,61 @@ class TestArguments:
     def test_lists_are_taken(self, call, state):
         given = call(*state).copy()
         assert np.array_equal(call(*state.tolist()), given)
+
+    @pytest.mark.parametrize(
+        "form",
+        [
+            lambda x: np.repeat(x, 2)[::2],
+            lambda x: x[::-1].copy()[::-1],
+            lambda x: x.astype(">f8"),
+            lambda x: x.astype(object),
+            lambda x: x.view(np.recarray),
+            lambda x: np.frombuffer(b"." + x.tobytes(), dtype=np.uint8)[1:].view(float),
+            tuple,
+        ],
+        ids=["strided", "reversed", "swapped", "objects", "subclass", "unaligned", "tuple"],
+    )
+    def test_whatever_numpy_takes(self, call, state, form):
+        """Vectors that machine code copies itself, and all others."""
+        given = call(*state).copy()
+        call(*np.zeros((3, 6)))
+        assert np.array_equal(call(state[0], form(state[1]), state[2]), given)
+        single = state.astype(np.float32)
+        assert np.array_equal(call(*single), call(*single.astype(float)))
+
+    def test_arrays_of_another_layout(self, state, monkeypatch):
+        """Where the fields of an array are elsewhere, the calls go through Python."""
+        given = graphdyn.compile(kr500()).joint_torques(*state)
+        python_calls._as_expected.cache_clear()
+        monkeypatch.setattr(python_calls, "DESCRIPTION", python_calls.DESCRIPTION + 8)
+        monkeypatch.setattr(python_calls, "_POINTERS", (*python_calls._POINTERS, python_calls.DESCRIPTION))
+        try:
+            assert not python_calls._as_expected()
+            assert np.array_equal(graphdyn.compile(kr500()).joint_torques(*state), given)
+        finally:
+            python_calls._as_expected.cache_clear()
+
+    def test_calls_hold_nothing(self, call, state):
+        """References to arguments and results are given back, and errors leave nothing behind."""
+
+        def references():
+            return [sys.getrefcount(x) for x in (call.result, state[0], *call.arguments.values())]
+
+        arguments = [*state]
+        before = references()
+        for _ in range(50):
+            call(*arguments)
+            call()
+            with pytest.raises(InvalidInput):
+                call(*arguments[:2])
+        assert references() == before
+
+    def test_replaced_attributes_change_nothing(self, state):
+        call = graphdyn.compile(kr500()).joint_torques
+        given = call(*state).copy()
+        call.result, call.arguments = None, {}
+        assert np.array_equal(call(*state), given)
+        assert np.array_equal(call(), given)
 
     def test_another_number_of_arguments(self, call, state):
         with pytest.raises(InvalidInput, match=r"2 arguments given; give q, v, a, or none where their memory is fill"):
