@@ -1,6 +1,6 @@
 """The door for array arguments: convert once, broadcast, refuse the rest by name, shape and row."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -9,6 +9,8 @@ from numpy.typing import ArrayLike
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel, check_model
 from graphdyn.layout import BODY_FREEDOMS, Array
+
+FLOAT = np.dtype(float)
 
 
 class Batched(Protocol):
@@ -31,6 +33,8 @@ def joint_arrays(
     """
     check_model(model)
     n = model.n_freedoms
+    if base is None and not check and _are_plain(arguments.values(), n):
+        return arguments  # type: ignore[return-value]
     arrays, leading = {}, {}
     for name, value in arguments.items():
         trailing = (model.n_bodies, BODY_FREEDOMS) if name == "external_wrenches" else (n,)
@@ -56,6 +60,19 @@ def joint_arrays(
         name: array if leading[name] == common else np.broadcast_to(array, common + array.shape[len(leading[name]) :])
         for name, array in arrays.items()
     }
+
+
+def _are_plain(arguments: Iterable[ArrayLike | None], n: int) -> bool:
+    """Whether these are float arrays (…, n) of one shape, as they mostly are: nothing to convert, nothing to refuse."""
+    shape = None
+    for array in arguments:
+        if type(array) is not np.ndarray or array.dtype is not FLOAT or array.shape[-1:] != (n,):
+            return False
+        if shape is None:
+            shape = array.shape
+        if array.shape != shape:
+            return False
+    return True
 
 
 def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:

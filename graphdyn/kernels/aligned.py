@@ -4,6 +4,7 @@ from math import prod
 
 import numpy as np
 
+from graphdyn.kernels.array_layout import address
 from graphdyn.layout import Array
 
 LINE = 64
@@ -14,5 +15,5 @@ def aligned(shape: tuple[int, ...]) -> Array:
     """An uninitialised array."""
     size = prod(shape)
     memory = np.empty(size + LINE // 8)
-    start = -memory.ctypes.data % LINE // 8
+    start = -address(memory) % LINE // 8
     return memory[start : start + size].reshape(shape)

@@ -91,6 +91,8 @@ def _plain(array: Array) -> Array:
 
 def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
     """(…, *trailing) seen as (N, width)."""
+    if array.ndim == 2 and len(batch) == 1:
+        return array
     return array.reshape(prod(batch), prod(array.shape[len(batch) :]))
 
 

@@ -49,13 +49,12 @@ exit:
 def emit(program: Program, lanes: int) -> str:
     """Code of two functions.
 
-    rows(first, last, bypass, scratch, inputs…, outputs…, watched) for at least as many rows as lanes. bypass: whether
-    the results are so large that they should not push everything else out of the caches. scratch: a copy of `scratch`,
-    aligned to a vector. The last rows are done together with some before them, which are done twice, with the same
-    result.
+    batch(first, last, bypass, table) for at least as many rows as lanes. bypass: whether the results are so large that
+    they should not push everything else out of the caches. table: addresses of scratch, inputs, outputs and watched.
+    scratch: a copy of `scratch`, aligned to a vector. The last rows are done together with some before them, which are
+    done twice, with the same result.
 
-    single(table) for as many rows as lanes: the table holds the addresses of scratch, inputs, outputs and watched, so
-    that a call has one argument.
+    single(table) for as many rows as lanes.
     """
     code = VectorCode(lanes)
     values = code.values(
@@ -75,13 +74,13 @@ def emit(program: Program, lanes: int) -> str:
     seen = [code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCHES]
     arrays = [f"in.{name}" for name in program.inputs] + [f"out.{name}" for name in program.outputs]
     parameters = ["i64 %first", "i64 %last", "i1 %bypass", *(f"ptr noalias %{name}" for name in ("scratch", *arrays))]
-    header = f"define void @rows({', '.join(parameters)}, ptr %watched)"
+    header = f"define internal void @rows({', '.join(parameters)}, ptr %watched)"
     return "\n".join(
         [
             *code.declarations,
             _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1),
             *loop_over_rows(code, header, seen),
-            *_single(lanes, 2 + len(arrays)),
+            *_with_table(lanes, 2 + len(arrays)),
         ]
     )
 
@@ -101,11 +100,22 @@ def _rows(code: VectorCode, array: str, width: int) -> str:
     return code.let(f"getelementptr double, ptr %{array}, i64 {code.let(f'mul i64 %row, {width}')}")
 
 
-def _single(lanes: int, count: int) -> list[str]:
+def _with_table(lanes: int, count: int) -> list[str]:
+    """The same functions for callers to whom every argument costs time."""
     loads = [
         line
         for k in range(count)
         for line in (f"  %at{k} = getelementptr ptr, ptr %table, i64 {k}", f"  %p{k} = load ptr, ptr %at{k}")
     ]
-    arguments = ", ".join(["i64 0", f"i64 {lanes}", "i1 false", *(f"ptr %p{k}" for k in range(count))])
-    return ["define void @single(ptr %table) {", *loads, f"  call void @rows({arguments})", "  ret void", "}"]
+    pointers = ", ".join(f"ptr %p{k}" for k in range(count))
+    return [
+        "define void @batch(i64 %first, i64 %last, i1 zeroext %bypass, ptr %table) {",
+        *loads,
+        f"  call void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})",
+        "  ret void",
+        "}",
+        "define void @single(ptr %table) {",
+        f"  call void @batch(i64 0, i64 {lanes}, i1 zeroext false, ptr %table)",
+        "  ret void",
+        "}",
+    ]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from graphdyn._model import RobotModel
 from graphdyn.kernels.aligned import aligned
+from graphdyn.kernels.array_layout import address
 from graphdyn.kernels.expressions import COLUMNS, Program, Watch
 from graphdyn.kernels.gram_emitter import STRIDE, emit_gram, products, tiles
 from graphdyn.kernels.interpreter import Interpreter, merged
@@ -152,7 +153,7 @@ class CompiledGram:
         self._gram = self._code.function("gram", prototype)
 
     def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
-        addresses = [inputs[name].ctypes.data for name in self._program.inputs]
+        addresses = [address(inputs[name]) for name in self._program.inputs]
         rest = self._rest.bind(inputs)
 
         def run(first: int, last: int) -> tuple[Array, Seen]:
@@ -186,5 +187,5 @@ class CompiledGram:
         watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
         if first < last:
             scratch = aligned((sum(self._groups), STRIDE * self.lanes))
-            self._gram(first, last, scratch.ctypes.data, *addresses, sums.ctypes.data, watched.ctypes.data)
+            self._gram(first, last, address(scratch), *addresses, address(sums), address(watched))
         return sums.sum(axis=1), watches(self._program, watched)

@@ -8,12 +8,13 @@ import threading
 import weakref
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from graphdyn.kernels.aligned import aligned
+from graphdyn.kernels.array_layout import address
 from graphdyn.kernels.emitter import emit, scratch
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.interpreter import Run, merged
@@ -48,22 +49,22 @@ class CompiledProgram:
         self.lanes = host_lanes() if lanes is None else lanes
         self._code = MachineCode(emit(program, self.lanes))
         self._scratch = scratch(program, self.lanes)
-        pointers = [ctypes.c_void_p] * (2 + len(program.inputs) + len(program.outputs))
-        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, *pointers)
-        self._rows = self._code.function("rows", prototype)
+        self._table = ctypes.c_void_p * (2 + len(program.inputs) + len(program.outputs))
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p)
+        self._batch = self._code.function("batch", prototype)
         # keeps the interpreter lock: releasing it would take longer than the computation
         self._single = self._code.function("single", ctypes.PYFUNCTYPE(None, ctypes.c_void_p))
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """run(first, last) for C-contiguous arrays (N, width), as Interpreter.bind gives."""
-        addresses = [array.ctypes.data for array in self._arrays(inputs, outputs)]
+        addresses = [address(array) for array in self._arrays(inputs, outputs)]
         bypass = sum(outputs[name].nbytes for name in self._program.outputs) > CACHE
 
         def run(first: int, last: int) -> dict[Watch, float]:
             if last - first < self.lanes:
                 return self._short(first, last, inputs, outputs)
             rows, watched = self._own_scratch(), watch_memory(self.lanes)
-            self._rows(first, last, bypass, rows.ctypes.data, *addresses, watched.ctypes.data)
+            self._batch(first, last, bypass, self._table(address(rows), *addresses, address(watched)))
             return watches(self._program, watched)
 
         return run
@@ -81,7 +82,7 @@ class CompiledProgram:
     def row_call(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> RowCall:
         """The same for machine code that calls it."""
         arrays = [self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)]
-        table = (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))
+        table = self._table(*map(address, arrays))
         function = ctypes.cast(self._single, ctypes.c_void_p).value or 0
         return RowCall(function, ctypes.addressof(table), (self, table, arrays))
 
@@ -89,6 +90,8 @@ class CompiledProgram:
         return [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]
 
     def _own_scratch(self) -> Array:
+        if not self._scratch.size:
+            return self._scratch
         rows = aligned(self._scratch.shape)
         rows[:] = self._scratch
         return rows
@@ -108,12 +111,18 @@ class CompiledProgram:
 
 def watch_memory(lanes: int) -> Array:
     """Where compiled code watches, before it has seen anything."""
+    return _watch_starts(lanes).copy()
+
+
+@cache
+def _watch_starts(lanes: int) -> Array:
     return np.repeat(np.array(WATCH_STARTS)[:, None], lanes, axis=1)
 
 
 def watches(program: Program, watched: Array) -> dict[Watch, float]:
     """What compiled code has seen, all lanes together."""
-    return {kind: merged(kind, watched[WATCHES.index(kind)].tolist()) for kind in program.watches}
+    rows = dict(zip(WATCHES, watched.tolist(), strict=True))
+    return {kind: merged(kind, rows[kind]) for kind in program.watches}
 
 
 class MachineCode:

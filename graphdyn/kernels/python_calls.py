@@ -1,28 +1,21 @@
 """Single-state calls as C functions of Python: arguments that are plain float64 vectors are copied without NumPy.
 
-Compiled for a number of arguments and their length. Machine code reads the fields of NumPy's arrays where NumPy's C
-interface has them (PyArrayObject_fields, the same in NumPy 1 and 2), which is tried out first. Whatever else is given
-goes to a Python function, which takes anything that NumPy does and refuses the rest.
+Compiled for a number of arguments and their length. Machine code reads the fields of NumPy's arrays. Whatever else is
+given goes to a Python function, which takes anything that NumPy does and refuses the rest.
 """
 
 from __future__ import annotations
 
 import ctypes
-import platform
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
 
+from graphdyn.kernels.array_layout import DATA, DESCRIPTION, DIMENSIONS, SHAPE, STRIDES, TYPE, address, is_known
 from graphdyn.kernels.native import MachineCode, RowCall
 from graphdyn.layout import Array
-
-HEAD = object.__basicsize__
-"""Bytes of every Python object before its own fields; the last eight are its type."""
-
-TYPE, DATA, DIMENSIONS, SHAPE, STRIDES, DESCRIPTION = (HEAD + offset for offset in (-8, 0, 8, 16, 24, 40))
-"""Offsets in an array."""
 
 FASTCALL = 0x80
 """METH_FASTCALL: arguments as a C array and their number."""
@@ -36,11 +29,9 @@ def python_call(
     otherwise: called with whatever is no plain vector of that length
     None where arrays have another layout. All that is given must live as long as the call.
     """
-    if not _as_expected():
+    if not is_known():
         return None
-    table = np.array(
-        [row.function, row.table, id(result), id(otherwise), *(array.ctypes.data for array in arguments)], dtype=np.intp
-    )
+    table = np.array([row.function, row.table, id(result), id(otherwise), *map(address, arguments)], dtype=np.intp)
     definition = _definition(len(arguments), len(arguments[0]))
     make = ctypes.pythonapi.PyCFunction_NewEx
     make.restype, make.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
@@ -67,31 +58,6 @@ def _definition(count: int, n: int) -> _MethodDefinition:
     definition = _MethodDefinition(b"single_state", address, FASTCALL, None)
     definition.code = code  # lives as long
     return definition
-
-
-@cache
-def _as_expected() -> bool:
-    """Whether arrays have their fields where they are looked for."""
-    if platform.python_implementation() != "CPython" or ctypes.sizeof(ctypes.c_void_p) != 8:
-        return False
-    probe = np.zeros((7, 5, 3))[:, :4, :2]
-    pointers = {offset: ctypes.c_void_p.from_address(id(probe) + offset).value for offset in _POINTERS}
-    found = (
-        pointers[TYPE] == id(np.ndarray),
-        pointers[DATA] == probe.ctypes.data,
-        ctypes.c_int.from_address(id(probe) + DIMENSIONS).value == probe.ndim,
-        pointers[DESCRIPTION] == id(np.dtype(float)),
-    )
-    if not all(found):
-        return False
-    sizes = ctypes.c_ssize_t * probe.ndim
-    return all(
-        tuple(sizes.from_address(pointers[offset] or 0)) == expected
-        for offset, expected in ((SHAPE, probe.shape), (STRIDES, probe.strides))
-    )
-
-
-_POINTERS = (TYPE, DATA, SHAPE, STRIDES, DESCRIPTION)
 
 
 def _address(function: Any) -> int:

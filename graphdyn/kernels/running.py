@@ -170,8 +170,11 @@ def _in_parallel(
     ready: Prepared, inputs: Mapping[str, Array], outputs: Mapping[str, Array], count: int, threads: int | None
 ) -> dict[Watch, float]:
     bound = ready.backend.bind(inputs, outputs)
+    work = count * ready.program.arithmetic // WORTH_A_THREAD
+    if work < 2 or threads == 1:
+        return bound(0, count)
     threads = cores() if threads is None else threads
-    parts = max(1, min(threads, count * ready.program.arithmetic // WORTH_A_THREAD))
+    parts = min(threads, work)
     ends = [count * part // parts for part in range(parts + 1)]
     seen = in_threads(bound, list(pairwise(ends)), threads)
     return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in ready.program.watches}
