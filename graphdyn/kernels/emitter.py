@@ -15,13 +15,25 @@ from graphdyn.layout import Array
 WIDE = 16
 """Columns from which rows are assembled first: below, writing whole lines does not pay."""
 
-_DELIVER = """define internal void @deliver(ptr noalias %to, ptr noalias %from, i64 %count, i1 %bypass) {{
+_DELIVER = """define internal void @few(ptr noalias %to, ptr noalias %from, i64 %first, i64 %last) {{
 entry:
-  %address = ptrtoint ptr %to to i64
-  %offset = and i64 %address, {mask}
-  %aligned = icmp eq i64 %offset, 0
-  %past = and i1 %aligned, %bypass
-  br i1 %past, label %lines, label %plain
+  %any = icmp slt i64 %first, %last
+  br i1 %any, label %loop, label %exit
+loop:
+  %i = phi i64 [ %first, %entry ], [ %next, %loop ]
+  %i.from = getelementptr double, ptr %from, i64 %i
+  %i.to = getelementptr double, ptr %to, i64 %i
+  %i.value = load double, ptr %i.from, align 8
+  store double %i.value, ptr %i.to, align 8
+  %next = add i64 %i, 1
+  %more = icmp slt i64 %next, %last
+  br i1 %more, label %loop, label %exit
+exit:
+  ret void
+}}
+define internal void @deliver(ptr noalias %to, ptr noalias %from, i64 %count, i1 %bypass) {{
+entry:
+  br i1 %bypass, label %before, label %plain
 plain:
   %i = phi i64 [ 0, %entry ], [ %i.next, %plain ]
   %i.from = getelementptr {vector}, ptr %from, i64 %i
@@ -31,19 +43,37 @@ plain:
   %i.next = add i64 %i, 1
   %i.more = icmp slt i64 %i.next, %count
   br i1 %i.more, label %plain, label %exit
+before:
+  %address = ptrtoint ptr %to to i64
+  %negative = sub i64 0, %address
+  %bytes = and i64 %negative, {mask}
+  %head = udiv i64 %bytes, 8
+  %total = mul i64 %count, {lanes}
+  %body = sub i64 %total, %head
+  %whole = udiv i64 %body, {lanes}
+  %covered = mul i64 %whole, {lanes}
+  %tail = add i64 %head, %covered
+  call void @few(ptr %to, ptr %from, i64 0, i64 %head)
+  %lines.from = getelementptr double, ptr %from, i64 %head
+  %lines.to = getelementptr double, ptr %to, i64 %head
+  br label %lines
 lines:
-  %k = phi i64 [ 0, %entry ], [ %k.next, %lines ]
-  %k.from = getelementptr {vector}, ptr %from, i64 %k
-  %k.to = getelementptr {vector}, ptr %to, i64 %k
+  %k = phi i64 [ 0, %before ], [ %k.next, %lines ]
+  %k.from = getelementptr {vector}, ptr %lines.from, i64 %k
+  %k.to = getelementptr {vector}, ptr %lines.to, i64 %k
   %k.value = load {vector}, ptr %k.from, align 8
   store {vector} %k.value, ptr %k.to, align {bytes}, !nontemporal !0
   %k.next = add i64 %k, 1
-  %k.more = icmp slt i64 %k.next, %count
-  br i1 %k.more, label %lines, label %exit
+  %k.more = icmp slt i64 %k.next, %whole
+  br i1 %k.more, label %lines, label %after
+after:
+  call void @few(ptr %to, ptr %from, i64 %tail, i64 %total)
+  br label %exit
 exit:
   ret void
 }}
 !0 = !{{i32 1}}"""
+"""Rows to where they are wanted: past the caches whole lines, and single numbers before and after these."""
 
 
 def emit(program: Program, lanes: int) -> str:
@@ -78,7 +108,7 @@ def emit(program: Program, lanes: int) -> str:
     return "\n".join(
         [
             *code.declarations,
-            _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1),
+            _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1, lanes=lanes),
             *loop_over_rows(code, header, seen),
             *_with_table(lanes, 2 + len(arrays)),
         ]

@@ -79,11 +79,15 @@ def test_large_results_that_bypass_the_caches_are_the_same(back_end):
         large = graphdyn.joint_torque_regressor(MODEL, q, v, a, method="recursive")
         parts = [slice(k, k + 100) for k in range(0, count, 100)]
         small = [graphdyn.joint_torque_regressor(MODEL, q[k], v[k], a[k], method="recursive") for k in parts]
-        shifted = np.empty(count * width + 1)[1:].reshape(large.shape)
-        graphdyn.joint_torque_regressor(MODEL, q, v, a, out=shifted)
+        for shift in range(8):
+            memory = np.full(count * width + 16, 7.0)
+            shifted = memory[shift : shift + count * width].reshape(large.shape)
+            graphdyn.joint_torque_regressor(MODEL, q, v, a, out=shifted)
+            assert np.array_equal(large, shifted)
+            assert np.all(memory[:shift] == 7.0)
+            assert np.all(memory[shift + count * width :] == 7.0)
     assert large.nbytes > CACHE
     assert np.array_equal(large, np.concatenate(small))
-    assert np.array_equal(large, shifted)
 
 
 def test_blocks_of_the_interpreter_are_not_seen(monkeypatch):
