@@ -50,7 +50,7 @@ def run(
 
     All take turns in one run: medians, quartiles and ratios, with the accuracy of each against Pinocchio. Inverse and
     forward dynamics, all multipliers, regressors, derivatives, a Jacobian, matrices and energy, identification with its
-    memory, single states, first calls, and curves over batch, bodies and threads, beside what this machine could do at
+    memory, calls with few states, first calls, and curves over batch, bodies and threads, beside what this machine could do at
     best. MuJoCo and CasADi take part where they are installed (pip install 'graphdyn[peers]').
     """
     import urdf

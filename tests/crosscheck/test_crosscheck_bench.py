@@ -33,12 +33,14 @@ from crosscheck.report.text import as_text
 from crosscheck.report.versions import versions
 from crosscheck.studies.bench import benchmark, casadi_forms, cold, graphdyn_forms, identification, mujoco_forms
 from crosscheck.studies.bench.benchmark import PARTS, Effort, thread_numbers
+from crosscheck.studies.bench.calls import CALLS, CallWork, contenders
 from crosscheck.studies.bench.casadi_forms import CasadiRefuses
 from crosscheck.studies.bench.chains import chain
 from crosscheck.studies.bench.cold import in_fresh_process
 from crosscheck.studies.bench.contender import LEAST_SHARE, Entry, Measured
 from crosscheck.studies.bench.curves import Line
-from crosscheck.studies.bench.floor import REQUESTS, Floor, Machine, floating_point_operations, machine
+from crosscheck.studies.bench.floor import REQUESTS, Floor, Machine, machine
+from crosscheck.studies.bench.instructions import floating_point_operations, fused_instructions
 from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
 from crosscheck.studies.bench.states import FEW, random_states
@@ -73,6 +75,7 @@ WORKS = (
     "everything",
     "regressor",
     *DERIVED,
+    *CALLS,
     "single_inverse",
     "single_forward",
 )
@@ -132,8 +135,8 @@ class TestShown:
         assert ratio_span_text((2.5, 40.0)) == "2.5 … 40×"
 
     def test_machine(self, found):
-        text = said(replace(found, machine=(Machine(lanes=4, threads=1, operations=4e10, bandwidth=1.2e10),)))
-        assert "machine, 1 thread 40 GFlop/s in vectors of 4, 12 GB/s at best" in text
+        text = said(replace(found, machine=(Machine(4, 1, operations=4e10, instructions=3e10, bandwidth=1.2e10),)))
+        assert "machine, 1 thread 40 GFlop/s and 30 G instructions/s in vectors of 4, 12 GB/s at best" in text
 
     def test_identification(self, found):
         """Two microseconds per sample, of a million samples."""
@@ -150,7 +153,7 @@ class TestShown:
         """Three times as long as the machine needs at least."""
         (work, *others) = found.works
         entries = tuple(replace(entry, times=Times((2e-7, 3e-7, 4e-7))) for entry in work.entries)
-        floor = Floor(operations=1000, bytes=200, seconds=1e-7)
+        floor = Floor(operations=1000, instructions=700, products=600, bytes=200, seconds=1e-7)
         works = (replace(work, entries=entries), *others)
         html = page(bench_report(replace(found, works=works, floors={**found.floors, work.name: floor})), [], {})
         assert "take at least 100 ns; measured 3× as much, at best 2×" in html
@@ -177,6 +180,8 @@ class TestNumbers:
             assert names[work] == {
                 ("graphdyn compiled", 1), ("graphdyn compiled", 2), ("graphdyn NumPy", 1), ("pinocchio loop", 1)
             }  # fmt: skip
+        for work in CALLS:
+            assert names[work] == {("graphdyn compiled", 1), ("pinocchio InParallel", 1)}
         assert names["single_forward"] == {
             (n, 1) for n in ("graphdyn.compile", "graphdyn.compile, in place", "pin.aba")
         }
@@ -236,8 +241,10 @@ class TestNumbers:
         limits = found.machine[0]
         assert limits.threads == 1
         for floor in found.floors.values():
-            needed = floor.operations / limits.operations, floor.bytes / limits.bandwidth
-            assert floor.seconds == pytest.approx(max(needed), rel=ROUNDED)
+            assert floor.operations / 2 <= floor.instructions < floor.operations
+            assert floor.products < floor.instructions
+            needed = floor.instructions / limits.instructions, 2 * floor.products / limits.operations
+            assert floor.seconds == pytest.approx(max(*needed, floor.bytes / limits.bandwidth), rel=ROUNDED)
 
     def test_identification(self, found):
         entries = found.identification.entries
@@ -554,6 +561,34 @@ class TestParts:
         one = floating_point_operations(angles)
         both = recorder.program({"out": [x.sine, x.cosine, y.cosine]}, {})
         assert floating_point_operations(both) == 2 * one > 20
+
+    @pytest.mark.parametrize(
+        ("outputs", "instructions", "products"),
+        [
+            (lambda x, y: [x * y + 3.0], 1, 1),
+            (lambda x, y: [x * y + 3.0, x * y], 2, 1),  # the product is wanted too
+            (lambda x, y: [x * y + 3.0, x * y - y], 3, 1),
+            (lambda x, y: [x * x + y * y], 2, 2),  # one of both is fused
+            (lambda x, y: [x + y, x / y], 2, 1),
+            (lambda x, y: [x.sine], 20, 19),  # polynomials of sine and cosine, reduction of the angle
+        ],
+    )
+    def test_instructions_after_fusion(self, outputs, instructions, products):
+        recorder = Recorder()
+        program = recorder.program({"out": outputs(*recorder.inputs("x", 2))}, {})
+        assert fused_instructions(program) == (instructions, products)
+
+    def test_cold_calls_take_all_memory_in_turn(self, states):
+        """Hot ones the same rows, and both are judged at the first."""
+        third = len(states) // 3
+        for elsewhere in (False, True):
+            ours, theirs = contenders(states, CallWork(False, third, elsewhere))
+            for call in (ours, theirs):
+                answers = [np.array(call.run(third)) for _ in range(4)]
+                rows = [slice(k * third * elsewhere, (k * elsewhere + 1) * third) for k in (0, 1, 2, 0)]
+                for answer, part in zip(answers, rows, strict=True):
+                    assert np.abs(answer - states.torque[part]).max() < 1e-9 * np.abs(states.torque).max()
+                assert call.errors(answers[1]).max() < PEERS
 
     def test_nothing_compiled_no_floor(self, monkeypatch):
         monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")

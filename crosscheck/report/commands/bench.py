@@ -87,7 +87,8 @@ def facts(found: Benchmark) -> Iterator[tuple[str, str]]:
     for machine in found.machine:
         yield (
             f"machine, {threads_text(machine.threads)}",
-            f"{machine.operations / 1e9:.3g} GFlop/s in vectors of {machine.lanes}, "
+            f"{machine.operations / 1e9:.3g} GFlop/s and {machine.instructions / 1e9:.3g} G instructions/s in vectors "
+            f"of {machine.lanes}, "
             f"{machine.bandwidth / 1e9:.3g} GB/s at best",
         )
 
@@ -198,7 +199,8 @@ def _notes(measured: Measured, floor: Floor | None) -> Facts:
     if floor is not None:
         ours = next(entry for entry in measured.entries if entry.ours and entry.threads == 1)
         items["at best"] = (
-            f"{floor.operations} floating-point operations and {floor.bytes} bytes per sample take at least "
+            f"{floor.operations} floating-point operations in {floor.instructions} instructions, and {floor.bytes} "
+            "bytes, per sample take at least "
             f"{time_text(floor.seconds)}; measured {ratio_text(ours.times.median / floor.seconds)} as much, at best "
             f"{ratio_text(ours.times.fastest / floor.seconds)}"
         )

@@ -116,6 +116,12 @@ class WorkRecord:
         "coriolis_matrix",
         "kinetic_energy",
         "frame_jacobian",
+        "inverse_call_100",
+        "inverse_call_1000",
+        "inverse_call_1000_cold",
+        "forward_call_100",
+        "forward_call_1000",
+        "forward_call_1000_cold",
         "single_inverse",
         "single_forward",
     ]

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from crosscheck.referee.subject import tip
+from crosscheck.studies.bench.instructions import floating_point_operations, fused_instructions
 from crosscheck.studies.bench.states import REFERENCE
 from graphdyn import RobotModel
 from graphdyn._frame_choice import frame_choice
 from graphdyn.kernels.aligned import aligned
-from graphdyn.kernels.expressions import Program
 from graphdyn.kernels.native import MachineCode, host_lanes
 from graphdyn.kernels.programs import Request, record
 from graphdyn.kernels.recursions import RECURSIONS
@@ -22,6 +22,9 @@ from graphdyn.kernels.vector_code import VectorCode
 
 CHAINS = 12
 """Number of independent sums: enough to keep every pipeline of a processor busy, fewer than AVX2 has registers."""
+
+MIXED = {8: (12, 12), 4: (7, 7), 2: (7, 7)}
+"""Sums of products and plain sums that go on together, by lanes: some processors have pipelines for both."""
 
 STEPS = 1_000_000
 """Additions to each sum in one measurement, which takes some milliseconds."""
@@ -65,6 +68,9 @@ class Machine:
     operations: float
     """Floating-point operations per second, a multiplication with an addition counted as two [1/s]."""
 
+    instructions: float
+    """Of additions, multiplications, and both fused, times the doubles in a vector, in the best mixture [1/s]."""
+
     bandwidth: float
     """Bytes read or written per second by a copy past the caches [1/s]."""
 
@@ -76,11 +82,17 @@ class Floor:
     operations: int
     """Floating-point operations of a sample."""
 
+    instructions: int
+    """What they take: a product and the sum that is its only use are one."""
+
+    products: int
+    """Those that multiply or divide."""
+
     bytes: int
     """Bytes read and written per sample."""
 
     seconds: float
-    """If every addition came with a multiplication and nothing ever waited [s]."""
+    """If nothing ever waited [s]: the longest of all instructions, those that multiply, and the bytes."""
 
 
 def machine(threads: int) -> Machine | None:
@@ -89,9 +101,9 @@ def machine(threads: int) -> Machine | None:
         return None
     lanes = host_lanes()
     code = MachineCode(_code(lanes))
-    add = code.function("add", ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p))
+    add, mixed = (code.function(x, ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)) for x in ("add", "mixed"))
     copy = code.function("copy", ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p))
-    sums = [aligned((CHAINS, lanes)) for _ in range(threads)]
+    sums = [aligned((sum(MIXED[lanes]), lanes)) for _ in range(threads)]
     streams = [(aligned((STREAM,)), aligned((STREAM,))) for _ in range(threads)]
     for pair in streams:
         for array in pair:
@@ -100,12 +112,17 @@ def machine(threads: int) -> Machine | None:
     def added(first: int, _: int) -> None:
         add(STEPS, sums[first].ctypes.data)
 
+    def both(first: int, _: int) -> None:
+        mixed(STEPS, sums[first].ctypes.data)
+
     def copied(first: int, _: int) -> None:
         source, target = streams[first]
         copy(STREAM, source.ctypes.data, target.ctypes.data)
 
-    operations = 2 * CHAINS * lanes * STEPS * threads / _best(added, threads)
-    return Machine(lanes, threads, operations, 2 * 8 * STREAM * threads / _best(copied, threads))
+    work = lanes * STEPS * threads
+    operations = 2 * CHAINS * work / _best(added, threads)
+    instructions = max(operations / 2, sum(MIXED[lanes]) * work / _best(both, threads))
+    return Machine(lanes, threads, operations, instructions, 2 * 8 * STREAM * threads / _best(copied, threads))
 
 
 def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
@@ -116,18 +133,10 @@ def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
     if RECURSIONS[request.recursion].of_frame:
         request = replace(request, frame=frame_choice(model, tip(model), REFERENCE))
     program = record(model, request)
-    operations = floating_point_operations(program)
-    columns = sum(program.inputs.values()) + sum(map(len, program.outputs.values()))
-    return Floor(operations, 8 * columns, max(operations / on.operations, 8 * columns / on.bandwidth))
-
-
-def floating_point_operations(program: Program) -> int:
-    """Additions, multiplications and divisions per sample, including the polynomials of sine and cosine."""
-    angles = {operands[0] for kind, *operands in program.operations if kind in ("sine", "cosine")}
-    code = VectorCode(2)
-    code.sine_and_cosine("%angle")
-    of_an_angle = sum(any(name in line for name in ("fadd", "fsub", "fmul")) for line in code.lines)
-    return sum(kind in "+-*/" for kind, *_ in program.operations) + of_an_angle * len(angles)
+    instructions, products = fused_instructions(program)
+    size = 8 * (sum(program.inputs.values()) + sum(map(len, program.outputs.values())))
+    needed = instructions / on.instructions, 2 * products / on.operations, size / on.bandwidth
+    return Floor(floating_point_operations(program), instructions, products, size, max(needed))
 
 
 def _best(work: Callable[[int, int], Any], threads: int) -> float:
@@ -141,35 +150,14 @@ def _best(work: Callable[[int, int], Any], threads: int) -> float:
 
 
 def _code(lanes: int) -> str:
-    """LLVM code. add(count, sums): x ← x y + z, count times for each sum. copy(count, from, to): around the caches."""
-    code = VectorCode(lanes)
-    phis = []
-    for k in range(CHAINS):
-        new = code.call("fma", f"%sum{k}", code.splat(0.999), code.splat(1e-3))
-        phis.append(f"  %sum{k} = phi {code.vector} [ {code.splat(1.0)}, %entry ], [ {new}, %loop ]")
-    loop = code.lines
-    code.lines = []
-    for k in range(CHAINS):
-        new = phis[k].split("[ ")[-1].split(",")[0]
-        code.store(f"{code.vector} {new}", "%sums", k * lanes)
-    vector, size = code.vector, 8 * lanes
+    """LLVM code. add(count, sums): x ← x y + z, count times for each sum; mixed: and y ← y + z for others.
+    copy(count, from, to): around the caches."""
+    vector, size = VectorCode(lanes).vector, 8 * lanes
     return "\n".join(
         [
-            *code.declarations,
-            "define void @add(i64 %count, ptr %sums) {",
-            "entry:",
-            "  br label %loop",
-            "loop:",
-            "  %i = phi i64 [ 0, %entry ], [ %next, %loop ]",
-            *phis,
-            *loop,
-            "  %next = add i64 %i, 1",
-            "  %more = icmp slt i64 %next, %count",
-            "  br i1 %more, label %loop, label %exit",
-            "exit:",
-            *code.lines,
-            "  ret void",
-            "}",
+            *VectorCode(lanes).declarations,
+            *_sums("add", CHAINS, 0, lanes),
+            *_sums("mixed", *MIXED[lanes], lanes),
             "define void @copy(i64 %count, ptr noalias %from, ptr noalias %to) {",
             "entry:",
             "  br label %loop",
@@ -189,3 +177,34 @@ def _code(lanes: int) -> str:
             "!0 = !{i32 1}",
         ]
     )
+
+
+def _sums(name: str, products: int, plain: int, lanes: int) -> list[str]:
+    """A loop over so many sums of products and so many plain ones, none of which waits for another."""
+    code, phis, results = VectorCode(lanes), [], []
+    for k in range(products + plain):
+        if k < products:
+            new = code.call("fma", f"%sum{k}", code.splat(0.999), code.splat(1e-3))
+        else:
+            new = code.let(f"fadd {code.vector} %sum{k}, {code.splat(1e-3)}")
+        results.append(new)
+        phis.append(f"  %sum{k} = phi {code.vector} [ {code.splat(1.0)}, %entry ], [ {new}, %loop ]")
+    loop, code.lines = code.lines, []
+    for k, new in enumerate(results):
+        code.store(f"{code.vector} {new}", "%sums", k * lanes)
+    return [
+        f"define void @{name}(i64 %count, ptr %sums) {{",
+        "entry:",
+        "  br label %loop",
+        "loop:",
+        "  %i = phi i64 [ 0, %entry ], [ %next, %loop ]",
+        *phis,
+        *loop,
+        "  %next = add i64 %i, 1",
+        "  %more = icmp slt i64 %next, %count",
+        "  br i1 %more, label %loop, label %exit",
+        "exit:",
+        *code.lines,
+        "  ret void",
+        "}",
+    ]

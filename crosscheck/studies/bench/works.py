@@ -7,7 +7,8 @@ from pathlib import Path
 
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.referee.tolerances import ACCELERATION, AGREEMENT, FORWARD_WRENCH
-from crosscheck.studies.bench import casadi_forms, graphdyn_forms, mujoco_forms, pinocchio_forms, single_states
+from crosscheck.studies.bench import calls, casadi_forms, graphdyn_forms, mujoco_forms, pinocchio_forms, single_states
+from crosscheck.studies.bench.calls import CALLS
 from crosscheck.studies.bench.casadi_forms import CasadiRefuses
 from crosscheck.studies.bench.contender import Contender, Forms, Work
 from crosscheck.studies.bench.states import States
@@ -58,6 +59,10 @@ DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
     "coriolis_matrix": ("Coriolis matrix", DERIVED, AGREEMENT.bound),
     "kinetic_energy": ("kinetic energy", DERIVED, AGREEMENT.bound),
     "frame_jacobian": ("frame Jacobian", DERIVED, AGREEMENT.bound),
+    **{
+        name: (call.title, *((ACCELERATED, ACCELERATION.bound) if call.forward else (TORQUE, AGREEMENT.bound)))
+        for name, call in CALLS.items()
+    },
     "single_inverse": ("inverse dynamics, one state per call", TORQUE, AGREEMENT.bound),
     "single_forward": ("forward dynamics, one state per call", ACCELERATED, ACCELERATION.bound),
 }
@@ -96,6 +101,8 @@ def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Wor
         contenders = single_states.inverse(states)
     elif name == "single_forward":
         contenders = single_states.forward(states)
+    elif name in CALLS:
+        contenders = calls.contenders(states, CALLS[name])
     else:
         contenders = [*OURS[name](states, threads), *PINOCCHIO[name](states, threads), *peers.contenders(name, threads)]
     title, error, bound = DESCRIPTIONS[name]
