@@ -40,7 +40,7 @@ def arguments(count=N, seed=1):
 
 def memory(answer, count=N):
     """An answer to write to, full of NaN."""
-    widths = {"a": (4,), "tau": (4,), "multipliers": (4, 5), "coupling_multipliers": (0,)}
+    widths = {"a": (4,), "tau": (4,), "multipliers": (4, 5), "coupling_multipliers": (0,), "chord_multipliers": (0,)}
     names = [field.name for field in dataclasses.fields(answer)]
     return answer(**{name: np.full((count, *widths.get(name, (4, 6))), np.nan) for name in names})
 
@@ -194,7 +194,7 @@ def test_wrong_shapes_are_refused_as_elsewhere():
 def test_no_samples_no_work(back_end):
     nothing, none = np.zeros((0, 4)), np.zeros((3, 0, 4))
     f = graphdyn.forward_dynamics(ROBOT, nothing, nothing, nothing, method="recursive")
-    assert [x.shape for x in vars(f).values()] == [(0, 4), (0, 4, 6), (0, 4, 5), (0, 4, 6), (0, 0)]
+    assert [x.shape for x in vars(f).values()] == [(0, 4), (0, 4, 6), (0, 4, 5), (0, 4, 6), (0, 0), (0, 0)]
     assert graphdyn.mass_matrix(ROBOT, none, method="recursive").shape == (3, 0, 4, 4)
     out = np.empty((0, 4))
     assert graphdyn.joint_torques(ROBOT, nothing, nothing, nothing, out=out) is out
