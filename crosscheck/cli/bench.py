@@ -50,8 +50,9 @@ def run(
 
     All take turns in one run: medians, quartiles and ratios, with the accuracy of each against Pinocchio. Inverse and
     forward dynamics, all multipliers, regressors, derivatives, a Jacobian, matrices and energy, identification with its
-    memory, calls with few states, first calls, and curves over batch, bodies and threads, beside what this machine could do at
-    best. MuJoCo and CasADi take part where they are installed (pip install 'graphdyn[peers]').
+    memory, steps of simulations, calls with few states, first calls, and curves over batch, bodies and threads, beside
+    what this machine could do at best. MuJoCo and CasADi take part where they are installed
+    (pip install 'graphdyn[peers]').
     """
     import urdf
     from crosscheck.report.commands.bench import bench_report

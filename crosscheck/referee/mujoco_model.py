@@ -75,6 +75,26 @@ class MujocoModel:
             out[k] = data.qfrc_inverse
         return out
 
+    def steps_loop(self, q: Array, v: Array, steps: int, width: float) -> Callable[[int], Array]:
+        """run(count): these steps of mj_step, Runge-Kutta of order 4, from each of the first count states.
+
+        What it returns: q and v at the end                 (count, 2 n)
+        """
+        mujoco, native = self._mujoco, copy.copy(self._native)
+        self._check_order()
+        native.opt.timestep, native.opt.integrator = width, mujoco.mjtIntegrator.mjINT_RK4
+        data, mj_step, out = mujoco.MjData(native), mujoco.mj_step, np.empty((len(q), 2 * native.nv))
+
+        def run(count: int) -> Array:
+            for k in range(count):
+                data.qpos[:] = q[k]
+                data.qvel[:] = v[k]
+                mj_step(native, data, steps)
+                out[k, : native.nv], out[k, native.nv :] = data.qpos, data.qvel
+            return out[:count]
+
+        return run
+
     def rollout(self, q: Array, v: Array, tau: Array, threads: int) -> Callable[[int], Array]:
         """run(count): one step from each of the first count states, on several threads; accelerations (count, n).
 

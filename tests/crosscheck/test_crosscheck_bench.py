@@ -75,6 +75,7 @@ WORKS = (
     "everything",
     "regressor",
     *DERIVED,
+    "simulation",
     *CALLS,
     "single_inverse",
     "single_forward",
@@ -180,6 +181,7 @@ class TestNumbers:
             assert names[work] == {
                 ("graphdyn compiled", 1), ("graphdyn compiled", 2), ("graphdyn NumPy", 1), ("pinocchio loop", 1)
             }  # fmt: skip
+        assert {("graphdyn rollout", 1), ("pinocchio loop", 1)} <= names["simulation"]
         for work in CALLS:
             assert names[work] == {("graphdyn compiled", 1), ("pinocchio InParallel", 1)}
         assert names["single_forward"] == {

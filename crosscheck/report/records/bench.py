@@ -116,6 +116,7 @@ class WorkRecord:
         "coriolis_matrix",
         "kinetic_energy",
         "frame_jacobian",
+        "simulation",
         "inverse_call_100",
         "inverse_call_1000",
         "inverse_call_1000_cold",

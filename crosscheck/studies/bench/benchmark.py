@@ -21,7 +21,7 @@ from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
 from crosscheck.studies.bench.states import random_states
 from crosscheck.studies.bench.timing import Times
-from crosscheck.studies.bench.works import DESCRIPTIONS, Peers, work
+from crosscheck.studies.bench.works import DESCRIPTIONS, Peers, work, works_of
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.kernels.running import chosen_backend, cores
 
@@ -120,7 +120,8 @@ def benchmark(
     done("machine", 1)
     with TemporaryDirectory(prefix="graphdyn-bench-") as folder:
         peers, works = Peers(states, Path(folder)), []
-        for name, (title, *_) in DESCRIPTIONS.items():
+        for name in works_of(states):
+            title = DESCRIPTIONS[name][0]
             done(title, 0)
             works.append(measure(work(name, states, compared, peers), samples, effort.duration, effort.repeats))
             done(title, 1)

@@ -7,7 +7,15 @@ from pathlib import Path
 
 from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.referee.tolerances import ACCELERATION, AGREEMENT, FORWARD_WRENCH
-from crosscheck.studies.bench import calls, casadi_forms, graphdyn_forms, mujoco_forms, pinocchio_forms, single_states
+from crosscheck.studies.bench import (
+    calls,
+    casadi_forms,
+    graphdyn_forms,
+    mujoco_forms,
+    pinocchio_forms,
+    simulations,
+    single_states,
+)
 from crosscheck.studies.bench.calls import CALLS
 from crosscheck.studies.bench.casadi_forms import CasadiRefuses
 from crosscheck.studies.bench.contender import Contender, Forms, Work
@@ -59,6 +67,7 @@ DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
     "coriolis_matrix": ("Coriolis matrix", DERIVED, AGREEMENT.bound),
     "kinetic_energy": ("kinetic energy", DERIVED, AGREEMENT.bound),
     "frame_jacobian": ("frame Jacobian", DERIVED, AGREEMENT.bound),
+    simulations.NAME: (simulations.TITLE, simulations.ERROR, simulations.BOUND),
     **{
         name: (call.title, *((ACCELERATED, ACCELERATION.bound) if call.forward else (TORQUE, AGREEMENT.bound)))
         for name, call in CALLS.items()
@@ -76,16 +85,16 @@ class Peers:
         self._states, self._folder = states, folder
         self.left_out: dict[str, str] = {}
         try:
-            self._mujoco: MujocoModel | None = MujocoModel(states.model)
+            self.mujoco: MujocoModel | None = MujocoModel(states.model)
         except MujocoRefuses as refusal:
-            self._mujoco, self.left_out["mujoco"] = None, str(refusal)
+            self.mujoco, self.left_out["mujoco"] = None, str(refusal)
 
     def contenders(self, work: str, threads: Sequence[int]) -> list[Contender]:
         found: list[Contender] = []
-        if self._mujoco is not None and work == "inverse_dynamics":
-            found += mujoco_forms.inverse(self._states, self._mujoco)
-        if self._mujoco is not None and work == "forward_dynamics":
-            found += mujoco_forms.forward(self._states, self._mujoco, threads)
+        if self.mujoco is not None and work == "inverse_dynamics":
+            found += mujoco_forms.inverse(self._states, self.mujoco)
+        if self.mujoco is not None and work == "forward_dynamics":
+            found += mujoco_forms.forward(self._states, self.mujoco, threads)
         forms = {"inverse_dynamics": casadi_forms.inverse, "forward_dynamics": casadi_forms.forward}
         if work in forms and "casadi" not in self.left_out:
             try:
@@ -95,12 +104,20 @@ class Peers:
         return found
 
 
+def works_of(states: States) -> list[str]:
+    """Their names; couplings and loops are not simulated."""
+    tree = not (states.model.couplings or states.model.chords)
+    return [name for name in DESCRIPTIONS if tree or name != simulations.NAME]
+
+
 def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Work:
     """A work with all its contenders."""
     if name == "single_inverse":
         contenders = single_states.inverse(states)
     elif name == "single_forward":
         contenders = single_states.forward(states)
+    elif name == simulations.NAME:
+        contenders = simulations.contenders(states, peers.mujoco)
     elif name in CALLS:
         contenders = calls.contenders(states, CALLS[name])
     else:
