@@ -44,7 +44,7 @@ class Inputs:
 
 def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
     """a (n), and required (n): the torque that holds the joints that are not free, tau elsewhere."""
-    outputs = ("a", "parameters") if inputs.parameters else ("a",)  # these belong to links that are not reduced
+    outputs = ("a", "required")  # of links that are not reduced, whose errors over long motions are documented
     sample = Sample(model, Request("forward_dynamics", outputs, inputs.external, inputs.moving_base))
     n = sample.n
     bodies = sample.links

@@ -111,7 +111,7 @@ def test_what_the_verbs_say_of_each_other(model, method, base, frame, reference)
     spatial = graphdyn.frame_acceleration(model, q, v, a, name, **keywords, classical=False)
     between = np.cross(velocity[:, 3:], velocity[:, :3])
     assert relative_error(classical[:, :3] - spatial[:, :3], between, classical) < IDENTITY
-    assert np.array_equal(classical[:, 3:], spatial[:, 3:])
+    assert relative_error(classical[:, 3:], spatial[:, 3:]) < IDENTITY  # two programs: products and sums fuse otherwise
 
     if base is None:
         rate = graphdyn.frame_jacobian_derivative(model, q, v, name, **keywords)
