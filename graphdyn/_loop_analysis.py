@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn._arrays import one_state
 from graphdyn._errors import InvalidInput
 from graphdyn._loop_dynamics import closed, in_self_stress, self_stress, transmission
-from graphdyn._loop_spaces import loop_spaces
+from graphdyn._loop_spaces import loop_spaces, pivoted_columns
 from graphdyn._loops import SELF_STRESS
 from graphdyn._model import RobotModel
 from graphdyn._projected import rooted_state
@@ -85,8 +84,8 @@ def _sparse(joints: Array, left: Array, redundant: NDArray[np.bool_]) -> tuple[A
     The columns are combined so that d rows, chosen by pivoting, form a unit matrix: small combinations by name.
     """
     chords = left[:, redundant]
-    _, _, pivots = scipy.linalg.qr(chords.T, pivoting=True, mode="economic")
-    change = np.linalg.inv(chords[pivots[: chords.shape[1]]])
+    leading = pivoted_columns(chords.T, chords.shape[1])
+    change = np.linalg.inv(chords[leading])
     return joints[..., redundant] @ change, chords @ change
 
 

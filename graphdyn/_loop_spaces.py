@@ -68,24 +68,29 @@ def loop_spaces(jacobian: Array) -> LoopSpaces:
 
 
 def independent_columns(jacobian: Array, preferred: Sequence[int]) -> list[int]:
-    """Columns of J (m, n) on which the others depend: preferred ones as far as these leave the rest well determined.
-
-    The dependent columns are chosen one after the other, each the longest once what the chosen ones span is taken away
-    (QR with column pivoting; Golub and Van Loan, Matrix Computations, section 5.4), the preferred ones last.
-    """
-    rank = int(loop_spaces(jacobian).rank)
-    rest, dependent = jacobian.copy(), list[int]()
-    for _ in range(rank):
-        length = np.linalg.norm(rest, axis=0)
-        length[dependent] = 0.0
-        others = np.delete(length, preferred)
-        if others.size and others.max() > PREFERRED * np.linalg.norm(jacobian, axis=0).max():
-            length[list(preferred)] = 0.0
-        chosen = int(length.argmax())
-        direction = rest[:, chosen] / np.linalg.norm(rest[:, chosen])
-        rest = rest - np.outer(direction, direction @ rest)
-        dependent.append(chosen)
+    """Columns of J (m, n) on which the others depend: preferred ones as far as these leave the rest well determined."""
+    dependent = pivoted_columns(jacobian, int(loop_spaces(jacobian).rank), preferred)
     return [j for j in range(jacobian.shape[-1]) if j not in dependent]
+
+
+def pivoted_columns(matrix: Array, count: int, last: Sequence[int] = ()) -> list[int]:
+    """Independent columns: each the longest once what the chosen ones span is taken away.
+
+    Golub and Van Loan, Matrix Computations, section 5.4 (QR with column pivoting).
+    last: columns that are chosen only where all others are short (PREFERRED)
+    """
+    rest, chosen = matrix.copy(), list[int]()
+    for _ in range(count):
+        length = np.linalg.norm(rest, axis=0)
+        length[chosen] = 0.0
+        others = np.delete(length, last)
+        if others.size and others.max() > PREFERRED * np.linalg.norm(matrix, axis=0).max():
+            length[list(last)] = 0.0
+        longest = int(length.argmax())
+        direction = rest[:, longest] / np.linalg.norm(rest[:, longest])
+        rest = rest - np.outer(direction, direction @ rest)
+        chosen.append(longest)
+    return chosen
 
 
 def _padded(flags: NDArray[np.bool_], size: int) -> NDArray[np.bool_]:
