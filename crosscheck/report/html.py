@@ -48,7 +48,7 @@ LONG_TEXT = 90
 LONG_NAME = 28
 """Characters from which the name in a table is cut (style.css), so that hovering has to show the whole."""
 
-PAGE, VENDOR = (Path(__file__).parent / folder for folder in ("page", "vendor"))
+PAGE, VENDOR = Path(__file__).parent / "page", Path(__file__).parents[1] / "vendor"
 
 
 def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> str:
