@@ -20,6 +20,7 @@ from crosscheck.cli import (
     show,
     simulate,
     vectors,
+    view,
 )
 from crosscheck.cli.encodings import accept_all_characters
 from crosscheck.cli.ending_signals import ended_by_signals
@@ -30,6 +31,7 @@ COMMANDS = (
     (judge.run, "judge", judge.EPILOG),
     (questions.run, "questions", questions.EPILOG),
     (show.run, "show", show.EPILOG),
+    (view.run, "view", view.EPILOG),
     (export.run, "export", export.EPILOG),
     (vectors.run, "vectors", vectors.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),

@@ -12,6 +12,9 @@ from crosscheck.cli.output_files import OutputFile
 EXAMPLES = "\b\nExamples:\n"
 """Heading of the examples in the help of a command; \\b keeps the line breaks."""
 
+FACES = 12000
+"""Triangles of a robot in three dimensions, about: round parts look round, and pages stay small."""
+
 
 def robot_names(incomplete: str) -> list[str]:
     """Names of the catalogue that begin like this, for completion by the shell, which completes files if none does."""

@@ -52,6 +52,7 @@ EXHIBITS = (
         "An arm that falls freely, the largest loads of its joints, and its energies.",
         ("simulate", "ur5", "--duration", "2"),
     ),
+    Exhibit("view", "An arm to be moved by hand, with all reactions of its joints.", ("view", "panda")),
     Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),
     Exhibit(
         "identify",

@@ -27,11 +27,11 @@ from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 from graphdyn import __version__
 
 COMMANDS = (
-    *("crosscheck", "judge", "questions", "show", "export", "vectors", "inspect", "identify", "simulate"),
+    *("crosscheck", "judge", "questions", "show", "view", "export", "vectors", "inspect", "identify", "simulate"),
     *("paper", "bench", "robots", "errata"),
 )
 
-WRITES = {"export": "--to FILE", "questions": "--out FILE", "vectors": "--out FOLDER"}
+WRITES = {"export": "--to FILE", "view": "--html FILE", "questions": "--out FILE", "vectors": "--out FOLDER"}
 """The option that writes what a program reads, where it is not --json."""
 
 

@@ -23,6 +23,7 @@ READS = {
     ),
     "questions": ("{robot}", "--for", "mass_matrix"),
     "show": ("{robot}", "--state", "{log}"),
+    "view": ("{robot}", "--play", "{log}", "--mapping", "{mapping}"),
     "export": ("{robot}",),
     "vectors": ("{robot}", "--out", "vectors"),
     "inspect": ("{robot}",),
@@ -108,7 +109,7 @@ class TestCommands:
         message = refuses(command, *(text.format(**files) for text in READS[command]), option, target)
         assert f"{option} {target}: " in message
 
-    @pytest.mark.parametrize("command", [name for name, option in OUTPUTS if option == "--html"])
+    @pytest.mark.parametrize("command", [name for name, option in OUTPUTS if option == "--html" and name != "view"])
     @pytest.mark.parametrize("second", ["x", "./x", "folder/../x", "link", "hard", "-"])
     def test_two_into_one(self, refuses, files, tmp_path, command, second):
         (tmp_path / "folder").mkdir()

@@ -1,0 +1,1 @@
+"""Robots in three dimensions: one player, on pages without server or network and served live."""

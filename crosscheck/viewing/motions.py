@@ -1,0 +1,69 @@
+"""Motions to be shown: recordings, thinned, with the loads of the joints."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.recordings import Recording
+from crosscheck.viewing.figures import Motion
+from graphdyn import RobotModel, Simulation, inverse_dynamics
+from graphdyn.layout import ANGULAR, LINEAR, Array
+
+RATE = 50.0
+"""Instants that are shown per second: what lies between two is a straight line [Hz]."""
+
+MOST_INSTANTS = 6000
+"""Of a motion at most; a longer one is shown at a lower rate."""
+
+
+def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tuple[str, ...]]:
+    """The motion of a recording with q, v and a, and notes on how it is shown.
+
+    Its joint wrenches are shown where it has them; else those that inverse dynamics gives.
+
+    Raises InvalidInput where v or a is missing, or the joints are not those of the model.
+    """
+    rows = shown_rows(recording.t)
+    q, v, a = (recording.channel(name)[rows] for name in ("q", "v", "a"))
+    if recording.joint_wrenches is None:
+        wrenches, source = inverse_dynamics(model, q, v, a).joint_wrenches, "loads by inverse dynamics of q, v and a"
+    else:
+        wrenches, source = recording.joint_wrenches[rows], "loads as recorded"
+    tau = None if recording.tau is None else recording.tau[rows]
+    motion = Motion(recording.t[rows], q, wrenches, _along_axes(model, wrenches), tau)
+    notes = [_told(recording.t, rows), *recording.provenance.steps, source]
+    pieces = len(recording.block_slices)
+    if pieces > 1:
+        notes.append(f"{pieces} uninterrupted pieces, joined by straight lines")
+    return motion, tuple(notes)
+
+
+def simulated_motion(simulation: Simulation) -> tuple[Motion, tuple[str, ...]]:
+    """The motion of a simulation, and notes on how it is shown."""
+    rows = shown_rows(simulation.time)
+    wrenches = simulation.reactions.joint_wrenches[rows]
+    tau = _along_axes(simulation.model, wrenches)
+    motion = Motion(simulation.time[rows], simulation.q[rows], wrenches, tau, simulation.tau[rows])
+    return motion, (_told(simulation.time, rows),)
+
+
+def shown_rows(time: Array) -> NDArray[np.intp]:
+    """The rows (K,) of increasing times (N,) [s] that are shown: the nearest to even steps, and the last."""
+    duration = float(time[-1] - time[0])
+    rate = min(RATE, MOST_INSTANTS / duration) if duration > 0 else RATE
+    even = time[0] + np.arange(int(duration * rate * (1 + 1e-9)) + 1) / rate
+    nearest = np.searchsorted((time[1:] + time[:-1]) / 2, even)
+    return np.unique(np.append(nearest, len(time) - 1))
+
+
+def _told(time: Array, rows: NDArray[np.intp]) -> str:
+    start = f" from {time[0]:g} s on" if time[0] else ""
+    return f"{time[-1] - time[0]:.4g} s{start}, {len(rows)} of {len(time)} instants shown"
+
+
+def _along_axes(model: RobotModel, wrenches: Array) -> Array:
+    """Torques (…, n_freedoms) of the joint wrenches (…, n, 6) in link axes, in which the joint axes stand still."""
+    parts = [wrenches[..., j, LINEAR if joint.is_prismatic else ANGULAR] for j, joint in enumerate(model.joints)]
+    along = [part @ joint.axis for part, joint in zip(parts, model.joints, strict=True)]
+    return np.asarray(np.stack(along, axis=-1) @ model.freedoms.matrix)

@@ -1,0 +1,85 @@
+"""A scene and its player as one page, which plays without server and network.
+
+Its content security policy allows the scripts and styles on it, by their hashes, and nothing else: a browser that
+honours it lets the page load nothing. Served live, it may ask its own server.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from base64 import b64encode
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from crosscheck.viewing.figures import Figure
+from crosscheck.viewing.numbers import NumberStore, compressed
+from crosscheck.viewing.scene import scene
+
+PLAYER = Path(__file__).parent / "player"
+VENDOR = Path(__file__).parents[1] / "vendor"
+
+LIBRARIES = (VENDOR / "three.iife.min.js", VENDOR / "uPlot.iife.min.js")
+SCRIPTS = tuple(
+    PLAYER / f"{name}.js"
+    for name in ("numbers", "libraries", "mechanics", "arrows", "figure", "stage", "curves", "panel", "player")
+)
+STYLES = (VENDOR / "uPlot.min.css", PLAYER / "player.css")
+
+
+def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
+    """The page of these figures. The same figures give the same characters.
+
+    live: whether a server of crosscheck.viewing.server shows it
+    """
+    store = NumberStore()
+    shown = scene(title, figures, store) | {"live": live}
+    scripts = [Markup(_text(path)) for path in SCRIPTS]
+    styles = [Markup(_text(path)) for path in STYLES]
+    return (
+        _environment()
+        .get_template("page.html")
+        .render(
+            title=title,
+            live=live,
+            scripts=scripts,
+            styles=styles,
+            libraries=_compressed_libraries(),
+            script_hashes=script_hashes(),
+            style_hashes=[_hash(style) for style in styles],
+            scene=Markup(json.dumps(shown, separators=(",", ":")).replace("<", "\\u003c")),
+            numbers=store.text(),
+        )
+    )
+
+
+def script_hashes() -> list[str]:
+    """Of all scripts of the page, as a content security policy names them: a page around it must allow them too."""
+    return [_hash(script) for script in (_libraries(), *map(_text, SCRIPTS))]
+
+
+def _libraries() -> str:
+    return "".join(map(_text, LIBRARIES))
+
+
+@cache
+def _compressed_libraries() -> str:
+    return compressed(_libraries().encode())
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+@cache
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(loader=PackageLoader("crosscheck.viewing", "player"), autoescape=True, undefined=StrictUndefined)

@@ -1,0 +1,84 @@
+// The joints of one figure as sliders and numbers, and the switches of what is shown.
+"use strict";
+
+// Key, name in the panel, switched on at first, and the layers of a figure that it shows.
+const SWITCHES = [
+  ["b", "robot", true, ["shapes"]],
+  ["n", "joint names", false, []],
+  ["f", "link frames", false, ["frames"]],
+  ["a", "joint axes", false, ["axes"]],
+  ["c", "centers of mass", false, ["centers"]],
+  ["i", "inertia ellipsoids", false, ["ellipsoids"]],
+  ["r", "reaction forces", true, ["force"]],
+  ["m", "reaction moments", true, ["moment"]],
+  ["t", "actuator torques", true, ["torques", "slide"]],
+];
+const REACH = { prismatic: 0.5 };  // of sliders without limits [m]; π rad of others
+
+const html = (name, properties = {}, ...children) => {
+  const element = Object.assign(document.createElement(name), properties);
+  element.append(...children);
+  return element;
+};
+
+// The range of a slider: the limits of the joint, or half a turn both ways.
+function sliderRange(joint, position) {
+  const reach = REACH[joint.kind] ?? Math.PI, limited = joint.kind !== "continuous" && (joint.lower || joint.upper);
+  const lower = limited ? joint.lower ?? joint.upper - 2 * reach : -reach, upper = limited ? joint.upper ?? joint.lower + 2 * reach : reach;
+  return [Math.min(lower, position), Math.max(upper, position)];
+}
+
+// A row per joint of the figure; those that others drive have no slider. move(q) is called with positions set by hand.
+class JointRows {
+  constructor(element, figure, move) {
+    this.figure = figure;
+    const { robot } = figure, loads = figure.loads();
+    this.scale = Math.max(...(robot.joints.every(({ kind }) => kind === "prismatic") ? loads.force : loads.torque));
+    this.rows = robot.joints.map((joint, j) => {
+      const k = robot.independent.indexOf(j), slides = joint.kind === "prismatic";
+      const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: k < 0 });
+      const range = sliderRange(joint, k < 0 ? 0 : figure.start[k]);
+      [slider.min, slider.max] = range;
+      const q = html("output"), tau = html("output");
+      slider.addEventListener("input", () => {
+        const position = [...figure.shown.q];
+        position[k] = Number(slider.value);
+        move(position);
+      });
+      const swatch = html("i", { className: `c${Math.max(k, 0) % CURVE_COLORS}` });
+      element.append(html("tr", {},
+        html("th", { scope: "row", title: joint.name }, ...(k < 0 ? [] : [swatch]), joint.name), html("td", {}, slider),
+        html("td", { className: "number" }, q), html("td", { className: "unit" }, slides ? "m" : "rad"),
+        html("td", { className: "number" }, tau), html("td", { className: "unit" }, k < 0 ? "" : slides ? "N" : "N m")));
+      return { slider, q, tau, k };
+    });
+  }
+
+  show(instant) {
+    const positions = jointPositions(this.figure.robot, instant.q);
+    this.rows.forEach(({ slider, q, tau, k }, j) => {
+      if (document.activeElement !== slider || !this.figure.hand) slider.value = positions[j];
+      q.textContent = positions[j].toFixed(3).replace("-", "−");
+      tau.textContent = k < 0 ? "driven" : besideScale(instant.tau[k], this.scale);
+    });
+  }
+}
+
+// Switches with their keys, sliders for see-through and arrow sizes; shown and sizes change, then change() is called.
+function makeSwitches(element, shown, sizes, change) {
+  const boxes = {};
+  for (const [key, name, on] of SWITCHES) {
+    const box = html("input", { type: "checkbox", checked: on });
+    shown[name] = on;
+    boxes[key] = () => { box.checked = !box.checked; shown[name] = box.checked; change(); };
+    box.addEventListener("change", () => { shown[name] = box.checked; change(); });
+    element.append(html("label", { title: `key ${key}` }, box, html("i", { className: name.replaceAll(" ", "-") }), name));
+  }
+  for (const [name, text, low, high, from] of [["opacity", "opacity of the robot", 0.1, 1, 1], ["force", "size of forces", -2, 2, 0], ["moment", "size of moments", -2, 2, 0]]) {
+    const slider = html("input", { type: "range", min: low, max: high, step: "any", value: from });
+    slider.addEventListener("input", () => { sizes[name] = name === "opacity" ? Number(slider.value) : 10 ** Number(slider.value); change(); });
+    sizes[name] = name === "opacity" ? 1 : 1;
+    element.append(html("label", { className: "size" }, text, slider));
+  }
+  return boxes;
+}

@@ -1,0 +1,194 @@
+// The page as a whole: time, play and keys, and what happens when something is moved.
+"use strict";
+
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
+const ARROW = 0.5;  // length of a usual arrow at first, over the size of the robot
+const USUAL = 0.9;  // part of the instants whose arrows are shorter at first: a shock does not make all others small
+const NOTES = 3;  // that are shown unasked
+const FALL = 5;  // time that a robot is let go [s]
+const STEP = 0.02;  // of the arrow keys [s]
+const $ = (id) => document.getElementById(id);
+
+async function main() {
+  await runLibraries();
+  const scene = JSON.parse($("scene").textContent), array = await numberStore($("numbers").textContent);
+  const figures = scene.figures.map((figure) => new Figure(figure, scene.robots[figure.robot], array));
+  const stage = new Stage($("stage"), figures);
+  stage.colors();
+  stage.whole();
+  const state = { t: 0, playing: false, speed: 1, selected: figures[0], dirty: true }, shown = {}, sizes = {};
+  const longest = () => Math.max(...figures.map((figure) => figure.duration));
+  let duration = longest();
+  const base = firstScales(figures, stage.size);
+  let rows = null;
+
+  const scales = () => ({ force: base.force * sizes.force, moment: base.moment * sizes.moment, torque: base.torque });
+  const curves = new Curves($("chart"), seek);
+  const keys = makeSwitches($("switches"), shown, sizes, applySwitches);
+
+  function applySwitches() {
+    for (const [, name, , layers] of SWITCHES)
+      for (const figure of figures)
+        for (const part of layers.flatMap((layer) => figure.layers[layer])) (part.place ?? part).visible = shown[name];
+    for (const mesh of figures.flatMap((figure) => figure.layers.shapes)) {
+      const opacity = mesh.userData.opacity * sizes.opacity, see = opacity < 1;
+      if (mesh.material.transparent !== see) mesh.material.needsUpdate = true;
+      Object.assign(mesh.material, { opacity, transparent: see, depthWrite: !see });
+    }
+    stage.setNames(shown["joint names"]);
+    state.dirty = true;
+  }
+
+  function draw() {
+    for (const figure of figures) figure.show(figure.instant(state.t), scales());
+    rows.show(state.selected.shown);
+    curves.at(state.t);
+    $("time").value = state.t;
+    $("now").textContent = `${state.t.toFixed(2)} s`;
+    $("state").textContent = state.selected.hand ? "Set by hand, at rest: loads of gravity alone." : "";
+    drawStage();
+    state.dirty = false;
+  }
+
+  function drawStage() {
+    stage.draw();
+    stage.legend(scales(), { force: shown["reaction forces"], moment: shown["reaction moments"], torques: shown["actuator torques"] });
+  }
+
+  function select(figure, quantity = $("quantity").value) {
+    state.selected = figure;
+    $("rows").replaceChildren();
+    rows = new JointRows($("rows"), figure, (q) => { figure.hand = q; pause(); draw(); });
+    $("notes").replaceChildren(...figure.notes.map((note) => html("li", {}, note)));
+    $("noted").hidden = figure.notes.length === 0;
+    $("noted").open = figure.notes.length <= NOTES;
+    $("noted").querySelector("summary").textContent = figure.notes.length === 1 ? "one note" : `${figure.notes.length} notes`;
+    $("curves").hidden = !figure.motion;
+    if (!figure.motion) return;
+    const titles = quantities(figure).map(([title]) => title);
+    $("quantity").replaceChildren(...titles.map((title) => html("option", {}, title)));
+    $("quantity").value = titles.includes(quantity) ? quantity : titles[0];
+    curves.show(figure, $("quantity").selectedIndex);
+  }
+
+  function released() {
+    for (const figure of figures) if (figure.motion) figure.hand = null;
+  }
+
+  function setPlaying(playing) {
+    state.playing = playing && duration > 0;
+    $("play").textContent = state.playing ? "❚❚" : "▶";
+    $("play").ariaLabel = state.playing ? "pause" : "play";
+  }
+
+  function pause() { setPlaying(false); }
+
+  function toggle() {
+    if (!state.playing) released();
+    setPlaying(!state.playing);
+  }
+
+  function seek(t) {
+    released();
+    pause();
+    state.t = Math.min(duration, Math.max(0, t));
+    draw();
+  }
+
+  function frame(now) {
+    if (state.playing && state.last !== undefined) {
+      state.t = (state.t + ((now - state.last) / 1000) * state.speed) % duration;
+      state.dirty = true;
+    }
+    state.last = now;
+    if (state.dirty) draw();
+    else if (stage.changed) drawStage();
+    requestAnimationFrame(frame);
+  }
+
+  function measure() {
+    duration = longest();
+    $("bar").classList.toggle("still", duration === 0);
+    $("time").max = duration;
+  }
+
+  // Served live: what the selected robot does without torques, from where it is and at rest.
+  async function letGo() {
+    const figure = state.selected, question = { figure: figures.indexOf(figure), q: figure.shown.q, seconds: FALL };
+    pause();
+    $("let-go").disabled = true;
+    $("state").textContent = "The motion is computed …";
+    try {
+      const answer = await fetch("let-go", { method: "POST", body: JSON.stringify(question) });
+      if (!answer.ok) throw new Error(await answer.text());
+      const { motion, numbers, notes } = await answer.json();
+      figure.follow(motion, await numberStore(numbers));
+      figure.notes = notes;
+      measure();
+      select(figure, "reaction force");
+      stage.whole();
+      seek(0);
+      toggle();
+    } catch (error) {
+      $("state").textContent = `No motion: ${error.message}`;
+    }
+    $("let-go").disabled = false;
+  }
+
+  $("time").addEventListener("input", () => seek(Number($("time").value)));
+  $("play").addEventListener("click", toggle);
+  $("fit").addEventListener("click", () => stage.whole());
+  $("speed").append(...SPEEDS.map((speed) => html("option", { value: speed, selected: speed === 1 }, `${speed}×`)));
+  $("speed").addEventListener("change", () => { state.speed = Number($("speed").value); });
+  $("quantity").addEventListener("change", () => { curves.show(state.selected, $("quantity").selectedIndex); draw(); });
+  $("choice").hidden = figures.length === 1;
+  $("figure").append(...figures.map((figure) => html("option", {}, figure.name)));
+  $("figure").addEventListener("change", () => { select(figures[$("figure").selectedIndex]); draw(); });
+  if (figures.length > 1) {
+    const together = html("input", { type: "checkbox" });
+    together.addEventListener("change", () => { stage.setApart(!together.checked); stage.whole(); applySwitches(); });
+    $("choice").after(html("label", {}, together, "in one place"));
+  }
+
+  const actions = {
+    " ": ["play, pause", toggle], ArrowLeft: [`back ${STEP} s`, () => seek(state.t - STEP)], ArrowRight: [`on ${STEP} s`, () => seek(state.t + STEP)],
+    Home: ["to the start", () => seek(0)], 0: ["whole view", () => stage.whole()],
+    ...Object.fromEntries(SWITCHES.map(([key, name]) => [key, [name, keys[key]]])),
+  };
+  const named = { " ": "space", ArrowLeft: "←", ArrowRight: "→" };
+  $("keys").append(...Object.entries(actions).flatMap(([key, [meaning]]) => [html("dt", {}, named[key] ?? key), html("dd", {}, meaning)]));
+  addEventListener("keydown", (event) => {
+    const typing = ["INPUT", "SELECT", "BUTTON", "SUMMARY"].includes(event.target.tagName) && event.target.type !== "checkbox";
+    if (typing || event.ctrlKey || event.metaKey || event.altKey || !actions[event.key]) return;
+    event.preventDefault();
+    actions[event.key][1]();
+  });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { stage.colors(); curves.again(); state.dirty = true; });
+  new ResizeObserver(() => { stage.resize(); curves.resize(); state.dirty = true; }).observe($("stage"));
+
+  $("let-go").hidden = !scene.live;
+  $("let-go").addEventListener("click", letGo);
+
+  measure();
+  select(figures[0]);
+  applySwitches();
+  stage.resize();
+  pause();
+  draw();
+  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) setPlaying(true);
+  requestAnimationFrame(frame);
+  globalThis.player = { figures, stage, state, scales, seek, draw, toggle, letGo };  // for scripts of one's own
+  document.body.dataset.ready = "yes";
+}
+
+// Metres per newton and newton metre, so that a usual load is a part of the size; the torque of a full arc.
+function firstScales(figures, size) {
+  const loads = figures.map((figure) => figure.loads());
+  const usual = (kind) => {
+    const ofFigures = loads.map((load) => load[kind].sort((a, b) => a - b));
+    return Math.max(...ofFigures.map((sorted) => sorted[Math.floor(USUAL * (sorted.length - 1))])) || 1;
+  };
+  return { force: (ARROW * size) / usual("force"), moment: (ARROW * size) / usual("moment"), torque: roundedUp(usual("torque")) };
+}
+
+main().catch((error) => { trouble(`This page cannot be shown: ${error.message}`); console.error(error); });

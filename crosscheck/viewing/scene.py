@@ -1,0 +1,111 @@
+"""From figures to what the player reads: JSON, and arrays beside it.
+
+Lengths in m, angles in rad, forces in N, moments in N m; matrices row by row; positions and rotations as 64-bit
+numbers, loads as 32-bit numbers (6e-8 of each), vertices of shapes as 16-bit steps of their box (8e-6 of its size).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from crosscheck.viewing.figures import BodyShape, Figure, Motion, ShownRobot, inertia_ellipsoid
+from crosscheck.viewing.numbers import NumberStore
+from graphdyn import Body, Joint, Placement, RobotModel
+
+STEPS = 65535
+"""Of the position of a vertex along each edge of the box of its shape."""
+
+
+def scene(title: str, figures: Sequence[Figure], store: NumberStore) -> dict[str, Any]:
+    """What player/player.js reads. A robot that several figures show is written once."""
+    robots = {id(figure.robot): figure.robot for figure in figures}
+    numbers = {key: number for number, key in enumerate(robots)}
+    return {
+        "title": title,
+        "robots": [_robot(robot, store) for robot in robots.values()],
+        "figures": [_figure(figure, numbers[id(figure.robot)], store) for figure in figures],
+    }
+
+
+def _figure(figure: Figure, robot: int, store: NumberStore) -> dict[str, Any]:
+    return {
+        "name": figure.name,
+        "robot": robot,
+        "notes": [*figure.notes, *figure.robot.notes, *_ellipsoid_notes(figure.robot.model)],
+        "start": figure.first.tolist(),
+        "motion": None if figure.motion is None else motion_record(figure.motion, store),
+    }
+
+
+def _robot(robot: ShownRobot, store: NumberStore) -> dict[str, Any]:
+    model, freedoms = robot.model, robot.model.freedoms
+    return {
+        "base": {"name": model.base_name, **_placement(model.base)},
+        "gravity": model.gravity.tolist(),
+        "joints": [_joint(joint) for joint in model.joints],
+        "bodies": [_body(body) for body in model.bodies],
+        "independent": list(freedoms.independent),
+        "matrix": freedoms.matrix.tolist(),
+        "offset": freedoms.offset.tolist(),
+        "shapes": [_shape(shape, store) for shape in robot.shapes],
+    }
+
+
+def _placement(placement: Placement) -> dict[str, Any]:
+    return {"rotation": placement.rotation.ravel().tolist(), "translation": placement.translation.tolist()}
+
+
+def _joint(joint: Joint) -> dict[str, Any]:
+    return {
+        "name": joint.name,
+        "kind": joint.kind,
+        "inside": joint.inside,
+        **_placement(joint.placement),
+        "axis": joint.axis.tolist(),
+        "normals": joint.axis_normals.tolist(),
+        "lower": joint.limits.lower,
+        "upper": joint.limits.upper,
+    }
+
+
+def _body(body: Body) -> dict[str, Any]:
+    ellipsoid = inertia_ellipsoid(body)
+    return {
+        "name": body.name,
+        "mass": body.mass,
+        "center": body.center_of_mass.tolist(),
+        "ellipsoid": ellipsoid and {"axes": ellipsoid[0].tolist(), "rotation": ellipsoid[1].ravel().tolist()},
+    }
+
+
+def _ellipsoid_notes(model: RobotModel) -> list[str]:
+    names = [body.name for body in model.bodies if body.mass > 0 and inertia_ellipsoid(body) is None]
+    return [f"no inertia ellipsoid of {', '.join(names)}: no real body has such an inertia"] if names else []
+
+
+def _shape(shape: BodyShape, store: NumberStore) -> dict[str, Any]:
+    low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+    step = np.where(high > low, (high - low) / STEPS, 1.0)
+    return {
+        "body": shape.body,
+        "color": [round(float(part), 3) for part in shape.color],
+        "low": low.tolist(),
+        "step": step.tolist(),
+        "vertices": store.add(np.rint((shape.vertices - low) / step), "u2"),
+        "faces": store.add(shape.faces, "u2" if len(shape.vertices) <= STEPS else "u4"),
+    }
+
+
+def motion_record(motion: Motion, store: NumberStore) -> dict[str, Any]:
+    """Time from the start of the motion, and what is known over it."""
+    recorded = motion.recorded_tau
+    return {
+        "time": store.add(motion.time - motion.time[0], "f8"),
+        "q": store.add(motion.q, "f8"),
+        "wrenches": store.add(motion.joint_wrenches, "f4"),
+        "tau": store.add(motion.tau, "f4"),
+        "recorded": None if recorded is None else store.add(recorded, "f4"),
+    }

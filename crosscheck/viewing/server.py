@@ -1,0 +1,154 @@
+"""The page of some figures, served to the browsers of this machine, and what they may ask.
+
+Only 127.0.0.1 is listened on. The path begins with a random token, so that neither other pages nor other users of the
+machine can guess the address; another Host is refused, against names that an attacker points here, and another Origin,
+against pages elsewhere that send requests. One question is answered: what the robot does when it is let go.
+"""
+
+from __future__ import annotations
+
+import json
+import secrets
+from collections.abc import Sequence
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from socketserver import TCPServer
+from typing import Any
+
+import numpy as np
+
+from crosscheck.viewing.figures import Figure
+from crosscheck.viewing.motions import simulated_motion
+from crosscheck.viewing.numbers import NumberStore
+from crosscheck.viewing.page import page
+from crosscheck.viewing.scene import motion_record
+from graphdyn import GraphDynError, InvalidInput, simulate
+
+ADDRESS = "127.0.0.1"
+
+LARGEST_QUESTION = 1 << 16
+"""Bytes."""
+
+LONGEST = 60.0
+"""Duration that may be asked for [s]."""
+
+STEP = 1e-3
+"""Of the simulation, fourth order Runge-Kutta [s]."""
+
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "frame-ancestors 'none'",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+class PageServer(ThreadingHTTPServer):
+    """Serves the page of these figures at `address`.
+
+    port: 0 for one that is free
+
+    Raises OSError where the port is taken.
+    """
+
+    daemon_threads = True
+
+    def __init__(self, title: str, figures: Sequence[Figure], port: int = 0) -> None:
+        self.figures = tuple(figures)
+        self.content = page(title, figures, live=True).encode()
+        self.path = f"/{secrets.token_urlsafe(16)}/"
+        super().__init__((ADDRESS, port), _Answers)
+
+    def server_bind(self) -> None:
+        """As HTTPServer, which would also ask for the machine's name: that may take long without a network."""
+        TCPServer.server_bind(self)
+        self.server_name, self.server_port = ADDRESS, self.server_address[1]
+
+    @property
+    def host(self) -> str:
+        return f"{ADDRESS}:{self.server_port}"
+
+    @property
+    def address(self) -> str:
+        """What the browser opens, token included."""
+        return f"http://{self.host}{self.path}"
+
+    def let_go(self, question: bytes) -> dict[str, Any]:
+        """The motion under gravity and the file's friction, without torques.
+
+        question: JSON with figure, its number; q, where it starts, at rest; seconds
+
+        Raises InvalidInput for a question of another form, and the errors of graphdyn.simulate.
+        """
+        try:
+            asked = json.loads(question)
+            model, q = self.figures[int(asked["figure"])].robot.model, [float(x) for x in asked["q"]]
+            seconds = min(float(asked["seconds"]), LONGEST)
+        except (ValueError, TypeError, KeyError, IndexError, RecursionError) as error:
+            raise InvalidInput(f"the question has another form than figure, q and seconds ({error!r})") from None
+        rest = np.zeros(model.n_freedoms)
+        motion, notes = simulated_motion(simulate(model, q, rest, seconds, method="rk4", step=STEP, friction="model"))
+        store = NumberStore()
+        return {"motion": motion_record(motion, store), "numbers": store.text(), "notes": notes}
+
+
+class _Answers(BaseHTTPRequestHandler):
+    server: PageServer
+    protocol_version = "HTTP/1.1"
+    timeout = 60
+
+    def do_GET(self) -> None:
+        if self._is_welcome():
+            if self.path == self.server.path:
+                self._answer(200, "text/html; charset=utf-8", self.server.content)
+            else:
+                self._refuse(404, "nothing is here")
+
+    def do_POST(self) -> None:
+        if not self._is_welcome():
+            return
+        length = self.headers.get("Content-Length", "")
+        if self.path != f"{self.server.path}let-go":
+            self._refuse(404, "nothing is here")
+        elif self.headers.get("Origin") != f"http://{self.server.host}":
+            self._refuse(403, "a page elsewhere asks")
+        elif not length.isdecimal() or int(length) > LARGEST_QUESTION:
+            self._refuse(413, "the question is too long, or its length is not stated")
+        else:
+            self._let_go(self.rfile.read(int(length)))
+
+    def _let_go(self, question: bytes) -> None:
+        try:
+            found = self.server.let_go(question)
+        except GraphDynError as error:
+            self._refuse(400, str(error))
+        else:
+            self._answer(200, "application/json", json.dumps(found).encode())
+
+    def _is_welcome(self) -> bool:
+        if self.headers.get_all("Host") != [self.server.host]:
+            self._refuse(403, "the page has another address")
+            return False
+        if self.headers.get("Origin", f"http://{self.server.host}") != f"http://{self.server.host}":
+            self._refuse(403, "a page elsewhere asks")
+            return False
+        return True
+
+    def _refuse(self, status: int, reason: str) -> None:
+        self.close_connection = True  # what was sent is not read
+        self._answer(status, "text/plain; charset=utf-8", reason.encode())
+
+    def _answer(self, status: int, kind: str, content: bytes) -> None:
+        self.send_response(status)
+        for name, value in {"Content-Type": kind, "Content-Length": str(len(content)), **HEADERS}.items():
+            self.send_header(name, value)
+        if self.close_connection:
+            self.send_header("Connection", "close")
+        self.end_headers()
+        self.wfile.write(content)
+
+    def version_string(self) -> str:
+        return "graphdyn"
+
+    def log_message(self, format: str, *arguments: Any) -> None:
+        """Requests are not logged."""

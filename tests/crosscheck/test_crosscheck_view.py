@@ -1,0 +1,252 @@
+"""`graphdyn view`: what is shown, the command, and the server of its page."""
+
+import gzip
+import http.client
+import json
+import re
+import socket
+import threading
+from base64 import b64decode
+
+import numpy as np
+import pytest
+
+import graphdyn
+from crosscheck.cli.exits import AGREED, BAD_INPUT
+from crosscheck.recordings import Recording
+from crosscheck.recordings.recording import recording_of
+from crosscheck.viewing.figures import Figure, ShownRobot, inertia_ellipsoid, standing_position
+from crosscheck.viewing.motions import MOST_INSTANTS, recorded_motion, shown_rows
+from crosscheck.viewing.server import LARGEST_QUESTION, STEP, PageServer
+from crosscheck.viewing.stand_ins import stand_ins
+from graphdyn import Body, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
+
+ROUNDING = 1e-12
+
+SINGLE = 1e-6
+"""Relative: loads are sent as 32-bit numbers."""
+
+
+def pendulum(*, limits=None, couplings=()):
+    rod = Body("rod", 2.0, np.array([0.0, 0.0, -0.4]), np.diag([0.02, 0.02, 0.001]))
+    bob = Body("bob", 0.5, np.array([0.0, 0.0, -0.1]), np.diag([0.001, 0.001, 0.001]))
+    joints = (
+        Joint("swing", "revolute", 0, Placement(), np.array([0.0, 1.0, 0.0]), limits or JointLimits()),
+        Joint("slide", "prismatic", 1, Placement(translation=np.array([0.0, 0.0, -0.8])), np.array([0.0, 0.0, 1.0])),
+    )
+    return RobotModel("pendulum", (rod, bob), joints, couplings=couplings)
+
+
+class TestFigures:
+    @pytest.mark.parametrize("axes", [(0.1, 0.2, 0.3), (0.5, 0.5, 0.0)])
+    def test_the_ellipsoid_of_a_homogeneous_ellipsoid_is_itself(self, axes):
+        """J of half axes a, b, c is m / 5 diag(b² + c², a² + c², a² + b²); seen along axes that are turned."""
+        squares = np.square(axes)
+        turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+        inertia = turn @ np.diag(3.0 / 5 * (squares.sum() - squares)) @ turn.T
+        found, directions = inertia_ellipsoid(Body("solid", 3.0, np.zeros(3), inertia))
+        assert np.abs(np.sort(found) - np.sort(axes)).max() < 1e-7  # a root of rounding
+        assert abs(np.linalg.det(directions) - 1) < ROUNDING
+        assert np.abs((directions * found**2) @ directions.T - (turn * squares) @ turn.T).max() < ROUNDING
+
+    def test_no_real_body_has_it(self):
+        assert inertia_ellipsoid(Body("thin", 1.0, np.zeros(3), np.diag([1.0, 1.0, 3.0]))) is None
+        assert inertia_ellipsoid(Body("point", 0.0, np.zeros(3), np.zeros((3, 3)))) is None
+
+    def test_a_robot_stands_within_its_limits(self):
+        assert standing_position(pendulum(limits=JointLimits(0.4, 1.0))).tolist() == [0.4, 0.0]
+
+    def test_cylinders_are_closed_and_seen_from_outside(self):
+        """Their volume by the theorem of Gauss: that of a prism with as many sides, π r² l at most."""
+        shapes = stand_ins(pendulum())
+        assert [shape.body for shape in shapes] == [1, 2]
+        corners = shapes[0].vertices[shapes[0].faces]
+        volume = np.einsum("ka,ka->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+        radius = np.linalg.norm(shapes[0].vertices[:, :2], axis=1).max()
+        assert 0.98 < volume / (np.pi * radius**2 * 0.8) < 1.0
+        assert abs(2.0 * radius**2 / 2 - 0.001) < ROUNDING  # m r² / 2 = J_zz
+
+
+class TestMotions:
+    def test_rows(self):
+        """Fifty a second and the last; of a long motion no more than the most."""
+        time = 3.0 + np.arange(1001) / 1000
+        assert np.abs(time[shown_rows(time)] - 3.0 - np.arange(51) / 50).max() < ROUNDING
+        assert shown_rows(np.array([0.0, 0.001, 0.002])).tolist() == [0, 2]
+        assert shown_rows(np.array([5.0])).tolist() == [0]
+        assert len(shown_rows(np.arange(0, 1000, 0.01))) == MOST_INSTANTS + 1
+
+    def test_loads_of_inverse_dynamics_or_as_recorded(self):
+        model = pendulum()
+        motion = simulate(model, [0.3, 0.1], [0.0, 0.0], 0.2, at=np.linspace(0, 0.2, 21))
+        full = recording_of(motion.recording())
+        plain = Recording(full.joint_names, full.t, full.q, full.v, full.a)
+        recorded, told = recorded_motion(model, full)
+        computed, _ = recorded_motion(model, plain)
+        assert told == ("0.2 s, 11 of 21 instants shown", "loads as recorded")
+        size = np.abs(motion.reactions.joint_wrenches).max()
+        for found in (recorded, computed):
+            assert np.abs(found.joint_wrenches - motion.reactions.joint_wrenches[::2]).max() < ROUNDING * size
+            assert np.abs(found.tau).max() < ROUNDING * size
+        assert computed.recorded_tau is None
+        assert recorded.recorded_tau.shape == (11, 2)
+
+    def test_pieces_are_told(self):
+        model = pendulum()
+        t, still = np.array([1.0, 1.1, 5.0]), np.zeros((3, 2))
+        recording = Recording(model.joint_names, t, still, still, still, block=np.array([0, 0, 1]))
+        motion, told = recorded_motion(model, recording)
+        assert told[0] == "4 s from 1 s on, 3 of 3 instants shown"
+        assert told[-1] == "2 uninterrupted pieces, joined by straight lines"
+        assert np.abs(motion.tau - inverse_dynamics(model, still, still, still).tau).max() < ROUNDING
+
+
+@pytest.fixture(scope="module")
+def server():
+    robot = ShownRobot(pendulum(), stand_ins(pendulum()))
+    coupled = pendulum(couplings=(graphdyn.Coupling("slide", {"swing": 0.1}),))
+    with PageServer("two", (Figure("a", robot), Figure("b", ShownRobot(coupled, stand_ins(coupled))))) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+
+
+class TestServer:
+    def asked(self, server, method="GET", path=None, body=None, **headers):
+        connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=60)
+        headers = {name.replace("_", "-"): value for name, value in headers.items()}
+        connection.request(method, server.path if path is None else path, body, headers)
+        answer = connection.getresponse()
+        content = answer.read()
+        connection.close()
+        return answer.status, content, answer.headers
+
+    def let_go(self, server, body, origin=None):
+        own = f"http://127.0.0.1:{server.server_port}"
+        return self.asked(server, "POST", f"{server.path}let-go", body, Origin=origin or own)[:2]
+
+    def test_only_this_machine_with_the_token(self, server):
+        assert server.server_address[0] == "127.0.0.1"
+        assert re.fullmatch(r"http://127\.0\.0\.1:\d+/[\w-]{22}/", server.address)
+        status, content, headers = self.asked(server)
+        assert (status, headers["Cache-Control"], headers["Referrer-Policy"]) == (200, "no-store", "no-referrer")
+        assert "connect-src 'self'" in content.decode()
+        for path in ("/", "/favicon.ico", server.path[:-1], server.path + "x", "/" + "A" * 22 + "/"):
+            assert self.asked(server, path=path)[0] == 404
+        assert self.asked(server, "POST", "/let-go", b"{}", Origin=server.address[:-25])[0] in (403, 404)
+
+    @pytest.mark.parametrize("host", ["evil.example", "localhost", "127.0.0.1", "127.0.0.1:1"])
+    def test_another_host_is_refused(self, server, host):
+        assert self.asked(server, Host=host)[:2] == (403, b"the page has another address")
+
+    @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
+    def test_another_origin_is_refused(self, server, origin):
+        assert self.asked(server, Origin=origin)[:2] == (403, b"a page elsewhere asks")
+        assert self.let_go(server, b"{}", origin) == (403, b"a page elsewhere asks")
+
+    def test_a_question_without_origin_is_refused(self, server):
+        assert self.asked(server, "POST", f"{server.path}let-go", b"{}")[0] == 403
+
+    def test_let_go(self, server):
+        """The motion that graphdyn.simulate gives, in the form of the page."""
+        status, content = self.let_go(server, json.dumps({"figure": 0, "q": [0.5, 0.1], "seconds": 0.2}))
+        assert status == 200
+        answer = json.loads(content)
+        numbers = gzip.decompress(b64decode(answer["numbers"]))
+
+        def array(name):
+            kind, first, length = answer["motion"][name]
+            return np.frombuffer(numbers, f"<{kind}", length, first)
+
+        expected = simulate(pendulum(), [0.5, 0.1], [0.0, 0.0], 0.2, method="rk4", step=STEP)
+        rows = shown_rows(expected.time)
+        assert np.array_equal(array("time"), expected.time[rows])
+        assert np.array_equal(array("q").reshape(-1, 2), expected.q[rows])
+        wrenches = expected.reactions.joint_wrenches[rows]
+        assert np.abs(array("wrenches").reshape(wrenches.shape) - wrenches).max() < SINGLE * np.abs(wrenches).max()
+
+    @pytest.mark.parametrize(
+        ("question", "reason"),
+        [
+            (b"[", "the question has another form than figure, q and seconds"),
+            (b'{"figure": 7, "q": [0, 0], "seconds": 1}', "another form"),
+            (b'{"figure": 0, "q": [0], "seconds": 1}', "q"),
+            (b'{"figure": 0, "q": [0, 0], "seconds": 0}', "duration is 0.0"),
+            (b'{"figure": 1, "q": [0], "seconds": 1}', "coupl"),
+        ],
+    )
+    def test_other_questions_are_answered_with_the_reason(self, server, question, reason):
+        status, content = self.let_go(server, question)
+        assert status == 400
+        assert reason in content.decode()
+
+    def test_a_long_question_is_not_read(self, server):
+        assert self.let_go(server, b" " * (LARGEST_QUESTION + 1))[0] == 413
+
+
+class TestCommand:
+    def test_a_page(self, program, small_arm, tmp_path):
+        run, file = tmp_path / "run.npz", tmp_path / "view.html"
+        program("simulate", small_arm, "--duration", 0.05, "--position", "0.1,0.2,0.3", "--out", run)
+        done = program("view", small_arm, "--play", run, "--play", run, "--html", file)
+        assert (done.code, done.out) == (AGREED, "")
+        assert "small.urdf, run.npz: loads by inverse dynamics of q, v and a" in done.err
+        assert "small.urdf, run.npz: cylinders from joint to joint, in place of shapes" in done.err
+        text = file.read_text(encoding="utf-8")
+        assert "connect-src" not in text
+        shown = json.loads(re.search('id="scene">(.*?)</script>', text).group(1))
+        assert [figure["robot"] for figure in shown["figures"]] == [0, 0]
+        assert len(shown["robots"]) == 1
+        assert shown["figures"][0]["start"] == [0.1, 0.2, 0.3]
+
+    def test_a_log_of_positions(self, program, small_arm, tmp_path):
+        """Velocities and accelerations are derived, which is told."""
+        t = np.arange(0, 4, 0.01)
+        q = np.stack([0.5 * np.sin(2 * t), 0.5 + 0.3 * np.cos(t), 0.1 * np.sin(t)], axis=1)
+        log, file = tmp_path / "log.csv", tmp_path / "view.html"
+        header = "t,q_z_shoulder,q_y_elbow,q_a_slide"
+        np.savetxt(log, np.column_stack([t, q]), delimiter=",", header=header, comments="")
+        done = program("view", small_arm, "--play", log, "--cutoff", "none", "--html", file)
+        assert done.code == AGREED, done.err
+        assert "log.csv: no filter; v, a by central differences" in done.err
+
+    @pytest.mark.parametrize(
+        ("arguments", "message"),
+        [
+            (("kr500", "kr500", "--play", "a.csv"), "2 robots and 1 runs; give one robot, or one for each run"),
+            (("kr500", "--play", "a.csv", "--cutoff", "x"), "--cutoff x: give Hz, CHANNEL=HZ,…, residual or none"),
+            (("kr500", "--play", "missing.csv"), "missing.csv"),
+            (("kr501",), "'kr501' is neither a file nor a robot"),
+        ],
+    )
+    def test_refused(self, program, words, arguments, message):
+        done = program("view", *arguments, "--html", "-")
+        assert done.code == BAD_INPUT
+        assert message in words(done.err)
+
+    def test_a_port_that_is_taken(self, program, words, server):
+        done = program("view", "kr500", "--no-browser", "--port", server.server_port)
+        assert done.code == BAD_INPUT
+        assert f"--port {server.server_port}: Address already in use; name another, or 0" in words(done.err)
+
+    @pytest.mark.parametrize("browser", [True, False])
+    def test_served_until_ctrl_c(self, program, monkeypatch, browser):
+        opened, ports = [], []
+
+        def interrupted(server):
+            ports.append(server.server_port)
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr("webbrowser.open", opened.append)
+        monkeypatch.setattr(PageServer, "serve_forever", interrupted)
+        done = program("view", "kr500", *(() if browser else ("--no-browser",)))
+        assert done.code == AGREED
+        (port,) = ports
+        address, told = done.out.strip().split("  ")
+        assert address.startswith(f"http://127.0.0.1:{port}/")
+        assert told == "(Ctrl-C ends)"
+        assert opened == [address] * browser
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(("127.0.0.1", port))

@@ -1,0 +1,221 @@
+"""The player in headless Chromium: what it draws and shows against graphdyn's numbers, and that it asks nobody."""
+
+import numpy as np
+import pytest
+from browser import CHROMIUM
+from driven_browser import DrivenBrowser
+from random_trees import random_tree
+
+import graphdyn
+from crosscheck.recordings import Recording
+from crosscheck.viewing.figures import Figure, ShownRobot
+from crosscheck.viewing.motions import recorded_motion
+from crosscheck.viewing.page import page
+from crosscheck.viewing.stand_ins import stand_ins
+from graphdyn import Coupling, inverse_dynamics, maximal_state
+from graphdyn.layout import ANGULAR, LINEAR
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
+
+DRAWN = 1e-6
+"""Relative error of what is drawn: three.js draws with 32-bit numbers, 6e-8 each."""
+
+PIXEL = 0.51
+"""A bar of the legend is a whole number of pixels long."""
+
+HAND = [0.3, -0.7, 0.2, 1.1, -0.4, 0.6]
+
+PICTURE = """(() => {
+  const gl = player.stage.renderer.getContext(), size = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const pixels = (t) => {
+    player.seek(t);
+    const found = new Uint8Array(4 * size[0] * size[1]);
+    gl.readPixels(0, 0, ...size, gl.RGBA, gl.UNSIGNED_BYTE, found);
+    return found;
+  };
+  const changed = (a, b) => a.filter((x, i) => Math.abs(x - b[i]) > 20).length;
+  const [first, later, again] = [0, 0.2, 0].map(pixels);
+  return [new Set(first).size, changed(first, later), changed(first, again)];
+})()"""
+
+
+def moving_tree():
+    """Six joints of all kinds on two branches, one of them driven by two others, mounted anywhere."""
+    kinds = ("revolute", "prismatic", "continuous", "revolute", "prismatic", "revolute")
+    tree = random_tree(5, (0, 1, 2, 1, 4, 5), kinds)
+    coupling = Coupling("joint6", {"joint1": -0.5, "joint4": 2.0}, 0.3)
+    return graphdyn.RobotModel(
+        tree.name, tree.bodies, tree.joints, tree.gravity, tree.base, frames=tree.frames, couplings=(coupling,)
+    )
+
+
+@pytest.fixture(scope="module")
+def figures():
+    """One that moves, one that stands."""
+    tree, arm = moving_tree(), random_tree(8, (0, 1, 2), ("revolute", "prismatic", "continuous"))
+    rng = np.random.default_rng(7)
+    q, v, a = (size * rng.uniform(-1, 1, (11, tree.n_freedoms)) for size in (1, 2, 5))
+    tau = inverse_dynamics(tree, q, v, a).tau + 1.0
+    recording = Recording(tree.independent_joints, np.linspace(0.5, 0.7, 11), q, v, a, tau)
+    moving = Figure("tree", ShownRobot(tree, stand_ins(tree)), *recorded_motion(tree, recording))
+    return recording, (moving, Figure("arm", ShownRobot(arm, stand_ins(arm))))
+
+
+@pytest.fixture(scope="module")
+def shown(figures, tmp_path_factory):
+    """The browser with the page of the figures, ready."""
+    folder = tmp_path_factory.mktemp("view")
+    file = folder / "view.html"
+    file.write_text(page("a tree & <an arm>", figures[1]), encoding="utf-8")
+    with DrivenBrowser(folder / "profile") as browser:
+        browser.open(file.as_uri())
+        yield browser
+
+
+def drawn(browser, figure):
+    """Placements (n, 4, 4) and arrows (2, n, 2, 3) as drawn, without the shift that sets robots apart."""
+    matrices, arrows, shift = browser.value(
+        f"""(() => {{
+          const figure = player.figures[{figure}];
+          return [
+            figure.bodies.map((body) => body.matrixWorld.elements),
+            ["force", "moment"].map((kind) => figure.robot.joints.map((_, j) => figure.arrow(kind, j))),
+            figure.place.position.toArray(),
+          ];
+        }})()"""
+    )
+    placements = np.array(matrices).reshape(-1, 4, 4).transpose(0, 2, 1)
+    placements[:, :3, 3] -= shift
+    return placements, np.array(arrows) - shift
+
+
+def check(browser, number, model, state, loads):
+    """Everything drawn of one figure against the maximal state, and inverse dynamics at one instant."""
+    placements, arrows = drawn(browser, number)
+    rotation = state.rotation
+    origins = state.position - np.einsum("iab,ib->ia", rotation, [body.center_of_mass for body in model.bodies])
+    size = max(1.0, np.abs(origins).max())
+    assert np.abs(placements[0, :3, :3] - model.base.rotation).max() < DRAWN
+    assert np.abs(placements[1:, :3, :3] - rotation).max() < DRAWN
+    assert np.abs(placements[1:, :3, 3] - origins).max() < DRAWN * size
+    scales = browser.value("player.scales()")
+    for kind, part, ends in zip(("force", "moment"), (LINEAR, ANGULAR), arrows, strict=True):
+        vectors = scales[kind] * np.einsum("iab,ib->ia", rotation, loads.joint_wrenches[:, part])
+        size = max(1.0, np.abs(vectors).max() + np.abs(origins).max())
+        assert np.abs(vectors).max() > 0.01
+        assert np.abs(ends[:, 0] - origins).max() < DRAWN * size
+        assert np.abs(ends[:, 1] - origins - vectors).max() < DRAWN * size
+    tau = np.array(browser.value(f"player.figures[{number}].shown.tau"))
+    assert np.abs(tau - loads.tau).max() < DRAWN * np.abs(loads.joint_wrenches).max()
+
+
+@pytest.mark.parametrize("row", [0, 4, 10])
+def test_recorded_instants(shown, figures, row):
+    recording, (figure, _) = figures
+    model = figure.robot.model
+    shown.value(f"player.seek({float(recording.t[row] - recording.t[0])})")
+    loads = inverse_dynamics(model, recording.q[row], recording.v[row], recording.a[row])
+    check(shown, 0, model, maximal_state(model, recording.q[row]), loads)
+    recorded = shown.value("player.figures[0].shown.recorded")
+    assert np.abs(recorded - recording.tau[row]).max() < DRAWN * np.abs(recording.tau[row]).max()
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_by_hand(shown, figures, number):
+    """Positions of the sliders, with the loads of gravity."""
+    model = figures[1][number].robot.model
+    q = HAND[: model.n_freedoms]
+    shown.value(f"player.figures[{number}].hand = {q}; player.draw()")
+    loads = inverse_dynamics(model, q, np.zeros_like(q), np.zeros_like(q))
+    check(shown, number, model, maximal_state(model, q), loads)
+
+
+def test_a_slider(shown, figures):
+    """Moving one moves its joint, and the joint that it drives."""
+    model = figures[1][0].robot.model
+    shown.value("player.seek(0)")
+    before = np.array(shown.value("player.figures[0].shown.q"))
+    shown.value(
+        """(() => {
+          const sliders = document.querySelectorAll("#rows input");
+          sliders[3].value = 0.25;
+          sliders[3].dispatchEvent(new Event("input"));
+        })()"""
+    )
+    expected = model.joint_positions([*before[:3], 0.25, before[4]])
+    numbers = [
+        float(x.replace("−", "-"))
+        for x in shown.value(
+            "[...document.querySelectorAll('#rows tr')].map((row) => row.querySelector('output').textContent)"
+        )
+    ]
+    assert np.abs(numbers - expected).max() < 1e-3
+    assert shown.value("document.querySelectorAll('#rows input')[5].disabled")
+    assert (
+        shown.value("document.getElementById('state').textContent") == "Set by hand, at rest: loads of gravity alone."
+    )
+
+
+def test_curves_of_multipliers(shown, figures):
+    recording, (figure, _) = figures
+    model = figure.robot.model
+    found = np.array(
+        shown.value(
+            """player.figures[0].robot.joints.map(({ name }) => {
+              const found = quantities(player.figures[0]).find(([title]) => title === `multipliers of ${name}`);
+              return Object.values(found[2]());
+            })"""
+        )
+    )
+    expected = inverse_dynamics(model, recording.q, recording.v, recording.a).multipliers
+    assert np.abs(found.transpose(2, 0, 1) - expected).max() < DRAWN * np.abs(expected).max()
+
+
+def test_the_legend_tells_the_scale(shown):
+    """A bar is as long as an arrow of the load beside it would be at the middle of the view."""
+    rows = shown.value(
+        """[...document.querySelectorAll("#legend div")].slice(0, 2).map((row) =>
+          [parseFloat(row.querySelector("i").style.width), row.querySelector("b").textContent])"""
+    )
+    scales, pixels = shown.value("[player.scales(), player.stage.pixelsPerMetre()]")
+    prefixes = {"m": 1e-3, "": 1.0, "k": 1e3, "M": 1e6}
+    for (width, text), (kind, unit) in zip(rows, (("force", "N"), ("moment", "N m")), strict=True):
+        number, _, prefixed = text.partition(" ")
+        value = float(number) * prefixes[prefixed.removesuffix(unit)]
+        assert abs(width - value * scales[kind] * pixels) < PIXEL
+        assert width > 20
+
+
+def test_pixels_change(shown):
+    colors, moved, repeated = shown.value(PICTURE)
+    assert colors > 50
+    assert moved > 1000
+    assert repeated == 0
+
+
+def test_it_plays(shown):
+    """Frames come without being asked for, and time runs on."""
+    shown.value("player.seek(0)")
+    shown.value("player.toggle()")
+    shown.value(
+        """new Promise((done) => {
+          const look = () => player.state.t > 0.05 ? done() : requestAnimationFrame(look);
+          look();
+        })"""
+    )
+    assert shown.value("document.getElementById('play').ariaLabel") == "pause"
+    shown.value("player.toggle()")
+
+
+def test_nothing_is_asked_for(shown):
+    """No complaint, no request; the policy lets nothing out even if a script tried."""
+    assert shown.complaints == []
+    assert [address.split("/")[-1] for address in shown.requests] == ["view.html"]
+    assert shown.value("document.querySelector('h1').textContent") == "a tree & <an arm>"
+    assert shown.value("fetch('http://127.0.0.1:9/').then(() => 'answered', () => 'refused')") == "refused"
+    assert any("Content Security Policy" in complaint for complaint in shown.complaints)
+    assert len(shown.requests) == 1
+
+
+def test_the_same_figures_give_the_same_page(figures):
+    assert page("one", figures[1]) == page("one", figures[1])
