@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -10,10 +11,12 @@ from crosscheck.cli.console import warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.options import (
     EXAMPLES,
+    FACES,
     HtmlOption,
     JsonOption,
     LockOption,
     RobotArgument,
+    ThreeDOption,
     locked_joints,
 )
 from crosscheck.cli.states import StateOption, given_state
@@ -44,6 +47,7 @@ def run(
     reference: ReferenceOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
 ) -> None:
     """Show a robot: bodies, joints, graph and equations.
 
@@ -64,8 +68,16 @@ def run(
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
-    there = None
+    there, q = None, None
     if state is not None:
         q, v = given_state(state, model)
         there = describe_state(model, q, v, frame or tip(model), reference or "local_world_aligned")
-    deliver(show_report(describe(model, robot, locked, there), model), html_file, json_file)
+    report = show_report(describe(model, robot, locked, there), model)
+    if three_d and html_file is not None:
+        from crosscheck.report.report import with_stage
+        from crosscheck.viewing.figures import Figure
+        from crosscheck.viewing.robots import shown_robot
+
+        shown = shown_robot(robot, model, locked, FACES)
+        report = with_stage(report, [Figure(Path(robot).name, shown, start=q)])
+    deliver(report, html_file, json_file)

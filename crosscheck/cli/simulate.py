@@ -13,16 +13,21 @@ from crosscheck.cli.delivery import deliver
 from crosscheck.cli.foreign import foreign_function
 from crosscheck.cli.options import (
     EXAMPLES,
+    FACES,
     HtmlOption,
     JsonOption,
     LockOption,
     RobotArgument,
+    ThreeDOption,
     command_line,
     locked_joints,
 )
 from crosscheck.cli.output_files import OutputFile
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from crosscheck.report.report import Report
     from graphdyn import RobotModel, Simulation
 
 EPILOG = f"""{EXAMPLES}  graphdyn simulate ur5 --duration 3 --html fall.html
@@ -84,6 +89,7 @@ def run(
     out: OutOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
 ) -> None:
     """Let a robot move, and record it.
 
@@ -119,7 +125,20 @@ def run(
     if out is not None:
         _write(motion, out, {"robot": robot, "locked": locked, "torque": torque, "position": q, "velocity": v})
     shown = SimulatedRun(motion, robot, locked, torque, method, step, out.name if out else None)
-    deliver(simulate_report(shown), html_file, json_file)
+    report = simulate_report(shown)
+    if three_d and html_file is not None:
+        report = _with_stage(report, motion, robot, locked)
+    deliver(report, html_file, json_file)
+
+
+def _with_stage(report: Report, motion: Simulation, robot: str, locked: Mapping[str, float]) -> Report:
+    from crosscheck.report.report import with_stage
+    from crosscheck.viewing.figures import Figure
+    from crosscheck.viewing.motions import simulated_motion
+    from crosscheck.viewing.robots import shown_robot
+
+    shown = shown_robot(robot, motion.model, locked, FACES)
+    return with_stage(report, [Figure(Path(robot).name, shown, *simulated_motion(motion))])
 
 
 def _simulated(

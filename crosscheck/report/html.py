@@ -30,11 +30,14 @@ from crosscheck.report.report import (
     Plot,
     Prose,
     Report,
+    Stage,
     Table,
     Verdict,
     shown,
 )
 from crosscheck.report.report import Group as BlockGroup
+from crosscheck.viewing.page import page as stage_page
+from crosscheck.viewing.page import script_hashes
 
 LONG_NOTE = 240
 """Characters from which a note is folded."""
@@ -56,7 +59,9 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
 
     command: the arguments that made it; versions: of everything that took part
     """
-    plots = [block for section in report.sections for block in _all(section.blocks) if isinstance(block, Plot)]
+    blocks = [block for section in report.sections for block in _all(section.blocks)]
+    plots = [block for block in blocks if isinstance(block, Plot)]
+    of_stages = script_hashes() if any(isinstance(block, Stage) for block in blocks) else []
     scripts = [
         *([_text(VENDOR / "uPlot.iife.min.js"), _text(PAGE / "plots.js")] if plots else []),
         _text(PAGE / "page.js"),
@@ -71,7 +76,7 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
             contents=[section for section in report.ordered if section.title],
             styles=[Markup(style) for style in styles],
             scripts=[Markup(script) for script in scripts],
-            hashes=[_hash(script) for script in scripts],
+            hashes=[*(f"'sha256-{_hash(script)}'" for script in scripts), *of_stages],
             command=shlex.join(command),
             versions=versions,
             key=map("p{}".format, count(1)).__next__,
@@ -95,6 +100,10 @@ def _hash(script: str) -> str:
 @cache
 def _text(path: Path) -> str:
     return path.read_text(encoding="utf-8")
+
+
+def _stage_page(stage: Stage) -> str:
+    return stage_page(", ".join(figure.name for figure in stage.figures), stage.figures)
 
 
 def _kind(block: Block) -> str:
@@ -139,7 +148,7 @@ def _width(block: Block) -> str:
             return "small"
         case Plot(wide=False):
             return "half"
-        case Picture() | Plot():
+        case Picture() | Plot() | Stage():
             return "wide"
         case Prose() | Notes() | Code():
             return "whole"
@@ -176,6 +185,7 @@ def _environment() -> Environment:
         wordy=_wordy,
         plot_data=plot_data,
         plot_picture=plot_picture,
+        stage_page=_stage_page,
         LONG_NOTE=LONG_NOTE,
     )
     return environment

@@ -7,7 +7,7 @@ notes, a picture, a plot, code or prose; `on` says whether it is for the termina
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -16,6 +16,8 @@ from graphdyn.layout import Array
 
 if TYPE_CHECKING:
     from markupsafe import Markup
+
+    from crosscheck.viewing.figures import Figure
 
 State = Literal["agrees", "undecided", "disagrees", "plain"]
 Medium = Literal["text", "page"]
@@ -195,6 +197,19 @@ class Picture(Block):
 
 
 @dataclass(frozen=True)
+class RobotPicture(Picture):
+    """The picture of the robot that a report is about."""
+
+
+@dataclass(frozen=True)
+class Stage(Block):
+    """Robots in three dimensions, which a reader moves and plays: the page of crosscheck.viewing inside the page."""
+
+    figures: tuple[Figure, ...]
+    on: tuple[Medium, ...] = field(default=("page",), kw_only=True)
+
+
+@dataclass(frozen=True)
 class Series:
     """One curve over the x of its plot; NaN where it has no value.
 
@@ -287,6 +302,16 @@ class Report:
         by_state = sorted(judged, key=lambda k: FAILURES_FIRST[self.sections[k].verdict.state])  # type: ignore[union-attr]
         places = dict(zip(judged, by_state, strict=True))
         return [self.sections[places.get(k, k)] for k in range(len(self.sections))]
+
+
+def with_stage(report: Report, figures: Sequence[Figure]) -> Report:
+    """The report with these robots in three dimensions in place of the picture of its robot."""
+
+    def exchanged(block: Block) -> Block:
+        return Stage(tuple(figures)) if isinstance(block, RobotPicture) else block
+
+    sections = [replace(section, blocks=tuple(map(exchanged, section.blocks))) for section in report.sections]
+    return replace(report, sections=tuple(sections))
 
 
 def shown(blocks: Sequence[Block], medium: Medium) -> Iterator[Block]:

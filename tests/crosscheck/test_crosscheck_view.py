@@ -1,12 +1,14 @@
 """`graphdyn view`: what is shown, the command, and the server of its page."""
 
 import gzip
+import hashlib
+import html
 import http.client
 import json
 import re
 import socket
 import threading
-from base64 import b64decode
+from base64 import b64decode, b64encode
 
 import numpy as np
 import pytest
@@ -250,3 +252,20 @@ class TestCommand:
         assert opened == [address] * browser
         with pytest.raises(ConnectionRefusedError):
             socket.create_connection(("127.0.0.1", port))
+
+    def test_in_a_report(self, program, small_arm, tmp_path):
+        """--3d: the page of the player inside that of the report, whose policy allows its scripts and no others."""
+        for arguments in (("show", small_arm, "--state", "0.1,0.2,0.3"), ("simulate", small_arm, "--duration", 0.05)):
+            file = tmp_path / "report.html"
+            assert program(*arguments, "--3d", "--html", file).code == AGREED
+            text = file.read_text(encoding="utf-8")
+            inside = html.unescape(re.search('srcdoc="([^"]*)"', text)[1])
+            scripts = re.findall(r"<script>(.*?)</script>", text + inside, re.DOTALL)
+            scripts.append(gzip.decompress(b64decode(re.search('id="libraries">(.*?)<', inside)[1])).decode())
+            hashes = {f"'sha256-{b64encode(hashlib.sha256(script.encode()).digest()).decode()}'" for script in scripts}
+            assert set(re.search('script-src ([^"]*)"', text)[1].split()) == hashes
+            assert "Stick figure of" not in text
+            shown = json.loads(re.search('id="scene">(.*?)</script>', inside)[1])
+            (figure,) = shown["figures"]
+            assert (figure["motion"] is None) == (arguments[0] == "show")
+            assert figure["start"] == ([0.1, 0.2, 0.3] if arguments[0] == "show" else [0.0, 0.0, 0.0])

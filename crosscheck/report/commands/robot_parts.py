@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
-from crosscheck.report.report import Column, Picture, Row, Table
+from crosscheck.report.report import Column, RobotPicture, Row, Table
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
@@ -16,14 +16,14 @@ def locked_text(locked: Mapping[str, float]) -> str:
     return f", locked: {', '.join(f'{joint} = {value:g}' for joint, value in locked.items())}" if locked else ""
 
 
-def robot_picture(model: RobotModel, name: str, q: Array | None = None) -> Picture:
+def robot_picture(model: RobotModel, name: str, q: Array | None = None) -> RobotPicture:
     """The robot as a stick figure. name: for readers who do not see it; q: of a given state (n,)"""
     pose = pose_text(model) if q is None else "At the given state"
     caption = (
         f"{pose}. ○ revolute joint and its axis, □ prismatic joint and its direction, discs: centers of "
         "mass, area as the mass, ×: fixed frames, grey band: the links seen from above."
     )
-    return Picture(partial(stick_figure, model=model, name=name, q=q), caption, wide=False, on=("page",))
+    return RobotPicture(partial(stick_figure, model=model, name=name, q=q), caption, wide=False, on=("page",))
 
 
 def joints_table(model: RobotModel) -> Table:
