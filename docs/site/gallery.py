@@ -49,8 +49,8 @@ EXHIBITS = (
     Exhibit("inspect", "A file with faults, each with line and remedy.", ("inspect", "doubtful.urdf"), exit_code=1),
     Exhibit(
         "simulate",
-        "An arm that falls freely, the largest loads of its joints, and its energies.",
-        ("simulate", "ur5", "--duration", "2"),
+        "An arm that falls freely, seen in three dimensions, with the largest loads of its joints, and its energies.",
+        ("simulate", "ur5", "--duration", "2", "--3d"),
     ),
     Exhibit("view", "An arm to be moved by hand, with all reactions of its joints.", ("view", "panda")),
     Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),

@@ -175,7 +175,9 @@ async function main() {
   stage.resize();
   pause();
   draw();
-  if (!matchMedia("(prefers-reduced-motion: reduce)").matches) setPlaying(true);
+  const start = new URLSearchParams(location.hash.slice(1)).get("t");  // page.html#t=1.5 begins there, and stands
+  if (start !== null && duration > 0) seek(Number(start) || 0);
+  else if (!matchMedia("(prefers-reduced-motion: reduce)").matches) setPlaying(true);
   requestAnimationFrame(frame);
   globalThis.player = { figures, stage, state, scales, seek, draw, toggle, letGo };  // for scripts of one's own
   document.body.dataset.ready = "yes";
