@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from crosscheck.cli.console import out, say, warnings_shown
+from crosscheck.cli.console import out, progress, say, warnings_shown
 from crosscheck.cli.identify_options import DropOption, MappingOption, RateOption, cutoff_of
 from crosscheck.cli.options import EXAMPLES, FACES, LockOption, locked_joints, robot_names
 from crosscheck.cli.output_files import OutputFile
@@ -103,12 +103,19 @@ def run(
         recording = load_recording(path, mapping, joints=joints, rate=rate, drop=drop or ())
         if recording.v is None or recording.a is None:
             recording = differentiated(recording, low_pass)
-        return Figure(f"{Path(name).name}, {path.name}", robot, *recorded_motion(robot.model, recording))
+        return Figure(f"{Path(name).name}: {path.name}", robot, *recorded_motion(robot.model, recording))
 
-    with warnings_shown():
-        shown = {name: shown_robot(name, urdf.load(name, lock=locked or None), locked, faces) for name in robots}
+    shown = {}
+    with warnings_shown(), progress("view", len(robots) + len(runs)) as advance:
+        for name in robots:
+            shown[name] = shown_robot(name, urdf.load(name, lock=locked or None), locked, faces)
+            advance(name, 1)
         names = robots * (len(runs) if len(robots) == 1 and runs else 1)
-        figures = [figure(name, path) for name, path in zip_longest(names, runs)]
+        figures = []
+        for name, path in zip_longest(names, runs):
+            figures.append(figure(name, path))
+            if path is not None:
+                advance(str(path), 1)
     for each in figures:
         notes = (*each.notes, *each.robot.notes)
         for note in notes[:TOLD]:

@@ -194,8 +194,8 @@ class TestCommand:
         program("simulate", small_arm, "--duration", 0.05, "--position", "0.1,0.2,0.3", "--out", run)
         done = program("view", small_arm, "--play", run, "--play", run, "--html", file)
         assert (done.code, done.out) == (AGREED, "")
-        assert "small.urdf, run.npz: loads by inverse dynamics of q, v and a" in done.err
-        assert "small.urdf, run.npz: cylinders from joint to joint, in place of shapes" in done.err
+        assert "small.urdf: run.npz: loads by inverse dynamics of q, v and a" in done.err
+        assert "small.urdf: run.npz: cylinders from joint to joint, in place of shapes" in done.err
         text = file.read_text(encoding="utf-8")
         assert "connect-src" not in text
         shown = json.loads(re.search('id="scene">(.*?)</script>', text).group(1))
