@@ -76,8 +76,10 @@ def run(
     if three_d and html_file is not None:
         from crosscheck.report.report import with_stage
         from crosscheck.viewing.figures import Figure
+        from crosscheck.viewing.motions import closed_instant
         from crosscheck.viewing.robots import shown_robot
 
         shown = shown_robot(robot, model, locked, FACES)
-        report = with_stage(report, [Figure(Path(robot).name, shown, start=q)])
+        motion, notes = closed_instant(model) if model.chords and q is None else (None, ())
+        report = with_stage(report, [Figure(Path(robot).name, shown, motion, notes, q)])
     deliver(report, html_file, json_file)

@@ -52,6 +52,10 @@ HtmlOption = Annotated[
 PortOption = Annotated[
     int, typer.Option(min=0, max=65535, metavar="N", help="Port of 127.0.0.1 to serve at; a free one if 0.")
 ]
+ActuatedOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="JOINT", help="Joint of a robot with loops that has a motor: loads depend on it. Repeatable."),
+]
 FacesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Triangles of a robot's meshes, about.")]
 NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="Print the address; open no browser.")]
 CutoffOption = Annotated[
@@ -69,6 +73,7 @@ def run(
     robots: RobotsArgument,
     play: PlayOption = None,
     lock: LockOption = None,
+    actuated: ActuatedOption = None,
     faces: FacesOption = FACES,
     html_file: HtmlOption = None,
     port: PortOption = 0,
@@ -92,13 +97,13 @@ def run(
     import urdf
     from crosscheck.recordings import differentiated, load_recording
     from crosscheck.viewing.figures import Figure
-    from crosscheck.viewing.motions import recorded_motion
+    from crosscheck.viewing.motions import closed_instant, recorded_motion
     from crosscheck.viewing.robots import shown_robot
 
     def figure(name: str, path: Path | None) -> Figure:
         robot = shown[name]
         if path is None:
-            return Figure(Path(name).name, robot)
+            return Figure(Path(name).name, robot, *(closed_instant(robot.model) if robot.model.chords else ()))
         joints = robot.model.independent_joints
         recording = load_recording(path, mapping, joints=joints, rate=rate, drop=drop or ())
         if recording.v is None or recording.a is None:
@@ -108,7 +113,8 @@ def run(
     shown = {}
     with warnings_shown(), progress("view", len(robots) + len(runs)) as advance:
         for name in robots:
-            shown[name] = shown_robot(name, urdf.load(name, lock=locked or None), locked, faces)
+            model = urdf.load(name, lock=locked or None)
+            shown[name] = shown_robot(name, model.with_actuated(actuated) if actuated else model, locked, faces)
             advance(name, 1)
         names = robots * (len(runs) if len(robots) == 1 and runs else 1)
         figures = []

@@ -79,7 +79,12 @@ class Figure:
 
 
 def standing_position(model: RobotModel) -> Array:
-    """q (n_freedoms,) of a robot without a motion: zero, or the nearest position within limits."""
+    """q (n_freedoms,) of a robot without a motion: zero, or the nearest position within limits; loops are closed.
+
+    Raises InconsistentState where no pose closes them.
+    """
+    if model.chords:
+        return model.closed_pose
     limits = [model.joints[k].limits for k in model.freedoms.independent]
     lower = [-np.inf if limit.lower is None else limit.lower for limit in limits]
     upper = [np.inf if limit.upper is None else limit.upper for limit in limits]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings import Recording
 from crosscheck.viewing.figures import Motion
-from graphdyn import RobotModel, Simulation, inverse_dynamics
+from graphdyn import GraphDynError, RobotModel, Simulation, inverse_dynamics
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 RATE = 50.0
@@ -27,7 +27,7 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tu
     rows = shown_rows(recording.t)
     q, v, a = (recording.channel(name)[rows] for name in ("q", "v", "a"))
     if recording.joint_wrenches is None:
-        wrenches, source = inverse_dynamics(model, q, v, a).joint_wrenches, "loads by inverse dynamics of q, v and a"
+        wrenches, source = _loads(model, q, v, a)
     else:
         wrenches, source = recording.joint_wrenches[rows], "loads as recorded"
     tau = None if recording.tau is None else recording.tau[rows]
@@ -37,6 +37,17 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tu
     if pieces > 1:
         notes.append(f"{pieces} uninterrupted pieces, joined by straight lines")
     return motion, tuple(notes)
+
+
+def closed_instant(model: RobotModel) -> tuple[Motion, tuple[str, ...]]:
+    """A robot with loops at rest in its closed pose, as a motion of one instant, and notes on it.
+
+    Raises InconsistentState where no pose closes the loops.
+    """
+    q = model.closed_pose[None]
+    wrenches, source = _loads(model, q, 0 * q, 0 * q)
+    motion = Motion(np.zeros(1), q, wrenches, _along_axes(model, wrenches))
+    return motion, ("the pose that closes the loops, at rest", source)
 
 
 def simulated_motion(simulation: Simulation) -> tuple[Motion, tuple[str, ...]]:
@@ -55,6 +66,16 @@ def shown_rows(time: Array) -> NDArray[np.intp]:
     even = time[0] + np.arange(int(duration * rate * (1 + 1e-9)) + 1) / rate
     nearest = np.searchsorted((time[1:] + time[:-1]) / 2, even)
     return np.unique(np.append(nearest, len(time) - 1))
+
+
+def _loads(model: RobotModel, q: Array, v: Array, a: Array) -> tuple[Array, str]:
+    """Joint wrenches (N, n, 6), and where they come from. NaN where those of a loop do not follow from the motion."""
+    try:
+        return inverse_dynamics(model, q, v, a).joint_wrenches, "loads by inverse dynamics of q, v and a"
+    except GraphDynError as error:
+        if not model.chords:
+            raise
+        return np.full((len(q), model.n_bodies, 6), np.nan), f"no loads are shown: {error}"
 
 
 def _told(time: Array, rows: NDArray[np.intp]) -> str:

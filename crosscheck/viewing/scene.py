@@ -13,7 +13,7 @@ import numpy as np
 
 from crosscheck.viewing.figures import BodyShape, Figure, Motion, ShownRobot, inertia_ellipsoid
 from crosscheck.viewing.numbers import NumberStore
-from graphdyn import Body, Joint, Placement, RobotModel
+from graphdyn import Body, Chord, Joint, Placement, RobotModel
 
 STEPS = 65535
 """Of the position of a vertex along each edge of the box of its shape."""
@@ -47,6 +47,7 @@ def _robot(robot: ShownRobot, store: NumberStore) -> dict[str, Any]:
         "gravity": model.gravity.tolist(),
         "joints": [_joint(joint) for joint in model.joints],
         "bodies": [_body(body) for body in model.bodies],
+        "chords": [_chord(chord) for chord in model.chords],
         "independent": list(freedoms.independent),
         "matrix": freedoms.matrix.tolist(),
         "offset": freedoms.offset.tolist(),
@@ -68,6 +69,15 @@ def _joint(joint: Joint) -> dict[str, Any]:
         "normals": joint.axis_normals.tolist(),
         "lower": joint.limits.lower,
         "upper": joint.limits.upper,
+    }
+
+
+def _chord(chord: Chord) -> dict[str, Any]:
+    ends = ((chord.body_i, chord.placement_i), (chord.body_j, chord.placement_j))
+    return {
+        "name": chord.name,
+        "axis": chord.axis.tolist() if chord.kind in ("hinge", "slide") else None,
+        "ends": [{"body": body, **_placement(placement)} for body, placement in ends],
     }
 
 

@@ -23,7 +23,7 @@ SHORTEST = 1e-3
 
 
 def stand_ins(model: RobotModel) -> tuple[BodyShape, ...]:
-    """Per body cylinders from its inside joint to its outside joints; to its frames or center of mass where it ends.
+    """Per body cylinders from its inside joint to outside joints and chords; to a frame or its center where it ends.
 
     The radius is that of the homogeneous cylinder with the moment of the body about this line, within limits.
     """
@@ -48,7 +48,10 @@ def _edges(model: RobotModel) -> Iterator[tuple[int, Array]]:
     """Body, and a point in its link frame to which a cylinder leads."""
     for joint in model.joints:
         yield joint.inside, joint.placement.translation
-    inner = {joint.inside for joint in model.joints}
+    for chord in model.chords:
+        yield chord.body_i, chord.placement_i.translation
+        yield chord.body_j, chord.placement_j.translation
+    inner = {joint.inside for joint in model.joints} | {body for c in model.chords for body in (c.body_i, c.body_j)}
     for number, body in enumerate(model.bodies, start=1):
         if number not in inner:
             ends = [frame.placement.translation for frame in model.frames if frame.body == number]

@@ -1,5 +1,6 @@
 """`graphdyn view`: what is shown, the command, and the server of its page."""
 
+import dataclasses
 import gzip
 import hashlib
 import html
@@ -18,10 +19,10 @@ from crosscheck.cli.exits import AGREED, BAD_INPUT
 from crosscheck.recordings import Recording
 from crosscheck.recordings.recording import recording_of
 from crosscheck.viewing.figures import Figure, ShownRobot, inertia_ellipsoid, standing_position
-from crosscheck.viewing.motions import MOST_INSTANTS, recorded_motion, shown_rows
+from crosscheck.viewing.motions import MOST_INSTANTS, closed_instant, recorded_motion, shown_rows
 from crosscheck.viewing.server import LARGEST_QUESTION, STEP, PageServer
 from crosscheck.viewing.stand_ins import stand_ins
-from graphdyn import Body, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
+from graphdyn import Body, Chord, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
 
 ROUNDING = 1e-12
 
@@ -101,6 +102,17 @@ class TestMotions:
         assert told[0] == "4 s from 1 s on, 3 of 3 instants shown"
         assert told[-1] == "2 uninterrupted pieces, joined by straight lines"
         assert np.abs(motion.tau - inverse_dynamics(model, still, still, still).tau).max() < ROUNDING
+
+    def test_loads_of_loops_may_be_open(self):
+        """Where motors are unknown, the robot is shown without loads, which is told."""
+        model = pendulum()
+        rope = Chord("rope", "distance", 0, Placement(), 2, Placement(), length=0.8)
+        loop = dataclasses.replace(model, chords=(rope,))
+        motion, told = closed_instant(loop)
+        assert np.abs(motion.q[0] - loop.closed_pose).max() == 0
+        assert np.isnan(motion.joint_wrenches).all()
+        assert told[0] == "the pose that closes the loops, at rest"
+        assert re.match("no loads are shown: robot 'pendulum' has loops, and which joints have motors is not", told[1])
 
 
 @pytest.fixture(scope="module")

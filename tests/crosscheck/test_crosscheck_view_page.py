@@ -6,13 +6,12 @@ from browser import CHROMIUM
 from driven_browser import DrivenBrowser
 from random_trees import random_tree
 
-import graphdyn
 from crosscheck.recordings import Recording
 from crosscheck.viewing.figures import Figure, ShownRobot
-from crosscheck.viewing.motions import recorded_motion
+from crosscheck.viewing.motions import closed_instant, recorded_motion
 from crosscheck.viewing.page import page
 from crosscheck.viewing.stand_ins import stand_ins
-from graphdyn import Coupling, inverse_dynamics, maximal_state
+from graphdyn import Body, Chord, Coupling, Joint, Placement, RobotModel, inverse_dynamics, maximal_state
 from graphdyn.layout import ANGULAR, LINEAR
 
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
@@ -44,21 +43,37 @@ def moving_tree():
     kinds = ("revolute", "prismatic", "continuous", "revolute", "prismatic", "revolute")
     tree = random_tree(5, (0, 1, 2, 1, 4, 5), kinds)
     coupling = Coupling("joint6", {"joint1": -0.5, "joint4": 2.0}, 0.3)
-    return graphdyn.RobotModel(
+    return RobotModel(
         tree.name, tree.bodies, tree.joints, tree.gravity, tree.base, frames=tree.frames, couplings=(coupling,)
     )
 
 
+def four_bar():
+    """A parallelogram with a motor at its crank: crank and rocker on the ground, a coupler, a hinge that closes it."""
+    names, inside = ("crank", "coupler", "rocker"), (0, 1, 0)
+    places = [np.zeros(3), np.array([0.5, 0.0, 0.0]), np.array([1.0, 0.0, 0.0])]
+    bodies = [Body(name, 1.0, np.array([0.2, 0.0, 0.0]), np.eye(3) * 0.01) for name in names]
+    joints = [
+        Joint(name, "revolute", i, Placement(translation=place), np.array([0.0, 1.0, 0.0]))
+        for name, i, place in zip(names, inside, places, strict=True)
+    ]
+    ends = Placement(translation=np.array([1.0, 0, 0])), Placement(translation=np.array([0.5, 0, 0]))
+    chord = Chord("pin", "hinge", 2, ends[0], 3, ends[1], np.array([0.0, 1.0, 0.0]))
+    return RobotModel("four_bar", bodies, joints, chords=(chord,), actuated=("crank",))
+
+
 @pytest.fixture(scope="module")
 def figures():
-    """One that moves, one that stands."""
+    """One that moves, one that stands, one with a loop."""
     tree, arm = moving_tree(), random_tree(8, (0, 1, 2), ("revolute", "prismatic", "continuous"))
     rng = np.random.default_rng(7)
     q, v, a = (size * rng.uniform(-1, 1, (11, tree.n_freedoms)) for size in (1, 2, 5))
     tau = inverse_dynamics(tree, q, v, a).tau + 1.0
     recording = Recording(tree.independent_joints, np.linspace(0.5, 0.7, 11), q, v, a, tau)
     moving = Figure("tree", ShownRobot(tree, stand_ins(tree)), *recorded_motion(tree, recording))
-    return recording, (moving, Figure("arm", ShownRobot(arm, stand_ins(arm))))
+    bar = four_bar()
+    standing = Figure("arm", ShownRobot(arm, stand_ins(arm)))
+    return recording, (moving, standing, Figure("bar", ShownRobot(bar, stand_ins(bar)), *closed_instant(bar)))
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +126,7 @@ def check(browser, number, model, state, loads):
 
 @pytest.mark.parametrize("row", [0, 4, 10])
 def test_recorded_instants(shown, figures, row):
-    recording, (figure, _) = figures
+    recording, (figure, *_) = figures
     model = figure.robot.model
     shown.value(f"player.seek({float(recording.t[row] - recording.t[0])})")
     loads = inverse_dynamics(model, recording.q[row], recording.v[row], recording.a[row])
@@ -156,8 +171,37 @@ def test_a_slider(shown, figures):
     )
 
 
+def test_a_loop(shown, figures):
+    """It is drawn closed, and nothing moves it by hand; what statics leaves open is drawn nowhere."""
+    bar = figures[1][2]
+    shown.value("player.seek(0)")
+    ends = shown.value(
+        """player.figures[2].layers.chords.map((end) => {
+          const place = end.getWorldPosition(new THREE.Vector3());
+          return place.sub(player.figures[2].place.position).toArray();
+        })"""
+    )
+    state = maximal_state(bar.robot.model, bar.motion.q[0])
+    expected = state.position[1] + state.rotation[1] @ [0.8, 0.0, 0.0]  # 1 m from its joint, 0.8 m from its center
+    assert np.abs(np.array(ends) - expected).max() < DRAWN
+    shown.value(
+        """(() => {
+          document.getElementById("figure").selectedIndex = 2;
+          document.getElementById("figure").dispatchEvent(new Event("change"));
+        })()"""
+    )
+    assert shown.value("[...document.querySelectorAll('#rows input')].map((slider) => slider.disabled)") == [True] * 3
+    assert np.isfinite(drawn(shown, 2)[1]).all()
+    shown.value(
+        """(() => {
+          document.getElementById("figure").selectedIndex = 0;
+          document.getElementById("figure").dispatchEvent(new Event("change"));
+        })()"""
+    )
+
+
 def test_curves_of_multipliers(shown, figures):
-    recording, (figure, _) = figures
+    recording, (figure, *_) = figures
     model = figure.robot.model
     found = np.array(
         shown.value(

@@ -24,8 +24,9 @@ class Arrows {
     for (const part of this.parts) part.visible = shown;
   }
 
-  // Arrow j from a point, as far as a vector reaches [m].
-  set(j, from, vector) {
+  // Arrow j from a point, as far as a vector reaches [m]; none where the vector is not known.
+  set(j, from, given) {
+    const vector = given.every(Number.isFinite) ? given : [0, 0, 0];
     const direction = new THREE.Vector3(...vector), length = direction.length(), up = new THREE.Vector3(...ALONG);
     const turn = new THREE.Quaternion().setFromUnitVectors(up, length > 0 ? direction.clone().normalize() : up);
     const thin = Math.min(this.thickness, length / 9), head = 5 * thin, shown = length - head, [shaft, ...heads] = this.parts;

@@ -1,7 +1,7 @@
 // One robot on the stage: its shapes, what can be shown besides, and its loads at one instant.
 "use strict";
 
-const COLORS = { force: 0xd0342c, moment: 0x2c62d0, torque: 0xe08a00, center: 0xf0b400, ellipsoid: 0x2a9d6c, axis: 0x00929b };
+const COLORS = { force: 0xd0342c, moment: 0x2c62d0, torque: 0xe08a00, center: 0xf0b400, ellipsoid: 0x2a9d6c, axis: 0x00929b, chord: 0x8a4fbf };
 const CREASE = 0.6;  // angle from which an edge is drawn sharp [rad]
 
 const matrixOf = ({ rotation: R, translation: t }) =>
@@ -73,6 +73,7 @@ class Figure {
       ellipsoid.matrix.scale(new THREE.Vector3(...body.ellipsoid.axes.map((half) => Math.max(half, 1e-6))));
       this.layers.ellipsoids.push(ellipsoid);
     });
+    this.layers.chords = robot.chords.flatMap((chord) => chord.ends.map((end) => chordMarker(chord, end, this.bodies[end.body], size)));
     this.force = new Arrows(n, COLORS.force, 0.0075 * size, 1, this.place);
     this.moment = new Arrows(n, COLORS.moment, 0.0075 * size, 2, this.place);
     this.slide = new Arrows(n, COLORS.torque, 0.0075 * size, 1, this.place);
@@ -114,9 +115,10 @@ class Figure {
 
   // The largest force, moment and torque about an axis of every instant of the motion, and at rest: {kind: numbers}.
   loads() {
-    const rest = this.atRest(this.start), instants = this.motion ? Array.from(this.motion.time, (t) => this.moving(t)) : [];
+    const instants = this.motion ? Array.from(this.motion.time, (t) => this.moving(t)) : [];
+    if (!this.robot.chords.length) instants.push(this.atRest(this.start));
     const about = (instant, wrench, j) => (this.slides(j) ? 0 : Math.abs(dot(worldAxis(this.robot, instant.bodies, j), wrench[1])));
-    const largest = (size) => [rest, ...instants].map((instant) => Math.max(...instant.wrenches.map((wrench, j) => size(instant, wrench, j))));
+    const largest = (size) => instants.map((instant) => Math.max(...instant.wrenches.map((wrench, j) => size(instant, wrench, j) || 0)));
     return {
       force: largest((_, wrench) => Math.hypot(...wrench[0])), moment: largest((_, wrench) => Math.hypot(...wrench[1])), torque: largest(about),
     };
@@ -137,6 +139,20 @@ function added(group, mesh, order) {
   mesh.renderOrder = order;
   group.add(mesh);
   return mesh;
+}
+
+// One end of a connection that closes a loop: where the loop is closed, both ends are in one place.
+function chordMarker(chord, end, group, size) {
+  const material = new THREE.MeshLambertMaterial({ color: COLORS.chord, depthTest: false, transparent: true });
+  const marker = added(group, new THREE.Mesh(new THREE.SphereGeometry(0.022 * size, 24, 16), material), 2);
+  marker.position.set(...end.translation);
+  if (chord.axis) {
+    const rod = new THREE.Mesh(new THREE.CylinderGeometry(0.006 * size, 0.006 * size, 0.16 * size, 10), material);
+    rod.quaternion.setFromUnitVectors(new THREE.Vector3(...ALONG), new THREE.Vector3(...turned(end.rotation, chord.axis)));
+    rod.renderOrder = 2;
+    marker.add(rod);
+  }
+  return marker;
 }
 
 // x, y and z of a frame in red, green and blue.

@@ -24,6 +24,7 @@ function written(x) {
 
 // With as many decimals as give a scale four digits, so that numbers beside each other line up.
 function besideScale(x, scale) {
+  if (Number.isNaN(x)) return "–";
   const decimals = Math.min(Math.max(3 - Math.floor(Math.log10(scale)), 0), 6);
   return (Math.abs(x) < 0.5 * 10 ** -decimals ? 0 : x).toFixed(decimals).replace("-", "−");
 }

@@ -12,6 +12,7 @@ const SWITCHES = [
   ["r", "reaction forces", true, ["force"]],
   ["m", "reaction moments", true, ["moment"]],
   ["t", "actuator torques", true, ["torques", "slide"]],
+  ["l", "loops", true, ["chords"]],
 ];
 const REACH = { prismatic: 0.5 };  // of sliders without limits [m]; π rad of others
 
@@ -28,7 +29,7 @@ function sliderRange(joint, position) {
   return [Math.min(lower, position), Math.max(upper, position)];
 }
 
-// A row per joint of the figure; those that others drive have no slider. move(q) is called with positions set by hand.
+// A row per joint of the figure; those that others drive, and those of robots with loops, cannot be moved by hand. move(q) is called with positions set by hand.
 class JointRows {
   constructor(element, figure, move) {
     this.figure = figure;
@@ -36,7 +37,7 @@ class JointRows {
     this.scale = Math.max(...(robot.joints.every(({ kind }) => kind === "prismatic") ? loads.force : loads.torque));
     this.rows = robot.joints.map((joint, j) => {
       const k = robot.independent.indexOf(j), slides = joint.kind === "prismatic";
-      const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: k < 0 });
+      const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: k < 0 || robot.chords.length > 0 });
       const range = sliderRange(joint, k < 0 ? 0 : figure.start[k]);
       [slider.min, slider.max] = range;
       const q = html("output"), tau = html("output");
@@ -65,9 +66,9 @@ class JointRows {
 }
 
 // Switches with their keys, sliders for see-through and arrow sizes; shown and sizes change, then change() is called.
-function makeSwitches(element, shown, sizes, change) {
+function makeSwitches(element, switches, shown, sizes, change) {
   const boxes = {};
-  for (const [key, name, on] of SWITCHES) {
+  for (const [key, name, on] of switches) {
     const box = html("input", { type: "checkbox", checked: on });
     shown[name] = on;
     boxes[key] = () => { box.checked = !box.checked; shown[name] = box.checked; change(); };

@@ -24,10 +24,11 @@ async function main() {
 
   const scales = () => ({ force: base.force * sizes.force, moment: base.moment * sizes.moment, torque: base.torque });
   const curves = new Curves($("chart"), seek);
-  const keys = makeSwitches($("switches"), shown, sizes, applySwitches);
+  const switches = SWITCHES.filter(([, name]) => name !== "loops" || figures.some((figure) => figure.robot.chords.length));
+  const keys = makeSwitches($("switches"), switches, shown, sizes, applySwitches);
 
   function applySwitches() {
-    for (const [, name, , layers] of SWITCHES)
+    for (const [, name, , layers] of switches)
       for (const figure of figures)
         for (const part of layers.flatMap((layer) => figure.layers[layer])) (part.place ?? part).visible = shown[name];
     for (const mesh of figures.flatMap((figure) => figure.layers.shapes)) {
@@ -63,8 +64,8 @@ async function main() {
     $("noted").hidden = figure.notes.length === 0;
     $("noted").open = figure.notes.length <= NOTES;
     $("noted").querySelector("summary").textContent = figure.notes.length === 1 ? "one note" : `${figure.notes.length} notes`;
-    $("curves").hidden = !figure.motion;
-    if (!figure.motion) return;
+    $("curves").hidden = figure.duration === 0;
+    if (figure.duration === 0) return;
     const titles = quantities(figure).map(([title]) => title);
     $("quantity").replaceChildren(...titles.map((title) => html("option", {}, title)));
     $("quantity").value = titles.includes(quantity) ? quantity : titles[0];
@@ -153,7 +154,7 @@ async function main() {
   const actions = {
     " ": ["play, pause", toggle], ArrowLeft: [`back ${STEP} s`, () => seek(state.t - STEP)], ArrowRight: [`on ${STEP} s`, () => seek(state.t + STEP)],
     Home: ["to the start", () => seek(0)], 0: ["whole view", () => stage.whole()],
-    ...Object.fromEntries(SWITCHES.map(([key, name]) => [key, [name, keys[key]]])),
+    ...Object.fromEntries(switches.map(([key, name]) => [key, [name, keys[key]]])),
   };
   const named = { " ": "space", ArrowLeft: "←", ArrowRight: "→" };
   $("keys").append(...Object.entries(actions).flatMap(([key, [meaning]]) => [html("dt", {}, named[key] ?? key), html("dd", {}, meaning)]));

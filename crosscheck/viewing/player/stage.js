@@ -30,6 +30,7 @@ class Stage {
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
     this.controls.addEventListener("change", () => { this.changed = true; });
+    this.controls.addEventListener("start", () => { this.turned = true; });  // by a hand: no longer the whole view
   }
 
   lights() {
@@ -86,6 +87,7 @@ class Stage {
 
   // Turn the camera so that all is seen: so far away that no corner of the box leaves the picture.
   whole() {
+    this.turned = false;
     this.measure();
     const middle = times(plus(this.low, this.high), 0.5), from = this.figures.length > 1 && this.apart ? BEFORE : DIRECTION;
     const toward = times(from, 1 / Math.hypot(...from));
@@ -108,10 +110,9 @@ class Stage {
     const { clientWidth: width, clientHeight: height } = this.element;
     if (!width || !height) return;
     this.renderer?.setSize(width, height);
-    const before = this.camera.aspect;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    if (before === 1) this.whole();
+    if (!this.turned) this.whole();
     this.changed = true;
   }
 
