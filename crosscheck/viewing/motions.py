@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.recordings import Recording
 from crosscheck.viewing.figures import Motion
@@ -39,12 +39,14 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tu
     return motion, tuple(notes)
 
 
-def closed_instant(model: RobotModel) -> tuple[Motion, tuple[str, ...]]:
-    """A robot with loops at rest in its closed pose, as a motion of one instant, and notes on it.
+def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tuple[Motion, tuple[str, ...]]:
+    """A robot with loops at rest, as a motion of one instant, and notes on it.
+
+    position: q (n_freedoms,) that closes the loops; the model's closed pose if None [rad or m]
 
     Raises InconsistentState where no pose closes the loops.
     """
-    q = model.closed_pose[None]
+    q = np.asarray(model.closed_pose if position is None else position)[None]
     wrenches, source = _loads(model, q, 0 * q, 0 * q)
     motion = Motion(np.zeros(1), q, wrenches, _along_axes(model, wrenches))
     return motion, ("the pose that closes the loops, at rest", source)

@@ -2,26 +2,27 @@
 
 Only 127.0.0.1 is listened on. The path begins with a random token, so that neither other pages nor other users of the
 machine can guess the address; another Host is refused, against names that an attacker points here, and another Origin,
-against pages elsewhere that send requests. One question is answered: what the robot does when it is let go.
+against pages elsewhere that send requests. Two questions are answered: what a robot does when it is let go, and how one
+with loops closes them when a joint is moved.
 """
 
 from __future__ import annotations
 
 import json
 import secrets
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from socketserver import TCPServer
 from typing import Any
 
 import numpy as np
 
-from crosscheck.viewing.figures import Figure
-from crosscheck.viewing.motions import simulated_motion
+from crosscheck.viewing.figures import Figure, Motion
+from crosscheck.viewing.motions import closed_instant, simulated_motion
 from crosscheck.viewing.numbers import NumberStore
 from crosscheck.viewing.page import page
 from crosscheck.viewing.scene import motion_record
-from graphdyn import GraphDynError, InvalidInput, simulate
+from graphdyn import GraphDynError, InvalidInput, RobotModel, assemble, simulate
 
 ADDRESS = "127.0.0.1"
 
@@ -73,23 +74,40 @@ class PageServer(ThreadingHTTPServer):
         """What the browser opens, token included."""
         return f"http://{self.host}{self.path}"
 
-    def let_go(self, question: bytes) -> dict[str, Any]:
-        """The motion under gravity and the file's friction, without torques.
+    def answer(self, name: str, question: bytes) -> dict[str, Any]:
+        """A motion as the player reads it.
 
-        question: JSON with figure, its number; q, where it starts, at rest; seconds
+        name: of one of the questions
+        question: JSON with the number of a figure, q, and what the question takes besides
 
-        Raises InvalidInput for a question of another form, and the errors of graphdyn.simulate.
+        Raises InvalidInput for a question of another form, and the errors of graphdyn.
         """
         try:
             asked = json.loads(question)
-            model, q = self.figures[int(asked["figure"])].robot.model, [float(x) for x in asked["q"]]
-            seconds = min(float(asked["seconds"]), LONGEST)
+            model = self.figures[int(asked["figure"])].robot.model
+            q = [float(position) for position in asked["q"]]
+            motion, notes = self.questions[name](model, q, asked)
+        except GraphDynError:
+            raise
         except (ValueError, TypeError, KeyError, IndexError, RecursionError) as error:
-            raise InvalidInput(f"the question has another form than figure, q and seconds ({error!r})") from None
-        rest = np.zeros(model.n_freedoms)
-        motion, notes = simulated_motion(simulate(model, q, rest, seconds, method="rk4", step=STEP, friction="model"))
+            raise InvalidInput(f"the question has another form than the page gives it ({error!r})") from None
         store = NumberStore()
         return {"motion": motion_record(motion, store), "numbers": store.text(), "notes": notes}
+
+    @property
+    def questions(self) -> dict[str, Callable[..., tuple[Motion, tuple[str, ...]]]]:
+        """By the last part of their path."""
+        return {"let-go": self._let_go, "pose": self._pose}
+
+    def _let_go(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[Motion, tuple[str, ...]]:
+        """The motion from rest under gravity and the file's friction, without torques, for some seconds."""
+        seconds = min(float(asked["seconds"]), LONGEST)
+        rest = np.zeros(model.n_freedoms)
+        return simulated_motion(simulate(model, q, rest, seconds, method="rk4", step=STEP, friction="model"))
+
+    def _pose(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[Motion, tuple[str, ...]]:
+        """The closed pose of a robot with loops near q, with one joint, hold, as it is."""
+        return closed_instant(model, assemble(model, q, hold=[str(asked["hold"])]))
 
 
 class _Answers(BaseHTTPRequestHandler):
@@ -108,18 +126,19 @@ class _Answers(BaseHTTPRequestHandler):
         if not self._is_welcome():
             return
         length = self.headers.get("Content-Length", "")
-        if self.path != f"{self.server.path}let-go":
+        name = self.path.removeprefix(self.server.path)
+        if name not in self.server.questions:
             self._refuse(404, "nothing is here")
         elif self.headers.get("Origin") != f"http://{self.server.host}":
             self._refuse(403, "a page elsewhere asks")
         elif not length.isdecimal() or int(length) > LARGEST_QUESTION:
             self._refuse(413, "the question is too long, or its length is not stated")
         else:
-            self._let_go(self.rfile.read(int(length)))
+            self._reply(name, self.rfile.read(int(length)))
 
-    def _let_go(self, question: bytes) -> None:
+    def _reply(self, name: str, question: bytes) -> None:
         try:
-            found = self.server.let_go(question)
+            found = self.server.answer(name, question)
         except GraphDynError as error:
             self._refuse(400, str(error))
         else:

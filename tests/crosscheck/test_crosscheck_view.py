@@ -40,6 +40,12 @@ def pendulum(*, limits=None, couplings=()):
     return RobotModel("pendulum", (rod, bob), joints, couplings=couplings)
 
 
+def roped_pendulum():
+    """A taut rope from the ground holds the slide where it is at q = 0."""
+    rope = Chord("rope", "distance", 0, Placement(), 2, Placement(), length=0.8)
+    return dataclasses.replace(pendulum(), chords=(rope,))
+
+
 class TestFigures:
     @pytest.mark.parametrize("axes", [(0.1, 0.2, 0.3), (0.5, 0.5, 0.0)])
     def test_the_ellipsoid_of_a_homogeneous_ellipsoid_is_itself(self, axes):
@@ -105,9 +111,7 @@ class TestMotions:
 
     def test_loads_of_loops_may_be_open(self):
         """Where motors are unknown, the robot is shown without loads, which is told."""
-        model = pendulum()
-        rope = Chord("rope", "distance", 0, Placement(), 2, Placement(), length=0.8)
-        loop = dataclasses.replace(model, chords=(rope,))
+        loop = roped_pendulum()
         motion, told = closed_instant(loop)
         assert np.abs(motion.q[0] - loop.closed_pose).max() == 0
         assert np.isnan(motion.joint_wrenches).all()
@@ -117,14 +121,27 @@ class TestMotions:
 
 @pytest.fixture(scope="module")
 def server():
-    robot = ShownRobot(pendulum(), stand_ins(pendulum()))
+    """Figure 0 is a tree, joint 2 of figure 1 is driven, figure 2 has a loop."""
     coupled = pendulum(couplings=(graphdyn.Coupling("slide", {"swing": 0.1}),))
-    with PageServer("two", (Figure("a", robot), Figure("b", ShownRobot(coupled, stand_ins(coupled))))) as server:
+    models = (pendulum(), coupled, roped_pendulum())
+    with PageServer("three", [Figure("a", ShownRobot(model, stand_ins(model))) for model in models]) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         yield server
         server.shutdown()
         thread.join()
+
+
+def arrays(content):
+    """array(name) of a motion that the server answered."""
+    answer = json.loads(content)
+    numbers = gzip.decompress(b64decode(answer["numbers"]))
+
+    def array(name):
+        kind, first, length = answer["motion"][name]
+        return np.frombuffer(numbers, f"<{kind}", length, first)
+
+    return array
 
 
 class TestServer:
@@ -137,9 +154,9 @@ class TestServer:
         connection.close()
         return answer.status, content, answer.headers
 
-    def let_go(self, server, body, origin=None):
+    def let_go(self, server, body, origin=None, name="let-go"):
         own = f"http://127.0.0.1:{server.server_port}"
-        return self.asked(server, "POST", f"{server.path}let-go", body, Origin=origin or own)[:2]
+        return self.asked(server, "POST", f"{server.path}{name}", body, Origin=origin or own)[:2]
 
     def test_only_this_machine_with_the_token(self, server):
         assert server.server_address[0] == "127.0.0.1"
@@ -167,13 +184,7 @@ class TestServer:
         """The motion that graphdyn.simulate gives, in the form of the page."""
         status, content = self.let_go(server, json.dumps({"figure": 0, "q": [0.5, 0.1], "seconds": 0.2}))
         assert status == 200
-        answer = json.loads(content)
-        numbers = gzip.decompress(b64decode(answer["numbers"]))
-
-        def array(name):
-            kind, first, length = answer["motion"][name]
-            return np.frombuffer(numbers, f"<{kind}", length, first)
-
+        array = arrays(content)
         expected = simulate(pendulum(), [0.5, 0.1], [0.0, 0.0], 0.2, method="rk4", step=STEP)
         rows = shown_rows(expected.time)
         assert np.array_equal(array("time"), expected.time[rows])
@@ -181,10 +192,17 @@ class TestServer:
         wrenches = expected.reactions.joint_wrenches[rows]
         assert np.abs(array("wrenches").reshape(wrenches.shape) - wrenches).max() < SINGLE * np.abs(wrenches).max()
 
+    def test_a_loop_is_closed(self, server):
+        """The moved joint stays where it was put, the others follow."""
+        question = json.dumps({"figure": 2, "q": [0.2, 0.1], "hold": "swing"})
+        status, content = self.let_go(server, question, name="pose")
+        assert status == 200
+        assert np.abs(arrays(content)("q") - [0.2, 0.0]).max() < ROUNDING
+
     @pytest.mark.parametrize(
         ("question", "reason"),
         [
-            (b"[", "the question has another form than figure, q and seconds"),
+            (b"[", "the question has another form than the page gives it"),
             (b'{"figure": 7, "q": [0, 0], "seconds": 1}', "another form"),
             (b'{"figure": 0, "q": [0], "seconds": 1}', "q"),
             (b'{"figure": 0, "q": [0, 0], "seconds": 0}', "duration is 0.0"),

@@ -29,22 +29,23 @@ function sliderRange(joint, position) {
   return [Math.min(lower, position), Math.max(upper, position)];
 }
 
-// A row per joint of the figure; those that others drive, and those of robots with loops, cannot be moved by hand. move(q) is called with positions set by hand.
+// A row per joint of the figure; those that others drive, and those of robots with loops, unless a server closes them,
+// cannot be moved by hand. move(q, name) is called with positions set by hand, and the joint that was moved.
 class JointRows {
-  constructor(element, figure, move) {
+  constructor(element, figure, live, move) {
     this.figure = figure;
     const { robot } = figure, loads = figure.loads();
     this.scale = Math.max(...(robot.joints.every(({ kind }) => kind === "prismatic") ? loads.force : loads.torque));
     this.rows = robot.joints.map((joint, j) => {
       const k = robot.independent.indexOf(j), slides = joint.kind === "prismatic";
-      const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: k < 0 || robot.chords.length > 0 });
+      const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: k < 0 || (robot.chords.length > 0 && !(live && figure.duration === 0)) });
       const range = sliderRange(joint, k < 0 ? 0 : figure.start[k]);
       [slider.min, slider.max] = range;
       const q = html("output"), tau = html("output");
       slider.addEventListener("input", () => {
         const position = [...figure.shown.q];
         position[k] = Number(slider.value);
-        move(position);
+        move(position, joint.name);
       });
       const swatch = html("i", { className: `c${Math.max(k, 0) % CURVE_COLORS}` });
       element.append(html("tr", {},
@@ -58,7 +59,7 @@ class JointRows {
   show(instant) {
     const positions = jointPositions(this.figure.robot, instant.q);
     this.rows.forEach(({ slider, q, tau, k }, j) => {
-      if (document.activeElement !== slider || !this.figure.hand) slider.value = positions[j];
+      if (!slider.matches(":active")) slider.value = positions[j];
       q.textContent = positions[j].toFixed(3).replace("-", "−");
       tau.textContent = k < 0 ? "driven" : besideScale(instant.tau[k], this.scale);
     });

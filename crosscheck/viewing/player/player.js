@@ -59,7 +59,7 @@ async function main() {
   function select(figure, quantity = $("quantity").value) {
     state.selected = figure;
     $("rows").replaceChildren();
-    rows = new JointRows($("rows"), figure, (q) => { figure.hand = q; pause(); draw(); });
+    rows = new JointRows($("rows"), figure, scene.live, move);
     $("notes").replaceChildren(...figure.notes.map((note) => html("li", {}, note)));
     $("noted").hidden = figure.notes.length === 0;
     $("noted").open = figure.notes.length <= NOTES;
@@ -113,18 +113,24 @@ async function main() {
     $("time").max = duration;
   }
 
-  // Served live: what the selected robot does without torques, from where it is and at rest.
+  // Served live: the motion that graphdyn answers, which the selected figure follows from then on.
+  async function ask(name, question) {
+    const figure = state.selected;
+    const answer = await fetch(name, { method: "POST", body: JSON.stringify({ figure: figures.indexOf(figure), ...question }) });
+    if (!answer.ok) throw new Error(await answer.text());
+    const { motion, numbers, notes } = await answer.json();
+    figure.follow(motion, await numberStore(numbers));
+    figure.notes = notes;
+  }
+
+  // What the selected robot does without torques, from where it is and at rest.
   async function letGo() {
-    const figure = state.selected, question = { figure: figures.indexOf(figure), q: figure.shown.q, seconds: FALL };
+    const figure = state.selected;
     pause();
     $("let-go").disabled = true;
     $("state").textContent = "The motion is computed …";
     try {
-      const answer = await fetch("let-go", { method: "POST", body: JSON.stringify(question) });
-      if (!answer.ok) throw new Error(await answer.text());
-      const { motion, numbers, notes } = await answer.json();
-      figure.follow(motion, await numberStore(numbers));
-      figure.notes = notes;
+      await ask("let-go", { q: figure.shown.q, seconds: FALL });
       measure();
       select(figure, "reaction force");
       stage.whole();
@@ -136,7 +142,31 @@ async function main() {
     $("let-go").disabled = false;
   }
 
-  $("time").addEventListener("input", () => seek(Number($("time").value)));
+  // A joint moved by hand. Loops are closed by graphdyn, one question at a time, the latest move last.
+  let asking = false, waiting = null;
+  async function move(q, hold) {
+    pause();
+    if (!state.selected.robot.chords.length) {
+      state.selected.hand = q;
+      draw();
+      return;
+    }
+    waiting = { q, hold };
+    if (asking) return;
+    asking = true;
+    while (waiting) {
+      const question = waiting;
+      waiting = null;
+      try {
+        await ask("pose", question);
+        draw();
+      } catch (error) {
+        $("state").textContent = `No such pose: ${error.message}`;
+      }
+    }
+    asking = false;
+  }
+
   $("play").addEventListener("click", toggle);
   $("fit").addEventListener("click", () => stage.whole());
   $("speed").append(...SPEEDS.map((speed) => html("option", { value: speed, selected: speed === 1 }, `${speed}×`)));
@@ -180,7 +210,7 @@ async function main() {
   if (start !== null && duration > 0) seek(Number(start) || 0);
   else if (!matchMedia("(prefers-reduced-motion: reduce)").matches) setPlaying(true);
   requestAnimationFrame(frame);
-  globalThis.player = { figures, stage, state, scales, seek, draw, toggle, letGo };  // for scripts of one's own
+  globalThis.player = { figures, stage, state, scales, seek, draw, toggle, letGo, move };  // for scripts of one's own
   document.body.dataset.ready = "yes";
 }
 
