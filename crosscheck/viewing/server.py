@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import secrets
+import sys
 from collections.abc import Callable, Sequence
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from socketserver import TCPServer
@@ -65,6 +66,11 @@ class PageServer(ThreadingHTTPServer):
         TCPServer.server_bind(self)
         self.server_name, self.server_port = ADDRESS, self.server_address[1]
 
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that goes away in the middle of an answer is no error."""
+        if not isinstance(sys.exc_info()[1], ConnectionError):
+            super().handle_error(request, client_address)
+
     @property
     def host(self) -> str:
         return f"{ADDRESS}:{self.server_port}"
@@ -89,7 +95,7 @@ class PageServer(ThreadingHTTPServer):
             motion, notes = self.questions[name](model, q, asked)
         except GraphDynError:
             raise
-        except (ValueError, TypeError, KeyError, IndexError, RecursionError) as error:
+        except (ValueError, TypeError, LookupError, ArithmeticError, RecursionError) as error:
             raise InvalidInput(f"the question has another form than the page gives it ({error!r})") from None
         store = NumberStore()
         return {"motion": motion_record(motion, store), "numbers": store.text(), "notes": notes}

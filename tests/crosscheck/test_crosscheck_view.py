@@ -203,6 +203,7 @@ class TestServer:
         ("question", "reason"),
         [
             (b"[", "the question has another form than the page gives it"),
+            (b'{"figure": 1e999, "q": [0, 0], "seconds": 1}', "another form"),
             (b'{"figure": 7, "q": [0, 0], "seconds": 1}', "another form"),
             (b'{"figure": 0, "q": [0], "seconds": 1}', "q"),
             (b'{"figure": 0, "q": [0, 0], "seconds": 0}', "duration is 0.0"),
