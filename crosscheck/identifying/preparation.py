@@ -7,12 +7,15 @@ from dataclasses import dataclass, replace
 from math import prod
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from crosscheck.recordings import Recording, differentiated, samples_of, sampling_rate
-from crosscheck.recordings.derivatives import Cutoff
+from crosscheck.recordings.derivatives import Cutoff, Differentiation
+from crosscheck.recordings.resampling import is_even, resampled
 from crosscheck.recordings.row_filters import filtered_blocks
 from graphdyn.identification import Problem, TorqueModel
+from graphdyn.identification.closed_loop import held_torque
 from graphdyn.identification.health import Piece
 from graphdyn.layout import Array
 
@@ -25,18 +28,23 @@ class Preparation:
         regressor alike
     velocity: "recorded" takes v where there is one, "derived" differentiates q
     decimate: factors of the stages, 2 … 13, of the torque and of every column of the regressor, after the low-pass
+    torque_hold: how long each recorded torque was held from its row on; taken at the middle of the hold [s]
     min_speed: rows of joint j with smaller |v_j| are not fitted; one for all joints, or (n,) [rad/s or m/s]
     """
 
     cutoff: Cutoff = "residual"
     velocity: Literal["recorded", "derived"] = "recorded"
     decimate: tuple[int, ...] = ()
+    torque_hold: float = 0.0
     min_speed: ArrayLike = 0.0
 
     def differentiated(self, recording: Recording) -> Recording:
         """With v and a. Raises InvalidInput where there is no torque, or the recording is too short for the filter."""
-        recording.channel("tau")
-        return differentiated(recording, self.cutoff, velocity=self.velocity)
+        return differentiated(self._at_middle_of_hold(recording), self.cutoff, velocity=self.velocity)
+
+    def differentiation(self, recording: Recording) -> Differentiation:
+        """What `differentiated` does to the motion of a recording."""
+        return Differentiation.of(recording, self.cutoff, self.velocity)
 
     def problem(self, torque_model: TorqueModel, recording: Recording) -> Problem:
         """The problem of a recording that has v and a. Raises InvalidInput where every block is too short."""
@@ -49,7 +57,7 @@ class Preparation:
         others. Raises InvalidInput as differentiated.
         """
         cutoff = min(self.cutoff.values()) if isinstance(self.cutoff, Mapping) else self.cutoff
-        prepared = differentiated(recording, cutoff, velocity=self.velocity)
+        prepared = differentiated(self._at_middle_of_hold(recording), cutoff, velocity=self.velocity)
         period = 1 / sampling_rate(prepared)
         pieces, torques = [], []
         for samples in samples_of(prepared):
@@ -57,6 +65,19 @@ class Preparation:
             tau = samples.tau if samples.row_filter is None else samples.row_filter(samples.tau)
             pieces.append(Piece(replace(samples, tau=tau, row_filter=None), period))
         return pieces, torques
+
+    def _at_middle_of_hold(self, recording: Recording) -> Recording:
+        tau = recording.channel("tau")
+        if not self.torque_hold:
+            return recording
+        if not is_even(recording):
+            recording = resampled(recording)
+            tau = recording.channel("tau")
+        period = 1 / sampling_rate(recording)
+        parts = [held_torque(tau[rows], period, self.torque_hold) for rows in recording.block_slices]
+        return recording.take(
+            slice(None), f"tau in the middle of a hold of {self.torque_hold:g} s", tau=np.concatenate(parts)
+        )
 
     def times(self, recording: Recording) -> list[Array]:
         """Time of the rows of the problem, block by block (N_k,) [s]."""

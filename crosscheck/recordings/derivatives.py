@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -38,6 +39,31 @@ def chosen_cutoff(recording: Recording) -> float:
     if not moving:
         raise InvalidInput("no joint moves, so no cutoff can be chosen; give the cutoff")
     return max(residual_analysis(q, rate).cutoff for q in moving)
+
+
+@dataclass(frozen=True)
+class Differentiation:
+    """What `differentiated` does to the q and v of a block, to be done to others.
+
+    cutoffs: of the low-passes of q and v, where there are any [Hz]; velocity: whether v is measured, not derived
+    """
+
+    cutoffs: Mapping[str, float]
+    velocity: bool
+
+    @classmethod
+    def of(cls, recording: Recording, cutoff: Cutoff, velocity: Literal["recorded", "derived"]) -> Differentiation:
+        measured = recording.v is not None and velocity == "recorded"
+        names = ["q", "v"] if measured else ["q"]
+        given = {name: x for name, x in cutoff.items() if name in names} if isinstance(cutoff, Mapping) else cutoff
+        return cls(_cutoffs(recording, given, names), measured)
+
+    def __call__(self, q: Array, v: Array, rate: float) -> tuple[Array, Array, Array]:
+        """q, v (N, n) of a motion → q, v, a as of a recording."""
+        motion = {"q": q, "v": v} if self.velocity else {"q": q}
+        motion |= {name: lowpass(motion[name], rate, cutoff) for name, cutoff in self.cutoffs.items()}
+        derived = motion["v"] if self.velocity else derivative(motion["q"], rate)
+        return motion["q"], derived, derivative(derived, rate)
 
 
 def differentiated(

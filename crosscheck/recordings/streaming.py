@@ -141,5 +141,6 @@ def _appended(recording: Recording, part: Recording) -> Recording:
 
 def _samples(done: Recording, row_filter: RowFilter | None, before: int, after: int) -> Samples:
     """The recording without these numbers of rows at its beginning and end; one without rows before is the first."""
-    q, v, a, tau = (done.channel(name)[before : len(done.t) - after] for name in ("q", "v", "a", "tau"))
-    return Samples(q, v, a, tau, row_filter=row_filter, continues=before > 0)
+    own = slice(before, len(done.t) - after)
+    q, v, a, tau = (done.channel(name)[own] for name in ("q", "v", "a", "tau"))
+    return Samples(q, v, a, tau, row_filter=row_filter, continues=before > 0, time=done.t[own])

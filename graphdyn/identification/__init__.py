@@ -7,20 +7,25 @@ modules may change without notice.
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.base_parameters import BaseParameters, base_parameters
 from graphdyn.identification.body_wrenches import WrenchData, body_wrenches, link_wrenches
+from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.comparison import MethodComparison, MethodResult, compare_methods
 from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.estimate import Estimate, Estimator
 from graphdyn.identification.estimators import (
+    ClosedLoopOutputError,
     ConsistentLeastSquares,
     ConsistentWithPrior,
+    DirectInverse,
     EssentialParameters,
     GeneralisedLeastSquares,
+    InstrumentalVariables,
     LogCholesky,
     OrdinaryLeastSquares,
     ReweightedLeastSquares,
     Ridge,
     RobustConsistent,
+    TotalLeastSquares,
     WeightedLeastSquares,
 )
 from graphdyn.identification.identified_bodies import IdentifiedBodies
@@ -44,6 +49,7 @@ from graphdyn.identification.principal_parameters import (
 from graphdyn.identification.prior import Prior, model_prior
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.rank_revealing import ParameterEstimate
+from graphdyn.identification.recursive import RecursiveLeastSquares
 from graphdyn.identification.residual_statistics import ResidualSizes, ResidualStatistics, residual_statistics
 from graphdyn.identification.row_filter import RowFilter
 from graphdyn.identification.samples import Samples
@@ -53,15 +59,19 @@ __all__ = [
     "PRINCIPAL_PARAMETER_NAMES",
     "Accumulator",
     "BaseParameters",
+    "ClosedLoop",
+    "ClosedLoopOutputError",
     "CompressedEquations",
     "ConsistentLeastSquares",
     "ConsistentWithPrior",
+    "DirectInverse",
     "EssentialParameters",
     "Estimate",
     "Estimator",
     "GeneralisedLeastSquares",
     "IdentifiedBodies",
     "IdentifiedInertia",
+    "InstrumentalVariables",
     "LeastSquares",
     "LogCholesky",
     "MethodComparison",
@@ -72,6 +82,7 @@ __all__ = [
     "Plausibility",
     "Prior",
     "Problem",
+    "RecursiveLeastSquares",
     "ResidualSizes",
     "ResidualStatistics",
     "ReweightedLeastSquares",
@@ -80,6 +91,7 @@ __all__ = [
     "RowFilter",
     "Samples",
     "TorqueModel",
+    "TotalLeastSquares",
     "WeightedLeastSquares",
     "WrenchData",
     "base_parameters",

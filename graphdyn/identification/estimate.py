@@ -37,7 +37,7 @@ def base_estimate(
     problem: Problem,
     x: Array,
     covariance: Array,
-    noise: Array,
+    noise: Array | None,
     *,
     block_covariance: Array | None = None,
     iterations: int = 1,

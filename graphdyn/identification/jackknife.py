@@ -49,3 +49,21 @@ def jackknife_covariance(blocks: Sequence[CompressedEquations], x: Array, deviat
     covariance[alone, :], covariance[:, alone] = np.nan, np.nan
     covariance[alone, alone] = np.inf
     return covariance
+
+
+def left_out_covariance(blocks: Array, scores: Array, scale: Array) -> Array | None:
+    """Covariance (b, b) of x with Σ_b s_b = 0, s_b = z_b - A_b x; None below two blocks.
+
+    blocks: A_b (B, b, b), of full rank together; scores: s_b (B, b); scale: lengths of the columns (b,)
+    Without block b the solution moves by -(Σ A - A_b)⁻¹ s_b. Infinite where one block alone determines x.
+    """
+    count = len(blocks)
+    if count < 2:
+        return None
+    a = blocks / scale / scale[:, None]
+    left = a.sum(axis=0) - a
+    if np.linalg.cond(left).max() > 1 / ALL:
+        return np.full(blocks.shape[1:], np.inf)
+    changes = -np.linalg.solve(left, (scores / scale)[..., None])[..., 0] / scale
+    covariance: Array = changes.T @ changes * (count - 1) / count
+    return covariance

@@ -25,6 +25,7 @@ class Samples:
     row_filter: through which the torque and every column of the regressor still have to go; tau is as measured then
     continues: whether the first sample follows the last one of the piece before, one period later; filters and
         correlations in time do not stop between them
+    time: of every sample, for methods that simulate the motion   (N,)  [s]
 
     Memory maps are kept as they are and read piece by piece. Raises InvalidInput where the shapes differ.
     """
@@ -36,6 +37,7 @@ class Samples:
     base: BaseMotion | None = None
     row_filter: RowFilter | None = None
     continues: bool = False
+    time: Array | None = None
 
     def __post_init__(self) -> None:
         arrays = {name: _two_dimensional(name, getattr(self, name)) for name in ("q", "v", "a", "tau")}
@@ -46,14 +48,17 @@ class Samples:
             raise InvalidInput(f"the base motion has {self.base.batch} states for {len(arrays['q'])} samples")
         for name, array in arrays.items():
             object.__setattr__(self, name, array)
+        if self.time is not None and np.shape(self.time) != (len(self),):
+            raise InvalidInput(f"time of the samples has shape {np.shape(self.time)}, expected ({len(self)},)")
 
     def __len__(self) -> int:
         return len(self.q)
 
     def __getitem__(self, rows: slice) -> Samples:
         parts = {name: getattr(self, name)[rows] for name in ("q", "v", "a", "tau")}
+        time = None if self.time is None else self.time[rows]
         continues = self.continues and not rows.start
-        return dataclasses.replace(self, **parts, base=_base_rows(self.base, rows), continues=continues)
+        return dataclasses.replace(self, **parts, base=_base_rows(self.base, rows), time=time, continues=continues)
 
     def pieces(self, length: int) -> Iterator[Samples]:
         """Consecutive pieces of this length; the last one may be shorter."""

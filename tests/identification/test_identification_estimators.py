@@ -19,11 +19,13 @@ from graphdyn.identification import (
     Ridge,
     Samples,
     TorqueModel,
+    TotalLeastSquares,
     WeightedLeastSquares,
     model_prior,
 )
 from graphdyn.identification.estimators.generalised import error_covariance
 from graphdyn.identification.estimators.ridge import RidgePath
+from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Offset, RigidBodies
 
 EXACT = 1e-8
@@ -158,6 +160,36 @@ class TestWeighted:
         assert list(problem.equations.counts) == [120, 3]
         with pytest.raises(EstimationFailed, match=r"joint 2 has 3 equations, .*nothing is left to estimate its noise"):
             WeightedLeastSquares().estimate(problem)
+
+
+class TestTotal:
+    @pytest.mark.parametrize("scaled", [True, False])
+    def test_exact_data(self, scaled, exact):
+        true = exact.base.values(torque_data.true_parameters())
+        estimate = TotalLeastSquares(scaled).estimate(exact)
+        assert np.abs(exact.base.values(estimate.parameters) / true - 1).max() <= 1e-6
+        assert estimate.remarks == (
+            "errors of a regressor are neither independent nor alike: WLS, or the simulated loop, are better founded",
+        )
+
+    @pytest.mark.parametrize("scaled", [True, False])
+    def test_minimum(self, scaled):
+        """Errors E, e with (W + E) x = τ + e that are smallest have ‖W x - τ‖² / (1 + ‖x‖²), columns in their units."""
+        problem = torque_data.small_problem(np.random.default_rng(0).normal(size=(120, 2)))
+        w, torque = dense(problem)
+        noise = joint_noise(problem.equations)
+        rows, right = (w / noise[:, None]).reshape(-1, w.shape[-1]), (torque / noise).ravel()
+        units = np.linalg.norm(rows, axis=0) if scaled else np.ones(rows.shape[1])
+        unit = np.linalg.norm(right) if scaled else 1.0
+
+        def cost(x):
+            return np.sum((rows @ x - right) ** 2) / (unit**2 + np.sum((units * x) ** 2))
+
+        x = problem.base.values(TotalLeastSquares(scaled).estimate(problem).parameters)
+        lowest = cost(x)
+        for step in np.random.default_rng(1).normal(size=(200, len(x))):
+            assert cost(x + 1e-3 * step / units) > lowest
+            assert cost(x + step / units) > lowest
 
 
 class TestGeneralised:

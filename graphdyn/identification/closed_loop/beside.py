@@ -1,0 +1,60 @@
+"""Measured equations, and beside every row what the simulated loop has there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.motion import Motion
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.rows import Rows
+from graphdyn.identification.samples import Samples
+from graphdyn.layout import Array
+
+WINDOW = 4096
+"""Rows whose simulated regressor is computed at once: enough for compiled code to be worth it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """Some rows of a recording.
+
+    measured: its equations, filtered; matrix: their W in base parameters of the problem   (N, n, r)
+    regressor: W of the simulated motion, in the same        (N, n, r)
+    output: torque of the simulated motion, filtered like the measured one   (N, n)  [N m or N]
+
+    The simulated regressor has no noise, and needs no filter: what a low-pass would take from it has no counterpart in
+    the filtered equations it is multiplied with.
+    """
+
+    measured: Rows
+    matrix: Array
+    regressor: Array
+    output: Array
+
+
+def beside(problem: Problem, simulated: list[Samples]) -> Iterator[Beside]:
+    """All equations of a problem, chunk by chunk, with the stretches that were simulated for it."""
+    motion = _decimated(simulated)
+    position, first, window = 0, 0, np.empty((0, problem.n_joints, problem.base.rank))
+    for rows in problem.rows():
+        end = position + len(rows)
+        if end > first + len(window):
+            first = position
+            ahead = Motion(motion[first : max(end, first + WINDOW)])
+            window = problem.torque_model.rows(ahead, problem.base.independent)
+        yield Beside(rows, problem.reduced(rows), window[position - first : end - first], motion.tau[position:end])
+        position = end
+
+
+def _decimated(stretches: list[Samples]) -> Samples:
+    """One after the other: torques filtered, of the rest the rows that the filter leaves."""
+    parts: list[tuple[Array, ...]] = []
+    for samples in stretches:
+        chosen = slice(None, None, 1 if samples.row_filter is None else samples.row_filter.factor)
+        tau = samples.tau if samples.row_filter is None else samples.row_filter(samples.tau)
+        parts.append((samples.q[chosen], samples.v[chosen], samples.a[chosen], tau))
+    q, v, a, tau = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    return Samples(q, v, a, tau)

@@ -1,0 +1,52 @@
+"""What parameters of a torque model mean to a simulation: bodies, friction and rotors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.terms import Coulomb, Offset, RotorInertia, Viscous
+from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
+from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.layout import Array
+from graphdyn.simulation import Friction
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenRobot:
+    """R robots with their drives.
+
+    bodies: inertial parameters                             (R, 10 n)
+    friction: per joint and robot                           (R, n) each
+    rotors: inertia of the rotors                           (R, n)
+    """
+
+    bodies: Array
+    friction: Friction
+    rotors: Array
+
+    @classmethod
+    def of(cls, torque_model: TorqueModel, parameters: Array) -> DrivenRobot:
+        """parameters (R, p). Negative friction and rotor inertia count as none: they would drive the joints."""
+        shape = (len(parameters), torque_model.model.n_freedoms)
+
+        def drive(kind: type) -> Array:
+            columns = torque_model.slice_of(kind)
+            return np.zeros(shape) if columns is None else parameters[:, columns]
+
+        bodies = np.array([torque_model.inertial_parameters(x) for x in parameters])
+        viscous, dry, rotors = (np.maximum(drive(kind), 0.0) for kind in (Viscous, Coulomb, RotorInertia))
+        return cls(bodies, Friction(viscous, dry, drive(Offset)), rotors)
+
+
+def not_simulated(torque_model: TorqueModel) -> list[str]:
+    """Names of the terms that no simulation knows, or knows but roughly (a smooth sign of v)."""
+    exact = [
+        type(term) in (Viscous, Offset, RotorInertia)
+        or (isinstance(term, Coulomb) and term.width is None)
+        or isinstance(term, CarriesBodies)
+        for term in torque_model.terms
+    ]
+    rough = [type(term).__name__ for term, known in zip(torque_model.terms, exact, strict=True) if not known]
+    return rough + [type(term).__name__ for term in torque_model.known if not isinstance(term, CarriesKnownBodies)]

@@ -1,0 +1,134 @@
+"""Durbin-Wu-Hausman test: is the noise of the regressor in the residual too, so that least squares is biased?
+
+For every joint g, with the simulated regressor Z_g as instruments:
+
+    V_g = W_g - Z_g (Z_gᵀ Z_g)⁻¹ Z_gᵀ W_g                what of the measured regressor no simulation explains
+    τ_g = W_g x_g + V_g γ_g + e_g                       γ_g = 0 where W_g is exogenous
+
+F = (‖e_g‖² of γ_g = 0 minus ‖e_g‖²) / r_g over ‖e_g‖² / (N - 2 r_g) is F-distributed then, for white e_g. After a
+low-pass it is not white: the test takes every s-th row only, s the lag at which the residual is no longer correlated,
+where a band-limited residual has lost nothing.
+
+Hausman, Econometrica 46(6), 1978; Janot, Vandanjon and Gautier, "A Durbin-Wu-Hausman test for industrial robots
+identification", IEEE ICRA 2014.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.samples import Samples
+from graphdyn.layout import Array
+
+UNCORRELATED = 0.1
+"""Autocorrelation of the residual below which rows count as independent."""
+
+LONGEST_LAG = 200
+"""Rows up to which such a lag is looked for."""
+
+SEEN = 1e-7
+"""Directions of W_g and V_g at unit length below this part of the largest are rounding."""
+
+SPARE = 20
+"""Independent rows beyond the 2 r_g of the regression that the test needs."""
+
+EXOGENEITY = "exogeneity p"
+"""Name of the setting of a result that holds p of all joints together."""
+
+ENDOGENOUS = 0.01
+"""p of all joints together below which least squares is called biased."""
+
+
+@dataclass(frozen=True, eq=False)
+class Exogeneity:
+    """p: per joint, the probability of so large an F for a regressor without noise; NaN with too few rows   (n,)
+    rows: of the test, independent of each other            (n,)
+    """
+
+    p: Array
+    rows: Array
+
+    @property
+    def together(self) -> float:
+        """p of all joints that were tested: n times the smallest, at most 1 (Bonferroni); NaN without any."""
+        tested = self.p[np.isfinite(self.p)]
+        return min(1.0, float(len(tested) * tested.min())) if len(tested) else float("nan")
+
+    @property
+    def biased(self) -> bool:
+        """Whether the regressor is not exogenous."""
+        return self.together < ENDOGENOUS
+
+    def in_words(self, joints: tuple[str, ...]) -> str:
+        """For the remarks of a result."""
+        if not np.isfinite(self.together):
+            return "exogeneity of the regressor: too few independent rows for a test"
+        if not self.biased:
+            return f"the regressor looks exogenous (Durbin-Wu-Hausman, p = {self.together:.2g}): least squares may do"
+        guilty = [joint for joint, p in zip(joints, self.p, strict=True) if len(joints) * p < ENDOGENOUS]
+        return (
+            f"the regressor is not exogenous at {', '.join(guilty)} (Durbin-Wu-Hausman, p = {self.together:.2g}): "
+            "least squares is biased"
+        )
+
+
+def exogeneity(loop: SimulatedLoop, x: Array, simulated: list[Samples]) -> Exogeneity:
+    """x: base parameters near the truth (r,), for the correlation of the residual; simulated: motions of the loop."""
+    problem = loop.problem
+    strides = _strides(problem, x)
+    parts: list[list[tuple[Array, Array, Array]]] = [[] for _ in range(problem.n_joints)]
+    position = 0
+    for measured, exact in zip(problem.rows(), loop.as_measured(simulated).rows(), strict=True):
+        w, z = problem.reduced(measured), problem.reduced(exact)
+        numbers = np.arange(position, position + len(measured))
+        position += len(numbers)
+        for g, own in enumerate(problem.support):
+            taken = measured.kept[:, g] & (numbers % strides[g] == 0)
+            parts[g].append((w[taken, g][:, own], z[taken, g][:, own], measured.right[taken, g]))
+    found = [_f_test(*(np.concatenate(column) for column in zip(*part, strict=True))) for part in parts]
+    return Exogeneity(np.array([p for p, _ in found]), np.array([rows for _, rows in found]))
+
+
+def _strides(problem: Problem, x: Array) -> list[int]:
+    """Per joint, the first lag at which the residual is not correlated."""
+    residuals = []
+    for rows in problem.rows():
+        residual = problem.reduced(rows) @ x - rows.right
+        residuals.append(np.where(rows.kept, residual, 0.0))
+    e = np.concatenate(residuals)
+    squares = np.sum(e**2, axis=0)
+    longest = min(LONGEST_LAG, len(e) - 1)
+    lagged = np.array([np.sum(e[lag:] * e[: len(e) - lag], axis=0) for lag in range(1, longest + 1)])
+    quiet = np.abs(lagged) < UNCORRELATED * squares
+    return [1 + int(np.argmax(column)) if column.any() else longest for column in quiet.T]
+
+
+def _f_test(w: Array, z: Array, right: Array) -> tuple[float, int]:
+    """p and the number of rows; p is NaN with too few."""
+    from scipy.stats import f  # imported where first used: import graphdyn stays light
+
+    rows = len(right)
+    regressor = _basis(w)
+    r = regressor.shape[1]
+    if rows < 2 * r + SPARE:
+        return float("nan"), rows
+    instruments = _basis(z)
+    unexplained = regressor - instruments @ (instruments.T @ regressor)
+    both = _basis(np.hstack([regressor, unexplained]))
+    added = both.shape[1] - r
+    if added <= 0:
+        return 1.0, rows
+    restricted, full = (np.sum((right - q @ (q.T @ right)) ** 2) for q in (regressor, both))
+    spare = rows - both.shape[1]
+    return float(f.sf((restricted - full) / added / (full / spare), added, spare)), rows
+
+
+def _basis(columns: Array) -> Array:
+    """An orthonormal basis of columns, scaled to unit length before."""
+    length = np.linalg.norm(columns, axis=0)
+    u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
+    return np.asarray(u[:, s > SEEN * s.max(initial=0.0)])

@@ -1,0 +1,125 @@
+"""Simulate, estimate, simulate again: until the estimate stays where it is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from graphdyn._errors import EstimationFailed
+from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
+from graphdyn.identification.prior import model_prior
+from graphdyn.identification.samples import Samples
+from graphdyn.layout import Array
+
+MOVED = 0.1
+"""Converged is what moves by less than this part of its standard deviation, in every base parameter."""
+
+RESOLVED = 1e-6
+"""Smallest standard deviation that counts, as a part of the torque: exact data have none."""
+
+MOST = 10
+"""Iterations after which an estimate that still moves has diverged."""
+
+HALVINGS = 6
+"""How often a step is halved where the simulated loop does not hold the robot at its end: to 1/64 of it."""
+
+
+class Found(Protocol):
+    """What one iteration finds: base parameters (r,), their covariance (r, r) for white noise, and for time blocks.
+
+    noise: of the outputs or torques (n,)
+    """
+
+    @property
+    def x(self) -> Array: ...
+    @property
+    def covariance(self) -> Array: ...
+    @property
+    def block_covariance(self) -> Array | None: ...
+    @property
+    def noise(self) -> Array: ...
+
+
+class Start(NamedTuple):
+    """A place to begin: base parameters (r,), and what they are, in words."""
+
+    x: Array
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class Iterated:
+    """The end of an iteration.
+
+    last: what the last iteration found; simulated: the motions it found it from
+    iterations: how often the loop was simulated and the equations were solved
+    moved: by the last step, largest of all base parameters, in standard deviations
+    remarks: in sentences
+    """
+
+    last: Found
+    simulated: list[Samples]
+    iterations: int
+    moved: float
+    remarks: tuple[str, ...]
+
+
+def iterated(
+    loop: SimulatedLoop, starts: Sequence[Start], step: Callable[[Array, list[Samples]], Found], most: int = MOST
+) -> Iterated:
+    """step: from base parameters (r,) and the motions simulated with them to the next ones.
+
+    starts: tried in this order, until the simulated loop holds the robot with one of them
+
+    Raises EstimationFailed where it does with none of them, and where the estimate does not come to rest.
+    """
+    x, simulated, remarks = _begun(loop, starts)
+    moved, resolved = np.inf, _resolved(loop)
+    for iteration in range(1, most + 1):
+        found = step(x, simulated)
+        covariance = found.covariance if found.block_covariance is None else found.block_covariance
+        deviations = np.maximum(np.sqrt(np.maximum(np.diag(covariance), 0.0)), resolved)
+        moved = float(np.abs((found.x - x) / deviations).max(initial=0.0))
+        if moved < MOVED:
+            return Iterated(found, simulated, iteration, moved, remarks)
+        x, simulated = _as_far_as_held(loop, x, found.x)
+    raise EstimationFailed(
+        f"diverged: after {most} simulations of the loop the estimate still moves by {moved:.2g} standard deviations; "
+        "check controller and reference, filter the recording, leave slow rows out (min_speed), start nearer"
+    )
+
+
+def _resolved(loop: SimulatedLoop) -> Array:
+    """The changes of base parameters (r,) that change the torque by RESOLVED."""
+    equations = loop.problem.equations
+    columns = np.linalg.norm(equations.factors[..., :-1], axis=(0, 1))
+    return np.asarray(RESOLVED * np.sqrt(equations.measured_squares.sum()) / columns)
+
+
+def _begun(loop: SimulatedLoop, starts: Sequence[Start]) -> tuple[Array, list[Samples], tuple[str, ...]]:
+    remarks: tuple[str, ...] = ()
+    for start in starts:
+        try:
+            return start.x, _simulated(loop, start.x), remarks
+        except EstimationFailed as failure:
+            remarks = (*remarks, f"from {start.words}: {failure}")
+    raise EstimationFailed("; ".join(remarks))
+
+
+def _as_far_as_held(loop: SimulatedLoop, x: Array, wanted: Array) -> tuple[Array, list[Samples]]:
+    """The wanted parameters, or those nearest to them on the way from x with which the loop holds the robot."""
+    for halvings in range(HALVINGS + 1):
+        there = x + (wanted - x) / 2**halvings
+        try:
+            return there, _simulated(loop, there)
+        except EstimationFailed as failure:
+            reason = failure
+    raise EstimationFailed(f"diverged: {reason}, however short the step")
+
+
+def _simulated(loop: SimulatedLoop, x: Array) -> list[Samples]:
+    problem = loop.problem
+    return loop.samples(model_prior(problem.torque_model).nearest(problem.base, x))

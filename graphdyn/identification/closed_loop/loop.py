@@ -1,0 +1,87 @@
+"""How a recorded robot was driven: what has to be known to simulate its motion again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn._errors import InvalidInput
+from graphdyn.identification.samples import Samples
+from graphdyn.layout import Array
+from graphdyn.simulation import ComputedTorqueControl, PDControl
+
+Differentiation = Callable[[Array, Array, float], tuple[Array, Array, Array]]
+"""From q, v (N, n) and the sampling rate [Hz] to the q, v and a of samples (N, n)."""
+
+ControlLaw = Callable[[float, Array, Array], ArrayLike]
+
+LONGEST_STEP = 1e-3
+"""Of the simulation unless told otherwise [s]: a tenth of the time constant of a stiff position loop, 10 ms."""
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLoop:
+    """The controller of a recording, with the reference that it followed.
+
+    controller: PDControl or ComputedTorqueControl, their targets motion laws over the time of the recording, their
+        period that of the controller; or a function of t, q and v that answers τ (n,), which is Python and slow
+    period: of a controller that is a function; its torque is held in between. None: every step   [s]
+    step: largest width of a step of the simulation, rk4   [s]
+    torque_hold: the torques of the samples are those at the middle of a hold of so long (held_torque); 0: as they were
+        commanded at the instant of the sample   [s]
+    differentiation: how the q, v and a of the samples were made of measured ones, by low-pass and differences;
+        simulated motions go through it too, so that noise is all that differs. None: they are what they are
+
+    Raises InvalidInput for times that are negative, and for a period beside a controller that has its own.
+    """
+
+    controller: PDControl | ComputedTorqueControl | ControlLaw
+    period: float | None = None
+    step: float = LONGEST_STEP
+    torque_hold: float = 0.0
+    differentiation: Differentiation | None = None
+
+    def __post_init__(self) -> None:
+        if self.period is not None and not self.is_function:
+            raise InvalidInput("the controller has a period of its own; give period for a function only")
+        for name, least in (("period", True), ("step", True), ("torque_hold", False)):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and (value > 0 or (value == 0 and not least))):
+                raise InvalidInput(f"{name} of the closed loop is {value!r}; give seconds above zero")
+
+    @property
+    def is_function(self) -> bool:
+        """Whether the controller is a function, which cannot run in compiled steps."""
+        return not isinstance(self.controller, PDControl | ComputedTorqueControl)
+
+    @property
+    def control_period(self) -> float | None:
+        """How long a torque is held [s]; None where it is new at every step."""
+        if isinstance(self.controller, PDControl | ComputedTorqueControl):
+            return self.controller.period
+        return self.period
+
+    def seen(self, exact: Samples) -> Samples:
+        """A simulated motion, evenly spaced in time, with q, v and a as they are made of measured ones."""
+        if self.differentiation is None or exact.time is None:
+            return exact
+        q, v, a = self.differentiation(exact.q, exact.v, float((len(exact) - 1) / (exact.time[-1] - exact.time[0])))
+        return replace(exact, q=q, v=v, a=a)
+
+
+def held_torque(tau: Array, period: float, hold: float) -> Array:
+    """Torques (N, n), each held from its sample on for a while, at the middle of the holds that meet at the sample.
+
+    period: between two samples; hold: how long a torque is held   [s]
+
+    Accelerations that are differences of positions lie between the torques before and after the sample. A held torque
+    acts half its hold later than it was commanded: τ(t - hold / 2), between samples on the straight line.
+    """
+    rows = np.arange(len(tau), dtype=float)
+    wanted = np.maximum(rows - hold / period / 2, 0.0)
+    before = np.floor(wanted).astype(int)
+    after, share = np.minimum(before + 1, len(tau) - 1), (wanted - before)[:, None]
+    return np.asarray((1 - share) * tau[before] + share * tau[after])

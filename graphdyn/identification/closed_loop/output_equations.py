@@ -1,0 +1,54 @@
+"""The torques of the simulated loop, linearised in the parameters: the equations of one step of Gauss and Newton.
+
+S_g dx ≈ τ_g - τ_g(x)     for every joint g, S_g = dτ_g/dx or what is taken for it
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.accumulator import Accumulator
+from graphdyn.identification.closed_loop.beside import Beside
+from graphdyn.identification.compressed import CompressedEquations, merged
+from graphdyn.identification.jackknife import jackknife_covariance
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.solution import leverages, residual_deviations, solve
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Output:
+    """x (r,) after the step, its covariance (r, r), noise of each joint (n,), and the equations of every time block."""
+
+    x: Array
+    covariance: Array
+    noise: Array
+    change: Array
+    blocks: tuple[CompressedEquations, ...]
+
+    @property
+    def block_covariance(self) -> Array | None:
+        """The covariance, allowing for correlation in time."""
+        return jackknife_covariance(self.blocks, self.change, self.noise)
+
+
+def output_step(problem: Problem, x: Array, parts: Iterable[Beside]) -> Output:
+    """One step from base parameters x (r,); parts: with S as their regressor, and τ(x) as their output."""
+    blocks: dict[int, Accumulator] = defaultdict(lambda: Accumulator(problem.base.rank, problem.n_joints))
+    for part in parts:
+        left = part.measured.measured - part.output
+        blocks[part.measured.block].add(part.regressor, left, kept=part.measured.kept)
+    equations = tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
+    together = merged(equations)
+    even = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
+    start = np.sqrt(together.measured_squares / np.maximum(together.counts, 1)) + np.finfo(float).tiny
+    noise = residual_deviations(together, together.residual_squares(solve(together, start).x), even)
+    solution = solve(together, noise)
+    noise = residual_deviations(
+        together, together.residual_squares(solution.x), leverages(together, noise, solution.inverse)
+    )
+    return Output(x + solution.x, solution.inverse, noise, solution.x, equations)

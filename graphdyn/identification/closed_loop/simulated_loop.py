@@ -1,0 +1,80 @@
+"""The motions of a recording simulated again, with parameters as they are believed: without noise.
+
+The loop makes the robot follow its reference with almost any parameters, so that simulated and measured motions stay
+close, and the simulated one has nothing of the measured noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from graphdyn._errors import EstimationFailed
+from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
+from graphdyn.identification.closed_loop.loop import ClosedLoop
+from graphdyn.identification.closed_loop.stretch import Stretch
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.samples import Samples
+from graphdyn.layout import Array
+
+NO_LOOP = "needs the controller of the loop in which the recording was made, with its reference (loop=ClosedLoop(…))"
+
+
+class SimulatedLoop:
+    """The stretches of a problem's recording, to be simulated with any parameters.
+
+    Raises EstimationFailed without a loop, without times, for a base that moves, and for times that are not even.
+    """
+
+    def __init__(self, problem: Problem, loop: ClosedLoop | None) -> None:
+        if loop is None:
+            raise EstimationFailed(NO_LOOP)
+        self.problem, self.loop = problem, loop
+        pieces = [problem.data] if isinstance(problem.data, Samples) else list(problem.data)
+        self._stretches = [Stretch(problem, loop, stretch) for stretch in _uninterrupted(pieces)]
+
+    def samples(self, parameters: Array) -> list[Samples]:
+        """The motions with parameters x (p,), row for row those of the recording.
+
+        Raises EstimationFailed where the loop does not hold the robot.
+        """
+        return [runs[0] for runs in self.runs(parameters[None])]
+
+    def runs(self, parameters: Array) -> Iterator[list[Samples]]:
+        """Stretch by stretch, the motions with R rows of parameters (R, p). Raises EstimationFailed likewise."""
+        robots = self._robots(parameters)
+        for stretch in self._stretches:
+            yield stretch.samples(robots)
+
+    def as_measured(self, exact: list[Samples]) -> Problem:
+        """The problem with simulated motions in place of the measured ones: the same equations, without noise."""
+        pieces = [
+            piece
+            for stretch, samples in zip(self._stretches, exact, strict=True)
+            for piece in stretch.as_measured(samples)
+        ]
+        return replace(self.problem, data=pieces, progress=None)
+
+    def measured_positions(self) -> Array:
+        """In the rows of the problem's equations (N, n)."""
+        return np.concatenate([stretch.positions() for stretch in self._stretches])
+
+    def _robots(self, parameters: Array) -> DrivenRobot:
+        """What the joints feel of parameters: in base parameters alone, so that nothing depends on the others."""
+        base = self.problem.structure.base
+        alone = np.zeros_like(parameters)
+        alone[:, base.independent] = [base.values(x) for x in parameters]
+        return DrivenRobot.of(self.problem.torque_model, alone)
+
+
+def _uninterrupted(pieces: Sequence[Samples]) -> list[list[Samples]]:
+    """Pieces that continue each other together."""
+    stretches: list[list[Samples]] = []
+    for piece in pieces:
+        if piece.continues and stretches:
+            stretches[-1].append(piece)
+        else:
+            stretches.append([piece])
+    return stretches

@@ -1,0 +1,52 @@
+"""Direct and inverse dynamic identification (DIDIM): the output error of the torque in the simulated loop.
+
+    minimise Σ_g ‖τ_g - τ_g(x)‖² / σ_g²,   dτ_g(x)/dx ≈ W_g of the simulated motion
+
+τ(x) is the torque of the simulated loop. Its controller makes the robot follow the reference whatever its parameters:
+the motion hardly depends on them, and the torque depends on them as in the inverse dynamics, so that one simulation is
+enough for a step of Gauss and Newton. Measured positions are used for the start alone, so that their noise, and what
+differentiation makes of it, does not matter.
+
+Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
+IEEE Transactions on Control Systems Technology 21(2), 2013.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from graphdyn.identification.closed_loop.beside import beside
+from graphdyn.identification.closed_loop.iterating import MOST, iterated
+from graphdyn.identification.closed_loop.loop import ClosedLoop
+from graphdyn.identification.closed_loop.output_equations import Output, output_step
+from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
+from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimators.starting import Beginning, starts, told
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.samples import Samples
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class DirectInverse:
+    """The standard parameters are those with the estimated base parameters that are nearest to the model's.
+
+    loop, start, most: as in InstrumentalVariables
+    """
+
+    loop: ClosedLoop | None = None
+    start: Beginning = "wls"
+    most: int = MOST
+    name: str = "DIDIM"
+    reference: str = "Gautier, Janot and Vandanjon, IEEE Trans. Control Systems Technology 21(2), 2013"
+    assumptions: str = "white noise of its own size on the torque of each joint; a loop that follows its reference"
+    needs: str = "actuator torques; the controller of the loop, and the reference that it followed; all of the friction"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Raises EstimationFailed where the loop is not known, or the iteration diverges."""
+        loop = SimulatedLoop(problem, self.loop)
+
+        def step(x: Array, simulated: list[Samples]) -> Output:
+            return output_step(problem, x, beside(problem, simulated))
+
+        return told(loop, iterated(loop, starts(problem, self.start), step, self.most))

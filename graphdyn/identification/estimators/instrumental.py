@@ -1,0 +1,59 @@
+"""Instrumental variables from the simulated loop (IDIM-IV).
+
+    x = (Σ_g Z_gᵀ W_g / σ_g²)⁻¹ Σ_g Z_gᵀ τ_g / σ_g²
+
+W has noise, because q, v and a are measured, and in a closed loop the same noise is in τ: least squares is biased,
+whatever the length of the recording. Z is the regressor of the motion that the loop makes in simulation, with the
+parameters of the iteration before: it resembles W and knows nothing of the noise, so that Zᵀ(W x - τ) is zero at the
+truth on the average. Each joint counts by its own residual.
+
+Janot, Vandanjon and Gautier, "A generic instrumental variable approach for industrial robot identification", IEEE
+Transactions on Control Systems Technology 22(1), 2014. They filter Z like W; here W and τ alone are filtered (Beside).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.closed_loop.beside import beside
+from graphdyn.identification.closed_loop.crossed_equations import Crossed, CrossedEquations
+from graphdyn.identification.closed_loop.iterating import MOST, iterated
+from graphdyn.identification.closed_loop.loop import ClosedLoop
+from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
+from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimators.starting import Beginning, starts, told
+from graphdyn.identification.problem import Problem
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.solution import residual_deviations
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class InstrumentalVariables:
+    """The standard parameters are those with the estimated base parameters that are nearest to the model's.
+
+    loop: the controller of the recording and its reference; without it there is no estimate
+    start: of the iteration: "wls", "cad", or parameters of all columns of the torque model (p,)
+    most: simulations after which an estimate that still moves counts as diverged
+    """
+
+    loop: ClosedLoop | None = None
+    start: Beginning = "wls"
+    most: int = MOST
+    name: str = "IDIM-IV"
+    reference: str = "Janot, Vandanjon and Gautier, IEEE Trans. Control Systems Technology 22(1), 2014"
+    assumptions: str = "noise on q, v, a and torques that the reference knows nothing of; controller and friction known"
+    needs: str = "as WLS; the controller of the loop, and the reference that it followed"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Raises EstimationFailed where the loop is not known, or the iteration diverges."""
+        loop = SimulatedLoop(problem, self.loop)
+        used = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
+
+        def step(x: Array, simulated: list[Samples]) -> Crossed:
+            noise = residual_deviations(problem.equations, problem.equations.residual_squares(x), used)
+            return CrossedEquations.of(beside(problem, simulated), problem.support).solve(noise)
+
+        return told(loop, iterated(loop, starts(problem, self.start), step, self.most))

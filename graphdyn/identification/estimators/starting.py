@@ -1,0 +1,51 @@
+"""Where an iteration with a simulated loop begins, and what is told of its end."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
+from graphdyn.identification.closed_loop.exogeneity import EXOGENEITY, exogeneity
+from graphdyn.identification.closed_loop.iterating import Iterated, Start
+from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
+from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.identification.estimators.weighted import weighted_solution
+from graphdyn.identification.problem import Problem
+
+Beginning = ArrayLike | Literal["wls", "cad"]
+
+
+def starts(problem: Problem, beginning: Beginning) -> list[Start]:
+    """The parameters (p,) given, weighted least squares, or CAD without friction; CAD stands in for the first two.
+
+    Raises InvalidInput for other words, and parameters of another number.
+    """
+    cad = Start(problem.base.values(problem.torque_model.prior()), "CAD")
+    if isinstance(beginning, str):
+        if beginning not in ("wls", "cad"):
+            raise InvalidInput(f"start is '{beginning}'; give 'wls', 'cad', or parameters")
+        return [cad] if beginning == "cad" else [Start(weighted_solution(problem.equations)[0].x, "WLS"), cad]
+    given, expected = as_floats("start", beginning), (len(problem.torque_model.columns),)
+    if given.shape != expected:
+        raise InvalidInput(f"start has shape {given.shape}, expected {expected}")
+    return [Start(problem.base.values(given), "the parameters given"), cad]
+
+
+def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position"] = "torque") -> Estimate:
+    """The estimate, with the test of exogeneity."""
+    problem, last = loop.problem, end.last
+    test = exogeneity(loop, last.x, end.simulated)
+    joints = problem.torque_model.model.independent_joints
+    return base_estimate(
+        problem,
+        last.x,
+        last.covariance,
+        last.noise if output == "torque" else None,
+        block_covariance=last.block_covariance,
+        iterations=end.iterations,
+        settings={"last step": end.moved, EXOGENEITY: test.together},
+        remarks=(*end.remarks, test.in_words(joints)),
+    )

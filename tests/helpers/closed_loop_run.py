@@ -1,0 +1,133 @@
+"""Identification methods on a UR5 in its control loop: python tests/helpers/closed_loop_run.py [RUNS] [NOISE ...].
+
+The settings of Leboutet et al. 2021 (BIRDy): 10 s at 1 kHz, controller at 5 kHz, low-pass of 50 Hz for positions,
+torques and regressor, starts 15 % beside the truth; noise of positions and torques in five sizes. The controller sees
+the noise of the positions. Rows slower than 0.05 rad/s are left out, because dry friction holds joints there.
+
+Printed for each noise: over RUNS recordings, how many base parameters have a smaller bias than with least squares (same
+filter); iterations from 15 % off and how many of them diverge; error of the torque on another motion; processor time.
+"""
+
+import sys
+import time
+from dataclasses import dataclass, field
+
+import closed_loop_data
+import numpy as np
+from closed_loop_data import DEGREE
+
+import graphdyn
+from crosscheck.identifying import Preparation
+from graphdyn import EstimationFailed
+from graphdyn.identification import (
+    ClosedLoopOutputError,
+    DirectInverse,
+    InstrumentalVariables,
+    OrdinaryLeastSquares,
+    Samples,
+    TotalLeastSquares,
+    WeightedLeastSquares,
+)
+
+NOISE = {
+    "1e-4/.05": (1e-4, 0.05),
+    "1e-3/.05": (1e-3, 0.05),
+    "1e-3/.1": (1e-3, 0.1),
+    "1e-2/.05": (1e-2, 0.05),
+    "1e-2/.1": (1e-2, 0.1),
+}
+"""Standard deviations of positions [°] and torques [N m]."""
+
+TACHOMETER = 1e-4
+"""[rad/s] Of the velocities that the controller sees."""
+
+SECONDS, CONTROL_PERIOD = 10.0, 2e-4
+START = 0.85
+PREPARATION = Preparation(cutoff=50.0, min_speed=0.05, torque_hold=CONTROL_PERIOD)
+
+FEW = 3
+"""Runs of the output errors, whose iterations simulate the loop a hundred times each."""
+
+
+@dataclass
+class Found:
+    """Of one method: base parameters, iterations and processor time of every run that did not diverge."""
+
+    values: list = field(default_factory=list)
+    iterations: list = field(default_factory=list)
+    seconds: list = field(default_factory=list)
+    diverged: list = field(default_factory=list)
+
+
+def methods(loop, start):
+    return {
+        "OLS": OrdinaryLeastSquares(),
+        "WLS": WeightedLeastSquares(),
+        "TLS": TotalLeastSquares(),
+        "TLS, unscaled": TotalLeastSquares(scaled=False),
+        "IDIM-IV": InstrumentalVariables(loop, start=start),
+        "DIDIM": DirectInverse(loop, start=start),
+        "CLOE": ClosedLoopOutputError("position", loop, start=start),
+        "CLIE": ClosedLoopOutputError("torque", loop, start=start),
+    }
+
+
+def run(position, torque, runs):
+    """Of each method, by name; and the problem and the truth, which are the same for all."""
+    plant, found = closed_loop_data.ur5(), {}
+    for seed in range(runs):
+        noise = {"position": position * DEGREE, "velocity": TACHOMETER, "torque": torque}
+        recorded = plant.record(SECONDS, **noise, seed=seed, control_period=CONTROL_PERIOD)
+        problem, loop = recorded.prepared(PREPARATION)
+        assert problem.equations.n_columns  # read once, before any method is timed
+        for name, method in methods(loop, START * recorded.truth).items():
+            if name in ("CLOE", "CLIE") and seed >= FEW:
+                continue
+            own = found.setdefault(name, Found())
+            begin = time.process_time()
+            try:
+                estimate = method.estimate(problem)
+            except EstimationFailed as failure:
+                own.diverged.append(str(failure))
+                continue
+            own.seconds.append(time.process_time() - begin)
+            own.values.append(problem.base.values(estimate.parameters))
+            own.iterations.append(estimate.iterations)
+    return found, problem, problem.base.values(recorded.truth)
+
+
+def another_motion(problem):
+    """The regressor of a motion that was not recorded (N n, r)."""
+    plant = closed_loop_data.ur5(seed=7)
+    motion = graphdyn.record(plant.model, np.linspace(0, 10, 1001), plant.laws)
+    samples = Samples(motion.q, motion.v, motion.a, motion.tau)
+    return problem.torque_model.rows(samples, problem.base.independent).reshape(-1, problem.base.rank)
+
+
+def main():
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 25
+    for name in sys.argv[2:] or NOISE:
+        found, problem, truth = run(*NOISE[name], runs)
+        w = another_motion(problem)
+        size = np.linalg.norm(w @ truth)
+        bias = {method: np.abs(np.mean(own.values, axis=0) - truth) for method, own in found.items() if own.values}
+        print(f"\nnoise {name} (° / N m), {runs} runs, {len(truth)} base parameters")
+        print(
+            "method         bias below OLS   iterations   diverged  torque error [%]   processor time per iteration [s]"
+        )
+        for method, own in found.items():
+            if not own.values:
+                print(f"{method:13} {'':30} {len(own.diverged)} of {len(own.diverged)}: {own.diverged[0]}")
+                continue
+            errors = [100 * np.linalg.norm(w @ (x - truth)) / size for x in own.values]
+            better = int(np.sum(bias[method] < bias["OLS"]))
+            most, each = max(own.iterations), np.median(np.array(own.seconds) / own.iterations)
+            print(
+                f"{method:13} {better:10} of {len(truth)} {np.mean(own.iterations):7.1f} ≤ {most:2} "
+                f"{len(own.diverged):6} of {len(own.diverged) + len(own.values)} {np.mean(errors):12.4f} {each:20.2f}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,237 @@
+"""Methods that simulate the loop of the recording: exact data, noise in the loop, what they refuse."""
+
+import functools
+from dataclasses import replace
+
+import closed_loop_data
+import numpy as np
+import pytest
+
+import graphdyn
+from crosscheck.identifying import Preparation
+from graphdyn import EstimationFailed, InvalidInput
+from graphdyn.identification import (
+    ClosedLoop,
+    ClosedLoopOutputError,
+    DirectInverse,
+    InstrumentalVariables,
+    Problem,
+    Samples,
+    TorqueModel,
+    WeightedLeastSquares,
+)
+from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
+from graphdyn.identification.closed_loop.sensitivities import sensitivities
+from graphdyn.identification.terms import Coulomb, RigidBodies
+
+EXACT = 1e-7
+"""Relative error of every base parameter from exact data, which the steps of the simulation reproduce."""
+
+STICKING = 1e-9
+"""[rad/s] A joint that dry friction holds is at rest exactly, and says nothing about that friction."""
+
+NOISE = {"position": 2e-4, "velocity": 1e-3, "torque": 1.0}
+SECONDS = 4.0
+PREPARATION = Preparation(cutoff=50.0, min_speed=0.05, torque_hold=1e-3)
+
+METHODS = [
+    InstrumentalVariables,
+    DirectInverse,
+    functools.partial(ClosedLoopOutputError, "position"),
+    functools.partial(ClosedLoopOutputError, "torque"),
+]
+
+
+@pytest.fixture(scope="module")
+def exact():
+    run = closed_loop_data.two_axes().record(SECONDS)
+    return run, Problem(run.torque_model, run.exact, min_speed=STICKING)
+
+
+@pytest.fixture(scope="module")
+def noisy():
+    """Filtered and differentiated as a recording is, slow rows left out."""
+    run = closed_loop_data.two_axes().record(SECONDS, **NOISE)
+    return run, *run.prepared(PREPARATION)
+
+
+def values(problem, estimate):
+    return problem.base.values(estimate.parameters)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_exact_data(method, exact):
+    """From 15 % beside the truth: the loop simulates the recording itself in the end."""
+    run, problem = exact
+    true = problem.base.values(run.truth)
+    size = np.linalg.norm(problem.equations.factors[..., :-1], axis=(0, 1))
+    estimate = method(loop=run.loop, start=0.85 * run.truth).estimate(problem)
+    error = size * (values(problem, estimate) - true)
+    assert np.abs(error).max() <= EXACT * np.abs(size * true).max()
+    assert 1 < estimate.iterations <= 8
+
+
+def test_simulates_the_recording(exact):
+    run, problem = exact
+    (motion,) = SimulatedLoop(problem, run.loop).samples(run.truth)
+    for name in ("q", "v", "a", "tau"):
+        there = getattr(run.exact, name)
+        assert getattr(motion, name) == pytest.approx(there, rel=1e-9, abs=1e-9 * np.abs(there).max())
+
+
+def test_a_function_as_controller(exact):
+    """The same law in Python, asked once in a period of two samples."""
+    plant = closed_loop_data.two_axes()
+    run = plant.record(0.2, period=1e-3, control_period=1e-3)
+    laws, later = plant.laws, plant.start
+
+    def law(t, q, v):
+        target = np.array([[part[0] for part in one(np.array([t - later]))] for one in laws])
+        return plant.position_gain * (target[:, 0] - q) + plant.velocity_gain * (target[:, 1] - v)
+
+    problem = Problem(run.torque_model, run.exact)
+    held = ClosedLoop(plant.controller(2e-3, later)), ClosedLoop(law, period=2e-3)
+    compiled, python = (SimulatedLoop(problem, loop).samples(run.truth)[0] for loop in held)
+    assert python.tau == pytest.approx(compiled.tau, abs=1e-9)
+    assert np.all(python.tau[2:-1:2] == python.tau[3::2])
+
+
+def torque_error(run, problem, estimate):
+    """Of the noiseless motion, relative."""
+    true = problem.base.values(run.truth)
+    w = run.torque_model.rows(run.exact, problem.base.independent)
+    return np.linalg.norm(w @ (values(problem, estimate) - true)) / np.linalg.norm(w @ true)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_no_bias(method, noisy):
+    """Least squares is 12 % wrong. The error without bias is as large as its standard deviations say."""
+    run, problem, loop = noisy
+    found = method(loop=loop).estimate(problem)
+    assert torque_error(run, problem, WeightedLeastSquares().estimate(problem)) > 0.1
+    assert torque_error(run, problem, found) < 0.01
+    error = values(problem, found) - problem.base.values(run.truth)
+    assert np.mean(error**2 / np.diag(found.block_covariance)) < 2
+
+
+def test_sensitivities_against_complex_steps():
+    """A mass m on a slide, drawn to the position u by a force K_p (u - q) - K_d v that is held for a millisecond."""
+    slide = graphdyn.RobotModel(
+        "slide",
+        (graphdyn.Body("M", 2.0, np.zeros(3), np.eye(3)),),
+        (graphdyn.Joint("S", "prismatic", 0, graphdyn.Placement(), [1.0, 0, 0]),),
+    )
+    hold, rows = 1e-3, 501
+
+    def positions(m):
+        q, v, course = 0.0 * m, 0.0 * m, []
+        for _ in range(rows):
+            course.append(q)
+            a = (50.0 * (0.3 - q) - 4.0 * v) / m
+            q, v = q + hold * v + hold**2 / 2 * a, v + hold * a
+        return np.array(course)
+
+    expected = positions(2.0 + 1e-20j).imag / 1e-20
+    q = positions(2.0)[:, None]
+    v = np.gradient(q, hold, axis=0)
+    v[0] = 0.0
+    a = np.gradient(v, hold, axis=0)
+    problem = Problem(TorqueModel(slide, (RigidBodies(),)), Samples(q, v, a, 2 * a, time=hold * np.arange(rows)))
+    loop = SimulatedLoop(problem, ClosedLoop(graphdyn.PDControl(50.0, 4.0, [0.3], period=hold)))
+    found = sensitivities(loop, np.array([2.0]), "position")
+    assert found[:, 0, 0] == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
+
+
+class TestExogeneity:
+    def p(self, run, **noise):
+        problem, loop = run.prepared(PREPARATION)
+        estimate = InstrumentalVariables(loop).estimate(problem)
+        return estimate.settings["exogeneity p"], estimate.remarks[-1]
+
+    def test_noise_of_the_torque_alone(self):
+        """Six recordings: p is at most 1/4 in a quarter of them, in five or six with a probability of 0.5 %."""
+        plant = closed_loop_data.two_axes()
+        found = [self.p(plant.record(2.0, torque=1.0, seed=seed)) for seed in range(6)]
+        assert sum(p <= 0.25 for p, _ in found) <= 4
+        assert any(said.startswith("the regressor looks exogenous (Durbin-Wu-Hausman, p = ") for _, said in found)
+
+    def test_noise_that_the_controller_sees(self):
+        """A fortieth of the noise that makes least squares 12 % wrong."""
+        p, said = self.p(closed_loop_data.two_axes().record(2.0, position=5e-6, velocity=2.5e-5, torque=1.0))
+        assert p < 1e-6
+        assert said.startswith("the regressor is not exogenous at O1, O2 (Durbin-Wu-Hausman, p = ")
+
+    def test_few_rows(self):
+        short = closed_loop_data.two_axes().record(0.3, torque=1.0)
+        assert "too few independent rows" in self.p(short)[1]
+
+
+class TestHeldTorque:
+    def test_ramp(self):
+        ramp = np.arange(6.0)[:, None] * [1.0, -2.0]
+        assert held_torque(ramp, 0.01, 0.01)[1:] == pytest.approx(ramp[1:] - [0.5, -1.0])
+        assert held_torque(ramp, 0.01, 0.002)[1:] == pytest.approx(ramp[1:] - [0.1, -0.2])
+        assert np.array_equal(held_torque(ramp, 0.01, 0.0), ramp)
+
+    def test_nothing_is_known_before_the_first_sample(self):
+        assert held_torque(np.array([[3.0], [5.0]]), 0.01, 0.01)[0] == 3.0
+
+
+class TestRefusals:
+    def failure(self, problem, loop, **options):
+        with pytest.raises(EstimationFailed) as caught:
+            InstrumentalVariables(loop, **options).estimate(problem)
+        return str(caught.value)
+
+    def test_no_loop(self, exact):
+        assert "needs the controller of the loop" in self.failure(exact[1], None)
+
+    def test_no_time(self, exact):
+        run, problem = exact
+        assert "needs the time of every sample" in self.failure(
+            replace(problem, data=replace(run.exact, time=None)), run.loop
+        )
+
+    def test_uneven_time(self, exact):
+        run, problem = exact
+        time = run.time.copy()
+        time[5] += 3e-4
+        assert "not evenly spaced" in self.failure(replace(problem, data=replace(run.exact, time=time)), run.loop)
+
+    def test_loop_that_does_not_hold(self, exact):
+        run, problem = exact
+        away = replace(run.loop, controller=replace(run.loop.controller, position_gain=-2e4, velocity_gain=-2e3))
+        said = self.failure(problem, away)
+        assert said.startswith("from WLS: the simulated loop does not hold the robot")
+        assert "from CAD" in said
+
+    def test_terms_that_are_not_simulated(self, exact):
+        run, problem = exact
+        smooth = replace(run.torque_model, terms=(RigidBodies(), Coulomb(width=0.1)))
+        with pytest.raises(EstimationFailed, match="a simulation does not know Coulomb; DIDIM and IDIM-IV need not"):
+            ClosedLoopOutputError(loop=run.loop).estimate(replace(problem, torque_model=smooth))
+
+    def test_too_few_iterations(self, noisy):
+        _, problem, loop = noisy
+        assert "diverged: after 1 simulations of the loop" in self.failure(problem, loop, start="cad", most=1)
+
+    def test_periods(self, exact):
+        run, problem = exact
+        odd = replace(run.loop, controller=replace(run.loop.controller, period=0.7e-3))
+        with pytest.raises(InvalidInput, match=r"0\.0007 s, and that of the recording, 0\.001 s, are no"):
+            InstrumentalVariables(odd).estimate(problem)
+
+    def test_arguments(self, exact):
+        run, problem = exact
+        with pytest.raises(InvalidInput, match="start is 'ols'"):
+            InstrumentalVariables(run.loop, start="ols").estimate(problem)
+        with pytest.raises(InvalidInput, match=r"start has shape \(3,\), expected \(26,\)"):
+            InstrumentalVariables(run.loop, start=np.ones(3)).estimate(problem)
+        with pytest.raises(InvalidInput, match="output is 'velocity'"):
+            ClosedLoopOutputError("velocity")
+        with pytest.raises(InvalidInput, match="controller has a period of its own"):
+            ClosedLoop(run.loop.controller, period=1e-3)
+        with pytest.raises(InvalidInput, match="step of the closed loop is 0"):
+            ClosedLoop(run.loop.controller, step=0.0)
+        with pytest.raises(InvalidInput, match=r"time of the samples has shape \(3,\), expected \(4001,\)"):
+            Samples(run.exact.q, run.exact.v, run.exact.a, run.exact.tau, time=np.zeros(3))
