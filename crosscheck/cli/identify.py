@@ -11,6 +11,7 @@ import typer
 from rich.text import Text
 
 from crosscheck.cli import identify_options as options
+from crosscheck.cli import loop_options
 from crosscheck.cli.console import out, progress, say, warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
@@ -71,6 +72,9 @@ def run(
     payload: options.PayloadOption = None,
     payload_on: options.PayloadLinkOption = None,
     methods: options.MethodsOption = None,
+    controller: loop_options.ControllerOption = None,
+    control_rate: loop_options.ControlRateOption = None,
+    torque_hold: loop_options.TorqueHoldOption = 0.0,
     validate: options.ValidateOption = None,
     split: options.SplitOption = None,
     split_rows: options.SplitRowsOption = None,
@@ -111,6 +115,7 @@ def run(
         options.refuse_without_log(
             validate=validate, split=split, split_rows=split_rows, folds=folds, mapping=mapping, rate=rate, drop=drop,
             known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on, models=models,
+            controller=controller, control_rate=control_rate, torque_hold=torque_hold,
         )  # fmt: skip
     frozen = Frozen(locked_joints(lock) or None, chain, gravity)
     load, known_load = payload_of(payload, payload_on)
@@ -121,7 +126,8 @@ def run(
     else:
         options.refuse_beside_models(terms=terms, width=width, stribeck_velocity=stribeck_velocity, term=term)
         compared = models_of(models, ways, load, known, known_bodies)
-    preparation = prepared_as(cutoff, derive_velocity, decimate, min_speed)
+    preparation = prepared_as(cutoff, derive_velocity, decimate, min_speed, torque_hold)
+    loop = loop_options.loop_of(controller, control_rate)
     from crosscheck.report.commands.identify import identify_report
 
     if logs:
@@ -140,6 +146,7 @@ def run(
                 models=compared,
                 preparation=preparation,
                 held_out=options.held_out_of(unseen, split, split_rows, folds),
+                loop=loop,
                 poses=poses,
             )
     else:
@@ -175,15 +182,20 @@ class Frozen:
         return urdf.load(robot, lock=self.lock, chain=self.chain, gravity=self.gravity)
 
 
-def prepared_as(cutoff: str, derive_velocity: bool, decimate: str | None, min_speed: str) -> Preparation:
+def prepared_as(
+    cutoff: str, derive_velocity: bool, decimate: str | None, min_speed: str, torque_hold: float
+) -> Preparation:
     """The options as one object. Raises typer.BadParameter."""
     from crosscheck.identifying import Preparation
 
+    if not (0 <= torque_hold < float("inf")):
+        raise typer.BadParameter(f"--torque-hold {torque_hold:g}: give seconds, 0 for none")
     speeds = options.numbers("--min-speed", min_speed)
     return Preparation(
         options.cutoff_of(cutoff),
         "derived" if derive_velocity else "recorded",
         options.stages(decimate),
+        torque_hold,
         speeds if len(speeds) > 1 else speeds[0],
     )
 

@@ -98,7 +98,7 @@ MethodsOption = Annotated[
     typer.Option(
         metavar="NAME,…|all",
         help="ols, wls, wls-pinocchio, gls, huber, tukey, ridge, essential, consistent, entropic, pullback, "
-        f"log-cholesky, graph, or {FUNCTION} of your own. Without it: one of each kind.",
+        f"log-cholesky, graph, tls, iv, didim, cloe, clie, or {FUNCTION} of your own. Without it: one of each kind.",
     ),
 ]
 ValidateOption = Annotated[

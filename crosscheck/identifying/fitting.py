@@ -11,6 +11,7 @@ import numpy as np
 from crosscheck.identifying.candidate_models import CandidateModel
 from crosscheck.identifying.holding_out import Division, Trial
 from crosscheck.identifying.identified_model import HeldOutPrediction, IdentifiedModel
+from crosscheck.identifying.loop_methods import in_loop, with_exogeneity
 from crosscheck.identifying.methods import method_named
 from crosscheck.identifying.pinocchio_method import WithPinocchio
 from crosscheck.identifying.pooling import pooled
@@ -20,6 +21,7 @@ from crosscheck.recordings import Recording
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.referee.subject import Subject
 from graphdyn.identification import (
+    ClosedLoop,
     Estimator,
     MethodComparison,
     MethodResult,
@@ -40,20 +42,26 @@ def identified_model(
     division: Division,
     preparation: Preparation,
     *,
+    loop: ClosedLoop | None,
     cut: bool,
     poses: int,
     progress: Callable[[str], None],
 ) -> IdentifiedModel:
-    """cut: the arm is a chain out of a larger robot; progress: called with the name of every method that begins"""
+    """Every method on the rows of the fit, and on those of every trial.
+
+    loop: as prepared, for the methods that simulate it
+    cut: the arm is a chain out of a larger robot; progress: called with the name of every method that begins
+    """
     torque_model = candidate.of(subject.model)
     named = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
-    estimators = _with_referee(named, subject, cut)
+    estimators = _with_referee(in_loop(named, loop), subject, cut)
 
     def say(what: str) -> None:
         progress(f"{candidate.name}: {what}" if candidate.name else what)
 
     fit = preparation.problem(torque_model, division.fit)
     comparison = compare_methods(fit, _fitted_to(estimators, division.fit), poses=poses, progress=say)
+    comparison = with_exogeneity(comparison, fit, loop)
     if all(trial.train is division.fit for trial in division.trials):
         trials = [_predicted(trial, torque_model, preparation, comparison) for trial in division.trials]
     else:

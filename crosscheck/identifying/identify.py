@@ -12,6 +12,7 @@ from crosscheck.identifying.candidate_models import CandidateModel, with_links_o
 from crosscheck.identifying.fitting import identified_model
 from crosscheck.identifying.health import health
 from crosscheck.identifying.holding_out import Folds, HeldOut, LastPart, OtherRecordings
+from crosscheck.identifying.loop_methods import as_prepared
 from crosscheck.identifying.methods import STANDARD_METHODS
 from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.result import Identified
@@ -19,7 +20,7 @@ from crosscheck.identifying.torque_terms import STANDARD_TERMS, friction_terms
 from crosscheck.recordings import Recording
 from crosscheck.referee.subject import Lock, Robot, subject
 from graphdyn import InvalidInput
-from graphdyn.identification import Estimator
+from graphdyn.identification import ClosedLoop, Estimator
 from graphdyn.identification.plausibility import POSES
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
 from urdf._cutting import Chain
@@ -34,6 +35,7 @@ def identify(
     methods: Sequence[str | Estimator] = STANDARD_METHODS,
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
+    loop: ClosedLoop | None = None,
     lock: Lock = None,
     chain: Chain = None,
     gravity: ArrayLike | None = None,
@@ -50,6 +52,7 @@ def identify(
     methods: names (METHODS) or estimators
     preparation: filter, decimation, smallest speed
     held_out: rows to predict; if left out, the last quarter of every recording
+    loop: controller and reference of the recordings, over their time; some methods simulate it
     lock, chain, gravity: as in urdf.load, for names and paths only
     poses: random poses in which the mass matrix is tested
     models: torque models to compare, each with terms, known terms and methods of its own, in place of `terms`, `known`
@@ -68,6 +71,7 @@ def identify(
     terms = (RigidBodies(), *friction_terms(STANDARD_TERMS)) if terms is None else terms
     candidates = with_links_of_cad(models or [CandidateModel("", terms, known, methods)])
     first = candidates[0].of(compared.model)
+    loop = as_prepared(loop, preparation, recordings[0])
 
     say("health")
     recordings = [_of_robot(recording, compared.model.independent_joints) for recording in recordings]
@@ -81,7 +85,9 @@ def identify(
     division = _prepared(held_out, ahead).divide(prepared)
     say("read")
     main, *further = (
-        identified_model(compared, candidate, division, preparation, cut=chain is not None, poses=poses, progress=say)
+        identified_model(
+            compared, candidate, division, preparation, loop=loop, cut=chain is not None, poses=poses, progress=say
+        )
         for candidate in candidates
     )
     return Identified(

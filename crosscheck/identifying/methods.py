@@ -10,18 +10,22 @@ from crosscheck.identifying.pinocchio_method import WithPinocchio
 from crosscheck.identifying.wrench_method import FromWrenches
 from graphdyn import InvalidInput
 from graphdyn.identification import (
+    ClosedLoopOutputError,
     ConsistentLeastSquares,
     ConsistentWithPrior,
+    DirectInverse,
     EssentialParameters,
     Estimate,
     Estimator,
     GeneralisedLeastSquares,
+    InstrumentalVariables,
     LogCholesky,
     OrdinaryLeastSquares,
     Problem,
     ReweightedLeastSquares,
     Ridge,
     RobustConsistent,
+    TotalLeastSquares,
     WeightedLeastSquares,
 )
 
@@ -42,6 +46,11 @@ METHODS: dict[str, Callable[[], Estimator]] = {
     "pullback-huber": lambda: RobustConsistent("pullback"),
     "log-cholesky": LogCholesky,
     "graph": FromWrenches,
+    "tls": TotalLeastSquares,
+    "iv": InstrumentalVariables,
+    "didim": DirectInverse,
+    "cloe": lambda: ClosedLoopOutputError("position"),
+    "clie": lambda: ClosedLoopOutputError("torque"),
 }
 
 STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "consistent", "entropic", "graph")
