@@ -172,16 +172,16 @@ def _times(duration: float, rate: float) -> list[float]:
 
 
 def _numbers(option: str, text: str | None, model: RobotModel) -> list[float]:
-    """One number per joint. Raises typer.BadParameter."""
+    """One number per joint that no others drive. Raises typer.BadParameter."""
     if text is None:
-        return [0.0] * model.n_bodies
+        return [0.0] * model.n_freedoms
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:
         raise typer.BadParameter(f"{option} {text}: numbers with commas between them are needed") from None
-    if len(numbers) != model.n_bodies:
-        names = ", ".join(model.joint_names)
-        raise typer.BadParameter(f"{option} has {len(numbers)} numbers for {model.n_bodies} joints: {names}")
+    if len(numbers) != model.n_freedoms:
+        names = ", ".join(model.independent_joints)
+        raise typer.BadParameter(f"{option} has {len(numbers)} numbers for {model.n_freedoms} joints: {names}")
     return numbers
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from graphdyn._coupling import Freedoms
 from graphdyn.kernels.factorization import inverted, inverted_mass_matrix
+from graphdyn.kernels.forward import Drives
 from graphdyn.kernels.inertia import mass_matrix
 from graphdyn.kernels.inverse import inverse_dynamics
 from graphdyn.kernels.mechanism import Link
@@ -47,6 +48,31 @@ def forward_dynamics(
     return {**found, "a": list(a), "pivots": pivots}
 
 
+def driven(
+    links: Sequence[Link],
+    root: Root,
+    freedoms: Freedoms,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None,
+    drives: Drives,
+) -> dict[str, list[Any]]:
+    """a and required (n) of the free joints, with rotors, and with joints that friction holds (Drives).
+
+    A joint that is held has a row and a column of the unit matrix, and a = 0.
+    """
+    mass = projected(mass_matrix(links, q), ("n", "n"), freedoms)
+    mass[np.diag_indices(len(mass))] += np.array(drives.rotor, dtype=object)
+    bias = projected(_torques(links, root, q, v, [0.0] * len(links), external), ("n",), freedoms)
+    free = np.array(drives.free, dtype=object)
+    moving = mass * np.outer(free, free)
+    moving[np.diag_indices(len(mass))] += 1.0 - free
+    inverse, _ = inverted(moving, [range(j)[::-1] for j in range(len(mass))])
+    a = inverse @ (free * (np.array(tau, dtype=object) - bias))
+    return {"a": list(a), "required": list(mass @ a + bias)}
+
+
 def mass_matrix_inverse(links: Sequence[Link], freedoms: Freedoms, q: Columns) -> dict[str, Any]:
     """mass_matrix_inverse (n n) and pivots."""
     inverse, pivots = _inverted_mass_matrix(links, freedoms, q)
@@ -63,7 +89,7 @@ def power(
     external: Sequence[Wrench] | None = None,
 ) -> dict[str, list[Any]]:
     """τ_j v_j (n) of the free joints, whose torques move the driven ones too."""
-    tau = np.array(inverse_dynamics(links, root, q, v, a, external)["tau"], dtype=object)
+    tau = _torques(links, root, q, v, a, external)
     rates = np.array(v, dtype=object)[list(freedoms.independent)]
     return {"power": list(projected(tau, ("n",), freedoms) * rates)}
 
@@ -79,13 +105,20 @@ def solved(
 ) -> tuple[Scalars, Scalars, list[Any]]:
     """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n,), and the pivots (n); of all joints without freedoms, else of the free ones."""
     inverse, pivots = inverted_mass_matrix(links, q) if freedoms is None else _inverted_mass_matrix(links, freedoms, q)
-    bias = np.array(inverse_dynamics(links, root, q, v, [0.0] * len(links), external)["tau"], dtype=object)
+    bias = _torques(links, root, q, v, [0.0] * len(links), external)
     return inverse, inverse @ (np.array(tau, dtype=object) - projected(bias, ("n",), freedoms)), pivots
 
 
 def everywhere(a: Scalars, freedoms: Freedoms | None) -> list[Any]:
     """The accelerations of all joints (n,)."""
     return list(a if freedoms is None else scalars(freedoms.matrix) @ a)
+
+
+def _torques(
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None
+) -> Scalars:
+    """That all joints need (n,)."""
+    return np.array(inverse_dynamics(links, root, q, v, a, external)["tau"], dtype=object)
 
 
 def _inverted_mass_matrix(links: Sequence[Link], freedoms: Freedoms, q: Columns) -> tuple[Scalars, list[Any]]:

@@ -15,14 +15,14 @@ import numpy as np
 from graphdyn.kernels.mechanism import Link
 from graphdyn.kernels.motion import Place, places
 from graphdyn.kernels.reactions import Wrench, inwards
-from graphdyn.kernels.vectors import E_Z, Scalars, cross, scalars, symmetric, zeros
+from graphdyn.kernels.vectors import E_Z, Scalars, cross, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
 class Composite:
     """m, m c and I about O_j of body j and all bodies outside."""
 
-    mass: float
+    mass: Any
     first_moment: Scalars
     tensor: Scalars
 
@@ -64,7 +64,7 @@ def mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> Scalars:
 def per_rate(prismatic: bool, composite: Composite) -> Wrench:
     """The momentum that a unit velocity of the joint gives, which is also what a unit acceleration takes."""
     if prismatic:
-        return scalars([0, 0, composite.mass]), cross(composite.first_moment, E_Z)
+        return np.array([0.0, 0.0, composite.mass], dtype=object), cross(composite.first_moment, E_Z)
     return cross(E_Z, composite.first_moment), composite.tensor[:, 2]
 
 

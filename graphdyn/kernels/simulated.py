@@ -12,6 +12,7 @@ from typing import Any, Literal
 import numpy as np
 
 from graphdyn._model import RobotModel
+from graphdyn.kernels.couplings import driven, everywhere, projected
 from graphdyn.kernels.expressions import Program
 from graphdyn.kernels.forward import Drives, forward_dynamics
 from graphdyn.kernels.inverse import inverse_dynamics
@@ -49,7 +50,7 @@ def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
     n = sample.n
     bodies = sample.links
     if inputs.parameters:
-        columns = sample.input("parameters", BODY_PARAMETERS * n)
+        columns = sample.input("parameters", BODY_PARAMETERS * model.n_bodies)
         bodies = tuple(
             _with_parameters(link, columns[BODY_PARAMETERS * i : BODY_PARAMETERS * (i + 1)])
             for i, link in enumerate(bodies)
@@ -57,9 +58,12 @@ def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
     drives = Drives(
         sample.input("rotor") if inputs.rotor else [0.0] * n, sample.input("free") if inputs.free else [1.0] * n
     )
-    v, tau = sample.input("v"), sample.input("tau")
-    found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives)
-    return sample.recorder.program({name: found[name] for name in ("a", "required")}, {})
+    v, tau = sample.of_joints("v"), sample.input("tau")
+    if model.couplings:
+        found = driven(bodies, sample.root, model.freedoms, sample.q, v, tau, sample.external, drives)
+    else:
+        found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives)
+    return sample.recorder.program(sample.of_freedoms({name: found[name] for name in ("a", "required")}, {}), {})
 
 
 def record_law(model: RobotModel, law: Law) -> Program:
@@ -69,15 +73,17 @@ def record_law(model: RobotModel, law: Law) -> Program:
     "computed_torque": the inverse dynamics of a_d + K_p (q_d - q) + K_d (v_d - v)
     """
     sample = Sample(model, Request("inverse_dynamics", ("tau",)))
-    n, v = sample.n, sample.input("v")
+    n, v, freedoms = sample.n, sample.of_joints("v"), model.freedoms if model.couplings else None
     reference, gains = sample.input("reference", 3 * n), sample.input("gains", 2 * n)
     wanted = [
-        reference[2 * n + j] + gains[j] * (reference[j] - sample.q[j]) + gains[n + j] * (reference[n + j] - v[j])
-        for j in range(n)
+        reference[2 * n + j] + gains[j] * (reference[j] - sample.q[k]) + gains[n + j] * (reference[n + j] - v[k])
+        for j, k in enumerate(model.freedoms.independent)
     ]
     if law == "computed_torque":
-        wanted = inverse_dynamics(sample.links, sample.root, sample.q, v, wanted)["tau"]
-    return sample.recorder.program({"tau": wanted}, {})
+        a = everywhere(np.array(wanted, dtype=object), freedoms)
+        tau = np.array(inverse_dynamics(sample.links, sample.root, sample.q, v, a)["tau"], dtype=object)
+        wanted = list(projected(tau, ("n",), freedoms))
+    return sample.recorder.program(sample.of_freedoms({"tau": wanted}, {}), {})
 
 
 def in_joint_axes(model: RobotModel, parameters: Array) -> Array:

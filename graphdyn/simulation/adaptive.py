@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn._errors import IntegrationFailed
+from graphdyn._model import RobotModel
 from graphdyn.layout import Array
 from graphdyn.simulation.course import COLUMNS, Course, Event, Occurrence
 from graphdyn.simulation.drives import position_limits
@@ -211,12 +212,16 @@ def _limit_watches(equations: Equations) -> list[_Watch]:
     for side, limits, direction in zip(("lower", "upper"), position_limits(model), (-1, 1), strict=True):
         for j in np.flatnonzero(np.isfinite(limits)).tolist():
             name = f"{side} limit of joint '{model.joint_names[j]}'"
-            watches.append(_Watch(partial(_less, j, float(limits[j])), name, direction))
+            watches.append(_Watch(partial(_beyond, model, j, float(limits[j])), name, direction))
     return watches
 
 
 def _less(k: int, level: float, t: float, y: Array) -> float:
     return float(y[k] - level)
+
+
+def _beyond(model: RobotModel, j: int, limit: float, t: float, y: Array) -> float:
+    return float(model.joint_positions(y[: model.n_freedoms])[j] - limit)
 
 
 def _of_state(function: Callable[[float, Array, Array], float], n: int) -> Callable[[float, Array], float]:

@@ -61,7 +61,7 @@ def compiled_steps(
             own: Tableau = tableau(method)
             known[key] = CompiledSteps(
                 StepCode(
-                    n=plant.model.n_bodies,
+                    n=plant.model.n_freedoms,
                     accelerations=_accelerations(plant.model, inputs),
                     law=record_law(nominal or plant.model, law) if law else None,
                     a=own.a,

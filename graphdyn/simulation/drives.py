@@ -41,13 +41,24 @@ class Friction:
 
     @classmethod
     def of_model(cls, model: RobotModel) -> Friction:
-        """The damping and friction that the joints of the model carry, as a URDF file states them."""
-        return cls([joint.damping for joint in model.joints], [joint.friction for joint in model.joints])
+        """The damping and friction that the joints of the model carry, as a URDF file states them.
+
+        Those of a joint that another drives act at that other, through the ratio. Raises InvalidInput where several
+        joints drive it: its friction is none of single joints then.
+        """
+        ratios = np.abs(model.freedoms.matrix)
+        viscous, coulomb = np.array([[joint.damping, joint.friction] for joint in model.joints]).T
+        for j in np.flatnonzero((np.count_nonzero(ratios, axis=1) > 1) & ((viscous != 0) | (coulomb != 0))).tolist():
+            raise InvalidInput(
+                f"joint '{model.joint_names[j]}' has friction, and several joints drive it: which of them it holds "
+                "is not decided; state friction by Friction(…)"
+            )
+        return cls(viscous @ ratios**2, coulomb @ ratios)
 
     @classmethod
     def identified(cls, model: RobotModel, parameters: Mapping[str, float]) -> Friction:
         """From identified parameters by symbol: FV_j, FC_j and OFF_j of joint j; other symbols are passed over."""
-        numbers = range(1, model.n_bodies + 1)
+        numbers = [k + 1 for k in model.freedoms.independent]
         return cls(*([parameters.get(f"{symbol}_{j}", 0.0) for j in numbers] for symbol in ("FV", "FC", "OFF")))
 
 
@@ -58,7 +69,9 @@ class JointStops:
     stiffness                                               () or (n,)  [N m/rad or N/m]
     damping                                                 () or (n,)  [N m s/rad or N s/m]
 
-    Joints without limits have none. Raises InvalidInput for negative or non-finite numbers.
+    Joints without limits have none, nor have joints that others drive.
+
+    Raises InvalidInput for negative or non-finite numbers.
     """
 
     stiffness: ArrayLike
@@ -72,18 +85,14 @@ class JointStops:
             object.__setattr__(self, name, array)
 
 
-def refuse_couplings(model: RobotModel) -> None:
-    """Raises InvalidInput for a robot in which joints drive others."""
+def refuse_loops(what: str, model: RobotModel, remedy: str) -> None:
+    """Raises InvalidInput for a robot with loops."""
     if model.chords:
-        raise InvalidInput(f"robot '{model.name}' has loops, which a simulation does not know yet")
-    if model.couplings:
-        raise InvalidInput(
-            f"robot '{model.name}' has couplings, which a simulation does not know; lock the joints that others drive"
-        )
+        raise InvalidInput(f"{what} does not know the loops of robot '{model.name}'; {remedy}")
 
 
 def position_limits(model: RobotModel) -> tuple[Array, Array]:
-    """Lower and upper limits (n,), infinite where there is none."""
+    """Lower and upper limits of all joints (n_bodies,), infinite where there is none."""
     of = [joint.limits for joint in model.joints]
     lower = [-np.inf if x.lower is None else x.lower for x in of]
     upper = [np.inf if x.upper is None else x.upper for x in of]
@@ -92,7 +101,7 @@ def position_limits(model: RobotModel) -> tuple[Array, Array]:
 
 def effort_limits(model: RobotModel) -> Array:
     """Largest torques that the model states (n,), infinite where it states none, or zero."""
-    return np.array([joint.limits.effort or np.inf for joint in model.joints])
+    return np.array([model.joints[k].limits.effort or np.inf for k in model.freedoms.independent])
 
 
 def finite(name: str, value: ArrayLike) -> Array:
@@ -106,12 +115,12 @@ def finite(name: str, value: ArrayLike) -> Array:
 def per_joint(name: str, value: ArrayLike, model: RobotModel, runs: int | None = None) -> Array:
     """One number for all joints, or one per joint, as (n,); with runs as (runs, n). Raises InvalidInput."""
     array = as_floats(name, value)
-    shape = (model.n_bodies,) if runs is None else (runs, model.n_bodies)
+    shape = (model.n_freedoms,) if runs is None else (runs, model.n_freedoms)
     try:
         return np.broadcast_to(array, shape)
     except ValueError:
-        expected = f"() or ({model.n_bodies},)" + ("" if runs is None else f" or {shape}")
+        expected = f"() or ({model.n_freedoms},)" + ("" if runs is None else f" or {shape}")
         raise InvalidInput(
-            f"{name} has shape {array.shape}, expected {expected} for the {model.n_bodies} joints of robot "
+            f"{name} has shape {array.shape}, expected {expected} for the {model.n_freedoms} joints of robot "
             f"'{model.name}'"
         ) from None

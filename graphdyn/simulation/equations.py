@@ -110,7 +110,7 @@ class Equations:
 
     def wrenches(self, t: float, q: Array, v: Array) -> Array:
         """The external wrenches (n, 6). Raises InvalidInput where a function answers anything else."""
-        shape = (len(q), BODY_FREEDOMS)
+        shape = (self.plant.model.n_bodies, BODY_FREEDOMS)
         if self.plant.wrenches is None:
             return self._constants["external_wrenches"].reshape(shape)
         return answer("external_wrenches", self.plant.wrenches(t, q.copy(), v.copy()), shape, t)

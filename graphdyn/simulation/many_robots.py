@@ -20,7 +20,7 @@ from graphdyn.simulation.compiled import (
     can_compile,
 )
 from graphdyn.simulation.controllers import Controller
-from graphdyn.simulation.drives import Friction, JointStops, finite, refuse_couplings
+from graphdyn.simulation.drives import Friction, JointStops, finite, refuse_loops
 from graphdyn.simulation.methods import FIXED_STEPS
 from graphdyn.simulation.plant import make_plant
 from graphdyn.simulation.runs import MeasurementNoise, Runs
@@ -92,7 +92,7 @@ def rollout(
     Raises InvalidInput. On the NumPy back end, steps are taken in Python, thousands of times slower.
     """
     check_model(model)
-    refuse_couplings(model)
+    refuse_loops("rollout", model, "graphdyn.simulate does")
     Options(threads)
     if method not in FIXED_STEPS:
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(FIXED_STEPS)}")
@@ -119,8 +119,8 @@ def rollout(
     )
     all_runs = Runs(
         plant=plant,
-        q=np.broadcast_to(x["q"], (runs, model.n_bodies)),
-        v=np.broadcast_to(x["v"], (runs, model.n_bodies)),
+        q=np.broadcast_to(x["q"], (runs, model.n_freedoms)),
+        v=np.broadcast_to(x["v"], (runs, model.n_freedoms)),
         torques=None if torques is None else np.broadcast_to(torques, (runs, *torques.shape[1:])),
         controller=controls if isinstance(controls, Controller) else None,
         noise=noise,
@@ -141,10 +141,10 @@ def _controls(model: RobotModel, controls: ArrayLike | Controller | None) -> Arr
         check_controller(controls, model)
         return None
     torques = finite("controls", as_floats("controls", controls))
-    if torques.ndim not in (2, 3) or torques.shape[-1] != model.n_bodies or torques.shape[-2] == 0:
+    if torques.ndim not in (2, 3) or torques.shape[-1] != model.n_freedoms or torques.shape[-2] == 0:
         raise InvalidInput(
-            f"controls has shape {torques.shape}, expected (T, {model.n_bodies}) or (R, T, {model.n_bodies}) for robot "
-            f"'{model.name}'"
+            f"controls has shape {torques.shape}, expected (T, {model.n_freedoms}) or (R, T, {model.n_freedoms}) "
+            f"for robot '{model.name}'"
         )
     return torques if torques.ndim == 3 else torques[None]
 

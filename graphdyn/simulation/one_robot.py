@@ -19,7 +19,7 @@ from graphdyn.layout import Array
 from graphdyn.simulation.adaptive import Ticks, Tolerances, adaptive
 from graphdyn.simulation.controllers import Controller
 from graphdyn.simulation.course import Course, Event
-from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_couplings
+from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_loops
 from graphdyn.simulation.equations import Equations
 from graphdyn.simulation.fixed import fixed
 from graphdyn.simulation.maximal import Stabilisation, maximal
@@ -87,7 +87,7 @@ def simulate(
     IntegrationFailed where the numbers do not stay finite.
     """
     check_model(model)
-    refuse_couplings(model)
+    refuse_loops("simulate", model, "none")
     x = one_state(model, q=q, v=v)
     start = (x["q"].copy(), x["v"].copy())
     _check_times(duration, method, step)
@@ -181,6 +181,10 @@ def _refuse_in_maximal(plant: Plant, method: str, limits: object, events: Sequen
         "base": bool(plant.base),
     }
     refused = [name for name, there in given.items() if there]
+    if plant.model.couplings:
+        raise InvalidInput(
+            f"maximal coordinates do not know the couplings of robot '{plant.model.name}'; use joint coordinates"
+        )
     if refused:
         raise InvalidInput(f"maximal coordinates do not know {', '.join(refused)}; omit it, or use joint coordinates")
     if method == "dop853":
@@ -201,6 +205,7 @@ def _times(at: ArrayLike | None, duration: float) -> Array | None:
 
 def _refuse_outside(model: RobotModel, q: Array) -> None:
     lower, upper = position_limits(model)
+    q = model.joint_positions(q)
     for j in np.flatnonzero((q < lower) | (q > upper)).tolist():
         raise InvalidInput(
             f"joint '{model.joint_names[j]}' starts at {q[j]:g}, outside its limits {lower[j]:g} … {upper[j]:g}; "

@@ -60,7 +60,7 @@ class Plant:
     @property
     def rotor(self) -> Array:
         """I_a (…, n), zero where there is none."""
-        return self.constants.get("rotor", np.zeros(self.model.n_bodies))
+        return self.constants.get("rotor", np.zeros(self.model.n_freedoms))
 
     def of_run(self, run: int) -> Plant:
         """One of several runs, with its inertial parameters in the model."""
@@ -98,7 +98,7 @@ def make_plant(
         if np.any(constants["rotor"] < 0):
             raise InvalidInput("rotor_inertia is negative; give zero or more")
     if isinstance(limits, JointStops):
-        lower, upper = position_limits(model)
+        lower, upper = (side[list(model.freedoms.independent)] for side in position_limits(model))
         for name, value in (("lower", lower), ("upper", upper), ("stiffness", limits.stiffness)):
             constants[name] = per_joint(name, value, model, runs)
         constants["damping"] = per_joint("damping", limits.damping, model, runs)

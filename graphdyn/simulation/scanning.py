@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from graphdyn._model import RobotModel
 from graphdyn.layout import Array
 from graphdyn.simulation.course import COLUMNS, Course, Event, Occurrence
 from graphdyn.simulation.drives import position_limits
@@ -69,12 +70,12 @@ def _limit_events(plant: Plant) -> list[Event]:
     for side, limits, direction in zip(("lower", "upper"), position_limits(plant.model), (-1, 1), strict=True):
         for j in np.flatnonzero(np.isfinite(limits)).tolist():
             name = f"{side} limit of joint '{plant.model.joint_names[j]}'"
-            events.append(Event(_beyond(j, limits[j]), name, True, 1 if direction > 0 else -1))
+            events.append(Event(_beyond(plant.model, j, limits[j]), name, True, 1 if direction > 0 else -1))
     return events
 
 
-def _beyond(j: int, limit: float) -> Callable[[float, Array, Array], float]:
-    return lambda t, q, v: float(q[j] - limit)
+def _beyond(model: RobotModel, j: int, limit: float) -> Callable[[float, Array, Array], float]:
+    return lambda t, q, v: float(model.joint_positions(q)[j] - limit)
 
 
 def _values(event: Event, rows: Course) -> Array:

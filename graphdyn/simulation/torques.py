@@ -15,7 +15,7 @@ from graphdyn._errors import IntegrationFailed, InvalidInput
 from graphdyn._model import RobotModel, check_model
 from graphdyn.layout import Array
 from graphdyn.simulation.controllers import Controller, PDControl, reference
-from graphdyn.simulation.drives import finite, per_joint, refuse_couplings
+from graphdyn.simulation.drives import finite, per_joint, refuse_loops
 from graphdyn.simulation.equations import answer
 
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
@@ -64,7 +64,7 @@ class Torques:
         if not (np.all(np.isfinite(q)) and np.all(np.isfinite(v))):
             raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER}")
         if self.function is not None:
-            return answer("torque", self.function(t, q.copy(), v.copy()), (self.model.n_bodies,), t)
+            return answer("torque", self.function(t, q.copy(), v.copy()), (self.model.n_freedoms,), t)
         return self.values[0] if self.values is not None else self._law(t, q, v)
 
     def tau_from(self, time: float, q: Array, v: Array) -> Array:
@@ -94,7 +94,7 @@ class Torques:
         return getattr(self.controller, "nominal", None) or self.model
 
     def _law(self, t: float, q: Array, v: Array) -> Array:
-        controller, n = self.controller, self.model.n_bodies
+        controller, n = self.controller, self.model.n_freedoms
         assert controller is not None
         assert self.gains is not None
         wanted, rate, further = reference(controller, self.model, np.array([min(t, self.duration)])).reshape(3, n)
@@ -110,16 +110,16 @@ GAINS = ("position_gain", "velocity_gain")
 def torques(torque: TorqueFunction | Controller | ArrayLike | None, model: RobotModel, duration: float) -> Torques:
     """The argument torque, checked. Raises InvalidInput."""
     if torque is None:
-        return Torques(model, duration, values=np.zeros((1, model.n_bodies)))
+        return Torques(model, duration, values=np.zeros((1, model.n_freedoms)))
     if isinstance(torque, Controller):
         check_controller(torque, model)
         return Torques(model, duration, controller=torque)
     if callable(torque):
         return Torques(model, duration, function=torque)
     values = np.atleast_2d(finite("torque", as_floats("torque", torque)))
-    if values.ndim != 2 or values.shape[1] != model.n_bodies or len(values) == 0:
+    if values.ndim != 2 or values.shape[1] != model.n_freedoms or len(values) == 0:
         raise InvalidInput(
-            f"torque has shape {np.shape(torque)}, expected ({model.n_bodies},) or (K, {model.n_bodies}) for robot "
+            f"torque has shape {np.shape(torque)}, expected ({model.n_freedoms},) or (K, {model.n_freedoms}) for robot "
             f"'{model.name}'"
         )
     return Torques(model, duration, values=values)
@@ -134,10 +134,10 @@ def check_controller(controller: Controller, model: RobotModel) -> None:
     believed = getattr(controller, "nominal", None)
     if believed is not None:
         check_model(believed)
-        refuse_couplings(believed)
-    if believed is not None and believed.n_bodies != model.n_bodies:
+        refuse_loops("ComputedTorqueControl", believed, "give PDControl or a function of t, q and v")
+    if believed is not None and believed.n_freedoms != model.n_freedoms:
         raise InvalidInput(
-            f"the nominal robot of the controller has {believed.n_bodies} joints, '{model.name}' {model.n_bodies}"
+            f"the nominal robot of the controller has {believed.n_freedoms} joints, '{model.name}' {model.n_freedoms}"
         )
     reference(controller, model, np.zeros(1))
 

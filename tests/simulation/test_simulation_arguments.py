@@ -9,13 +9,13 @@ from moving_robots import pendulum, slider
 from graphdyn import (
     ComputedTorqueControl,
     Coupling,
+    Friction,
     GraphDynError,
     IntegrationFailed,
     InvalidInput,
     PDControl,
     SingularMassMatrix,
     kr500,
-    rollout,
     simulate,
 )
 from graphdyn.simulation.torques import torques
@@ -92,16 +92,16 @@ def test_massless_bodies():
     assert simulate(massless, [0.0], [0.0], 1.0, torque=[2.0], rotor_inertia=4.0).q[-1, 0] == pytest.approx(0.25)
 
 
-def test_couplings_are_refused():
-    coupled = replace(kr500(), couplings=(Coupling("O3", {"O2": 1.0}),))
-    said = "robot 'kr500' has couplings, which a simulation does not know; lock the joints that others drive"
-    with pytest.raises(InvalidInput, match=said):
-        simulate(coupled, np.zeros(5), np.zeros(5), 1.0)
-    with pytest.raises(InvalidInput, match=said):
-        rollout(coupled, np.zeros(5), np.zeros(5), step=0.1, duration=1.0)
+def test_refused_couplings():
+    coupled = replace(kr500(), couplings=(Coupling("O3", {"O2": 1.0, "O4": 2.0}),))
+    with pytest.raises(InvalidInput, match=r"maximal coordinates do not know the couplings of robot 'kr500'"):
+        simulate(coupled, np.zeros(5), np.zeros(5), 1.0, method="rk4", step=0.1, coordinates="maximal")
     control = ComputedTorqueControl(1.0, 1.0, np.zeros(6), nominal=coupled)
-    with pytest.raises(InvalidInput, match=said):
+    with pytest.raises(InvalidInput, match="the nominal robot of the controller has 5 joints, 'kr500' 6"):
         simulate(kr500(), np.zeros(6), np.zeros(6), 1.0, torque=control)
+    joints = tuple(replace(joint, friction=float(joint.name == "O3")) for joint in coupled.joints)
+    with pytest.raises(InvalidInput, match=r"joint 'O3' has friction, and several joints drive it: .*Friction\(…\)"):
+        Friction.of_model(replace(coupled, joints=joints))
 
 
 def test_no_energy_balance_where_work_is_not_integrated():

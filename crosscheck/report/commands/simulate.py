@@ -117,17 +117,17 @@ def _loads(motion: Simulation) -> Table:
 
 
 def _joints(motion: Simulation) -> list[SimulatedJointRecord]:
-    wrenches = motion.reactions.joint_wrenches
+    wrenches, (q, v, tau) = motion.reactions.joint_wrenches, _of_all_joints(motion)
     forces, moments = (np.linalg.norm(wrenches[..., part], axis=-1).max(axis=0) for part in (LINEAR, ANGULAR))
     return [
         SimulatedJointRecord(
             number=j + 1,
             name=joint.name,
             prismatic=joint.is_prismatic,
-            lowest=float(motion.q[:, j].min()),
-            highest=float(motion.q[:, j].max()),
-            largest_velocity=float(np.abs(motion.v[:, j]).max()),
-            largest_torque=float(np.abs(motion.tau[:, j]).max()),
+            lowest=float(q[:, j].min()),
+            highest=float(q[:, j].max()),
+            largest_velocity=float(np.abs(v[:, j]).max()),
+            largest_torque=float(np.abs(tau[:, j]).max()),
             largest_force=float(forces[j]),
             largest_moment=float(moments[j]),
         )
@@ -135,9 +135,16 @@ def _joints(motion: Simulation) -> list[SimulatedJointRecord]:
     ]
 
 
+def _of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:
+    """q, v and tau (N, n_bodies), those of joints that others drive included."""
+    freedoms, tau = motion.model.freedoms, np.zeros((len(motion.time), motion.model.n_bodies))
+    tau[:, list(freedoms.independent)] = motion.tau
+    return motion.model.joint_positions(motion.q), motion.v @ freedoms.matrix.T, tau
+
+
 def _curves(motion: Simulation) -> Plot:
     rows = np.unique(np.linspace(0, len(motion.time) - 1, min(SHOWN_ROWS, len(motion.time))).astype(int))
-    energy = motion.energy
+    energy, (q, v, tau) = motion.energy, _of_all_joints(motion)
 
     def series(values: Array) -> tuple[Series, ...]:
         return tuple(Series(name, values[rows, j], color=j) for j, name in enumerate(motion.model.joint_names))
@@ -152,9 +159,9 @@ def _curves(motion: Simulation) -> Plot:
         motion.time[rows],
         "t [s]",
         (
-            Panel("position", series(motion.q), "rad or m"),
-            Panel("velocity", series(motion.v), "rad/s or m/s"),
-            Panel("torque of the actuators", series(motion.tau), "N m or N"),
+            Panel("position", series(q), "rad or m"),
+            Panel("velocity", series(v), "rad/s or m/s"),
+            Panel("torque of the actuators", series(tau), "N m or N"),
             Panel("energy", energies, "J"),
         ),
         f"Positions, velocities, torques and energies of {motion.model.name} over {motion.time[-1]:g} s",
