@@ -91,7 +91,7 @@ def solved(model: RobotModel, x: Arguments, base: BaseMotion | None) -> Solved:
     bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     n = null_space(state)
     mass = projected.projected_mass(state, n)
-    _refuse_singular(model, held.spaces, mass)
+    refuse_massless_motions(model, held.spaces, mass)
     passive = passive_terms(state, x["external_wrenches"])
     needed = apply(np.swapaxes(n, -1, -2), stacked(projected.inertial_terms(state, bias) - passive))
     start = held.spaces.least_motion(held.bias)
@@ -279,7 +279,7 @@ def _components(wrenches: Array, chosen: NDArray[np.intp]) -> Array:
     return picked
 
 
-def _refuse_singular(model: RobotModel, spaces: LoopSpaces, mass: Array) -> None:
+def refuse_massless_motions(model: RobotModel, spaces: LoopSpaces, mass: Array) -> None:
     """Raises SingularMassMatrix, naming a motion, where a closed motion has no inertia."""
     right, free = spaces.right, spaces.free
     both = free[..., :, None] & free[..., None, :]

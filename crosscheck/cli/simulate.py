@@ -51,7 +51,13 @@ TorqueOption = Annotated[
 DurationOption = Annotated[float, typer.Option(metavar="S", help="Time that is simulated [s].")]
 RateOption = Annotated[float, typer.Option(metavar="HZ", help="Rows per second of the result.")]
 PositionOption = Annotated[
-    str | None, typer.Option("--position", metavar="Q,Q,…", help="Position at the start [rad or m]; 0 if left out.")
+    str | None,
+    typer.Option(
+        "--position",
+        metavar="Q,Q,…",
+        help="Position at the start [rad or m]; 0 if left out. Loops are closed near it; if left out, in a regular "
+        "pose.",
+    ),
 ]
 VelocityOption = Annotated[
     str | None, typer.Option("--velocity", metavar="V,V,…", help="Velocity at the start [rad/s or m/s]; 0 if left out.")
@@ -110,8 +116,7 @@ def run(
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
-    q = _numbers("--position", position, model)
-    v = _numbers("--velocity", velocity, model)
+    q, v = _start(model, position, velocity)
     options = {
         "torque": _hold(q) if torque == "hold" else function,
         "method": method,
@@ -171,6 +176,17 @@ def _times(duration: float, rate: float) -> list[float]:
     return times if times[-1] >= duration * (1 - 1e-9) else [*times, duration]
 
 
+def _start(model: RobotModel, position: str | None, velocity: str | None) -> tuple[list[float], list[float]]:
+    """q and v; of a robot with loops the closed state near these, or in a regular pose. Raises typer.BadParameter."""
+    q, v = (_numbers(option, text, model) for option, text in (("--position", position), ("--velocity", velocity)))
+    if not model.chords:
+        return q, v
+    from graphdyn import assemble
+
+    closed, rate = assemble(model, model.regular_pose if position is None else q, v)
+    return closed.tolist(), rate.tolist()
+
+
 def _numbers(option: str, text: str | None, model: RobotModel) -> list[float]:
     """One number per joint that no others drive. Raises typer.BadParameter."""
     if text is None:
@@ -200,4 +216,4 @@ def _write(motion: Simulation, out: OutputFile, settings: dict[str, Any]) -> Non
 
     told = {**settings, "gravity": motion.model.gravity.tolist(), "command": command_line(), "versions": versions()}
     metadata = {"urdf": urdf_document(motion.model).decode(), "simulation": json.dumps(told, ensure_ascii=False)}
-    out.write(motion_document(motion.recording(), out.path, metadata))
+    out.write(motion_document(motion if motion.model.chords else motion.recording(), out.path, metadata))

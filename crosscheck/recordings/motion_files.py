@@ -11,7 +11,7 @@ import io
 from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from crosscheck.recordings.bag_files import JOINT_STATE
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.virtual_recording_files import virtual_recording_document
 from graphdyn import InvalidInput, VirtualRecording
+from graphdyn.layout import Array
 
 SUFFIXES = (".parquet", ".csv", ".npz", ".mcap")
 
@@ -27,8 +28,28 @@ TOPIC = "/joint_states"
 NANOSECONDS = 10**9
 
 
-def motion_document(recording: VirtualRecording, path: Path, metadata: Mapping[str, str]) -> bytes:
-    """The content of a file of this name. Raises InvalidInput for another suffix; BadRecordingFile without rosbags."""
+class JointMotion(Protocol):
+    """What every file has: a VirtualRecording, or a Simulation."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def time(self) -> Array: ...
+    @property
+    def q(self) -> Array: ...
+    @property
+    def v(self) -> Array: ...
+    @property
+    def a(self) -> Array: ...
+    @property
+    def tau(self) -> Array: ...
+
+
+def motion_document(recording: JointMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
+    """The content of a file of this name. Raises InvalidInput for another suffix; BadRecordingFile without rosbags.
+
+    Parquet and CSV take a VirtualRecording alone.
+    """
     suffix = path.suffix.lower()
     if suffix == ".npz":
         return _npz(recording, metadata)
@@ -36,10 +57,15 @@ def motion_document(recording: VirtualRecording, path: Path, metadata: Mapping[s
         return _mcap(recording, path, metadata)
     if suffix not in SUFFIXES:
         raise InvalidInput(f"{path}: a motion is written as {', '.join(SUFFIXES)}, not as '{path.suffix}'")
+    if not isinstance(recording, VirtualRecording):
+        raise InvalidInput(
+            f"{path}: the robot has loops, and joint forces that nothing determines have no place in this table; "
+            "write .npz or .mcap"
+        )
     return virtual_recording_document(recording, path, metadata)
 
 
-def _npz(recording: VirtualRecording, metadata: Mapping[str, str]) -> bytes:
+def _npz(recording: JointMotion, metadata: Mapping[str, str]) -> bytes:
     """Arrays t, q, v, a, tau, and the metadata as texts."""
     sink = io.BytesIO()
     texts = {name: np.array(text) for name, text in metadata.items()}
@@ -49,7 +75,7 @@ def _npz(recording: VirtualRecording, metadata: Mapping[str, str]) -> bytes:
     return sink.getvalue()
 
 
-def _mcap(recording: VirtualRecording, path: Path, metadata: Mapping[str, str]) -> bytes:
+def _mcap(recording: JointMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
     """Joint states with the time of the simulation as stamp, whole nanoseconds."""
     try:
         from rosbags.rosbag2 import StoragePlugin, Writer

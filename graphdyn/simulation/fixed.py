@@ -22,6 +22,8 @@ from graphdyn.simulation.compiled import (
 )
 from graphdyn.simulation.course import COLUMNS, Course, Event
 from graphdyn.simulation.equations import Equations
+from graphdyn.simulation.loop_equations import LoopEquations
+from graphdyn.simulation.loop_steps import LoopSteps
 from graphdyn.simulation.methods import tableau
 from graphdyn.simulation.plant import Plant
 from graphdyn.simulation.scanning import Scan
@@ -30,6 +32,9 @@ from graphdyn.simulation.torques import DIVIDES, FOREVER, SMALLER, Torques, whol
 
 CHUNK = 4096
 """Steps after which progress is told and events are looked for."""
+
+FEW = 64
+"""The same for robots with loops, whose steps take milliseconds."""
 
 Rows = dict[str, Array]
 
@@ -56,9 +61,13 @@ def fixed(
     scan = Scan(plant, source, events, stop_at_limits)
     every = 1 if scan.needed else max(gcd(*wanted.tolist()), 1)
     hold = source.steps_held(step, steps)
-    run = compiled_chunks if compiled and source.function is None and can_compile(plant) else python_chunks
+    if plant.model.chords:
+        run = loop_chunks
+    else:
+        run = compiled_chunks if compiled and source.function is None and can_compile(plant) else python_chunks
     parts, done = [], 0
-    for stretch, rows in run(plant, start, source, method, stretches(steps, every, hold, step)):
+    size = FEW if plant.model.chords else CHUNK
+    for stretch, rows in run(plant, start, source, method, stretches(steps, every, hold, step, size)):
         numbers = np.arange(-(-stretch.start // every) * every, stretch.start + stretch.count, every)
         times = numbers.astype(float) * step
         _refuse_infinite(times, rows)
@@ -78,9 +87,9 @@ def fixed(
     return whole.rows(chosen)
 
 
-def stretches(steps: int, every: int, hold: int, h: float) -> Iterator[Stretch]:
+def stretches(steps: int, every: int, hold: int, h: float, size: int = CHUNK) -> Iterator[Stretch]:
     """Chunks of the steps 0 … steps, the last of which is for its record; each begins with a new torque if any does."""
-    size = CHUNK if hold == FOREVER else -(-CHUNK // hold) * hold
+    size = size if hold == FOREVER else -(-size // hold) * hold
     for first in range(0, steps + 1, size):
         yield Stretch(first, min(size, steps + 1 - first), every, hold, h)
 
@@ -102,6 +111,30 @@ def python_chunks(
                 equations, tableau(method), stretch, state, source.tau_at, None if source.function else held
             )
         yield stretch, {name: np.array(rows[name]).reshape(stretch.records, -1) for name in COLUMNS}
+
+
+def loop_chunks(
+    plant: Plant, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[Stretch]
+) -> Iterator[tuple[Stretch, Rows]]:
+    """The same of a robot with loops, after few steps each."""
+    equations = LoopEquations(plant)
+    steps = LoopSteps(equations, tableau(method), closed_stages=source.function is not None)
+    y, n, tau = np.concatenate([*start, np.zeros(2)]), len(start[0]), np.zeros(len(start[0]))
+
+    def torque(t: float, q: Array, v: Array) -> Array:
+        return tau if source.function is None else equations.clamped(source.tau_at(t, q, v))
+
+    for stretch in chunks:
+        rows: list[dict[str, Array]] = []
+        for step in range(stretch.start, stretch.start + stretch.count):
+            t = step * stretch.h
+            if source.function is None and (step % stretch.hold == 0 or step == stretch.start):
+                tick = step // stretch.hold
+                tau = equations.clamped(source.tau_from(tick * stretch.hold * stretch.h, y[:n], y[n : 2 * n]))
+            if step % stretch.every == 0:
+                rows.append(steps.row(t, y, torque))
+            y = steps.advanced(t, y, stretch.h, torque).y
+        yield stretch, {name: np.array([row[name] for row in rows]) for name in COLUMNS}
 
 
 def compiled_chunks(

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from graphdyn._arrays import as_floats, one_state
 from graphdyn._errors import InvalidInput
 from graphdyn._experiment import CarriageLaw
+from graphdyn._loop_dynamics import closed, refuse_massless_motions
 from graphdyn._matrices import mass_matrix
 from graphdyn._model import RobotModel, check_model
 from graphdyn._projected import refuse_singular
@@ -20,8 +21,9 @@ from graphdyn.simulation.adaptive import Ticks, Tolerances, adaptive
 from graphdyn.simulation.controllers import Controller
 from graphdyn.simulation.course import Course, Event
 from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_loops
-from graphdyn.simulation.equations import Equations
 from graphdyn.simulation.fixed import fixed
+from graphdyn.simulation.loop_adaptive import loop_adaptive
+from graphdyn.simulation.loop_equations import LoopEquations, equations_of, refuse_dry_friction
 from graphdyn.simulation.maximal import Stabilisation, maximal
 from graphdyn.simulation.methods import FIXED_STEPS
 from graphdyn.simulation.plant import Plant, Wrenches, make_plant
@@ -81,13 +83,15 @@ def simulate(
     Work that the friction takes, and what actuators do, is integrated beside the motion (Simulation.energy). Contact
     with the surroundings, inverse kinematics and flexible joints are not simulated.
 
+    Robots with loops start closed; positions and velocities are closed again after every step, also past singular
+    poses (docs/simulation.md). q, v and the torques are those of the joints that no others drive.
+
     Angles are accurate up to 1e6 rad.
 
-    Raises InvalidInput; SingularMassMatrix where the torques do not determine the accelerations (massless bodies);
-    IntegrationFailed where the numbers do not stay finite.
+    Raises InvalidInput; InconsistentState where loops are open; SingularMassMatrix where the torques do not determine
+    the accelerations (massless bodies); IntegrationFailed where the numbers do not stay finite.
     """
     check_model(model)
-    refuse_loops("simulate", model, "none")
     x = one_state(model, q=q, v=v)
     start = (x["q"].copy(), x["v"].copy())
     _check_times(duration, method, step)
@@ -100,7 +104,13 @@ def simulate(
         external_wrenches=external_wrenches,
         base=base,
     )
-    refuse_singular(model, mass_matrix(model, start[0]) + np.diag(plant.rotor))
+    refuse_dry_friction(plant)
+    mass = mass_matrix(model, start[0]) + np.diag(plant.rotor)
+    if model.chords:
+        refuse_massless_motions(model, closed(model, *start).spaces, mass)
+        start = LoopEquations(plant).started(*start)
+    else:
+        refuse_singular(model, mass)
     times = _times(at, duration)
     watched = (events,) if isinstance(events, Event) else tuple(events)
     if limits == "stop":
@@ -155,8 +165,13 @@ def _adaptive(
     for name, value in vars(tolerances).items():
         if not value > 0:
             raise InvalidInput(f"{name} is {value!r}; give a tolerance above zero")
-    equations, period = Equations(plant), source.period
+    equations, period = equations_of(plant), source.period
     torque = source.tau_at if period is None else Ticks(period, lambda k, q, v: source.tau_from(k * period, q, v))
+    if isinstance(equations, LoopEquations):
+        closed_stages, stop = source.function is not None, limits == "stop"
+        return loop_adaptive(
+            equations, start, duration, torque, closed_stages, tolerances, times, events, stop, progress
+        )
     return adaptive(equations, start, duration, torque, tolerances, times, events, limits == "stop", progress)
 
 
@@ -181,6 +196,7 @@ def _refuse_in_maximal(plant: Plant, method: str, limits: object, events: Sequen
         "base": bool(plant.base),
     }
     refused = [name for name, there in given.items() if there]
+    refuse_loops("coordinates='maximal'", plant.model, "use joint coordinates")
     if plant.model.couplings:
         raise InvalidInput(
             f"maximal coordinates do not know the couplings of robot '{plant.model.name}'; use joint coordinates"

@@ -9,7 +9,7 @@ import numpy as np
 
 from graphdyn._answers import InverseDynamics
 from graphdyn._base_motion import BaseMotion
-from graphdyn._dynamics import inverse_dynamics
+from graphdyn._dynamics import forward_dynamics, inverse_dynamics
 from graphdyn._energies import kinetic_energy, potential_energy
 from graphdyn._errors import InvalidInput
 from graphdyn._experiment import carriage, observed
@@ -18,6 +18,7 @@ from graphdyn._model import RobotModel, check_model
 from graphdyn._virtual_recording import VirtualRecording
 from graphdyn.layout import Array
 from graphdyn.simulation.course import Occurrence
+from graphdyn.simulation.drives import refuse_loops
 from graphdyn.simulation.plant import Plant
 
 
@@ -76,12 +77,20 @@ class Simulation:
     def __post_init__(self) -> None:
         check_model(self.model)
 
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Of the columns of q, v, a and tau."""
+        return self.model.independent_joints
+
     @cached_property
     def reactions(self) -> InverseDynamics:
         """Multipliers (N, n, 5) and joint wrenches (N, n, 6), as graphdyn.inverse_dynamics states them.
 
-        Its tau is what the rigid bodies take: that of the actuators less friction, stops and rotors.
+        Its tau is what the rigid bodies take: that of the actuators less friction, stops and rotors. With loops,
+        reactions that nothing determines are NaN.
         """
+        if self.model.chords:
+            return self._with_loops()
         return inverse_dynamics(self.model, self.q, self.v, self.a, self._wrenches(), base=self._base())
 
     @cached_property
@@ -102,14 +111,23 @@ class Simulation:
         return self._bodies or maximal_state(self.model, self.q, self.v, base=self._base())
 
     def closure_error(self) -> Array:
-        """Largest |φ| at each time (N,): how far the joints are open [m, -]."""
+        """Largest |φ| at each time (N,): how far joints and loops are open [m, -; angles of loops in rad]."""
         largest: Array = np.abs(self.bodies.constraint_residual()).max(axis=(-2, -1))
-        return largest
+        return np.maximum(largest, np.abs(self.model.loops.gaps(self.q)).max(axis=-1)) if self.model.chords else largest
 
     def recording(self) -> VirtualRecording:
-        """All channels of graphdyn.record; tau is that of the actuators."""
+        """All channels of graphdyn.record; tau is that of the actuators.
+
+        Raises InvalidInput for a robot with loops: the recording has no place for joint forces that are undetermined.
+        """
+        refuse_loops("a recording", self.model, "take time, q, v, a, tau and reactions of the simulation")
         motion = (self.q, self.v, self.a)
         return observed(self.model, self.time, motion, self.reactions, self._base() or BaseMotion(), self.tau)
+
+    def _with_loops(self) -> InverseDynamics:
+        taken = self.tau + self.passive - self._plant.rotor * self.a
+        found = forward_dynamics(self.model, self.q, self.v, taken, self._wrenches(), base=self._base())
+        return InverseDynamics(tau=taken, **{name: value for name, value in vars(found).items() if name != "a"})
 
     def _base(self) -> BaseMotion | None:
         return carriage(self._plant.base, self.time) if self._plant.base else None

@@ -13,7 +13,7 @@ from graphdyn._model import RobotModel
 from graphdyn.layout import Array
 from graphdyn.simulation.course import COLUMNS, Course, Event, Occurrence
 from graphdyn.simulation.drives import position_limits
-from graphdyn.simulation.equations import Equations
+from graphdyn.simulation.loop_equations import LoopEquations, equations_of
 from graphdyn.simulation.plant import Plant
 from graphdyn.simulation.torques import Torques
 
@@ -28,7 +28,7 @@ class Scan:
 
     def __init__(self, plant: Plant, source: Torques, events: Sequence[Event], stop_at_limits: bool) -> None:
         self._plant, self._source = plant, source
-        self._events = [*events, *(_limit_events(plant) if stop_at_limits else [])]
+        self._events = [*events, *(limit_events(plant) if stop_at_limits else [])]
         self._before: Course | None = None
         self.occurrences: list[Occurrence] = []
         self.ended = ""
@@ -43,7 +43,7 @@ class Scan:
         found = [
             (_crossing(rows, k, event), k, event)
             for event in self._events
-            for k in _changes(_values(event, rows), event.direction)
+            for k in changes(_values(event, rows), event.direction)
         ]
         overlap = 0 if self._before is None else 1
         self._before = rows.rows(slice(-1, None))
@@ -57,7 +57,10 @@ class Scan:
 
     def _row(self, rows: Course, k: int, time: float, state: Rows) -> Course:
         """The row of an event between rows k and k + 1."""
-        equations, q, v = Equations(self._plant), state["q"], state["v"]
+        equations, q, v = equations_of(self._plant), state["q"], state["v"]
+        if isinstance(equations, LoopEquations):
+            q, v = equations.closed(q, v)
+            state = {**state, "q": q, "v": v}
         held = self._source.function is None
         tau = rows.columns["tau"][k] if held else equations.clamped(self._source.tau_at(time, q, v))
         found = equations.rates(time, q, v, tau, equations.contact(time, q, v, tau))
@@ -65,7 +68,8 @@ class Scan:
         return Course(np.array([time]), {name: values[name][None] for name in COLUMNS})
 
 
-def _limit_events(plant: Plant) -> list[Event]:
+def limit_events(plant: Plant) -> list[Event]:
+    """The position limits of all joints, each of which ends a simulation."""
     events = []
     for side, limits, direction in zip(("lower", "upper"), position_limits(plant.model), (-1, 1), strict=True):
         for j in np.flatnonzero(np.isfinite(limits)).tolist():
@@ -83,7 +87,7 @@ def _values(event: Event, rows: Course) -> Array:
     return np.array([float(event.function(t, q[k], v[k])) for k, t in enumerate(rows.time.tolist())])
 
 
-def _changes(values: Array, direction: int) -> list[int]:
+def changes(values: Array, direction: int) -> list[int]:
     """Rows after which the sign changes; zero itself belongs to the step that ends there."""
     before, after = values[:-1], values[1:]
     rises, falls = (before < 0) & (after >= 0), (before > 0) & (after <= 0)

@@ -132,9 +132,11 @@ def check_controller(controller: Controller, model: RobotModel) -> None:
     if controller.period is not None and not (controller.period > 0 and np.isfinite(controller.period)):
         raise InvalidInput(f"period is {controller.period!r}; give seconds above zero, or None for every step")
     believed = getattr(controller, "nominal", None)
+    if not isinstance(controller, PDControl):
+        refuse_loops("ComputedTorqueControl", model, "give PDControl, or a function of t, q and v")
     if believed is not None:
         check_model(believed)
-        refuse_loops("ComputedTorqueControl", believed, "give PDControl or a function of t, q and v")
+        refuse_loops("ComputedTorqueControl", believed, "give PDControl, or a function of t, q and v")
     if believed is not None and believed.n_freedoms != model.n_freedoms:
         raise InvalidInput(
             f"the nominal robot of the controller has {believed.n_freedoms} joints, '{model.name}' {model.n_freedoms}"

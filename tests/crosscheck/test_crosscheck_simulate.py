@@ -11,6 +11,7 @@ from planting import mixed_tree
 from pyarrow import parquet
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
+from shared_data import DATA, existing
 
 import crosscheck
 import urdf
@@ -235,3 +236,19 @@ def test_identified_from_its_own_bag(tmp_path):
     truth = found.problem.base.values(np.concatenate(parameters))
     (result,) = [result for result in found.comparison.results if result.name == "WLS"]
     assert np.all(np.abs(result.base_values - truth) < 3 * result.block_deviations)
+
+
+def test_loops(program, tmp_path):
+    linkage, out, record = existing(DATA / "loops" / "urdfplus" / "six_bar.urdf"), tmp_path / "run.npz", tmp_path / "j"
+    settings = ("--duration", 0.05, "--rate", 100, "--velocity", "1,0,0,0,0", "--json", record)
+    done = program("simulate", linkage, *settings, "--out", out)
+    assert done.code == AGREED, done.err
+    assert "joints and loops closed to" in done.out
+    told = json.loads(record.read_text(encoding="utf-8"))
+    assert told["closure_error"] < 1e-13
+    assert told["joints"][0]["largest_velocity"] > 0
+    assert told["joints"][0]["largest_force"] is None  # of plane loops: undetermined out of the plane
+    assert load_recording(out, joints=urdf.load(linkage).joint_names).q.shape == (6, 5)
+    refused = program("simulate", linkage, *settings[:4], "--out", tmp_path / "run.csv")
+    assert refused.code == BAD_INPUT
+    assert "joint forces that nothing determines have no place in this table" in " ".join(refused.err.split())

@@ -75,11 +75,15 @@ def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
         ("method", f"{run.method}, {steps}"),
         ("torque", run.torque),
         ("balance of energy", f"to {energy.drift:.1e} of the largest kinetic energy, {energy.kinetic.max():.4g} J"),
-        ("closure", f"joints closed to {motion.closure_error().max():.1e} (m, cosines)"),
+        ("closure", f"{_what_closes(model)} closed to {motion.closure_error().max():.1e} (m, cosines)"),
     ]
     if run.out:
         facts.append(("written to", run.out))
     return robot_picture(model, name), Group((Facts(tuple(facts)),))
+
+
+def _what_closes(model: RobotModel) -> str:
+    return "joints and loops" if model.chords else "joints"
 
 
 def _loads(motion: Simulation) -> Table:
@@ -128,11 +132,15 @@ def _joints(motion: Simulation) -> list[SimulatedJointRecord]:
             highest=float(q[:, j].max()),
             largest_velocity=float(np.abs(v[:, j]).max()),
             largest_torque=float(np.abs(tau[:, j]).max()),
-            largest_force=float(forces[j]),
-            largest_moment=float(moments[j]),
+            largest_force=_determined(forces[j]),
+            largest_moment=_determined(moments[j]),
         )
         for j, joint in enumerate(motion.model.joints)
     ]
+
+
+def _determined(size: float) -> float | None:
+    return None if np.isnan(size) else float(size)
 
 
 def _of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:

@@ -35,11 +35,11 @@ class SimulatedJointRecord:
     largest_torque: float
     """Largest |τ| of the actuator [N m or N]."""
 
-    largest_force: float
-    """Largest size of the force that the joint transmits [N]."""
+    largest_force: Number
+    """Largest size of the force that the joint transmits [N]; null where loops leave a component undetermined."""
 
-    largest_moment: float
-    """Largest size of the moment about the joint, that of the actuator included [N m]."""
+    largest_moment: Number
+    """Largest size of the moment about the joint, that of the actuator included [N m]; null as above."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,7 +94,7 @@ class SimulateRecord:
     """Largest error of the balance of energy as a part of the largest kinetic energy."""
 
     closure_error: float
-    """Largest |φ| of the joints [m, -]."""
+    """Largest |φ| of joints [m, -] and loops [m, rad]."""
 
     joints: Sequence[SimulatedJointRecord]
     """In the order of the robot."""

@@ -1,0 +1,120 @@
+"""Mechanisms with loops in motion: published ones, closed forms, what carries over from trees and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mechanisms import four_bar, n_four_bar, palletiser
+from scipy.integrate import solve_ivp
+from shared_data import DATA, existing
+from simulated_loops import four_bars, space_linkage, squeezed
+
+import graphdyn
+from graphdyn import ComputedTorqueControl, Event, Friction, InconsistentState, InvalidInput, PDControl, simulate
+
+ADAPTIVE = {"rtol": 1e-10, "atol": 1e-10}
+CRANK = four_bar()
+START = graphdyn.assemble(CRANK, [0.7, 0.0, 1.0], [1.0, 0, 0], hold=["a"])
+
+
+def test_published_mechanisms():
+    existing(DATA / "loops")
+    motion, error = squeezed(method="rk8", step=2e-4)
+    assert error < 2e-9  # measured 9e-10; with steps of 1e-4 s 1.6e-12: tests/helpers/simulated_loops.py
+    assert motion.closure_error().max() < 1e-14
+    motion, error = space_linkage(method="rk8", step=0.05)
+    assert error < 1e-11
+    assert motion.energy.drift < 1e-11
+    assert np.isnan(motion.reactions.multipliers).all()
+
+
+def test_through_singular_poses():
+    motion, error = four_bars(1.0, method="rk8", step=1e-2)  # at 0.715 s
+    assert motion.q[-1, 0] < -0.1
+    assert error < 1e-8
+    assert motion.energy.drift < 1e-9
+    adaptive, error = four_bars(1.0, **ADAPTIVE)
+    assert error < 1e-7
+    assert adaptive.closure_error().max() < 1e-14
+
+
+def test_the_palletiser_moves_as_its_closed_form():
+    model, k = palletiser(existing(DATA / "loops").parent)
+    motors = [model.joint_names.index(name) for name in model.actuated]
+    u, rate, torque = np.array([0.3, 0.2, -0.1, 0.5]), np.array([0.5, -0.4, 0.3, 1.0]), np.zeros(10)
+    torque[motors] = [100.0, -300.0, 200.0, 1.0]
+    friction = Friction(10.0)
+    motion = simulate(model, k @ u, k @ rate, 0.1, torque=torque, friction=friction, rotor_inertia=2.0, **ADAPTIVE)
+    tree = replace(model, chords=(), actuated=None)
+
+    def rates(t, y):
+        q, v = k @ y[:4], k @ y[4:]
+        driving = torque - 10.0 * v - graphdyn.bias_torque(tree, q, v)
+        mass = graphdyn.mass_matrix(tree, q) + 2.0 * np.eye(10)
+        return [*y[4:], *np.linalg.solve(k.T @ mass @ k, k.T @ driving)]
+
+    end = solve_ivp(rates, (0, 0.1), [*u, *rate], "DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+    assert np.abs(motion.q[-1] - k @ end[:4]).max() < 1e-9
+    assert np.abs(motion.v[-1] - k @ end[4:]).max() < 1e-9
+    assert motion.energy.drift < 1e-9
+    found = motion.reactions
+    assert np.isfinite(found.multipliers[0]).sum() + np.isfinite(found.chord_multipliers[0]).sum() == 32
+
+
+@pytest.mark.parametrize("settings", [ADAPTIVE, {"method": "rk8", "step": 0.02}], ids=["dop853", "rk8"])
+def test_controllers_events_and_rows(settings):
+    hold = PDControl([50.0, 0, 0], [10.0, 0, 0], START[0], period=0.04)
+    passing = Event(lambda t, q, v: q[0] - START[0][0] - 0.02, "passing", stop=False, direction=1)
+    ended = Event(lambda t, q, v: t - 0.25, "time")
+    motion = simulate(CRANK, *START, 0.4, torque=hold, at=[0.1, 0.2, 0.4], events=[passing, ended], **settings)
+    assert motion.time == pytest.approx([0.1, 0.2, 0.25])
+    assert [occurrence.name for occurrence in motion.occurrences] == ["passing", "time"]
+    assert motion.occurrences[0].q[0] == pytest.approx(START[0][0] + 0.02, abs=1e-6)
+    assert motion.ended == "time"
+    assert motion.closure_error().max() < 1e-14
+    assert not motion.tau[:, 1:].any()
+
+
+def test_torque_functions_are_asked_at_closed_states():
+    def weight(t, q, v):
+        return graphdyn.inverse_dynamics(CRANK, q, 0 * v, 0 * v).tau
+
+    motion = simulate(CRANK, START[0], np.zeros(3), 0.2, torque=weight, method="rk4", step=0.05)
+    assert np.abs(motion.q - START[0]).max() < 1e-13
+    stop = replace(
+        CRANK,
+        joints=tuple(replace(j, limits=graphdyn.JointLimits(-3.0, START[0][0] + 0.01)) for j in CRANK.joints[:1])
+        + CRANK.joints[1:],
+    )
+    motion = simulate(stop, *START, 1.0, limits="stop", **ADAPTIVE)
+    assert motion.ended == "upper limit of joint 'a'"
+    assert motion.q[-1, 0] == pytest.approx(START[0][0] + 0.01, abs=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"friction": Friction(1.0, 1.0)}, "has loops, in which dry friction is not simulated"),
+        ({"torque": ComputedTorqueControl(1.0, 1.0, START[0])}, "ComputedTorqueControl does not know the loops"),
+        ({"coordinates": "maximal", "method": "rk4", "step": 0.1}, "coordinates='maximal' does not know the loops"),
+    ],
+)
+def test_refused(more, message):
+    with pytest.raises(InvalidInput, match=message):
+        simulate(CRANK, *START, 1.0, **more)
+
+
+def test_refused_states_and_answers():
+    with pytest.raises(InconsistentState, match="the loop of chord 'closing' is open by"):
+        simulate(CRANK, [0.0, 0.5, 0.0], np.zeros(3), 1.0)
+    with pytest.raises(InvalidInput, match=r"'n-four-bar' starts in a singular pose of its loops, .*; start beside it"):
+        simulate(n_four_bar(2), np.zeros(5), np.zeros(5), 1.0)
+    with pytest.raises(InvalidInput, match=r"rollout does not know the loops .*; graphdyn\.simulate does"):
+        graphdyn.rollout(CRANK, START[0], START[1], step=0.1, duration=1.0)
+    motion = simulate(CRANK, *START, 0.1, method="rk4", step=0.05)
+    with pytest.raises(InvalidInput, match="a recording does not know the loops of robot 'four-bar'; take time, q"):
+        motion.recording()
+    with pytest.raises(graphdyn.IntegrationFailed, match=r"take smaller steps, or smaller torques"):
+        simulate(CRANK, *START, 10.0, torque=[1e6, 0, 0], method="euler", step=1.0)
+    with pytest.raises(graphdyn.IntegrationFailed, match=r"failed at 0 s: steps have become too narrow"):
+        simulate(CRANK, *START, 1.0, rtol=1e-60, atol=1e-60)
