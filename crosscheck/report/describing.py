@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.report.describing_loops import describe_loops
+from crosscheck.report.describing_parts import placed, vertex
 from crosscheck.report.records.show import (
     CouplingRecord,
     FrameRecord,
@@ -18,22 +19,24 @@ from crosscheck.report.records.show import (
     StateRecord,
     SystemRecord,
 )
-from graphdyn import Placement, RobotModel, kkt_system
+from graphdyn import RobotModel, kkt_system
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
-from urdf._rpy import rpy_from_rotation
 
 SEED = 0
 """Seed of the random state at which the matrix of Eq. (111) is shown."""
 
 ROUNDING = 1e-14
-"""Part of the largest entry of its block (one body or joint by one body or joint) below which an entry is zero."""
+"""Part of the largest entry of its block (body, joint, coupling or chord by another) below which an entry is zero."""
 
 
 def describe(
     model: RobotModel, robot: str, locked: Mapping[str, float], state: StateRecord | None = None
 ) -> ShowRecord:
-    """Everything about a robot that was loaded under this name with these joints locked."""
-    base = _placed(model.base)
+    """Everything about a robot that was loaded under this name with these joints locked.
+
+    Raises InconsistentState, naming the loop, where none of many poses closes it.
+    """
+    base = placed(model.base)
     return ShowRecord(
         robot=robot,
         locked=dict(locked),
@@ -45,9 +48,10 @@ def describe(
         bodies=_bodies(model),
         joints=_joints(model),
         couplings=[CouplingRecord(c.joint, dict(c.ratios), c.offset) for c in model.couplings],
+        loops=describe_loops(model, None if state is None else np.array(state.q)) if model.chords else None,
         frames=[
             FrameRecord(
-                name=frame.name, aliases=frame.aliases, body=_vertex(model, frame.body), **_placed(frame.placement)
+                name=frame.name, aliases=frame.aliases, body=vertex(model, frame.body), **placed(frame.placement)
             )
             for frame in model.frames
         ],
@@ -78,10 +82,10 @@ def _joints(model: RobotModel) -> list[JointRecord]:
             number=j,
             name=joint.name,
             kind=joint.kind,
-            inside=_vertex(model, joint.inside),
-            body=_vertex(model, j),
+            inside=vertex(model, joint.inside),
+            body=vertex(model, j),
             axis=joint.axis.tolist(),
-            **_placed(joint.placement),
+            **placed(joint.placement),
             lower=joint.limits.lower,
             upper=joint.limits.upper,
             velocity=joint.limits.velocity,
@@ -110,31 +114,19 @@ def _system(model: RobotModel) -> SystemRecord:
     return SystemRecord(
         seed=SEED,
         q=q.tolist(),
-        pattern=["".join("01"[entry] for entry in row) for row in _pattern(system.matrix).astype(int)],
+        pattern=["".join("01"[entry] for entry in row) for row in _pattern(system.matrix, model).astype(int)],
         rank=rank,
         condition_number=float(system.condition_number()) if rank == size else np.inf,
         size=size,
     )
 
 
-def _pattern(matrix: Array) -> NDArray[np.bool_]:
-    """Entries that are more than the rounding of their block (11n + n_couplings, the same)."""
-    n = len(matrix) // (BODY_FREEDOMS + JOINT_CONSTRAINTS)
-    couplings = len(matrix) - n * (BODY_FREEDOMS + JOINT_CONSTRAINTS)
-    sizes = n * [BODY_FREEDOMS] + n * [JOINT_CONSTRAINTS] + couplings * [1]
+def _pattern(matrix: Array, model: RobotModel) -> NDArray[np.bool_]:
+    """Entries that are more than the rounding of their block (the shape of the matrix)."""
+    n, of_chords = model.n_bodies, [len(chord.rows) for chord in model.chords]
+    sizes = n * [BODY_FREEDOMS] + n * [JOINT_CONSTRAINTS] + len(model.couplings) * [1] + of_chords
     block = np.repeat(np.arange(len(sizes)), sizes)
     largest = np.zeros((len(sizes), len(sizes)))
     np.maximum.at(largest, (block[:, None], block), np.abs(matrix))
     pattern: NDArray[np.bool_] = np.abs(matrix) > ROUNDING * largest[block[:, None], block]
     return pattern
-
-
-def _placed(placement: Placement) -> dict[str, Any]:
-    """The fields xyz [m] and rpy [degree] of a placement."""
-    rpy = np.rad2deg(rpy_from_rotation(placement.rotation))
-    return {"xyz": placement.translation.tolist(), "rpy": rpy.tolist()}
-
-
-def _vertex(model: RobotModel, number: int) -> str:
-    """Name of a body, or of the ground."""
-    return (model.base_name, *model.body_names)[number]

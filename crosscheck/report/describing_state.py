@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from crosscheck.report.records.show import BodyPlacementRecord, FrameStateRecord, MassMotionRecord, StateRecord
 from graphdyn import (
+    InvalidInput,
     RobotModel,
     bias_torque,
     center_of_mass,
@@ -22,12 +25,19 @@ from graphdyn import (
 )
 from graphdyn._frame_choice import Reference
 from graphdyn._kinematics import link_origins
+from graphdyn._loop_dynamics import closed
 from graphdyn.layout import Array
 from urdf._rpy import rpy_from_rotation
 
 
 def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference: Reference) -> StateRecord:
-    """What the robot is like at q, v (n,). Raises UnknownFrame; InvalidInput for an unknown reference."""
+    """What the robot is like at q, v (n,).
+
+    Raises UnknownFrame; InvalidInput for an unknown reference; InconsistentState, naming the loop, where q is open or v
+    opens it.
+    """
+    if model.chords:
+        closed(model, q, v)
     mass = mass_matrix(model, q)
     return StateRecord(
         q=q.tolist(),
@@ -35,13 +45,23 @@ def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference:
         kinetic_energy=float(kinetic_energy(model, q, v)),
         potential_energy=float(potential_energy(model, q)),
         motion=_motion(model, q, v) if any(body.mass for body in model.bodies) else None,
-        gravity_torque=gravity_torque(model, q).tolist(),
-        bias_torque=bias_torque(model, q, v).tolist(),
+        gravity_torque=_at_motors(model, lambda: gravity_torque(model, q)),
+        bias_torque=_at_motors(model, lambda: bias_torque(model, q, v)),
         mass_matrix=mass.tolist(),
         mass_matrix_condition=float(np.linalg.cond(mass)),
         bodies=_bodies(model, q),
         frame=_frame(model, q, v, frame, reference),
     )
+
+
+def _at_motors(model: RobotModel, torque: Callable[[], Array]) -> list[float] | None:
+    """None where the motors of a robot with loops are unknown or leave a motion free."""
+    try:
+        return torque().tolist()  # type: ignore[no-any-return]
+    except InvalidInput:
+        if not model.chords:
+            raise
+        return None
 
 
 def _motion(model: RobotModel, q: Array, v: Array) -> MassMotionRecord:

@@ -42,25 +42,30 @@ HALF_BLOCKS = Raster(2, 1)
 BRAILLE = Raster(4, 2)
 
 
-def picture(pattern: Pattern, n: int, width: int) -> list[str]:
-    """[A φ_qᵀ; φ_q 0] of n bodies (11n, 11n) as lines of at most `width` characters; empty where it cannot fit.
+def picture(pattern: Pattern, n: int, width: int, chords: Sequence[int] = ()) -> list[str]:
+    """[A φ_qᵀ; φ_q 0] of n bodies as lines of at most `width` characters; empty where it cannot fit.
 
-    Bodies are numbered along the upper and left edge of A, joints along those of φ_qᵀ and φ_q.
+    Bodies are numbered along the upper and left edge of A, joints along those of φ_qᵀ and φ_q. chords: numbers of rows
+    of the chords, which are the last ones
     """
     for raster in (HALF_BLOCKS, BRAILLE):
-        lines = _framed(pattern, n, raster)
+        lines = _framed(pattern, n, raster, chords)
         if len(lines[0]) <= width:
             return lines
     return []
 
 
-def _framed(pattern: Pattern, n: int, raster: Raster) -> list[str]:
+def _framed(pattern: Pattern, n: int, raster: Raster, chords: Sequence[int]) -> list[str]:
     split = BODY_FREEDOMS * n
     parts = slice(0, split), slice(split, None)
     (a, phi_t), (phi, zero) = ([raster.lines(pattern[rows, columns]) for columns in parts] for rows in parts)
     margin = " " * len(_LABEL)
     bodies = _labels("body", n, BODY_FREEDOMS, raster, len(a))
     joints = _labels("joint", n, JOINT_CONSTRAINTS, raster, len(phi))
+    first = len(pattern) - split - sum(chords)
+    for number, rows in enumerate(chords, start=1):
+        joints[first // raster.rows] = f"chord {number}".ljust(len(_LABEL))
+        first += rows
     numbers = (
         _numbers(n, BODY_FREEDOMS, raster, len(a[0])),
         _numbers(n, JOINT_CONSTRAINTS, raster, len(phi_t[0])),

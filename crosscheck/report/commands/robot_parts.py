@@ -19,8 +19,9 @@ def locked_text(locked: Mapping[str, float]) -> str:
 def robot_picture(model: RobotModel, name: str, q: Array | None = None) -> RobotPicture:
     """The robot as a stick figure. name: for readers who do not see it; q: of a given state (n,)"""
     pose = pose_text(model) if q is None else "At the given state"
+    chords = ", ◇ and c: chords, which close loops" if model.chords else ""
     caption = (
-        f"{pose}. ○ revolute joint and its axis, □ prismatic joint and its direction, discs: centers of "
+        f"{pose}. ○ revolute joint and its axis, □ prismatic joint and its direction{chords}, discs: centers of "
         "mass, area as the mass, ×: fixed frames, grey band: the links seen from above."
     )
     return RobotPicture(partial(stick_figure, model=model, name=name, q=q), caption, wide=False, on=("page",))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crosscheck.report.commands.robot_parts import locked_text, robot_picture
+from crosscheck.report.commands.show_loops import loops_section
 from crosscheck.report.commands.show_state import state_section
 from crosscheck.report.pattern import Pattern
 from crosscheck.report.pattern import picture as character_pattern
 from crosscheck.report.plain_text import matrix_lines, vector_text
-from crosscheck.report.records.show import ShowRecord, SystemRecord
+from crosscheck.report.records.show import ShowRecord
 from crosscheck.report.report import (
     Block,
     CharacterPicture,
@@ -47,8 +49,9 @@ def show_report(robot: ShowRecord, model: RobotModel) -> Report:
             Section("robot", "", (*_overview(robot, model), _bodies(robot))),
             *([] if robot.state is None else [state_section(robot.state, model)]),
             Section("joints", "Joints", (_joints(robot, model), *_couplings(robot), _limits(robot), _frames(robot))),
+            *([] if robot.loops is None else [loops_section(robot, robot.loops)]),
             Section("graph", "Graph", _graph(robot)),
-            Section("equations", f"Eq. (111): {robot.system.size} equations", _equations(robot.system)),
+            Section("equations", f"Eq. (111): {robot.system.size} equations", _equations(robot)),
         ),
         record=lambda _: robot,
     )
@@ -190,25 +193,31 @@ def _graph(robot: ShowRecord) -> tuple[Block, ...]:
     return words, *matrices, table
 
 
-def _equations(system: SystemRecord) -> tuple[Block, ...]:
-    size, n = system.size, len(system.q)
+def _equations(robot: ShowRecord) -> tuple[Block, ...]:
+    system = robot.system
+    size, n = system.size, len(robot.bodies)
+    chords = [] if robot.loops is None else [len(chord.rows) for chord in robot.loops.chords]
     pattern = np.array([[entry == "1" for entry in row] for row in system.pattern])
     entries = int(pattern.sum())
+    rank = f"{system.rank} of {size}"
+    if robot.loops is not None and system.rank < size:
+        rank += ": rows of loops depend on each other, and accelerations are unique all the same"
     facts = (
         ("state", f"random, seed {system.seed}"),
         ("entries", f"{entries} of {size**2} are not zero ({entries / size**2:.1%})"),
-        ("rank", f"{system.rank} of {size}"),
+        ("rank", rank),
         ("condition number", f"{system.condition_number:.4g}"),
     )
-    caption = "Upper left A, upper right φ_qᵀ, lower left φ_q; b: body, j: joint."
+    caption = "Upper left A, upper right φ_qᵀ, lower left φ_q; b: body, j: joint"
+    caption += ", c: chord." if chords else "."
     return (
-        CharacterPicture(lambda width: character_pattern(pattern, n, width)),
-        Picture(partial(_drawn, pattern=pattern, n=n), caption, wide=False),
+        CharacterPicture(lambda width: character_pattern(pattern, n, width, chords)),
+        Picture(partial(_drawn, pattern=pattern, n=n, chords=chords), caption, wide=False),
         Group((Facts(facts),)),
     )
 
 
-def _drawn(key: str, pattern: Pattern, n: int) -> Markup:
+def _drawn(key: str, pattern: Pattern, n: int, chords: Sequence[int]) -> Markup:
     from crosscheck.report.pictures.matrix_pattern import matrix_pattern
 
-    return matrix_pattern(key, pattern, n)
+    return matrix_pattern(key, pattern, n, chords)

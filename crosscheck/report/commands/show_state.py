@@ -36,7 +36,8 @@ def _motion(motion: MassMotionRecord) -> Iterator[tuple[str, str]]:
 
 
 def _joints(state: StateRecord, model: RobotModel) -> Table:
-    columns = state.q, state.v, state.gravity_torque, state.bias_torque
+    unknown = [None] * len(state.q)
+    columns = state.q, state.v, state.gravity_torque or unknown, state.bias_torque or unknown
     rows = np.transpose([_without_rounding(values) for values in columns])
     return Table(
         (
@@ -51,7 +52,7 @@ def _joints(state: StateRecord, model: RobotModel) -> Table:
             Row((number, name, *values))
             for number, (name, values) in enumerate(zip(model.independent_joints, rows.tolist(), strict=True), start=1)
         ),
-        caption="rad or m, …/s, N m or N",
+        caption="rad or m, …/s, N m or N" + (", of the motors" if model.chords else ""),
         repeated=2,
     )
 
@@ -97,7 +98,7 @@ def _matrix(matrix: Sequence[Sequence[float]], title: str, units: str, rows: Seq
     )
 
 
-def _without_rounding(values: Sequence[float] | Sequence[Sequence[float]]) -> Array:
-    """What is smaller than ROUNDING of the largest entry is 0."""
-    array = np.array(values)
+def _without_rounding(values: Sequence[float | None] | Sequence[Sequence[float]]) -> Array:
+    """What is smaller than ROUNDING of the largest entry is 0; None is NaN."""
+    array = np.array(values, dtype=float)
     return np.where(np.abs(array) <= ROUNDING * np.abs(array).max(initial=0.0), 0.0, array)

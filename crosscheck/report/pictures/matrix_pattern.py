@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -29,13 +30,14 @@ POINTS = 72
 """Of an inch."""
 
 
-def matrix_pattern(key: str, pattern: NDArray[np.bool_], n: int) -> Markup:
-    """pattern: where the matrix of n bodies has entries (11n, 11n)."""
+def matrix_pattern(key: str, pattern: NDArray[np.bool_], n: int, chords: Sequence[int] = ()) -> Markup:
+    """pattern: where the matrix of n bodies has entries; chords: numbers of rows of the chords, which are the last."""
     size = len(pattern)
-    return picture(key, f"Pattern of the {size}×{size} matrix", (SIZE, SIZE), lambda axes: _draw(axes, pattern, n))
+    label = f"Pattern of the {size}×{size} matrix"
+    return picture(key, label, (SIZE, SIZE), lambda axes: _draw(axes, pattern, n, chords))
 
 
-def _draw(axes: Axes, pattern: NDArray[np.bool_], n: int) -> None:
+def _draw(axes: Axes, pattern: NDArray[np.bool_], n: int, chords: Sequence[int]) -> None:
     """A square per entry; lines between bodies and joints, their numbers along the left and upper edge."""
     from matplotlib.collections import PolyCollection
 
@@ -47,12 +49,16 @@ def _draw(axes: Axes, pattern: NDArray[np.bool_], n: int) -> None:
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
     squares = np.argwhere(pattern)[:, None, ::-1] + corners
     axes.add_collection(PolyCollection(list(squares), facecolor=CURVES[0], linewidth=0))
-    starts = [BODY_FREEDOMS * k for k in range(n)] + [BODY_FREEDOMS * n + JOINT_CONSTRAINTS * k for k in range(n + 1)]
-    for k, start in enumerate(starts):
-        width = 1.2 if k in (0, n, 2 * n) else 0.25
+    # couplings, a row each, stand between joints and chords without a label
+    ends = np.cumsum([0, *n * [BODY_FREEDOMS], *n * [JOINT_CONSTRAINTS]]).tolist()
+    of_chords = (size - sum(chords) + np.cumsum([0, *chords])).tolist()
+    for k, start in enumerate([*ends, *of_chords]):
+        width = 1.2 if k in (0, n, 2 * n) or start == size else 0.25
         axes.plot([start, start], [0, size], color=MIDDLE, linewidth=width)
         axes.plot([0, size], [start, start], color=MIDDLE, linewidth=width)
-    for k, (start, end) in enumerate(pairwise(starts)):
-        label, place = f"{'bj'[k // n]}{k % n + 1}", (start + end) / 2
+    numbers = {"b": n, "j": n, "c": len(chords)}
+    names = [f"{letter}{k}" for letter, number in numbers.items() for k in range(1, number + 1)]
+    for label, (start, end) in zip(names, [*pairwise(ends), *pairwise(of_chords)], strict=True):
+        place = (start + end) / 2
         axes.annotate(label, (-0.15 * margin, place), fontsize=fontsize, ha="right", va="center")
         axes.annotate(label, (place, -0.15 * margin), fontsize=fontsize, ha="center", va="bottom")

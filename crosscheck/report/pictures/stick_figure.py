@@ -1,4 +1,4 @@
-"""A robot as a stick figure: links, joint axes, centers of mass and fixed frames, seen from the side and above."""
+"""A robot as a stick figure: links, joint axes, chords, centers of mass and fixed frames, from the side and above."""
 
 from __future__ import annotations
 
@@ -42,6 +42,7 @@ CLOSE = 0.045
 """Joints nearer to each other than this part of the size share one label."""
 
 LINK, JOINT, MASS, EDGE, FAINT, GROUND = SOFT, CURVES[0], "#c98a1b", CURVES[3], MIDDLE, colors.FAINT
+CHORD = CURVES[1]
 
 
 def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None) -> Markup:
@@ -56,7 +57,9 @@ def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None)
 
 
 def pose(model: RobotModel) -> Array:
-    """q (n,) to draw the robot in: zero, unless all link origins would be on one line."""
+    """q (n,) to draw the robot in: zero, unless all link origins would be on one line; with loops a closed one."""
+    if model.chords:
+        return model.closed_pose
     zero = np.zeros(model.n_freedoms)
     points = np.vstack([model.base.translation, link_origins(maximal_state(model, zero))])
     extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
@@ -68,6 +71,8 @@ def pose(model: RobotModel) -> Array:
 
 def pose_text(model: RobotModel) -> str:
     """The pose of the stick figure, for its caption."""
+    if model.chords:
+        return "A pose that closes the loops"
     if pose(model).any():
         return f"Revolute joints at {BENT} rad, since the zero pose is a straight line"
     return "Zero pose"
@@ -88,7 +93,14 @@ class _Scene:
         self.axes = self._flat(joint_axes(state))
         self.shadow = self._flat(np.column_stack([origins[:, :2], np.full(len(origins), origins[0, 2])]))
         self.base_axes = self._flat(model.base.rotation.T)
-        points = np.vstack([self.origins, self.centers, self.frames, self.shadow])
+        ends = [
+            position + rotation @ placement.translation
+            for chord in model.chords
+            for body, placement in ((chord.body_i, chord.placement_i), (chord.body_j, chord.placement_j))
+            for rotation, position in [frame_placement(model, q, (model.base_name, *model.body_names)[body])]
+        ]
+        self.chord_ends = self._flat(np.array(ends).reshape(-1, 3)).reshape(-1, 2, 2)
+        points = np.vstack([self.origins, self.centers, self.frames, self.shadow, self.chord_ends.reshape(-1, 2)])
         self.size = max(float(np.ptp(points, axis=0).max()), 1e-3)
         low, high = points.min(axis=0), points.max(axis=0)
         width, height = high - low + 2 * MARGIN * self.size
@@ -110,6 +122,7 @@ class _Scene:
         areas = DISC * masses / max(masses.sum(), np.finfo(float).tiny)
         x, y = self.centers.T
         axes.scatter(x, y, s=areas, color=MASS, alpha=0.55, edgecolor=EDGE, linewidth=0.6, zorder=4)
+        self._draw_chords(axes)
         for k, joint in enumerate(self.model.joints):
             self._draw_joint(axes, self.origins[k + 1], self.axes[k], joint.is_prismatic)
         for point, numbers in _grouped(self.origins[1:], CLOSE * self.size):
@@ -142,6 +155,26 @@ class _Scene:
         for frame, point in zip(self.model.frames, self.frames, strict=True):
             axes.plot(*np.array([self.origins[frame.body], point]).T, color=FAINT, linewidth=0.8, zorder=1)
             axes.plot(*point, marker="x", markersize=4, color=FAINT, zorder=1)
+
+    def _draw_chords(self, axes: Axes) -> None:
+        """From each of both link origins to the chord, and what lies between its points (of a distance)."""
+        for number, (chord, ends) in enumerate(zip(self.model.chords, self.chord_ends, strict=True), start=1):
+            for body, end in zip((chord.body_i, chord.body_j), ends, strict=True):
+                color, width = (LINK, 2.6) if body else (FAINT, 1.5)
+                axes.plot(*np.array([self.origins[body], end]).T, color=color, linewidth=width, zorder=2)
+            axes.plot(*ends.T, color=CHORD, linewidth=1.4, linestyle=":", zorder=5)
+            axes.plot(*ends.T, marker="D", markersize=5.5, color="white", mec=CHORD, mew=1.4, linewidth=0, zorder=6)
+            axes.annotate(
+                f"c{number}",
+                tuple(ends.mean(axis=0)),
+                xytext=(-8, -5),
+                textcoords="offset points",
+                ha="right",
+                va="top",
+                fontsize=9,
+                color=CHORD,
+                zorder=7,
+            )
 
     def _draw_joint(self, axes: Axes, at: Array, axis: Array, prismatic: bool) -> None:
         half = (SLIDE if prismatic else AXIS) * self.size * axis

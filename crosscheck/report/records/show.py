@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 from crosscheck.report.records._fields import FORMAT, Count, Index, Keywords, Number, Vector3, Versions
+from crosscheck.report.records.show_loops import LoopsRecord
 from crosscheck.report.versions import versions
 
 Matrix = Sequence[Annotated[Sequence[Literal[-1, 0, 1]], Keywords(description="A row.")]]
@@ -154,13 +155,13 @@ class SystemRecord:
     """One string per row: 1 where an entry differs from zero by more than rounding, else 0."""
 
     rank: Count
-    """Numerical rank; full: 11n."""
+    """Numerical rank; full: size. With loops it is less where rows depend on each other."""
 
     condition_number: Number
     """2-norm condition number in SI units. Null where the matrix is singular."""
 
     size: Annotated[int, Keywords(minimum=11)]
-    """Rows and columns: 11n."""
+    """Rows and columns: 11n, one for each coupling, one for each row of a chord."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,14 +237,15 @@ class StateRecord:
     motion: MassMotionRecord | None
     """Of the whole robot; null where no body has mass."""
 
-    gravity_torque: Sequence[float]
-    """What holds the robot at rest (n) [N m or N]."""
+    gravity_torque: Sequence[float] | None
+    """What holds the robot at rest (n) [N m or N]; with loops, at the motors, and null where these are unknown or leave
+    a motion free."""
 
-    bias_torque: Sequence[float]
-    """h in M a + h = τ (n) [N m or N]."""
+    bias_torque: Sequence[float] | None
+    """h in M a + h = τ (n) [N m or N]; with loops as gravity_torque."""
 
     mass_matrix: NumberMatrix
-    """M (n, n) [kg m², kg m, kg]."""
+    """M (n, n) [kg m², kg m, kg]; of a robot with loops, of the tree, whose joints are free."""
 
     mass_matrix_condition: Number
     """2-norm condition number of M in SI units. Null where it is infinite."""
@@ -291,6 +293,9 @@ class ShowRecord:
 
     couplings: Sequence[CouplingRecord]
     """Joints that others drive; q, v, a and τ have entries for the other joints, in their order."""
+
+    loops: LoopsRecord | None = None
+    """Null where the robot is a tree."""
 
     frames: Sequence[FrameRecord]
     """Named frames fixed in the bodies."""
