@@ -13,7 +13,7 @@ import urdf
 from urdf._catalogue import locate
 
 ROUNDING = 1e-13
-"""Relative to the largest entry: measured 1e-15."""
+"""Relative to the largest entry: measured 6e-16, of accelerations 6e-14."""
 
 SAMPLES = 20
 

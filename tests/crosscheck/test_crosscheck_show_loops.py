@@ -65,7 +65,7 @@ def test_undetermined_reactions_are_null_with_the_mask_beside(record):
 
 
 def test_chord_rows_stand_after_couplings_in_the_equations():
-    """Two bars beside the linkage, driven; 16 bodies' worth of rows would miscount the bodies."""
+    """Two driven bars beside the linkage and 15 chord rows: more than the 11 equations of a body."""
     driven = [Joint(f"d{k}", "revolute", 0, at(0.0, 0.0, k), np.array([0.0, 0.0, 1.0])) for k in (1, 2)]
     chords = (*LINKAGE.chords, *(Chord(f"again {k}", "hinge", 2, at(2, 0, 0), 3, at(1.5, 0, 0)) for k in (1, 2)))
     model = replace(
