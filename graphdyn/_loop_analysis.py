@@ -83,7 +83,6 @@ def _sparse(joints: Array, left: Array, redundant: NDArray[np.bool_]) -> tuple[A
 
     The columns are combined so that d rows, chosen by pivoting, form a unit matrix: small combinations by name.
     """
-
     chords = left[:, redundant]
     leading = pivoted_columns(chords.T, chords.shape[1])
     change = np.linalg.inv(chords[leading])
