@@ -1,9 +1,9 @@
 """Constrained dynamics of robot arms as a graph: bodies are vertices, joints are edges, one system for everything.
 
-The names in `__all__` are the whole public interface, with those in `__all__` of the three modules among them:
-identification (parameters from data, with its module terms), motion_laws (for virtual experiments) and layout (rows and
-columns of stacked vectors). All other modules may change without notice. docs/notation.md relates the names to the
-paper.
+The names in `__all__` are the whole public interface, with those in `__all__` of the four modules among them:
+identification (parameters from data, with its module terms), excitation (motions for it), motion_laws (for virtual
+experiments) and layout (rows and columns of stacked vectors). All other modules may change without notice.
+docs/notation.md relates the names to the paper.
 """
 
 from importlib import import_module
@@ -86,7 +86,7 @@ from graphdyn._recorded_function import RecordedFunction
 from graphdyn._virtual_recording import VirtualRecording
 
 if TYPE_CHECKING:
-    from graphdyn import identification
+    from graphdyn import excitation, identification
     from graphdyn.simulation import (
         ComputedTorqueControl,
         EnergyBalance,
@@ -118,9 +118,9 @@ else:
     )
 
     def __getattr__(name: str) -> object:
-        """Imports graphdyn.identification, and what simulates, when first used."""
-        if name == "identification":
-            return import_module("graphdyn.identification")
+        """Imports graphdyn.identification, graphdyn.excitation, and what simulates, when first used."""
+        if name in ("excitation", "identification"):
+            return import_module(f"graphdyn.{name}")
         if name in _SIMULATION:
             return getattr(import_module("graphdyn.simulation"), name)
         raise AttributeError(f"module 'graphdyn' has no attribute '{name}'")
@@ -186,6 +186,7 @@ __all__ = [
     "compile",
     "coriolis_matrix",
     "energy_regressor",
+    "excitation",
     "forward_dynamics",
     "forward_dynamics_derivatives",
     "forward_dynamics_parameter_derivatives",

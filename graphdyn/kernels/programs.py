@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel, total_mass
 from graphdyn.kernels.couplings import projected
-from graphdyn.kernels.differentiation import substituted
+from graphdyn.kernels.differentiation import gradient, substituted
 from graphdyn.kernels.expressions import COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.kernels.frames import fixed_frame
 from graphdyn.kernels.joint_frames import slid, turned
@@ -22,7 +22,7 @@ from graphdyn.kernels.reactions import Wrench, in_joint_axes
 from graphdyn.kernels.recursions import ARRAYS, RECURSIONS, ArraySpec
 from graphdyn.kernels.regressors import joint_torque_regressor
 from graphdyn.kernels.regrouping import regrouped
-from graphdyn.kernels.vectors import scalars, zeros
+from graphdyn.kernels.vectors import Scalars, scalars, zeros
 from graphdyn.kernels.watching import sufficient
 from graphdyn.layout import BODY_FREEDOMS, Array
 
@@ -89,12 +89,7 @@ def record_equations(
     Inputs are q, v, a, tau, extra (n n_extra) and, if weighted, weights (n), one for each equation; the output is
     COLUMNS.
     """
-    sample = Sample(model, Request("joint_torque_regressor", ("joint_torque_regressor",)))
-    matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.of_joints("v"), sample.of_joints("a"))
-    if model.couplings:
-        flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAYS)["joint_torque_regressor"]
-        matrix = np.array(flat, dtype=object).reshape(ARRAYS["joint_torque_regressor"].shape_for(model))
-    matrix = matrix[:, list(columns)]
+    sample, matrix = _chosen_columns(model, columns)
     extra = np.array(sample.input("extra", sample.n * n_extra) if n_extra else [], dtype=object)
     tau = sample.input("tau")
     used = tuple(np.flatnonzero([isinstance(x, Expression) for x in row]) for row in matrix)
@@ -104,6 +99,28 @@ def record_equations(
         equations += [x * weights[j] for x in (*matrix[j, used[j]], *further, tau[j])]
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "squares": sample.turning}
     return sample.recorder.program({COLUMNS: equations}, watches), used
+
+
+def record_regressor_gradient(model: RobotModel, columns: Sequence[int]) -> Program:
+    """∂/∂(q, v, a) of Σ_jk weights_jk W_jk, over chosen columns of the joint-torque regressor, by reverse mode.
+
+    Inputs are q, v, a and weights (n len(columns)), row after row; the output is "gradient" (3 n): by q, v and a.
+    """
+    sample, matrix = _chosen_columns(model, columns)
+    weights = np.array(sample.input("weights", matrix.size), dtype=object)
+    variables = [x for name in "qva" for x in sample.recorder.inputs(name, sample.n)]
+    total = weights @ matrix.ravel()
+    return sample.recorder.program({"gradient": list(gradient(total, variables))}, {})
+
+
+def _chosen_columns(model: RobotModel, columns: Sequence[int]) -> tuple[Sample, Scalars]:
+    """The joint-torque regressor (n, len(columns)) of the joints that no others drive."""
+    sample = Sample(model, Request("joint_torque_regressor", ("joint_torque_regressor",)))
+    matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.of_joints("v"), sample.of_joints("a"))
+    if model.couplings:
+        flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAYS)["joint_torque_regressor"]
+        matrix = np.array(flat, dtype=object).reshape(ARRAYS["joint_torque_regressor"].shape_for(model))
+    return sample, matrix[:, list(columns)]
 
 
 class Sample:

@@ -1,0 +1,62 @@
+"""The search for an exciting motion from several seeds in parallel; the best is kept, also after an interruption."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from crosscheck.cli import processes
+from crosscheck.cli.console import say
+
+if TYPE_CHECKING:
+    from graphdyn.excitation import ExcitationProblem, OptimisedMotion
+
+
+class Task(NamedTuple):
+    problem: ExcitationProblem
+    seed: int
+
+
+class Found(NamedTuple):
+    """best: of the seeds that found a motion; failures: why the others did not; interrupted: before all were done"""
+
+    best: OptimisedMotion | None
+    failures: list[str]
+    interrupted: bool
+
+
+def search(task: Task) -> OptimisedMotion | str:
+    """The motion from one seed, or why there is none."""
+    from graphdyn.excitation import NoFeasibleMotion, optimised
+
+    try:
+        return optimised(*task)
+    except NoFeasibleMotion as error:
+        return str(error)
+
+
+def best_of(
+    problem: ExcitationProblem, seeds: range, processes_used: int, advance: Callable[[str, int], None]
+) -> Found:
+    """The best motion from these seeds. Raises KeyboardInterrupt where it comes before the first motion is found."""
+    tasks = [Task(problem, seed) for seed in seeds]
+    best: OptimisedMotion | None = None
+    failures = list[str]()
+    answers = processes.each(search, tasks, min(processes_used, len(tasks)))
+    try:
+        for k, outcome in answers:
+            if isinstance(outcome, processes.Died):
+                failures.append(f"the process of seed {tasks[k].seed} died with code {outcome.code}")
+            elif isinstance(outcome, str):
+                failures.append(outcome)
+            elif best is None or outcome.value < best.value:
+                best = outcome
+            advance(f"seed {tasks[k].seed}", 1)
+    except KeyboardInterrupt:
+        if best is None:
+            raise
+        say(f"interrupted: the best motion so far, of seed {best.seed}, is kept", "yellow")
+        return Found(best, failures, True)
+    finally:
+        answers.close()  # type: ignore[attr-defined]  # a generator: ends its processes
+    return Found(best, failures, False)

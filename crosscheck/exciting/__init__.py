@@ -1,0 +1,1 @@
+"""Exciting motions for robots from files: comparisons, recorded motions, files that robots take."""

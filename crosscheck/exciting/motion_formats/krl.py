@@ -1,0 +1,87 @@
+"""KUKA: a spline block of points in degrees, each taking the same part of the time of the whole block.
+
+Makers count axes from zeros and in directions of their own: A_j = sign_j q_j + zero_j, with q_j in degrees. Sliding
+joints are external axes E1, … in millimetres.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
+from crosscheck.recordings.errors import BadRecordingFile
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+MILLIMETRES = 1000.0
+DIGITS = 6
+"""Decimals of a degree or millimetre."""
+
+_POINT = re.compile(r"^\s*S?PTP\s*\{([^}]*)\}", re.MULTILINE)
+_END = re.compile(r"^\s*TIME_BLOCK\s+END\s*=\s*([-+.\deE]+)", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class AxisSettings:
+    """signs: 1 or -1 of each axis, zeros: [° or mm] of each axis; one for all, or n. Raises InvalidInput for others."""
+
+    signs: tuple[float, ...] = (1.0,)
+    zeros: tuple[float, ...] = (0.0,)
+
+    def __post_init__(self) -> None:
+        if any(abs(sign) != 1 for sign in self.signs):
+            raise InvalidInput(f"axis signs are {', '.join(f'{sign:g}' for sign in self.signs)}; each is 1 or -1")
+
+    def of(self, n: int) -> tuple[Array, Array]:
+        """Signs and zeros (n,)."""
+        for what, values in (("signs", self.signs), ("zeros", self.zeros)):
+            if len(values) not in (1, n):
+                raise InvalidInput(f"{len(values)} axis {what} for {n} joints; give one, or one for each")
+        return np.broadcast_to(self.signs, n), np.broadcast_to(self.zeros, n)
+
+
+def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
+    signs, zeros = settings.of(len(motion.joint_names))
+    units = np.where(motion.prismatic, MILLIMETRES, np.degrees(1.0))
+    axes = np.round(signs * units * motion.q + zeros, DIGITS) + 0.0
+    names = _axis_names(motion.prismatic)
+    points = [
+        "{" + ",".join(f"{name} {x:.{DIGITS}f}" for name, x in zip(names, row, strict=True)) + "}" for row in axes
+    ]
+    lines = ["DEF excitation()", "BAS(#INITMOV,0)", f"PTP {points[0]}", "PTP_SPLINE", "TIME_BLOCK START"]
+    lines.append(f"SPTP {points[1]}")
+    for point in points[2:]:
+        lines += ["TIME_BLOCK PART = 1", f"SPTP {point}"]
+    lines += [f"TIME_BLOCK END = {motion.time[-1]:.6f}", "ENDSPLINE", "END", ""]
+    return "\n".join(lines).encode()
+
+
+def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> TimedPositions:
+    """Of programs in this form. Raises BadRecordingFile for others."""
+    signs, zeros = settings.of(len(prismatic))
+    text = path.read_text(encoding="utf-8", errors="replace")
+    end, points = _END.search(text), _POINT.findall(text)
+    if end is None or len(points) < 2:
+        raise BadRecordingFile(f"{path}: has no points 'PTP {{A1 …}}', 'SPTP {{A1 …}}' and 'TIME_BLOCK END = …'")
+    rows = []
+    for point in points:
+        values = dict(re.findall(r"([AE]\d)\s+([-+.\deE]+)", point))
+        missing = [name for name in _axis_names(prismatic) if name not in values]
+        if missing:
+            raise BadRecordingFile(f"{path}: point {{{point}}} lacks axis {missing[0]}")
+        rows.append([float(values[name]) for name in _axis_names(prismatic)])
+    units = np.where(np.asarray(prismatic), MILLIMETRES, np.degrees(1.0))
+    return TimedPositions(np.linspace(0.0, float(end[1]), len(rows)), signs * (np.array(rows) - zeros) / units)
+
+
+def _axis_names(prismatic: Sequence[bool]) -> list[str]:
+    turning, sliding, names = 0, 0, []
+    for slides in prismatic:
+        turning, sliding = turning + (not slides), sliding + slides
+        names.append(f"E{sliding}" if slides else f"A{turning}")
+    return names

@@ -1,0 +1,38 @@
+"""A planned motion at equal steps of time, as it is written to a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from graphdyn.excitation import Course, sample_times
+from graphdyn.layout import Array
+
+
+class TimedPositions(NamedTuple):
+    """What every format holds: times (N,) [s], and positions (N, n) [rad or m] of the joints in the robot's order."""
+
+    times: Array
+    positions: Array
+
+
+@dataclass(frozen=True, eq=False)
+class TimedMotion:
+    """joint_names (n,), prismatic (n,): which of the joints slide; time (N,) [s]; q, v, a (N, n) [rad or m, …]"""
+
+    joint_names: tuple[str, ...]
+    prismatic: tuple[bool, ...]
+    time: Array
+    q: Array
+    v: Array
+    a: Array
+
+    @classmethod
+    def of(cls, course: Course, joint_names: tuple[str, ...], prismatic: tuple[bool, ...], rate: float) -> TimedMotion:
+        """At a rate [Hz]; the end is a row even where it is no multiple of the period."""
+        times = sample_times(course.duration, rate)
+        if course.duration - times[-1] > 1e-9 * course.duration:
+            times = np.append(times, course.duration)
+        return cls(joint_names, prismatic, times, *course.motion(times)[:3])

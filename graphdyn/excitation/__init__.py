@@ -1,0 +1,42 @@
+"""Exciting motions: which motion of a robot tells most about its parameters, and how well it will determine them.
+
+Public are the names in `__all__`.
+"""
+
+from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
+from graphdyn.excitation.constraints import Usage
+from graphdyn.excitation.criteria import ConditionNumber, Criterion, log_det, mean_sigma
+from graphdyn.excitation.limits import MotionLimits, Plane
+from graphdyn.excitation.optimising import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
+from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
+from graphdyn.excitation.random_motions import random_trajectory
+from graphdyn.excitation.trajectory import Course, JointMotion, TabulatedCourse, Trajectory, sample_times
+from graphdyn.excitation.watched_points import Ball, frame_origins
+
+__all__ = [
+    "Ball",
+    "Basis",
+    "ConditionNumber",
+    "Course",
+    "Criterion",
+    "ExcitationPlan",
+    "ExcitationProblem",
+    "FourierBasis",
+    "JointMotion",
+    "MotionLimits",
+    "NoFeasibleMotion",
+    "OptimisedMotion",
+    "Plane",
+    "SplineBasis",
+    "TabulatedCourse",
+    "Trajectory",
+    "Usage",
+    "excitation_plan",
+    "frame_origins",
+    "log_det",
+    "mean_sigma",
+    "optimised",
+    "prior_spread",
+    "random_trajectory",
+    "sample_times",
+]

@@ -1,0 +1,133 @@
+"""What a motion tells about the base parameters, and how that changes with the motion.
+
+Torques with independent errors of standard deviation s_j at every sample give x = (Wᵀ S⁻¹ W)⁻¹ Wᵀ S⁻¹ τ with the
+covariance F⁻¹, F = Wᵀ S⁻¹ W = Σ_t Σ_j W_jᵀ W_j / s_j²: the information matrix. A criterion is a function of F alone, so
+
+    ∂c/∂W = 2 S⁻¹ W ∂c/∂F        and        ∂c/∂(q, v, a) = Σ ∂c/∂W ∂W/∂(q, v, a),
+
+the latter by reverse mode on the recorded regressor of the rigid bodies. Columns of friction and drives, which may be
+functions of the user, are differentiated by central differences.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+
+import numpy as np
+
+from graphdyn._matrices import joint_torque_regressor
+from graphdyn.excitation.criteria import Criterion
+from graphdyn.excitation.trajectory import JointMotion
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.structure import random_samples, structure
+from graphdyn.identification.terms import RigidBodies, Term
+from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.kernels.programs import record_regressor_gradient
+from graphdyn.kernels.running import Prepared, chosen_backend
+from graphdyn.layout import Array
+
+STEP = 1e-6
+"""Of central differences [rad or m, …/s, …/s²]: truncation and rounding are both near 1e-10 of the slope of a smooth
+sign that is a tenth of a unit wide."""
+
+
+class Information:
+    """The information matrix of a torque model, in its base parameters.
+
+    noise: standard deviations of the measured torques      (n,)  [N m or N]
+    width: over which the sign of a velocity changes smoothly, where a term has a sharp one   [rad/s or m/s]
+    """
+
+    def __init__(self, torque_model: TorqueModel, noise: Array, width: float | None = None) -> None:
+        terms = torque_model.terms if width is None else [_smooth(term, width) for term in torque_model.terms]
+        self.torque_model = dataclasses.replace(torque_model, terms=tuple(terms))
+        self.independent = structure(torque_model).base.independent
+        self.noise = noise
+        self._is_rigid = np.zeros(len(self.independent), dtype=bool)
+        rigid = torque_model.slice_of(RigidBodies)
+        if rigid is not None:
+            self._is_rigid = (self.independent >= rigid.start) & (self.independent < rigid.stop)
+            self._rigid = self.independent[self._is_rigid] - rigid.start
+
+    def matrix(self, motion: JointMotion, samples: float) -> Array:
+        """F (b, b) of a recording with so many samples along the motion (N, n)."""
+        w = self._weighted_rows(motion).reshape(-1, len(self.independent))
+        return np.asarray(w.T @ w) * (samples / len(motion.q))
+
+    def value_and_slopes(
+        self, motion: JointMotion, samples: float, known: Array, criterion: Criterion
+    ) -> tuple[float, tuple[Array, Array, Array]]:
+        """The criterion for F + known, and its derivatives by q, v, a (N, n)."""
+        w = self._weighted_rows(motion)
+        flat = w.reshape(-1, w.shape[-1])
+        share = samples / len(w)
+        value, by_matrix = criterion(flat.T @ flat * share + known)
+        by_rows = 2 * share * (flat @ by_matrix).reshape(w.shape) / self.noise[:, None]
+        slopes = np.zeros((3, *motion.q.shape))
+        if self._is_rigid.any():
+            slopes += self._rigid_slopes(motion, by_rows[..., self._is_rigid])
+        if not self._is_rigid.all():
+            slopes += self._other_slopes(motion, by_rows[..., ~self._is_rigid])
+        return value, (slopes[0], slopes[1], slopes[2])
+
+    def _weighted_rows(self, motion: JointMotion) -> Array:
+        """W / s (N, n, b)."""
+        w = np.empty((*motion.q.shape, len(self.independent)))
+        if self._is_rigid.any():
+            whole = joint_torque_regressor(self.torque_model.model, *motion[:3], method="recursive")
+            w[..., self._is_rigid] = whole[..., self._rigid]
+        w[..., ~self._is_rigid] = self._other_rows(*motion[:3])
+        return w / self.noise[:, None]
+
+    def _other_rows(self, q: Array, v: Array, a: Array) -> Array:
+        """Of the terms beside the rigid bodies (N, n, those columns)."""
+        samples = Samples(q, v, a, np.zeros_like(q))
+        return self.torque_model.rows(samples, self.independent[~self._is_rigid])
+
+    def _rigid_slopes(self, motion: JointMotion, by_rows: Array) -> Array:
+        count, n = motion.q.shape
+        inputs = dict(zip("qva", map(np.ascontiguousarray, motion[:3]), strict=True))
+        inputs["weights"] = np.ascontiguousarray(by_rows.reshape(count, -1))
+        gradient = np.empty((count, 3 * n))
+        self._gradient_program.backend.bind(inputs, {"gradient": gradient})(0, count)
+        return np.moveaxis(gradient.reshape(count, 3, n), 1, 0)
+
+    def _other_slopes(self, motion: JointMotion, by_rows: Array) -> Array:
+        """Of terms that are functions in Python. Joints whose columns are their own are moved all at once."""
+        n = motion.q.shape[1]
+        groups = [np.ones(n)] if self._joints_are_apart else list(np.eye(n))
+        slopes = np.zeros((3, *motion.q.shape))
+        for kind in range(3):
+            for group in groups:
+                moved = [list(motion[:3]) for _ in range(2)]
+                for sign, arrays in zip((1, -1), moved, strict=True):
+                    arrays[kind] = arrays[kind] + sign * STEP * group
+                more, less = (self._other_rows(*arrays) for arrays in moved)
+                change = (by_rows * (more - less)).sum(axis=-1) / (2 * STEP)
+                slopes[kind] += change if len(groups) == 1 else change.sum(axis=1, keepdims=True) * group
+        return slopes
+
+    @cached_property
+    def _joints_are_apart(self) -> bool:
+        """Whether rows beside those of the rigid bodies depend on the motion of their joint alone, in some states."""
+        one, other = (random_samples(self.torque_model, 50, seed) for seed in (0, 1))
+        rows = self._other_rows(one.q, one.v, one.a)
+        joints = np.arange(rows.shape[1])
+        for j in joints:
+            mixed = [np.where(joints == j, getattr(one, name), getattr(other, name)) for name in "qva"]
+            if not np.array_equal(self._other_rows(*mixed)[:, j], rows[:, j]):
+                return False
+        return True
+
+    @cached_property
+    def _gradient_program(self) -> Prepared:
+        return Prepared(record_regressor_gradient(self.torque_model.model, self._rigid.tolist()), chosen_backend())
+
+
+def _smooth(term: Term, width: float) -> Term:
+    """A term with a smooth sign in place of a sharp one; others as they are."""
+    if dataclasses.is_dataclass(term) and getattr(term, "width", width) is None:
+        smooth: Term = dataclasses.replace(term, width=width)
+        return smooth
+    return term

@@ -1,0 +1,239 @@
+"""Motions that tell as much as possible about the base parameters, within limits.
+
+Sequential quadratic programming (SLSQP: Kraft, DFVLR-FB 88-28, 1988) from a random motion, with exact gradients, on a
+coarse grid of time. Then the motion is checked on a fine grid; a limit that it violates there is tightened by as much,
+and the search goes on from where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from graphdyn._arrays import as_floats
+from graphdyn._errors import InvalidInput
+from graphdyn.excitation.bases import Basis
+from graphdyn.excitation.constraints import Usage, signals, smooth_maximum, usage
+from graphdyn.excitation.criteria import Criterion, log_det
+from graphdyn.excitation.information import Information
+from graphdyn.excitation.limits import MotionLimits
+from graphdyn.excitation.random_motions import random_trajectory
+from graphdyn.excitation.trajectory import Course, JointMotion, Trajectory, sample_times
+from graphdyn.excitation.watched_points import Ball, frame_origins
+from graphdyn.identification.one_thread import one_thread
+from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+GRID = 240
+"""Points of time of the search: 48 for the period of the fifth harmonic, 12 of its acceleration's square."""
+
+CHECK_RATE = 1000.0
+"""[Hz] Rate at which limits are checked."""
+
+WIDTH = 0.05
+"""Part of the limit of velocity over which the sign of friction changes smoothly during the search."""
+
+SHARPNESS = (30.0, 200.0, 1000.0)
+"""ρ of the smooth maximum in one search after the other: at 1000, a maximum that is reached by ten points of time is
+taken for 0.2 % too large."""
+
+ITERATIONS, PRECISION = 300, 1e-5
+"""Of one search: at most so many; it ends where the logarithm of the criterion changes by less."""
+
+MARGIN = 1e-4
+"""By so much more than it was violated a limit is tightened."""
+
+TIGHTENINGS = 6
+"""Searches with tightened limits at most, before a seed is given up."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExcitationProblem:
+    """Which motion is sought.
+
+    torque_model: whose base parameters are to be determined
+    limits: that the motion has to keep
+    basis: of the trajectory
+    noise: standard deviations of the measured torques      () or (n,)  [N m or N]
+    rate: samples per second of the measurement, with independent errors   [Hz]
+    criterion: of the information matrix
+    known: information matrix of earlier recordings, zero if left out   (b, b)
+    balls: that planes keep on their side; the origins of all frames if left out
+
+    Raises InvalidInput for a noise that is not above zero, or not of this robot.
+    """
+
+    torque_model: TorqueModel
+    limits: MotionLimits
+    basis: Basis
+    noise: Array
+    rate: float
+    criterion: Criterion = log_det
+    known: Array | None = None
+    balls: tuple[Ball, ...] | None = None
+
+    def __post_init__(self) -> None:
+        model = self.torque_model.model
+        noise = as_floats("noise", self.noise)
+        if noise.shape not in ((), (model.n_freedoms,)) or not np.all(np.isfinite(noise) & (noise > 0)):
+            raise InvalidInput(f"noise is {noise.tolist()}; give one number above zero, or {model.n_freedoms}")
+        object.__setattr__(self, "noise", np.array(np.broadcast_to(noise, (model.n_freedoms,))))
+        if not self.rate > 0:
+            raise InvalidInput(f"rate is {self.rate:g} Hz; give one above zero")
+        if self.balls is None:
+            object.__setattr__(self, "balls", frame_origins(model) if self.limits.planes else ())
+
+    @cached_property
+    def information(self) -> Information:
+        """With the sharp sign of friction."""
+        return Information(self.torque_model, self.noise)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without compiled code."""
+        return {name: value for name, value in vars(self).items() if name != "information"}
+
+    @property
+    def samples(self) -> float:
+        """Of a recording of the whole motion."""
+        return self.rate * self.basis.duration
+
+    def total_information(self, trajectory: Course) -> Array:
+        """F of a recording of a trajectory, with what is known."""
+        motion = trajectory.motion(sample_times(trajectory.duration, self.rate))
+        return self.information.matrix(motion, self.rate * trajectory.duration) + (
+            0.0 if self.known is None else self.known
+        )
+
+    def value(self, trajectory: Course) -> float:
+        """The criterion of a trajectory, friction with its sharp sign."""
+        return self.criterion(self.total_information(trajectory))[0]
+
+    def usages(self, motion: JointMotion) -> list[Usage]:
+        """How much of every limit a motion uses."""
+        found = signals(self.torque_model.model, self.limits, self.watched, motion, slopes=False)
+        return [usage(signal) for signal in found]
+
+    @property
+    def watched(self) -> tuple[Ball, ...]:
+        """The balls that planes keep on their side."""
+        return self.balls or ()
+
+
+@dataclass(frozen=True, eq=False)
+class OptimisedMotion:
+    """The result of one seed.
+
+    usages: of every limit, at CHECK_RATE; none above 1
+    value: of the criterion: a natural logarithm
+    iterations: of SLSQP, in all searches
+    """
+
+    trajectory: Trajectory
+    usages: tuple[Usage, ...]
+    value: float
+    seed: int
+    iterations: int
+
+
+class NoFeasibleMotion(InvalidInput):
+    """No motion that keeps all limits was found; the message names those that were violated."""
+
+
+def optimised(
+    problem: ExcitationProblem, seed: int = 0, progress: Callable[[float], None] | None = None
+) -> OptimisedMotion:
+    """The best motion that is found from one random start.
+
+    progress: called with the criterion after every iteration
+
+    Raises NoFeasibleMotion where no limit-keeping motion is found.
+    """
+    search = _Search(problem, progress or (lambda value: None))
+    rng = np.random.default_rng([seed, 1])
+    trajectory = random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
+    with one_thread():
+        for sharpness in SHARPNESS:
+            trajectory = search.run(trajectory, sharpness)
+        for _ in range(TIGHTENINGS):
+            used = problem.usages(trajectory.motion(sample_times(trajectory.duration, CHECK_RATE)))
+            if all(one.used <= 1 for one in used):
+                return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
+            search.tighten(used)
+            trajectory = search.run(trajectory, SHARPNESS[-1])
+    worst = max(used, key=lambda one: one.used)
+    raise NoFeasibleMotion(
+        f"no motion within all limits was found from seed {seed}: the {worst.kind} of {worst.name} needs "
+        f"{100 * worst.used:.4g} % of its limit; relax it, or give a longer duration"
+    )
+
+
+class _Search:
+    """SLSQP on one problem; remembers how far limits were tightened."""
+
+    def __init__(self, problem: ExcitationProblem, progress: Callable[[float], None]) -> None:
+        self._problem, self._progress = problem, progress
+        basis, limits = problem.basis, problem.limits
+        self._times = np.linspace(0.0, basis.duration, GRID)
+        self._phi = [basis.rows(self._times, order) for order in range(4)]
+        speed = float(np.min(limits.velocity[np.isfinite(limits.velocity)]))
+        self._information = Information(problem.torque_model, problem.noise, WIDTH * speed)
+        self._known = np.zeros((len(self._information.independent),) * 2) if problem.known is None else problem.known
+        self._allowed: Array | None = None
+        self.iterations = 0
+
+    def tighten(self, used: list[Usage]) -> None:
+        """Allow less of every limit that was violated."""
+        over = np.array([max(one.used, 1.0) for one in used])
+        allowed = np.ones(len(used)) if self._allowed is None else self._allowed
+        self._allowed = np.where(over > 1, allowed - (over - 1) - MARGIN, allowed)
+
+    def run(self, start: Trajectory, sharpness: float) -> Trajectory:
+        from scipy.optimize import minimize  # imported where first used: import graphdyn stays light
+
+        shape = start.coefficients.shape
+        states: dict[bytes, tuple[Array, Array]] = {}
+
+        def constraints(x: Array) -> tuple[Array, Array]:
+            key = x.tobytes()
+            if key not in states:
+                states.clear()
+                states[key] = self._constraints(x.reshape(shape), sharpness)
+            return states[key]
+
+        answer = minimize(
+            lambda x: self._objective(x.reshape(shape)),
+            start.coefficients.ravel(),
+            jac=True,
+            method="SLSQP",
+            constraints={
+                "type": "ineq",
+                "fun": lambda x: constraints(x)[0],
+                "jac": lambda x: constraints(x)[1],
+            },
+            options={"maxiter": ITERATIONS, "ftol": PRECISION},
+        )
+        self.iterations += int(answer.nit)
+        return replace(start, coefficients=np.asarray(answer.x).reshape(shape))
+
+    def _motion(self, coefficients: Array) -> JointMotion:
+        return JointMotion(*(rows @ coefficients.T for rows in self._phi))
+
+    def _objective(self, coefficients: Array) -> tuple[float, Array]:
+        problem = self._problem
+        value, slopes = self._information.value_and_slopes(
+            self._motion(coefficients), problem.samples, self._known, problem.criterion
+        )
+        gradient = sum(slope.T @ rows for slope, rows in zip(slopes, self._phi[:3], strict=True))
+        self._progress(value)
+        return value, np.asarray(gradient).ravel()
+
+    def _constraints(self, coefficients: Array, sharpness: float) -> tuple[Array, Array]:
+        problem = self._problem
+        found = signals(problem.torque_model.model, problem.limits, problem.watched, self._motion(coefficients))
+        maxima = [smooth_maximum(signal, self._phi, sharpness) for signal in found]
+        allowed = np.ones(len(found)) if self._allowed is None else self._allowed
+        values = allowed - np.array([value for value, _ in maxima])
+        return values, -np.array([slope.ravel() for _, slope in maxima])

@@ -1,0 +1,132 @@
+"""What a motion will determine, before it is made: standard deviations of all base parameters for a given noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from graphdyn._errors import InvalidInput
+from graphdyn.excitation.criteria import covariance
+from graphdyn.identification.base_parameters import BaseParameters
+from graphdyn.identification.prior import model_prior
+from graphdyn.identification.structure import STATES_PER_PARAMETER, random_samples, structure
+from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+DRIVE_SHARE = 0.1
+"""Before the experiment, a parameter of friction or drive may be as large as to make this part of the torque that the
+joint's bodies take over random states."""
+
+ROUNDING = 1e-12
+"""Values of the model below this part of the prior spread are sums that cancel."""
+
+WELL, ROUGHLY = 0.1, 0.5
+"""Standard deviations up to these parts of a parameter's size count as well, and as roughly determined."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExcitationPlan:
+    """Standard deviations that a weighted least-squares fit will have.
+
+    base: the base parameters
+    names, units: of each                                   (b,)
+    prior: their values in the model; zero for friction and drives   (b,)
+    spread: how far from it they may be before the experiment   (b,)
+    information: F of the recording                         (b, b)
+    """
+
+    torque_model: TorqueModel
+    base: BaseParameters
+    prior: Array
+    spread: Array
+    information: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Such as "XX_2 - YY_2 + 0.18 M_3"."""
+        return self.base.names([column.symbol for column in self.torque_model.columns])
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        return tuple(self.torque_model.columns[k].unit for k in self.base.independent)
+
+    @cached_property
+    def sigma(self) -> Array:
+        """Standard deviations (b,), in the parameters' units; infinite where the recording determines nothing."""
+        found = covariance(self.information)
+        return np.full(self.base.rank, np.inf) if found is None else np.sqrt(np.diag(found))
+
+    @property
+    def relative(self) -> Array:
+        """σ relative to the size of the parameter: its value in the model, or its prior spread if that is more (b,)."""
+        return np.asarray(self.sigma / np.maximum(np.abs(self.prior), self.spread))
+
+    @property
+    def geometric_mean(self) -> float:
+        """Of all standard deviations, in units of the prior spreads."""
+        return float(np.exp(np.log(self.sigma / self.spread).mean()))
+
+    @property
+    def condition_number(self) -> float:
+        """Of the regressor, equations divided by their noise and columns times the prior spreads of the parameters."""
+        scaled = np.linalg.eigvalsh(self.information * np.outer(self.spread, self.spread))
+        return float(np.sqrt(scaled[-1] / scaled[0])) if scaled[0] > 0 else np.inf
+
+    @property
+    def verdicts(self) -> tuple[str, ...]:
+        """ "well", "roughly" or "not", for each base parameter: the latter need another motion, or less noise."""
+        return tuple("well" if x <= WELL else "roughly" if x <= ROUGHLY else "not" for x in self.relative)
+
+    @property
+    def only_in_sums(self) -> tuple[str, ...]:
+        """Standard parameters that no motion determines by themselves, because others imitate them."""
+        known = set(self.base.alone.tolist()) | set(self.base.structural_zeros.tolist())
+        known |= set(self.base.numerical_zeros.tolist())
+        columns = self.torque_model.columns
+        return tuple(column.name for k, column in enumerate(columns) if k not in known)
+
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Standard parameters that no torque depends on."""
+        zeros = np.concatenate([self.base.structural_zeros, self.base.numerical_zeros])
+        return tuple(self.torque_model.columns[k].name for k in np.sort(zeros).tolist())
+
+
+def excitation_plan(torque_model: TorqueModel, information: Array) -> ExcitationPlan:
+    """The plan of recordings with an information matrix F (b, b). Raises InvalidInput for another shape."""
+    base = structure(torque_model).base
+    if information.shape != (base.rank, base.rank):
+        raise InvalidInput(f"the information matrix has shape {information.shape}; {(base.rank,) * 2} needed")
+    spread = prior_spread(torque_model)
+    prior = base.values(torque_model.prior())
+    prior[np.abs(prior) < ROUNDING * spread] = 0.0
+    return ExcitationPlan(torque_model, base, prior, spread, information)
+
+
+def prior_spread(torque_model: TorqueModel) -> Array:
+    """How far the base parameters may be from the model before the experiment (b,), in their units.
+
+    Bodies as in identification.model_prior (m, m l, m l²); what model_prior does not know, as DRIVE_SHARE says. Sums
+    of independent parameters.
+    """
+    scale = model_prior(torque_model).scale
+    unknown = np.flatnonzero(~np.isfinite(scale))
+    if unknown.size:
+        samples = random_samples(torque_model, STATES_PER_PARAMETER * len(scale), 0)
+        rows = torque_model.rows(samples)
+        torques = rows @ torque_model.prior()
+        scale = scale.copy()
+        scale[unknown] = _drive_spread(rows[..., unknown], torques)
+    return np.asarray(np.linalg.norm(structure(torque_model).base.matrix * scale, axis=1))
+
+
+def _drive_spread(rows: Array, torques: Array) -> Array:
+    """(k,) for columns (N, n, k). A robot without masses takes no torque: its joints count as 1 N m or N."""
+    size = np.sqrt(np.mean(torques**2, axis=0))
+    size = np.where(size > 0, size, 1.0)
+    columns = np.sqrt(np.mean(rows**2, axis=0))
+    strongest = columns.argmax(axis=0)
+    reach = columns[strongest, np.arange(columns.shape[1])]
+    return np.asarray(DRIVE_SHARE * size[strongest] / np.where(reach > 0, reach, 1.0))

@@ -1,0 +1,104 @@
+"""Random motions within limits: starts of the search, and what its result is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from graphdyn._model import RobotModel
+from graphdyn.excitation.bases import Basis
+from graphdyn.excitation.constraints import signals, usage
+from graphdyn.excitation.limits import MotionLimits
+from graphdyn.excitation.trajectory import Trajectory
+from graphdyn.excitation.watched_points import Ball
+from graphdyn.layout import Array
+
+POINTS = 240
+"""Of time at which limits are looked at: a random motion for comparison may violate them in between, by a little."""
+
+HALVINGS = 12
+"""Of the interval in which the scale is sought that just keeps all limits: to a part in 4000."""
+
+ROUNDING = 1e-9
+"""Parts of a limit by which rounding may exceed it."""
+
+TRIALS = 20
+"""Positions drawn at most: some robots cannot hold themselves in every pose."""
+
+
+def random_trajectory(
+    model: RobotModel,
+    limits: MotionLimits,
+    balls: Sequence[Ball],
+    basis: Basis,
+    rng: np.random.Generator,
+) -> Trajectory:
+    """A motion with normal random coefficients that reaches a limit with every joint, as far as all are kept.
+
+    Each joint is scaled until it reaches its own limit of position, velocity, acceleration or jerk, and put at random
+    where there is room; then all together until torques and planes are kept. Where even standing still in that pose is
+    too much, another is drawn; the last one is returned as it is.
+    """
+    times = np.linspace(0.0, basis.duration, POINTS)
+    phi = [basis.rows(times, order) for order in range(4)]
+    for _ in range(TRIALS):
+        moving, middle = _within_own_limits(model, limits, basis, phi, rng)
+        scale = _largest_scale(model, limits, balls, basis, times, moving, middle)
+        if scale > 0:
+            break
+    return Trajectory(basis, scale * moving + middle[:, None] * basis.middle)
+
+
+def _within_own_limits(
+    model: RobotModel, limits: MotionLimits, basis: Basis, phi: Sequence[Array], rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Coefficients (n, K) of a motion about zero, and the positions (n,) about which it goes."""
+    free = list(model.freedoms.independent)
+    moving, middle = rng.normal(size=(len(free), basis.size)), np.zeros(len(free))
+    for row, j in enumerate(free):
+        q = phi[0] @ moving[row]
+        moving[row] -= (q.max() + q.min()) / 2 * basis.middle
+        reach = np.ptp(q) / 2
+        lower, upper = limits.lower[j], limits.upper[j]
+        room = (upper - lower) / 2
+        sizes = [np.abs(rows @ moving[row]).max() for rows in phi[1:]]
+        largest = (limits.velocity[j], limits.acceleration[j], limits.jerk[j])
+        scale = min([room / reach, *(most / size for most, size in zip(largest, sizes, strict=True))])
+        moving[row] *= scale
+        nearest, farthest = lower + scale * reach, upper - scale * reach
+        if not np.isfinite(room):
+            nearest, farthest = _drawing_range(nearest, farthest)
+        middle[row] = rng.uniform(nearest, max(nearest, farthest))
+    return moving, middle
+
+
+def _drawing_range(lower: float, upper: float) -> tuple[float, float]:
+    """Half a turn to both sides of zero, or a turn from the one end that there is."""
+    if np.isfinite(lower):
+        return lower, lower + 2 * np.pi
+    return (upper - 2 * np.pi, upper) if np.isfinite(upper) else (-np.pi, np.pi)
+
+
+def _largest_scale(
+    model: RobotModel,
+    limits: MotionLimits,
+    balls: Sequence[Ball],
+    basis: Basis,
+    times: Array,
+    moving: Array,
+    middle: Array,
+) -> float:
+    """In 0 … 1, to a part in 2^HALVINGS; zero where the robot cannot stand still there."""
+
+    def kept(scale: float) -> bool:
+        motion = Trajectory(basis, scale * moving + middle[:, None] * basis.middle).motion(times)
+        return all(usage(one).used <= 1 + ROUNDING for one in signals(model, limits, balls, motion, slopes=False))
+
+    if kept(1.0):
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        scale = (low + high) / 2
+        low, high = (scale, high) if kept(scale) else (low, scale)
+    return low
