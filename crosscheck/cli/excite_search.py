@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, NamedTuple
 
 from crosscheck.cli import processes
@@ -35,6 +35,12 @@ def search(task: Task) -> OptimisedMotion | str:
         return str(error)
 
 
+def one_by_one(tasks: list[Task]) -> Generator[tuple[int, OptimisedMotion | str]]:
+    """In this process: starting another takes longer than a search."""
+    for k, task in enumerate(tasks):
+        yield k, search(task)
+
+
 def best_of(
     problem: ExcitationProblem, seeds: range, processes_used: int, advance: Callable[[str, int], None]
 ) -> Found:
@@ -42,7 +48,9 @@ def best_of(
     tasks = [Task(problem, seed) for seed in seeds]
     best: OptimisedMotion | None = None
     failures = list[str]()
-    answers = processes.each(search, tasks, min(processes_used, len(tasks)))
+    answers = (
+        processes.each(search, tasks, min(processes_used, len(tasks))) if processes_used > 1 else one_by_one(tasks)
+    )
     try:
         for k, outcome in answers:
             if isinstance(outcome, processes.Died):

@@ -40,11 +40,14 @@ SHARPNESS = (30.0, 200.0, 1000.0)
 """ρ of the smooth maximum in one search after the other: at 1000, a maximum that is reached by ten points of time is
 taken for 0.2 % too large."""
 
-ITERATIONS, PRECISION = 300, 1e-5
+ITERATIONS, PRECISION = 200, 1e-5
 """Of one search: at most so many; it ends where the logarithm of the criterion changes by less."""
 
 MARGIN = 1e-4
 """By so much more than it was violated a limit is tightened."""
+
+HOPELESS = 1.3
+"""A search that ends with more than this part of a limit will not come within it by tightening."""
 
 TIGHTENINGS = 6
 """Searches with tightened limits at most, before a seed is given up."""
@@ -155,18 +158,19 @@ def optimised(
     rng = np.random.default_rng([seed, 1])
     trajectory = random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
     with one_thread():
-        for sharpness in SHARPNESS:
-            trajectory = search.run(trajectory, sharpness)
-        for _ in range(TIGHTENINGS):
+        for number in range(len(SHARPNESS) + TIGHTENINGS):
+            trajectory = search.run(trajectory, SHARPNESS[min(number, len(SHARPNESS) - 1)])
             used = problem.usages(trajectory.motion(sample_times(trajectory.duration, CHECK_RATE)))
-            if all(one.used <= 1 for one in used):
-                return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
-            search.tighten(used)
-            trajectory = search.run(trajectory, SHARPNESS[-1])
-    worst = max(used, key=lambda one: one.used)
+            worst = max(used, key=lambda one: one.used)
+            if worst.used > HOPELESS:
+                break
+            if number >= len(SHARPNESS) - 1:
+                if worst.used <= 1:
+                    return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
+                search.tighten(used)
     raise NoFeasibleMotion(
         f"no motion within all limits was found from seed {seed}: the {worst.kind} of {worst.name} needs "
-        f"{100 * worst.used:.4g} % of its limit; relax it, or give a longer duration"
+        f"{worst.used:.4g} times its limit; relax it, or give a longer duration"
     )
 
 

@@ -97,6 +97,8 @@ def _largest_scale(
 
     if kept(1.0):
         return 1.0
+    if not kept(0.0):
+        return 0.0
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
         scale = (low + high) / 2

@@ -7,35 +7,39 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn._frames import frame_jacobian
-from graphdyn._kinematics import frame_placement
+from graphdyn._kinematics import joint_axes, link_origins, maximal_state
 from graphdyn._model import RobotModel
-from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
 class Ball:
-    """A ball fixed in a named frame: center in its axes, (3,) [m], and radius [m]; a point without one."""
+    """A ball fixed in a body, numbered from 1: center in its link frame (3,) [m], and radius [m]; 0 is a point."""
 
-    frame: str
+    body: int
     center: Array
     radius: float = 0.0
 
 
 def frame_origins(model: RobotModel) -> tuple[Ball, ...]:
     """The origins of all frames that move: bodies and the links that are fused into them, a tool among them."""
-    names = list(model.body_names) + [frame.name for frame in model.frames if frame.body and frame.name]
-    return tuple(Ball(name, np.zeros(3)) for name in dict.fromkeys(names))
+    bodies = [Ball(body, np.zeros(3)) for body in range(1, model.n_bodies + 1)]
+    frames = [Ball(frame.body, np.asarray(frame.placement.translation)) for frame in model.frames if frame.body]
+    return tuple(bodies + frames)
 
 
 def centers(model: RobotModel, balls: Sequence[Ball], q: Array) -> tuple[Array, Array]:
-    """World positions (N, balls, 3) [m] and their derivatives by q (N, balls, 3, n_freedoms)."""
-    positions, slopes = np.empty((len(q), len(balls), 3)), np.empty((len(q), len(balls), 3, model.n_freedoms))
-    for name in dict.fromkeys(ball.frame for ball in balls):
-        rotation, origin = frame_placement(model, q, name)
-        jacobian = frame_jacobian(model, q, name, reference="local_world_aligned")
-        for k in (k for k, ball in enumerate(balls) if ball.frame == name):
-            arm = rotation @ balls[k].center
-            positions[:, k] = origin + arm
-            slopes[:, k] = jacobian[:, LINEAR] + np.cross(jacobian[:, ANGULAR], arm[:, :, None], axis=1)
-    return positions, slopes
+    """World positions (N, balls, 3) [m] and their derivatives by q (N, balls, 3, n_freedoms) [m or 1].
+
+    A revolute joint on the path to the ball moves its center p by p_j × (p - O_j), a prismatic one by p_j.
+    """
+    state = maximal_state(model, q, method="recursive")
+    origins, axes = link_origins(state), joint_axes(state)
+    carrying = np.array([ball.body - 1 for ball in balls])
+    local = np.array([ball.center for ball in balls])
+    positions = origins[:, carrying] + np.einsum("tbxy,by->tbx", state.rotation[:, carrying], local)
+    arms = positions[:, :, None] - origins[:, None]
+    turned = np.cross(np.broadcast_to(axes[:, None], arms.shape), arms)
+    revolute = np.array([not joint.is_prismatic for joint in model.joints])[:, None]
+    moved = np.where(revolute, turned, axes[:, None]) * model.graph.path_matrix().T[carrying][:, :, None]
+    return positions, np.einsum("tbjx,jn->tbxn", moved, model.freedoms.matrix)

@@ -1,0 +1,282 @@
+"""Exciting motions: exact gradients, limits kept at all times, and a plan that keeps its promise."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from excited_robot import AT_REST, followed
+from planting import mixed_tree
+
+from graphdyn import Coupling, InvalidInput, frame_placement
+from graphdyn.excitation import (
+    ConditionNumber,
+    ExcitationProblem,
+    FourierBasis,
+    MotionLimits,
+    NoFeasibleMotion,
+    Plane,
+    SplineBasis,
+    TabulatedCourse,
+    excitation_plan,
+    log_det,
+    mean_sigma,
+    optimised,
+    optimising,
+    prior_spread,
+    random_trajectory,
+    sample_times,
+)
+from graphdyn.excitation.constraints import signals, smooth_maximum
+from graphdyn.excitation.information import Information
+from graphdyn.excitation.trajectory import JointMotion
+from graphdyn.identification import OrdinaryLeastSquares, Problem, TorqueModel
+from graphdyn.identification.terms import Coulomb, CoupledWrist, RigidBodies, Viscous
+from graphdyn.motion_laws import FourierSeries
+
+DIFFERENCES = 2e-7
+"""Central differences with steps of 1e-5 against exact slopes, relative to the largest: measured 3e-8 and less."""
+
+BETWEEN = 1e-5
+"""Part of a limit by which a motion may exceed it between the points at which it was checked, 1 ms apart: the
+acceleration of what is limited times (1 ms)²/8."""
+
+ROUNDING = 1e-11
+
+BETTER = 1.1
+"""Mean half axis of the ellipsoid of errors, best of 20 random motions to the optimised one: measured 1.13."""
+
+VISCOUS, COULOMB = 3.0, 2.0
+"""Of every joint of the simulated robot [N m s/rad or N s/m, N m or N]."""
+
+FRICTION = (Viscous(), Coulomb())
+
+LIMITS = {"lower": -2.0, "upper": 2.0, "velocity": 2.0, "acceleration": 10.0, "jerk": 60.0, "torque": 200.0}
+
+
+def problem_of(model=None, terms=FRICTION, basis=None, planes=(), **limits):
+    model = model or mixed_tree()
+    torque_model = TorqueModel(model, (RigidBodies(), *terms))
+    known = MotionLimits.of_model(model, planes=planes, **{**LIMITS, **limits})
+    return ExcitationProblem(torque_model, known, basis or FourierBasis(5.0, 3), 0.5, 100.0)
+
+
+def coupled_tree():
+    model = mixed_tree()
+    names = model.joint_names
+    return replace(model, couplings=(Coupling(names[2], {names[0]: -0.5}, 0.1),))
+
+
+@pytest.fixture(scope="module")
+def found():
+    problem = problem_of()
+    return problem, optimised(problem, 1)
+
+
+@pytest.mark.parametrize("basis", [FourierBasis(5.0, 4), SplineBasis(5.0, 7)], ids=["series", "splines"])
+def test_functions_of_time(basis):
+    """Rest at both ends, derivatives as differences say, and the function that is 1 all the time."""
+    times, step = np.linspace(0.1, 4.9, 30), 1e-4
+    for order in range(3):
+        slope = (basis.rows(times + step, order) - basis.rows(times - step, order)) / (2 * step)
+        exact = basis.rows(times, order + 1)
+        assert np.abs(slope - exact).max() < 1e-5 * np.abs(exact).max()
+        at_ends = basis.rows(np.array([0.0, 5.0]), order)
+        assert order == 0 or np.abs(at_ends).max() < ROUNDING * np.abs(exact).max()
+    assert np.abs(basis.rows(times, 0) @ basis.middle - 1).max() < ROUNDING
+    assert np.linalg.matrix_rank(basis.rows(times, 1)) == basis.size - 1
+
+
+def test_series_in_the_notation_of_swevers():
+    basis, times = FourierBasis(5.0, 4), np.linspace(0, 5, 20)
+    coefficients = np.random.default_rng(0).normal(size=basis.size)
+    motion = FourierSeries(1 / 5.0, *basis.series(coefficients))(times)
+    for order, expected in enumerate(motion):
+        assert np.abs(basis.rows(times, order) @ coefficients - expected).max() < ROUNDING * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("name", ["log_det", "mean_sigma", "condition"])
+@pytest.mark.parametrize(
+    ("model", "terms"),
+    [(mixed_tree(), FRICTION), (coupled_tree(), (Viscous(),)), (mixed_tree(), (CoupledWrist(),))],
+    ids=["friction", "couplings", "other joints' columns"],
+)
+def test_gradients(name, model, terms):
+    """Of the criterion by every position, velocity and acceleration of the motion, against differences."""
+    torque_model = TorqueModel(model, (RigidBodies(), *terms))
+    information = Information(torque_model, np.linspace(0.5, 2.0, model.n_freedoms), width=0.3)
+    criterion = {
+        "log_det": log_det, "mean_sigma": mean_sigma, "condition": ConditionNumber(prior_spread(torque_model))
+    }[name]  # fmt: skip
+    rng = np.random.default_rng(3)
+    motion = JointMotion(*rng.normal(size=(4, 40, model.n_freedoms)))
+    known = np.zeros((len(information.independent),) * 2)
+    value, slopes = information.value_and_slopes(motion, 40, known, criterion)
+    assert value == pytest.approx(criterion(information.matrix(motion, 40))[0], rel=ROUNDING)
+    for kind in range(3):
+        direction = rng.normal(size=motion.q.shape)
+        step = 1e-5 * direction
+        values = [
+            information.value_and_slopes(
+                JointMotion(*(x + sign * step if k == kind else x for k, x in enumerate(motion))), 40, known, criterion
+            )[0]
+            for sign in (1, -1)
+        ]
+        size = np.linalg.norm(slopes[kind]) * np.linalg.norm(direction)
+        assert abs((values[0] - values[1]) / 2e-5 - np.sum(slopes[kind] * direction)) < DIFFERENCES * size
+
+
+@pytest.mark.parametrize("model", [mixed_tree(), coupled_tree()], ids=["tree", "couplings"])
+def test_slopes_of_limits(model):
+    """Of positions, velocities, accelerations, jerks, torques and planes by the coefficients of the motion."""
+    problem = problem_of(model, planes=(Plane((0.2, -0.3, 1.0), -3.0),))
+    basis, times = problem.basis, np.linspace(0, 5, 30)
+    phi = [basis.rows(times, order) for order in range(4)]
+    rng = np.random.default_rng(5)
+    at, direction = rng.normal(size=(2, model.n_freedoms, basis.size))
+
+    def maxima(coefficients):
+        motion = JointMotion(*(rows @ coefficients.T for rows in phi))
+        return [
+            (signal.kind, *smooth_maximum(signal, phi, 20.0), signal.values.max())
+            for signal in signals(model, problem.limits, problem.watched, motion)
+        ]
+
+    exact, more, less = maxima(at), maxima(at + 1e-5 * direction), maxima(at - 1e-5 * direction)
+    assert {kind for kind, *_ in exact} == {"position", "velocity", "acceleration", "jerk", "torque", "plane"}
+    assert len(exact) == 4 * model.n_bodies + model.n_freedoms + 1
+    for (_, value, slope, largest), (_, high, *_), (_, low, *_) in zip(exact, more, less, strict=True):
+        assert abs((high - low) / 2e-5 - np.sum(slope * direction)) < DIFFERENCES * max(np.abs(slope).max(), 1.0)
+        assert largest <= value <= largest + np.log(30 * len(problem.watched) * 2) / 20.0
+
+
+def test_better_than_random(found):
+    problem, best = found
+    model, rng = problem.torque_model.model, np.random.default_rng(0)
+    values = []
+    for _ in range(20):
+        motion = random_trajectory(model, problem.limits, (), problem.basis, rng)
+        assert max(usage.used for usage in problem.usages(motion.motion(np.linspace(0, 5, 240)))) < 1 + 1e-8
+        values.append(problem.value(motion))
+    assert best.value < min(values) - np.log(BETTER)
+    assert np.array_equal(optimised(problem, 1).trajectory.coefficients, best.trajectory.coefficients)
+
+
+def test_limits_hold_between_the_points(found):
+    problem, best = found
+    assert max(usage.used for usage in best.usages) <= 1
+    dense = best.trajectory.motion(np.linspace(0, 5, 40_001))
+    assert max(usage.used for usage in problem.usages(dense)) < 1 + BETWEEN
+    assert any(usage.used > 0.98 for usage in best.usages)  # a limit that nothing reaches would hide an error
+
+
+def test_planes_couplings_and_splines():
+    """Every link stays on its side of a plane that cuts through the space of random motions."""
+    model = coupled_tree()
+    plane = Plane((0.0, 0.0, 2.0), -0.4)
+    problem = problem_of(model, basis=SplineBasis(4.0, 6), planes=(plane,), terms=(Viscous(),))
+    best = optimised(problem, 0)
+    q = best.trajectory.motion(sample_times(4.0, 1000.0)).q
+    heights = [frame_placement(model, q, body)[1][:, 2].min() for body in model.body_names]
+    assert min(heights) > -0.4
+    (used,) = [usage.used for usage in best.usages if usage.kind == "plane"]
+    assert used == pytest.approx(1 - 0.4 - min(heights), abs=ROUNDING)
+    driven = model.joint_positions(q)
+    assert np.abs(driven).max() <= 2.0
+
+
+def test_second_motion_complements_the_first(found):
+    """It tells more, beside the first, than the first repeated."""
+    problem, best = found
+    once = problem.total_information(best.trajectory)
+    further = optimised(replace(problem, known=once), 2)
+    assert further.value < log_det(2 * once)[0] - 0.02
+    assert np.array_equal(
+        replace(problem, known=once).total_information(further.trajectory),
+        problem.total_information(further.trajectory) + once,
+    )
+
+
+def test_promise_is_kept(found):
+    """Recordings of a simulated robot with friction are identified: errors have the covariance that the plan states."""
+    problem, best = found
+    model, torque_model = problem.torque_model.model, problem.torque_model
+    exact = followed(problem, best.trajectory, VISCOUS, COULOMB)
+    friction = np.repeat([VISCOUS, COULOMB], model.n_bodies)
+    truth = np.concatenate([model.inertial_parameters, friction])
+    plan = excitation_plan(torque_model, problem.total_information(best.trajectory))
+    rng, errors = np.random.default_rng(1), []
+    for _ in range(30):
+        tau = exact.tau + problem.noise * rng.normal(size=exact.tau.shape)
+        fit = Problem(torque_model, replace(exact, tau=tau), n_blocks=1, min_speed=AT_REST)
+        errors.append(fit.base.values(OrdinaryLeastSquares().estimate(fit).parameters) - plan.base.values(truth))
+    squares = np.einsum("ri,ij,rj->", errors, plan.information, errors)
+    freedoms = 30 * len(plan.sigma)
+    assert abs(squares - freedoms) < 4 * np.sqrt(2 * freedoms)
+    ratio = np.sqrt(np.mean(np.square(errors), axis=0)) / plan.sigma
+    assert ratio.min() > 0.6
+    assert ratio.max() < 1.5
+
+
+def test_plan_of_a_poor_motion(found):
+    """A motion of one joint: what it does not move is not determined, and what it never can is told."""
+    problem, best = found
+    coefficients = best.trajectory.coefficients.copy()
+    coefficients[1:, 1:] = 0.0
+    poor = replace(best.trajectory, coefficients=coefficients)
+    plan = excitation_plan(problem.torque_model, problem.total_information(poor))
+    assert np.isinf(plan.sigma).all()
+    assert plan.condition_number > 1e6
+    good = excitation_plan(problem.torque_model, problem.total_information(best.trajectory))
+    assert set(good.verdicts) <= {"well", "roughly", "not"}
+    assert good.geometric_mean < 0.1
+    columns = {column.name for column in problem.torque_model.columns}
+    alone = {problem.torque_model.columns[k].name for k in good.base.alone}
+    assert set(good.only_in_sums) | set(good.without_effect) | alone == columns
+    assert good.only_in_sums
+
+
+def test_motion_from_a_table(found):
+    """Rows at 100 Hz give the motion back."""
+    problem, best = found
+    times = np.linspace(0, 5, 501)
+    table = TabulatedCourse(times + 7.0, best.trajectory.motion(times).q)
+    assert table.duration == pytest.approx(5.0)
+    for one, other in zip(table.motion(times), best.trajectory.motion(times), strict=True):
+        assert np.abs(one - other).max() < 1e-3 * np.abs(other).max()
+    assert problem.value(table) == pytest.approx(best.value, abs=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: FourierBasis(5.0, 1), r"1 harmonics cannot start and stop smoothly; give two or more"),
+        (lambda: SplineBasis(5.0, 1), r"1 piece of a spline cannot move; give two or more"),
+        (lambda: FourierBasis(0.0), r"duration is 0\.0; give seconds above zero"),
+        (lambda: Plane((0, 0, 0)), r"a plane has normal .*; give three finite numbers, not all zero"),
+        (lambda: problem_of(velocity=np.inf), r"joint '.*' has no limit of velocity; give one"),
+        (lambda: problem_of(lower=3.0), r"joint '.*' may move from 3 to 2; lock it, or give other limits"),
+        (lambda: problem_of(jerk=-1.0), r"a limit of jerk is -1; give numbers above zero"),
+        (lambda: problem_of(torque=0.0), r"a limit of torque is 0; give numbers above zero"),
+        (lambda: problem_of(upper=[1.0, 2.0]), r"upper limit has shape \(2,\); give one number, or 3"),
+        (lambda: replace(problem_of(), noise=np.array(0.0)), r"noise is 0\.0; give one number above zero, or 3"),
+        (lambda: replace(problem_of(), rate=0.0), r"rate is 0 Hz; give one above zero"),
+        (lambda: excitation_plan(problem_of().torque_model, np.eye(2)), r"the information matrix has shape \(2, 2\)"),
+        (lambda: TabulatedCourse(np.arange(5.0), np.zeros((5, 2))), r"a motion of 5 rows is too short; 6 are needed"),
+        (lambda: TabulatedCourse(np.zeros(7), np.zeros((7, 2))), r"the times of a motion must increase"),
+        (lambda: TabulatedCourse(np.zeros(7), np.zeros((6, 2))), r"times have shape \(7,\), positions \(6, 2\)"),
+    ],
+)
+def test_refusals(make, message):
+    with pytest.raises(InvalidInput, match=message):
+        make()
+
+
+def test_no_motion_within_limits(monkeypatch):
+    """Torques too small to stand still anywhere."""
+    monkeypatch.setattr(optimising, "ITERATIONS", 5)
+    problem = problem_of(torque=1e-3)
+    with pytest.raises(
+        NoFeasibleMotion,
+        match=r"no motion within all limits was found from seed 4: the torque of joint. needs .* times its",
+    ):
+        optimised(problem, 4)

@@ -1,0 +1,130 @@
+"""What exciting motions are worth: python tests/helpers/excitation_run.py [gain] [limits FOLDER] [promise].
+
+gain: the UR5, 10 s, 5 harmonics, 0.95 of its velocities, 10 rad/s², 0.8 of its torques, 48 columns: standard deviations
+      of five seeds beside those of the best of 100 random motions, for equal noise of all torques and for 1 % of the
+      efforts; processor time
+limits: every robot of a folder whose limits of velocity are known: the largest part of a limit that is used at 1 kHz
+promise: the UR5 with friction follows the motion of one seed; 100 recordings with noise are identified, and the scatter
+      of the parameters is compared with what the plan promised
+"""
+
+import sys
+import time
+import warnings
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from excited_robot import AT_REST, followed
+
+import urdf
+from graphdyn import GraphDynError
+from graphdyn.excitation import (
+    ExcitationProblem,
+    FourierBasis,
+    MotionLimits,
+    excitation_plan,
+    log_det,
+    mean_sigma,
+    optimised,
+    random_trajectory,
+)
+from graphdyn.identification import Problem, TorqueModel, WeightedLeastSquares
+from graphdyn.identification.one_thread import one_thread
+from graphdyn.identification.terms import Coulomb, RigidBodies, Viscous
+
+RATE = 250.0
+"""[Hz] Of the recordings."""
+
+RUNS, RANDOM, SEEDS = 100, 100, 5
+
+VISCOUS, COULOMB = 5.0, 4.0
+"""Of every joint of the simulated robot [N m s/rad, N m]."""
+
+
+def problem_of(model, noise):
+    limits = MotionLimits.of_model(model, velocity_share=0.95, acceleration=10.0, torque_share=0.8)
+    torque_model = TorqueModel(model, (RigidBodies(), Viscous(), Coulomb()))
+    return ExcitationProblem(torque_model, limits, FourierBasis(10.0, 5), noise, RATE)
+
+
+def gain():
+    model = urdf.load("ur5")
+    effort = np.array([joint.limits.effort for joint in model.joints])
+    for words, noise in (("1 N m", np.ones(6)), ("1 % of the efforts", 0.01 * effort)):
+        problem = problem_of(model, noise)
+        best = {}
+        with one_thread():
+            motions = [random_of(problem, k) for k in range(RANDOM)]
+            for name, criterion in (("gm σ", mean_sigma), ("det", log_det)):
+                best[name] = min(criterion(problem.total_information(motion))[0] for motion in motions)
+        print(f"noise {words}; {len(problem.information.independent)} columns")
+        for seed in range(SEEDS):
+            start = time.process_time()
+            found = optimised(problem, seed)
+            spent = time.process_time() - start
+            information = problem.total_information(found.trajectory)
+            ratio = np.exp(best["gm σ"] - mean_sigma(information)[0])
+            volume = np.exp(best["det"] - log_det(information)[0])
+            print(
+                f"  seed {seed}: geometric mean σ {ratio:.3f} × smaller than best of {RANDOM}, mean half axis "
+                f"{volume:.3f} ×; {found.iterations} iterations, {spent:.1f} CPU s"
+            )
+
+
+def random_of(problem, seed):
+    rng = np.random.default_rng(seed)
+    return random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
+
+
+def limits(folder):
+    for path in sorted(Path(folder).glob("*.urdf")):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            model = urdf.load(path)
+        start = time.process_time()
+        try:
+            found = optimised(problem_of(model, np.ones(model.n_freedoms)))
+        except GraphDynError as error:
+            print(f"{path.name}: {error}")
+            continue
+        most = max(found.usages, key=lambda usage: usage.used)
+        print(
+            f"{path.name}: {100 * most.used:.3f} % ({most.kind} of {most.name}) of {len(found.usages)} limits; "
+            f"{time.process_time() - start:.1f} CPU s",
+            flush=True,
+        )
+
+
+def promise():
+    model = urdf.load("ur5")
+    noise = 0.01 * np.array([joint.limits.effort for joint in model.joints])
+    problem = problem_of(model, noise)
+    trajectory = optimised(problem).trajectory
+    exact = followed(problem, trajectory, VISCOUS, COULOMB)
+    plan = excitation_plan(problem.torque_model, problem.total_information(trajectory))
+    truth = np.concatenate([model.inertial_parameters, np.full(6, VISCOUS), np.full(6, COULOMB)])
+    found, rng = [], np.random.default_rng(0)
+    for _ in range(RUNS):
+        noisy = replace(exact, tau=exact.tau + noise * rng.normal(size=exact.tau.shape))
+        fit = Problem(problem.torque_model, noisy, min_speed=AT_REST)
+        found.append(fit.base.values(WeightedLeastSquares().estimate(fit).parameters))
+    errors = np.array(found) - plan.base.values(truth)
+    ratios = np.sqrt(np.mean(errors**2, axis=0)) / plan.sigma
+    squares = np.einsum("ri,ij,rj->r", errors, plan.information, errors)
+    print(f"{RUNS} recordings of {len(exact)} samples, {len(ratios)} parameters, found σ / promised σ:")
+    print(f"  geometric mean {np.exp(np.log(ratios).mean()):.3f}, from {ratios.min():.3f} to {ratios.max():.3f}")
+    print(f"  χ² per run and parameter {squares.mean() / len(ratios):.3f}")
+
+
+def main(arguments):
+    if not arguments or arguments[0] == "gain":
+        gain()
+    if not arguments or arguments[0] == "promise":
+        promise()
+    if arguments[:1] == ["limits"]:
+        limits(arguments[1])
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
