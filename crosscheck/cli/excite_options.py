@@ -15,7 +15,8 @@ from crosscheck.cli.output_files import OutputFile
 if TYPE_CHECKING:
     from crosscheck.exciting.motion_formats.krl import AxisSettings
     from graphdyn import RobotModel
-    from graphdyn.excitation import Criterion, MotionLimits, Plane
+    from graphdyn.excitation import MotionLimits, Plane
+    from graphdyn.excitation.criteria import Criterion
     from graphdyn.identification import TorqueModel
     from graphdyn.layout import Array
 

@@ -53,6 +53,11 @@ EXHIBITS = (
         ("simulate", "ur5", "--duration", "2", "--3d"),
     ),
     Exhibit("view", "An arm to be moved by hand, with all reactions of its joints.", ("view", "panda")),
+    Exhibit(
+        "excite",
+        "A motion from which a robot's parameters can be identified well, and how well.",
+        ("excite", "--robot", "ur5", "--seeds", "1", "--random", "20"),
+    ),
     Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),
     Exhibit(
         "identify",

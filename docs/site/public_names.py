@@ -10,6 +10,7 @@ MODULES = {
     "graphdyn": "Models, dynamics, recordings",
     "graphdyn.motion_laws": "Prescribed motions",
     "graphdyn.layout": "Rows and columns of stacked vectors",
+    "graphdyn.excitation": "Exciting motions",
     "graphdyn.identification": "Identification",
     "graphdyn.identification.terms": "Terms of the torque",
     "graphdyn.identification.health": "Health of recordings",

@@ -5,7 +5,7 @@ Public are the names in `__all__`.
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
 from graphdyn.excitation.constraints import Usage
-from graphdyn.excitation.criteria import ConditionNumber, Criterion, log_det, mean_sigma
+from graphdyn.excitation.criteria import ConditionNumber, log_det, mean_sigma
 from graphdyn.excitation.limits import MotionLimits, Plane
 from graphdyn.excitation.optimising import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
@@ -18,7 +18,6 @@ __all__ = [
     "Basis",
     "ConditionNumber",
     "Course",
-    "Criterion",
     "ExcitationPlan",
     "ExcitationProblem",
     "FourierBasis",

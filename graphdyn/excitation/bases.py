@@ -20,19 +20,22 @@ SPLINE_DEGREE = 5
 
 
 class Basis(Protocol):
-    """K functions of time on 0 … duration [s].
-
-    middle: coefficients (K,) of the function that is 1 all the time
-    """
+    """K functions of time on 0 … duration."""
 
     @property
-    def duration(self) -> float: ...
+    def duration(self) -> float:
+        """Of the motion [s]."""
+        ...
 
     @property
-    def size(self) -> int: ...
+    def size(self) -> int:
+        """K."""
+        ...
 
     @property
-    def middle(self) -> Array: ...
+    def middle(self) -> Array:
+        """Coefficients (K,) of the function that is 1 all the time."""
+        ...
 
     def rows(self, times: Array, order: int) -> Array:
         """Derivatives φ_k^(order) (N, K) at the times (N,) [1/s^order]."""
@@ -58,13 +61,16 @@ class FourierBasis:
 
     @property
     def size(self) -> int:
+        """K."""
         return 2 * self.harmonics - 1
 
     @property
     def middle(self) -> Array:
+        """Coefficients (K,) of the function that is 1 all the time."""
         return np.asarray(np.eye(self.size)[0])
 
     def rows(self, times: Array, order: int) -> Array:
+        """Derivatives φ_k^(order) (N, K) at the times (N,) [1/s^order]."""
         w = self._frequencies
         turned = np.asarray(times, dtype=float)[:, None] * w + (order - 1) * np.pi / 2  # each derivative turns by π/2
         sines, cosines = w ** (order - 1) * np.cos(turned), w ** (order - 1) * np.sin(turned)
@@ -104,13 +110,16 @@ class SplineBasis:
 
     @property
     def size(self) -> int:
+        """K."""
         return self.pieces + 1
 
     @property
     def middle(self) -> Array:
+        """Coefficients (K,) of the function that is 1 all the time."""
         return np.full(self.size, 1 / self._length)
 
     def rows(self, times: Array, order: int) -> Array:
+        """Derivatives φ_k^(order) (N, K) at the times (N,) [1/s^order]."""
         from scipy.interpolate import BSpline  # imported where first used: import graphdyn stays light
 
         degree, n = SPLINE_DEGREE, self.pieces + SPLINE_DEGREE

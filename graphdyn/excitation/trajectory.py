@@ -24,10 +24,12 @@ class JointMotion(NamedTuple):
 
 
 class Course(Protocol):
-    """A motion from time zero to duration [s]."""
+    """A motion from time zero to duration."""
 
     @property
-    def duration(self) -> float: ...
+    def duration(self) -> float:
+        """[s]"""
+        ...
 
     def motion(self, times: Array) -> JointMotion:
         """At the times (N,) [s]."""
@@ -43,9 +45,11 @@ class Trajectory:
 
     @property
     def duration(self) -> float:
+        """[s]"""
         return self.basis.duration
 
     def motion(self, times: Array) -> JointMotion:
+        """At the times (N,) [s]."""
         return JointMotion(*(self.basis.rows(times, order) @ self.coefficients.T for order in range(4)))
 
 
@@ -75,9 +79,11 @@ class TabulatedCourse:
 
     @property
     def duration(self) -> float:
+        """[s]"""
         return float(self.times[-1])
 
     def motion(self, times: Array) -> JointMotion:
+        """At the times (N,) [s]; those outside count as the ends."""
         inside = np.clip(times, 0.0, self.duration)
         return JointMotion(*(np.asarray(spline(inside)) for spline in self._derivatives))
 

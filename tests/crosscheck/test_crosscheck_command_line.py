@@ -28,7 +28,7 @@ from graphdyn import __version__
 
 COMMANDS = (
     *("crosscheck", "judge", "questions", "show", "view", "export", "vectors", "inspect", "identify", "simulate"),
-    *("paper", "bench", "robots", "errata"),
+    *("excite", "paper", "bench", "robots", "errata"),
 )
 
 WRITES = {"export": "--to FILE", "view": "--html FILE", "questions": "--out FILE", "vectors": "--out FOLDER"}

@@ -38,8 +38,8 @@ RATE = 250.0
 
 RUNS, RANDOM, SEEDS = 100, 100, 5
 
-VISCOUS, COULOMB = 5.0, 4.0
-"""Of every joint of the simulated robot [N m s/rad, N m]."""
+FRICTION = 0.02
+"""Viscous and Coulomb friction of every joint of the simulated robot, as a part of its effort [s/rad, -]."""
 
 
 def problem_of(model, noise):
@@ -101,9 +101,10 @@ def promise():
     noise = 0.01 * np.array([joint.limits.effort for joint in model.joints])
     problem = problem_of(model, noise)
     trajectory = optimised(problem).trajectory
-    exact = followed(problem, trajectory, VISCOUS, COULOMB)
+    friction = FRICTION * np.array([joint.limits.effort for joint in model.joints])
+    exact = followed(problem, trajectory, friction, friction)
     plan = excitation_plan(problem.torque_model, problem.total_information(trajectory))
-    truth = np.concatenate([model.inertial_parameters, np.full(6, VISCOUS), np.full(6, COULOMB)])
+    truth = np.concatenate([model.inertial_parameters, friction, friction])
     found, rng = [], np.random.default_rng(0)
     for _ in range(RUNS):
         noisy = replace(exact, tau=exact.tau + noise * rng.normal(size=exact.tau.shape))

@@ -9,7 +9,7 @@ from graphdyn.motion_laws import FourierSeries
 STEP = 1e-3
 """[s] Of the simulation."""
 
-STIFFNESS = 40.0
+STIFFNESS = 80.0
 """[rad/s] Natural frequency of the controller, critically damped."""
 
 AT_REST = 1e-3

@@ -15,6 +15,7 @@ class LimitUseRecord:
     """A limit of a motion, over all its times."""
 
     kind: Literal["position", "velocity", "acceleration", "jerk", "torque", "plane"]
+    """What is limited."""
 
     name: str
     """Of the joint, or of the plane."""
@@ -28,15 +29,16 @@ class FourierRecord:
     """A joint's motion: offset + Σ_l (a_l sin(l ω t) - b_l cos(l ω t)) / (l ω), ω = 2π / duration."""
 
     joint: str
+    """Name, as in the file."""
 
     offset: float
-    """[rad or m]"""
+    """Mean position [rad or m]."""
 
     a: Sequence[float]
-    """[rad/s or m/s]"""
+    """a_1 … a_L [rad/s or m/s]."""
 
     b: Sequence[float]
-    """[rad/s or m/s]"""
+    """b_1 … b_L [rad/s or m/s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +55,7 @@ class PlannedMotionRecord:
     """[s]"""
 
     limits: Sequence[LimitUseRecord]
+    """All of them."""
 
     fourier: Sequence[FourierRecord] | None
     """In the order of the robot; null for motions that are no Fourier series."""
@@ -66,6 +69,7 @@ class PlannedParameterRecord:
     """Such as "XX_2 - YY_2 + 0.18 M_3"."""
 
     unit: str
+    """Of the parameter."""
 
     prior: float
     """Value in the robot's file; 0 for friction and drives."""
@@ -120,6 +124,7 @@ class ExciteRecord:
     """Joints held still, with their positions [rad or m]."""
 
     criterion: Literal["log-det", "sigma", "condition"]
+    """What was minimised."""
 
     noise: Sequence[float]
     """Standard deviation of the torques, of each joint that no others drive [N m or N]."""
@@ -128,20 +133,25 @@ class ExciteRecord:
     """Samples per second of the measurement."""
 
     motions: Sequence[PlannedMotionRecord]
+    """In the order in which they are to be made."""
 
     plan: PlanSummaryRecord
+    """Of recordings of all motions."""
 
     random: Count
     """Random motions that were compared."""
 
     best_random: PlanSummaryRecord | None
+    """Of as many random motions, each the best of them; null without."""
 
     median_random: PlanSummaryRecord | None
+    """Of as many random motions, each their median; null without."""
 
     recorded: PlanSummaryRecord | None
     """Of the recordings of --against, for as many samples."""
 
     parameters: Sequence[PlannedParameterRecord]
+    """The base parameters."""
 
     only_in_sums: Sequence[str]
     """Standard parameters that no motion determines by themselves."""
