@@ -67,7 +67,7 @@ def run(
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
 ) -> None:
-    """Find a motion from which a robot's parameters can be identified, and say how well it will determine each.
+    """Find a motion that shows a robot's parameters.
 
     All joints move at once, start and stop smoothly, and keep the limits of position, velocity, acceleration, jerk and
     torque at all times, checked at 1 kHz; torques are those of the file's inertials. Before the experiment the plan

@@ -76,21 +76,23 @@ def planned(problem: ExcitationProblem, course: Course, seed: int | None = None)
 
 def random_plans(problem: ExcitationProblem, motions: int, count: int) -> tuple[ExcitationPlan, ExcitationPlan]:
     """Plans of as many random motions as asked for: each time the best of count, and the median, by the criterion."""
-    model, found = problem.torque_model.model, []
     with one_thread():
-        for place in (0, count // 2):
-            known = problem.known
-            for number in range(motions):
-                trial = replace(problem, known=known)
-                rng = np.random.default_rng([number, 2])
-                totals = []
-                for _ in range(count):
-                    course = random_trajectory(model, problem.limits, problem.watched, problem.basis, rng)
-                    totals.append(trial.total_information(course))
-                known = sorted(totals, key=lambda total: problem.criterion(total)[0])[place]
-            assert known is not None
-            found.append(excitation_plan(problem.torque_model, known))
-    return found[0], found[1]
+        first = _from_best_to_worst(problem, count, 0)
+        chosen = [first[0], first[count // 2]]
+        for number in range(1, motions):
+            for k, place in enumerate((0, count // 2)):
+                chosen[k] = _from_best_to_worst(replace(problem, known=chosen[k]), count, number)[place]
+    return excitation_plan(problem.torque_model, chosen[0]), excitation_plan(problem.torque_model, chosen[1])
+
+
+def _from_best_to_worst(problem: ExcitationProblem, count: int, seed: int) -> list[Array]:
+    """Information matrices of random motions, with what is known."""
+    rng = np.random.default_rng([seed, 2])
+    totals = []
+    for _ in range(count):
+        course = random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
+        totals.append(problem.total_information(course))
+    return sorted(totals, key=lambda total: problem.criterion(total)[0])
 
 
 def recorded_information(problem: ExcitationProblem, recordings: Sequence[Recording]) -> tuple[Array, int]:
