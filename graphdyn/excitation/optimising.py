@@ -66,7 +66,7 @@ class ExcitationProblem:
     known: information matrix of earlier recordings, zero if left out   (b, b)
     balls: that planes keep on their side; the origins of all frames if left out
 
-    Raises InvalidInput for a noise that is not above zero, or not of this robot.
+    Raises InvalidInput for a noise that is not above zero, or not of this robot, and for a robot with loops.
     """
 
     torque_model: TorqueModel
@@ -80,6 +80,8 @@ class ExcitationProblem:
 
     def __post_init__(self) -> None:
         model = self.torque_model.model
+        if model.chords:
+            raise InvalidInput(f"robot '{model.name}' has loops, which no motion is planned for yet")
         noise = as_floats("noise", self.noise)
         if noise.shape not in ((), (model.n_freedoms,)) or not np.all(np.isfinite(noise) & (noise > 0)):
             raise InvalidInput(f"noise is {noise.tolist()}; give one number above zero, or {model.n_freedoms}")

@@ -23,9 +23,9 @@ class Ball:
 
 def frame_origins(model: RobotModel) -> tuple[Ball, ...]:
     """The origins of all frames that move: bodies and the links that are fused into them, a tool among them."""
-    bodies = [Ball(body, np.zeros(3)) for body in range(1, model.n_bodies + 1)]
-    frames = [Ball(frame.body, np.asarray(frame.placement.translation)) for frame in model.frames if frame.body]
-    return tuple(bodies + frames)
+    origins = [(body, (0.0, 0.0, 0.0)) for body in range(1, model.n_bodies + 1)]
+    origins += [(frame.body, tuple(frame.placement.translation.tolist())) for frame in model.frames if frame.body]
+    return tuple(Ball(body, np.array(center)) for body, center in dict.fromkeys(origins))
 
 
 def centers(model: RobotModel, balls: Sequence[Ball], q: Array) -> tuple[Array, Array]:
