@@ -13,7 +13,7 @@ from crosscheck.cli.console import progress, say, warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.excite_search import best_of
 from crosscheck.cli.exits import AGREED, DISAGREED
-from crosscheck.cli.identify_options import CutoffOption, DropOption, MappingOption, cutoff_of, recordings, terms_of
+from crosscheck.cli.identify_options import CutoffOption, DropOption, MappingOption, cutoff_of, recordings
 from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, LockOption, locked_joints
 from crosscheck.cli.output_files import OutputFile
 
@@ -96,7 +96,7 @@ def run(
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
-        torque_model = TorqueModel(model, (RigidBodies(), *terms_of(terms, None, None, None)))
+        torque_model = TorqueModel(model, (RigidBodies(), *options.terms_of(terms)))
         limits = options.limits_of(
             model, plane, velocity=velocity, acceleration=acceleration, jerk=jerk, torque=torque, lower=lower,
             upper=upper, velocity_share=velocity_share, torque_share=torque_share,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from graphdyn.excitation import MotionLimits, Plane
     from graphdyn.excitation.criteria import Criterion
     from graphdyn.identification import TorqueModel
+    from graphdyn.identification.terms import Term
     from graphdyn.layout import Array
 
 CRITERIA = ("log-det", "sigma", "condition")
@@ -159,6 +160,13 @@ def criterion_of(name: str, torque_model: TorqueModel) -> Criterion:
     if name == "condition":
         return ConditionNumber(prior_spread(torque_model))
     return log_det if name == "log-det" else mean_sigma
+
+
+def terms_of(names: str) -> tuple[Term, ...]:
+    """--terms. Raises InvalidInput for unknown names."""
+    from crosscheck.identifying import friction_terms
+
+    return friction_terms([] if names == "none" else [name.strip() for name in names.split(",")])
 
 
 def axis_settings(signs: str, zeros: str) -> AxisSettings:
