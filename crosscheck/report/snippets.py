@@ -220,8 +220,8 @@ def _origin(record: Comparison | Judgement) -> str | None:
     """What urdf.load takes: the name in the catalogue, or the whole path. None where a RobotModel was given."""
     if record.file is None:
         return None
-    known = {entry.name: str(entry.path.resolve()) for entry in urdf.robots()}
-    return record.robot if known.get(record.robot) == record.file else record.file
+    named = (entry.path for entry in urdf.robots() if entry.name == record.robot)
+    return record.robot if record.file in (str(path.resolve()) for path in named) else record.file
 
 
 def _robot(
