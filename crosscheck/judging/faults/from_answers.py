@@ -67,6 +67,8 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
         which = [k for k in range(v.shape[1]) if np.abs(deviation[:, k]).max() > bound]
         for k in which:
             found[:, k] = _fitted(law, p, v[:, k], deviation[:, k])
+            if np.abs(law(found[:, k], v[:, k]) - deviation[:, k]).max() > bound:
+                break  # it must fit every joint
         weak = np.abs(found[0]) * np.abs(v).max(axis=0) <= bound
         found[0] = np.where(weak, 0.0, found[0])
         left = np.abs(law(found, v) - deviation).max() if which else np.inf
