@@ -1,6 +1,7 @@
 """Fixtures of the cross-check tests."""
 
 import errno
+import math
 import os
 import re
 import shutil
@@ -13,7 +14,7 @@ from planting import Plant, mixed_tree
 from urdf_text import joint, link, robot_text
 
 import urdf
-from crosscheck.cli import main, own_process
+from crosscheck.cli import console, main, own_process
 from crosscheck.referee import compare as comparing
 from crosscheck.studies import errata
 
@@ -80,6 +81,14 @@ def small_arm(tmp_path):
     return path
 
 
+@pytest.fixture
+def second_arm(tmp_path):
+    """Another file of the same robot."""
+    path = tmp_path / "second.urdf"
+    path.write_text(SMALL_ARM, encoding="utf-8")
+    return path
+
+
 @pytest.fixture(scope="session")
 def tree():
     """Three bodies, one joint of each kind, branching, mounted anywhere: compared in a fifth of a second."""
@@ -106,6 +115,7 @@ def program(monkeypatch, capsys):
     """program("crosscheck", "ur5"): exit code and what was written, through main as the script calls it."""
 
     def run(*arguments):
+        monkeypatch.setattr(console, "INTERVAL", math.inf)  # however slow the machine, no line of progress
         monkeypatch.setattr(sys, "argv", ["graphdyn", *map(str, arguments)])
         with pytest.raises(SystemExit) as caught:
             main()

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 import pytest
+from long_check import LONG
 from planting import flagged
 from typer.testing import CliRunner
 from urdf_text import joint, link, robot_text
@@ -33,8 +34,14 @@ pytestmark = pytest.mark.filterwarnings(
 @pytest.mark.parametrize(
     ("robot", "chain", "lock", "n_bodies"),
     [
-        ("talos_reduced", ("torso_1_link", "arm_right_5_link"), {"arm_left_1_joint": 0.3, "torso_2_joint": 0.1}, 5),
-        ("pr2", ("torso_lift_link", "r_gripper_tool_frame"), None, 7),
+        pytest.param(
+            "talos_reduced",
+            ("torso_1_link", "arm_right_5_link"),
+            {"arm_left_1_joint": 0.3, "torso_2_joint": 0.1},
+            5,
+            marks=LONG,
+        ),
+        pytest.param("pr2", ("torso_lift_link", "r_gripper_tool_frame"), None, 7, marks=LONG),
         ("xarm7", ("link_base", "link5"), {"joint2": -0.7}, 4),
     ],
 )

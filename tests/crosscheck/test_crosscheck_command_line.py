@@ -11,6 +11,7 @@ import sys
 
 import pytest
 import typer
+from long_check import few
 from planting import mixed_tree
 
 import crosscheck
@@ -50,9 +51,9 @@ class TestExitCodes:
         rows = [line for line in done.out.splitlines() if line.startswith("│") and "DISAGREES" in line]
         assert [row.split("│")[1].strip() for row in rows] == ["torque", "torque_recursive"]
 
-    def test_one_of_several_disagrees(self, program, small_arm, wrong_torque):
+    def test_one_of_several_disagrees(self, program, small_arm, second_arm, wrong_torque):
         """The plant strikes the first robot only; the verdict is of all."""
-        done = program("crosscheck", small_arm, "kr500", "--samples", 2)
+        done = program("crosscheck", small_arm, second_arm, "--samples", 2)
         assert done.code == DISAGREED
         assert re.search(r"│ verdict +│ +│ +DISAGREES │ +agrees │", done.out)
         for name, row in zip(
@@ -179,7 +180,7 @@ class TestCompletion:
 
         return run
 
-    @pytest.mark.parametrize("command", ["crosscheck", "crosscheck kr500", "show"])
+    @pytest.mark.parametrize("command", few(["crosscheck", "crosscheck kr500", "show"], "crosscheck kr500", "show"))
     def test_robot_names(self, complete, command):
         assert {"ur3", "ur5", "ur10"} <= set(complete(f"graphdyn {command} ur"))
         assert complete(f"graphdyn {command} kr5") == ["kr500"]
@@ -227,7 +228,7 @@ class TestExamples:
         monkeypatch.setattr("crosscheck.studies.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
         monkeypatch.setattr("crosscheck.studies.bench.contender.STEADY", 1e-3)
 
-    @pytest.mark.parametrize("command", COMMANDS)
+    @pytest.mark.parametrize("command", few(COMMANDS, *(set(COMMANDS) - {"identify", "bench"})))
     def test_the_first_one_runs(self, program, command, my_code, hurry):
         first = next(arguments for name, arguments in self.EXAMPLES if name == command)
         assert program(command, *first).code == AGREED
@@ -249,10 +250,10 @@ class TestProgress:
         assert re.search(rf"kr500.* {states}/{states} ", done.err)
         assert "(1 of" not in done.err
 
-    def test_several(self, program, small_arm):
-        done = program("crosscheck", "kr500", small_arm, "ur55", "--samples", 1)
+    def test_several(self, program, small_arm, second_arm):
+        done = program("crosscheck", second_arm, small_arm, "ur55", "--samples", 1)
         assert done.code == BAD_INPUT
-        assert "kr500 (1 of 3)" in done.err
+        assert "second.urdf (1 of 3)" in done.err
         assert "(2 of 3)" in done.err
         assert "'ur55' is neither" in done.err
 
@@ -393,7 +394,8 @@ class TestInstalledScript:
         record = tmp_path / "r.json"
         done = script("crosscheck", small_arm, "--samples", 2, "--json", record)
         assert done.code == AGREED
-        assert done.err == ""
+        progress = re.compile(rf"{re.escape(str(small_arm))}: \d+ after \d+ s, .*")  # where the machine is slow
+        assert [line for line in done.err.splitlines() if not progress.fullmatch(line)] == []
         assert json.loads(record.read_text(encoding="utf-8"))["command"][:2] == ["graphdyn", "crosscheck"]
 
     def test_bad_file(self, script, tmp_path):

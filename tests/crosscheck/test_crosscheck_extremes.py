@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from long_check import LONG
 from planting import flagged, with_body, with_joint
 
 import crosscheck
@@ -41,7 +42,7 @@ def weightless_wrist(*axes):
     return arm
 
 
-@pytest.mark.parametrize("metres", [30, 1e4])
+@pytest.mark.parametrize("metres", [pytest.param(30, marks=LONG), 1e4])
 def test_far_from_the_origin(metres):
     """A robot on a map: its dynamics do not depend on where it stands."""
     far = kr500().with_base(Placement(translation=[metres, metres, metres]))
@@ -56,19 +57,23 @@ def test_first_joint_far_from_the_base():
 
 @pytest.mark.parametrize(
     "masses",
-    [[1e-6] * 6, [1e5] * 6, 10.0 ** np.linspace(-6, 5, 6), 10.0 ** np.linspace(5, -6, 6)],
-    ids=["micrograms", "hundred tons", "growing", "shrinking"],
+    [
+        pytest.param([1e-6] * 6, id="micrograms", marks=LONG),
+        pytest.param([1e5] * 6, id="hundred tons", marks=LONG),
+        pytest.param(10.0 ** np.linspace(-6, 5, 6), id="growing"),
+        pytest.param(10.0 ** np.linspace(5, -6, 6), id="shrinking", marks=LONG),
+    ],
 )
 def test_masses_of_all_sizes(masses):
     assert flagged(crosscheck.compare(chain(masses), SAMPLES)) == set()
 
 
-@pytest.mark.parametrize("rate", [1e3, 9e5])
+@pytest.mark.parametrize("rate", [pytest.param(1e3, marks=LONG), 9e5])
 def test_absurd_velocities(rate):
     assert flagged(crosscheck.compare(chain([1.0] * 6, limits=JointLimits(velocity=rate)), SAMPLES)) == set()
 
 
-@pytest.mark.parametrize("kinds", ["ppprrr", "pppppp", "r" * 12])
+@pytest.mark.parametrize("kinds", ["ppprrr", "pppppp", pytest.param("r" * 12, marks=LONG)])
 def test_other_machines(kinds):
     assert flagged(crosscheck.compare(chain([1.0] * len(kinds), kinds), SAMPLES)) == set()
 

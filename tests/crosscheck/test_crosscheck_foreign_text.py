@@ -7,6 +7,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from long_check import LONG
 
 import urdf
 from crosscheck.cli import console, own_process
@@ -257,9 +258,13 @@ class TestEncodings:
     @pytest.mark.parametrize(
         ("encoding", "command"),
         [
-            *[("ascii", command) for command in (("show", "kr500"), ("show", "τ"), ("inspect", "kr500"))],
-            *[("latin-1", command) for command in (("show", "kr500"), ("judge", "--help"), ("show", "τ"))],
+            ("ascii", ("show", "kr500")),
+            ("ascii", ("show", "τ")),
+            ("latin-1", ("judge", "--help")),
             ("cp1252", ("judge", "--help")),
+            pytest.param("ascii", ("inspect", "kr500"), marks=LONG),
+            pytest.param("latin-1", ("show", "kr500"), marks=LONG),
+            pytest.param("latin-1", ("show", "τ"), marks=LONG),
         ],
     )
     def test_of_the_terminal(self, script, encoding, command):

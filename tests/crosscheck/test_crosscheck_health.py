@@ -4,11 +4,13 @@ import functools
 import json
 import tomllib
 from dataclasses import replace
+from itertools import product
 
 import identified_arm
 import numpy as np
 import pytest
 import spoilt_recordings
+from long_check import few
 from shared_data import DATA, existing
 from typer.testing import CliRunner
 
@@ -35,6 +37,9 @@ def arm():
 def health_of(recording):
     return health(arm().torque_model, [recording], identified_arm.CUTOFF)
 
+
+RECORDINGS = ("ur10", "tx40", "kr300")
+SPOILT = ("tau4 reversed", "q2, q3 exchanged", "tau 20 ms early")
 
 NAMES = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint")
 
@@ -100,7 +105,7 @@ class TestRemedies:
     def test_right(self, right):
         assert right.findings == ()
 
-    @pytest.mark.parametrize("code", MISTAKES)
+    @pytest.mark.parametrize("code", few(MISTAKES, "reversed-torque", "exchanged-positions", "zero", "late-torque"))
     def test_pasted_lines_undo_the_mistake(self, file, right, code):
         found = health_of(loaded(file, MISTAKES[code]))
         finding = found.findings[0]
@@ -258,7 +263,6 @@ class TestVerdict:
         assert any("times that of parameters without constraints" in words for words in said)
 
 
-@pytest.mark.parametrize("name", ["ur10", "tx40", "kr300"])
 class TestRealRecordings:
     """A few of the variants of tests/helpers/spoilt_recordings.py, without any fit."""
 
@@ -267,12 +271,19 @@ class TestRealRecordings:
         (chosen,) = [known for known in spoilt_recordings.variants(name) if known.name == variant]
         return spoilt_recordings.judged(name, chosen, fitted=False)
 
+    @pytest.mark.parametrize("name", RECORDINGS)
     def test_clean(self, name):
         row = self.judged(name, "clean")
         assert row.health.findings == ()
         assert row.health.unseen
 
-    @pytest.mark.parametrize("variant", ["tau4 reversed", "q2, q3 exchanged", "tau 20 ms early"])
+    @pytest.mark.parametrize(
+        ("name", "variant"),
+        few(
+            [*product(RECORDINGS, SPOILT)],
+            ("ur10", "tau4 reversed"), ("tx40", "q2, q3 exchanged"), ("kr300", "tau 20 ms early"),
+        ),
+    )  # fmt: skip
     def test_spoilt(self, name, variant):
         assert self.judged(name, variant).right
 

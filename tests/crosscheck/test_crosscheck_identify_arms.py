@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from long_check import LONG
 from shared_data import DATA, REPOSITORY, existing
 from typer.testing import CliRunner
 
@@ -131,6 +132,7 @@ def test_ur10(run):
     assert Path("ur10.html").stat().st_size < 5e6
 
 
+@LONG
 def test_tx40_with_the_settings_of_the_literature(run):
     training, _ = commands("tx40")
     recording = run(training, "--methods", "wls,consistent", "--folds", "2")  # the fit does not depend on the folds
@@ -175,6 +177,7 @@ def test_kr300_payload(run, kr300):
     assert recording["shown"]["bodies"][5]["identified"]["m"] == pytest.approx(17.78 + mass["value"])
 
 
+@LONG
 def test_kr300_prior_predicts_better(run, kr300):
     _, everything = commands("kr300")
     kr300("kr300_150.urdf", 150.0)

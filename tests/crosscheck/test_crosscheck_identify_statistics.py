@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from coverage_run import correlated_noise, virtual_coverage
+from long_check import LONG
 from planting import mixed_tree
 
 import crosscheck
@@ -58,9 +59,10 @@ def test_filters_do_not_bias(preparation, monkeypatch):
         assert np.all(np.abs(result.base_values / truth - 1)[drive] < UNBIASED), result.name
 
 
-def test_two_standard_deviations_cover_the_truth_of_the_virtual_robot():
-    """Of 54 parameters of a UR5, over 20 seeds; those for white noise cover a third."""
-    block, white = virtual_coverage(20, seconds=10.0)
+@pytest.mark.parametrize("seeds", [3, pytest.param(20, marks=LONG)])
+def test_two_standard_deviations_cover_the_truth_of_the_virtual_robot(seeds):
+    """Of 54 parameters of a UR5; those for white noise cover a third."""
+    block, white = virtual_coverage(seeds, seconds=10.0)
     assert 0.90 <= block <= 0.98
     assert white < 0.6
 

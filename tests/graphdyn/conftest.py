@@ -4,13 +4,14 @@ import json
 
 import numpy as np
 import pytest
+from long_check import few
 from random_trees import NAMED
 from shared_data import DATA, existing
 
 from graphdyn import _methods as methods
 
 
-@pytest.fixture(params=NAMED)
+@pytest.fixture(params=few(NAMED, *(NAMED.keys() - {"revolute_chain", "prismatic_inside_and_out"})))
 def robot(request):
     return NAMED[request.param]
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from long_check import LONG
 from random_trees import NAMED, random_state, random_wrenches
 from witnesses import derivative, relative_error
 
@@ -58,7 +59,10 @@ def test_of_inverse_dynamics(model, method, base):
             assert relative_error(answer, expected, here.joint_wrenches) < DIFFERENCE
 
 
-@robots
+@pytest.mark.parametrize(
+    "model",
+    [pytest.param(NAMED[name], id=name, marks=[LONG] * (name != "branched")) for name in ROBOTS],
+)
 @pytest.mark.parametrize("method", ["projected", "recursive"])
 @bases
 def test_second_ones_of_inverse_dynamics(model, method, base):

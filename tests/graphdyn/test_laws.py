@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from long_check import LONG
 from random_trees import NAMED, random_rotation, random_state, random_tree, random_wrenches
 from witnesses import (
     acceleration_scale,
@@ -52,7 +53,12 @@ def simulate(model, q, v, tau, method, steps, step):
     yield x[:n], x[n:]
 
 
-@pytest.mark.parametrize("name", ["kr500", "mixed_chain"])
+@pytest.mark.parametrize(
+    "method",
+    ["projected", "dense", "recursive, compiled", pytest.param("recursive, NumPy", marks=LONG)],
+    indirect=True,
+)
+@pytest.mark.parametrize("name", [pytest.param("kr500", marks=LONG), "mixed_chain"])
 def test_energy_is_conserved_along_a_free_motion(name, method):
     model = NAMED[name]
     q, v, _ = random_state(model, 1)

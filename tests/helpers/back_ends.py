@@ -4,9 +4,12 @@ import os
 from contextlib import ExitStack, contextmanager
 from unittest import mock
 
+import pytest
+from long_check import LONG
+
 from graphdyn.kernels import gram, native, running
 
-COMPILED = ("host", "2 lanes", "4 lanes")
+COMPILED = ("host", "2 lanes", pytest.param("4 lanes", marks=LONG))
 BACK_ENDS = ("numpy", *COMPILED)
 
 

@@ -4,6 +4,7 @@ import functools
 
 import numpy as np
 import pytest
+from long_check import LONG
 from scipy.signal import butter, sosfiltfilt
 
 import graphdyn
@@ -161,7 +162,7 @@ class TestFaults:
 
 
 class TestDelays:
-    @pytest.mark.parametrize("seconds", [-0.02, 0.0073, 0.02, 0.1])
+    @pytest.mark.parametrize("seconds", [-0.02, 0.0073, pytest.param(0.02, marks=LONG), pytest.param(0.1, marks=LONG)])
     def test_of_all_joints(self, seconds):
         found = recording_health(torque_model(), [recording(seconds)])
         assert found.lag.common == pytest.approx(seconds, abs=WITHIN)

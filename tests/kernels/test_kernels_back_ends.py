@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from back_ends import on
+from long_check import LONG
 from random_trees import NAMED, random_state, random_tree
 
 import graphdyn
@@ -230,7 +231,7 @@ def test_programs_that_would_take_long_to_compile_are_interpreted():
     assert isinstance(torque_gram(twenty, range(200), 0)._backend, InterpretedGram)
 
 
-@pytest.mark.parametrize("model", [CHAIN, STAR], ids=["chain", "star"])
+@pytest.mark.parametrize("model", [CHAIN, pytest.param(STAR, marks=LONG)], ids=["chain", "star"])
 def test_sixty_bodies(model):
     q, v, a = random_state(model, 3, (3,))
     found = graphdyn.inverse_dynamics(model, q, v, a, method="recursive")
