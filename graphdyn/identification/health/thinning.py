@@ -80,9 +80,7 @@ class ThinnedRecording:
 
 
 def _rows(samples: Samples, chosen: NDArray[np.intp]) -> Samples:
-    return replace(
-        samples, q=samples.q[chosen], v=samples.v[chosen], a=samples.a[chosen], tau=samples.tau[chosen], row_filter=None
-    )
+    return Samples(samples.q[chosen], samples.v[chosen], samples.a[chosen], samples.tau[chosen], samples.base)
 
 
 def _joined(parts: Sequence[Samples]) -> Samples:
