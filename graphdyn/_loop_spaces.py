@@ -67,12 +67,6 @@ def loop_spaces(jacobian: Array) -> LoopSpaces:
     return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))
 
 
-def independent_columns(jacobian: Array, preferred: Sequence[int]) -> list[int]:
-    """Columns of J (m, n) on which the others depend: preferred ones as far as these leave the rest well determined."""
-    dependent = pivoted_columns(jacobian, int(loop_spaces(jacobian).rank), preferred)
-    return [j for j in range(jacobian.shape[-1]) if j not in dependent]
-
-
 def pivoted_columns(matrix: Array, count: int, last: Sequence[int] = ()) -> list[int]:
     """Independent columns: each the longest once what the chosen ones span is taken away.
 

@@ -22,7 +22,7 @@ from graphdyn._inertia import (
     consistency_problems,
     pseudo_inertia,
 )
-from graphdyn._loop_spaces import loop_spaces
+from graphdyn._loop_spaces import loop_spaces, pivoted_columns
 from graphdyn._loops import CLOSED, Loops
 from graphdyn._parts import Body, Frame, Joint, as_floats, check_type, freeze, read_only
 from graphdyn._placement import Placement
@@ -181,6 +181,16 @@ class RobotModel:
         spaces = loop_spaces(self.loops.jacobian(self.loops.links(q)))
         ratio = np.where(spaces.inverse > 0, spaces.inverse, np.inf).min(axis=-1) / spaces.inverse.max(axis=-1)
         return read_only(q[np.lexsort((ratio, spaces.rank))[-1]])
+
+    @cached_property
+    def dependent_joints(self) -> tuple[int, ...]:
+        """Numbers, among the entries of q, of joints that follow from the others where loops are closed.
+
+        Chosen in regular_pose, as many as J has rank; motors are among the others as far as these determine the rest.
+        """
+        jacobian = self.loops.jacobian(self.loops.links(self.regular_pose))
+        motors = [self.independent_joints.index(name) for name in self.actuated or ()]
+        return tuple(sorted(pivoted_columns(jacobian, int(loop_spaces(jacobian).rank), motors)))
 
     def joint_positions(self, q: ArrayLike) -> Array:
         """Of all joints (…, n) [rad or m], from those of the independent ones (…, n_freedoms)."""

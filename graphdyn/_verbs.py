@@ -71,7 +71,7 @@ class Verbs:
     inverse_dynamics_derivatives = Verb(
         complex_steps.inverse_dynamics_derivatives,
         answer=InverseDynamicsDerivatives,
-        closed=loops.refused("inverse_dynamics_derivatives", NO_DERIVATIVES),
+        closed=loop_derivatives.inverse_dynamics_derivatives,
     )
     inverse_dynamics_second_derivatives = Verb(
         complex_steps.inverse_dynamics_second_derivatives,

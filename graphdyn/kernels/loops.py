@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from graphdyn._chord import Chord
-from graphdyn._loop_spaces import independent_columns
 from graphdyn._loops import CLOSED
 from graphdyn._model import RobotModel
 from graphdyn.kernels.factorization import inverted
@@ -98,7 +97,7 @@ def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) ->
     at = places(links, q)
     rows = [_rows(links, at, chord, v) for chord in model.chords]
     jacobian = np.concatenate([row.jacobian for row in rows])
-    dependent = dependent_joints(model)
+    dependent = list(model.dependent_joints)
     independent = [j for j in range(len(links)) if j not in dependent]
     columns = jacobian[:, dependent]
     normal = columns.T @ columns
@@ -116,15 +115,6 @@ def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) ->
             opening, size = sum(terms), sum(x * x for x in terms)
             watched.append((size * CLOSED**2 - opening * opening) * TINY + 1e-6)
     return Closing(motions_of, dependent, columns, inverse, rows, watched)
-
-
-def dependent_joints(model: RobotModel) -> list[int]:
-    """Those that follow from the others in a regular pose; motors are independent where they can be."""
-    loops = model.loops
-    jacobian = loops.jacobian(loops.links(model.regular_pose))
-    motors = [model.joint_names.index(name) for name in model.actuated or ()]
-    independent = independent_columns(jacobian, motors)
-    return [j for j in range(model.n_bodies) if j not in independent]
 
 
 def forward_dynamics(

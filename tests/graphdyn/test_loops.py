@@ -236,6 +236,13 @@ def test_derivatives_along_closed_motions(model):
     ]
     difference = graphdyn.joint_accelerations(model, q_1, v_1, tau) - graphdyn.joint_accelerations(model, q_0, v_0, tau)
     assert relative_error(sum(change) / step, difference / step) < 1e-7  # of central differences
+    motors = model.with_actuated(["a", "c"] if len(q[0]) == 3 else ["hinge 0"])
+    torques = graphdyn.inverse_dynamics_derivatives(motors, q, v, graphdyn.joint_accelerations(model, q, v, tau))
+    (a_1, a_0) = (graphdyn.joint_accelerations(model, *state, tau) for state in ((q_1, v_1), (q_0, v_0)))
+    parts = ((torques.dtau_dq, q_1 - q_0), (torques.dtau_dv, v_1 - v_0), (torques.dtau_da, a_1 - a_0))
+    change = [np.einsum("...ij,...j->...i", part, d) for part, d in parts]
+    differences = [graphdyn.joint_torques(motors, *state) for state in ((q_1, v_1, a_1), (q_0, v_0, a_0))]
+    assert relative_error(sum(change) / step, (differences[0] - differences[1]) / step, *np.array(change) / step) < 1e-7
     linear = graphdyn.joint_accelerations(model, q, v, tau + 1.0) - graphdyn.joint_accelerations(model, q, v, tau)
     assert relative_error(found.da_dtau.sum(axis=-1), linear, graphdyn.joint_accelerations(model, q, v, tau)) < 1e-12
 
