@@ -23,6 +23,7 @@ from crosscheck.cli.options import (
     locked_joints,
 )
 from crosscheck.cli.robot_files import is_folder
+from crosscheck.cli.three_d import ThreeDOption, refuse_without_page, standing
 from graphdyn import GraphDynError
 from graphdyn.kernels.running import cores
 
@@ -60,6 +61,7 @@ def run(
     chain: ChainOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
     jobs: JobsOption = None,
     resume: ResumeOption = False,
 ) -> None:
@@ -77,12 +79,16 @@ def run(
         raise typer.BadParameter("--jobs and --resume are for folders")
     if resume and (json_file is None or not json_file.is_regular):
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
+    refuse_without_page(three_d, html_file)
+    if folder and three_d:
+        raise typer.BadParameter("--3d is not for folders; name the robots")
     if folder:
         processes = jobs or cores()
         raise typer.Exit(compare_folder(context, robots or [], samples, seed, processes, resume, json_file, html_file))
     choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
     from crosscheck.referee.compare import compare
     from crosscheck.report.commands.crosscheck import crosscheck_report
+    from crosscheck.report.report import with_stage
 
     comparisons, failures = [], []
     for number, (robot, frozen) in enumerate(choice, start=1):
@@ -94,7 +100,10 @@ def run(
         except (GraphDynError, OSError) as error:
             complain(error, context)
             failures.append({"robot": robot, "message": str(error)})
-    deliver(crosscheck_report(comparisons, failures), html_file, json_file)
+    report = crosscheck_report(comparisons, failures)
+    if three_d and comparisons:
+        report = with_stage(report, [standing(one.robot, one.model, one.locked, one.chain) for one in comparisons])
+    deliver(report, html_file, json_file)
     if failures:
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)

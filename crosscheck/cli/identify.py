@@ -32,6 +32,7 @@ from crosscheck.cli.options import (
     LockOption,
     locked_joints,
 )
+from crosscheck.cli.three_d import ThreeDOption, recorded, refuse_without_page
 from crosscheck.report.plain_text import printable
 
 if TYPE_CHECKING:
@@ -89,6 +90,7 @@ def run(
     urdf_file: options.UrdfOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
 ) -> None:
     """Find a robot's parameters from recordings.
 
@@ -109,6 +111,7 @@ def run(
     if robot is None and logs:
         raise typer.BadParameter("--robot is missing; give a name (`graphdyn robots`) or a URDF file")
     robot = robot or DEFAULT_ROBOT
+    refuse_without_page(three_d, html_file)
     if urdf_file is not None and urdf_file.is_standard_output:
         raise typer.BadParameter("--urdf: name a file; only --json and --html can go to standard output")
     if not logs:
@@ -129,6 +132,7 @@ def run(
     preparation = prepared_as(cutoff, derive_velocity, decimate, min_speed, torque_hold)
     loop = loop_options.loop_of(controller, control_rate)
     from crosscheck.report.commands.identify import identify_report
+    from crosscheck.report.report import with_stage
 
     if logs:
         options.refuse_with_log(seconds=seconds, seed=seed)
@@ -154,7 +158,10 @@ def run(
             how_long, which = 20.0 if seconds is None else seconds, seed or 0
             found = simulated(robot, compared, frozen, how_long, which, preparation=preparation, poses=poses)
     shown = found.shown(None if choose is None else method_shown(choose))
-    deliver(identify_report(found, shown), html_file, json_file)
+    report = identify_report(found, shown)
+    if three_d:
+        report = with_stage(report, [recorded(found)])
+    deliver(report, html_file, json_file)
     if urdf_file is not None:
         doubted = bool(found.recommendation.doubts) and choose is None
         if doubted:

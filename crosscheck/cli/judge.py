@@ -50,6 +50,7 @@ from crosscheck.cli.options import (
     SeedOption,
     locked_joints,
 )
+from crosscheck.cli.three_d import ThreeDOption, refuse_without_page, standing
 
 EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --forward-dynamics my_package.dynamics:aba --html verdict.html
@@ -92,6 +93,7 @@ def run(
     gravity: GravityOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
 ) -> None:
     """Judge your own dynamics code, and say what is wrong with it.
 
@@ -103,6 +105,7 @@ def run(
     in the reference of a Jacobian, it is found out and said which convention yours follows. MuJoCo takes part where it
     is installed.
     """
+    refuse_without_page(three_d, html_file)
     given = {
         "inverse_dynamics": inverse_dynamics,
         "forward_dynamics": forward_dynamics,
@@ -115,6 +118,7 @@ def run(
         from crosscheck.judging.exchange.replay import AnswersPending
         from crosscheck.judging.exchange.rounds import Setting, judge_answers
         from crosscheck.report.commands.judge import judge_report
+        from crosscheck.report.report import with_stage
 
         setting = Setting(
             robot=robot,
@@ -145,7 +149,10 @@ def run(
             raise typer.Exit(PENDING) from None
     if unused:
         warn_of_unused(unused)
-    deliver(judge_report(judgement), html_file, json_file)
+    report = judge_report(judgement)
+    if three_d:
+        report = with_stage(report, [standing(robot, judgement.model, judgement.locked, judgement.chain)])
+    deliver(report, html_file, json_file)
     raise typer.Exit(AGREED if judgement.agrees and judgement.decided else DISAGREED)
 
 

@@ -54,10 +54,6 @@ HtmlOption = Annotated[
     typer.Option("--html", metavar="FILE", parser=OutputFile, help="Write a self-contained page to FILE."),
 ]
 
-ThreeDOption = Annotated[
-    bool, typer.Option("--3d", help="With --html: the robot in three dimensions, in place of its picture.")
-]
-
 
 def locked_joints(texts: list[str] | None) -> dict[str, float]:
     """--lock JOINT[=VALUE] as {joint: value}."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
@@ -11,15 +10,14 @@ from crosscheck.cli.console import warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.options import (
     EXAMPLES,
-    FACES,
     HtmlOption,
     JsonOption,
     LockOption,
     RobotArgument,
-    ThreeDOption,
     locked_joints,
 )
 from crosscheck.cli.states import StateOption, given_state
+from crosscheck.cli.three_d import ThreeDOption, refuse_without_page, standing
 
 Reference = Literal["world", "local", "local_world_aligned"]
 
@@ -59,12 +57,14 @@ def run(
     """
     if state is None and (frame is not None or reference is not None):
         raise typer.BadParameter("--frame and --reference say whose Jacobian is shown; it takes a --state")
+    refuse_without_page(three_d, html_file)
     locked = locked_joints(lock)
     import urdf
     from crosscheck.referee.subject import tip
     from crosscheck.report.commands.show import show_report
     from crosscheck.report.describing import describe
     from crosscheck.report.describing_state import describe_state
+    from crosscheck.report.report import with_stage
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
@@ -73,13 +73,6 @@ def run(
         q, v = given_state(state, model)
         there = describe_state(model, q, v, frame or tip(model), reference or "local_world_aligned")
     report = show_report(describe(model, robot, locked, there), model)
-    if three_d and html_file is not None:
-        from crosscheck.report.report import with_stage
-        from crosscheck.viewing.figures import Figure
-        from crosscheck.viewing.motions import closed_instant
-        from crosscheck.viewing.robots import shown_robot
-
-        shown = shown_robot(robot, model, locked, FACES)
-        motion, notes = closed_instant(model) if model.chords and q is None else (None, ())
-        report = with_stage(report, [Figure(Path(robot).name, shown, motion, notes, q)])
+    if three_d:
+        report = with_stage(report, [standing(robot, model, locked, q=q)])
     deliver(report, html_file, json_file)

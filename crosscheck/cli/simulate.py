@@ -13,21 +13,17 @@ from crosscheck.cli.delivery import deliver
 from crosscheck.cli.foreign import foreign_function
 from crosscheck.cli.options import (
     EXAMPLES,
-    FACES,
     HtmlOption,
     JsonOption,
     LockOption,
     RobotArgument,
-    ThreeDOption,
     command_line,
     locked_joints,
 )
 from crosscheck.cli.output_files import OutputFile
+from crosscheck.cli.three_d import ThreeDOption, refuse_without_page, simulated
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from crosscheck.report.report import Report
     from graphdyn import RobotModel, Simulation
 
 EPILOG = f"""{EXAMPLES}  graphdyn simulate ur5 --duration 3 --html fall.html
@@ -108,11 +104,13 @@ def run(
         step = STEP
     if out is not None:
         _check_suffix(out)
+    refuse_without_page(three_d, html_file)
     if not (rate > 0 and duration > 0):
         raise typer.BadParameter("--rate and --duration must be above zero")
     locked = locked_joints(lock)
     import urdf
     from crosscheck.report.commands.simulate import SimulatedRun, simulate_report
+    from crosscheck.report.report import with_stage
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
@@ -131,19 +129,9 @@ def run(
         _write(motion, out, {"robot": robot, "locked": locked, "torque": torque, "position": q, "velocity": v})
     shown = SimulatedRun(motion, robot, locked, torque, method, step, out.name if out else None)
     report = simulate_report(shown)
-    if three_d and html_file is not None:
-        report = _with_stage(report, motion, robot, locked)
+    if three_d:
+        report = with_stage(report, [simulated(robot, motion, locked)])
     deliver(report, html_file, json_file)
-
-
-def _with_stage(report: Report, motion: Simulation, robot: str, locked: Mapping[str, float]) -> Report:
-    from crosscheck.report.report import with_stage
-    from crosscheck.viewing.figures import Figure
-    from crosscheck.viewing.motions import simulated_motion
-    from crosscheck.viewing.robots import shown_robot
-
-    shown = shown_robot(robot, motion.model, locked, FACES)
-    return with_stage(report, [Figure(Path(robot).name, shown, *simulated_motion(motion))])
 
 
 def _simulated(

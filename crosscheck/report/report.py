@@ -305,10 +305,19 @@ class Report:
 
 
 def with_stage(report: Report, figures: Sequence[Figure]) -> Report:
-    """The report with these robots in three dimensions in place of the picture of its robot."""
+    """The report with these robots in three dimensions, in one stage.
+
+    It is in place of the picture of the report's robot; where there is none, or are several, at the end of the first
+    section.
+    """
+    stage = Stage(tuple(figures))
+    pictures = [block for section in report.sections for block in section.blocks if isinstance(block, RobotPicture)]
+    if len(pictures) != 1:
+        first, *others = report.sections
+        return replace(report, sections=(replace(first, blocks=(*first.blocks, stage)), *others))
 
     def exchanged(block: Block) -> Block:
-        return Stage(tuple(figures)) if isinstance(block, RobotPicture) else block
+        return stage if block is pictures[0] else block
 
     sections = [replace(section, blocks=tuple(map(exchanged, section.blocks))) for section in report.sections]
     return replace(report, sections=tuple(sections))

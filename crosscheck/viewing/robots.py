@@ -10,12 +10,18 @@ from crosscheck.viewing.stand_ins import stand_ins
 from graphdyn import RobotModel
 
 
-def shown_robot(source: str, model: RobotModel, locked: Mapping[str, float], faces: int) -> ShownRobot:
+def shown_robot(
+    source: str,
+    model: RobotModel,
+    locked: Mapping[str, float],
+    faces: int,
+    chain: tuple[str, str] | None = None,
+) -> ShownRobot:
     """The robot that urdf.load made of a source, with what the file says that it looks like.
 
     Raises the errors of urdf.shapes.
     """
-    shapes = urdf.shapes(source, faces=faces, lock=locked or None)
+    shapes = urdf.shapes(source, faces=faces, lock=locked or None, chain=chain)
     numbers = {name: number for number, name in enumerate((model.base_name, *model.body_names))}
     placed = tuple(
         BodyShape(

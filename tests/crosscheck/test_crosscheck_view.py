@@ -29,6 +29,9 @@ ROUNDING = 1e-12
 SINGLE = 1e-6
 """Relative: loads are sent as 32-bit numbers."""
 
+LARGEST_STAGE = 1_500_000
+"""Characters of a page of the player with one robot and its meshes, or with few and simple ones."""
+
 
 def pendulum(*, limits=None, couplings=()):
     rod = Body("rod", 2.0, np.array([0.0, 0.0, -0.4]), np.diag([0.02, 0.02, 0.001]))
@@ -284,19 +287,73 @@ class TestCommand:
         with pytest.raises(ConnectionRefusedError):
             socket.create_connection(("127.0.0.1", port))
 
-    def test_in_a_report(self, program, small_arm, tmp_path):
-        """--3d: the page of the player inside that of the report, whose policy allows its scripts and no others."""
-        for arguments in (("show", small_arm, "--state", "0.1,0.2,0.3"), ("simulate", small_arm, "--duration", 0.05)):
+    @pytest.fixture
+    def figures(self, program, tmp_path):
+        """figures(command, …): what the player of its page shows, in place of a picture where there is one robot.
+
+        The policy of the page allows the scripts of both and no others; the player is in it once.
+        """
+
+        def figures(*arguments):
             file = tmp_path / "report.html"
-            assert program(*arguments, "--3d", "--html", file).code == AGREED
+            done = program(*arguments, "--3d", "--html", file)
+            assert done.code == AGREED, done.err
             text = file.read_text(encoding="utf-8")
-            inside = html.unescape(re.search('srcdoc="([^"]*)"', text)[1])
+            (inside,) = map(html.unescape, re.findall('srcdoc="([^"]*)"', text))
             scripts = re.findall(r"<script>(.*?)</script>", text + inside, re.DOTALL)
             scripts.append(gzip.decompress(b64decode(re.search('id="libraries">(.*?)<', inside)[1])).decode())
             hashes = {f"'sha256-{b64encode(hashlib.sha256(script.encode()).digest()).decode()}'" for script in scripts}
             assert set(re.search('script-src ([^"]*)"', text)[1].split()) == hashes
-            assert "Stick figure of" not in text
-            shown = json.loads(re.search('id="scene">(.*?)</script>', inside)[1])
-            (figure,) = shown["figures"]
-            assert (figure["motion"] is None) == (arguments[0] == "show")
-            assert figure["start"] == ([0.1, 0.2, 0.3] if arguments[0] == "show" else [0.0, 0.0, 0.0])
+            assert len(inside) < LARGEST_STAGE
+            found = json.loads(re.search('id="scene">(.*?)</script>', inside)[1])["figures"]
+            assert ("Stick figure of" in text) == (len(found) > 1)
+            return found
+
+        return figures
+
+    def test_on_the_page_of_show(self, figures, small_arm):
+        (figure,) = figures("show", small_arm, "--state", "0.1,0.2,0.3")
+        assert figure["motion"] is None
+        assert figure["start"] == [0.1, 0.2, 0.3]
+
+    def test_on_the_page_of_simulate(self, figures, small_arm):
+        (figure,) = figures("simulate", small_arm, "--position", "0.1,0.2,0.3", "--duration", 0.05)
+        assert figure["start"] == [0.1, 0.2, 0.3]
+        assert figure["motion"]["time"][2] == 4  # nearest to each 0.02 s, and the last
+
+    def test_on_the_page_of_crosscheck(self, figures, small_arm, second_arm):
+        """One robot in place of its picture, several side by side."""
+        for robots in ([small_arm], [small_arm, second_arm]):
+            found = figures("crosscheck", *robots, "--samples", 1)
+            assert [figure["name"] for figure in found] == [robot.name for robot in robots]
+            assert all(figure["motion"] is None for figure in found)
+
+    def test_an_arm_that_was_cut_out(self, figures, small_arm):
+        """It has the bodies of its chain alone."""
+        (figure,) = figures("crosscheck", small_arm, "--chain", "base", "fore", "--samples", 1)
+        assert len(figure["start"]) == 2
+
+    def test_on_the_page_of_judge(self, figures, my_code):
+        (figure,) = figures("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 1)
+        assert figure["name"] == "ur5"
+        assert figure["motion"] is None
+
+    def test_on_the_page_of_identify(self, figures, small_arm):
+        """The motion that was fitted, with the torque of the recording."""
+        (figure,) = figures("identify", "--robot", small_arm, "--seconds", 10, "--methods", "consistent", "--poses", 9)
+        assert figure["notes"][0] == "simulated motion 1 of small, the motion as it was fitted"
+        instants, rows = map(int, re.search(r"(\d+) of (\d+) instants shown", figure["notes"][1]).groups())
+        assert rows / 10 < instants < rows
+        assert figure["motion"]["time"][2] == instants
+        assert figure["motion"]["recorded"][2] == 3 * instants
+
+    @pytest.mark.parametrize("command", ["show", "simulate", "crosscheck", "judge", "identify"])
+    def test_3d_without_a_page(self, program, words, command, small_arm):
+        done = program(command, *(["--robot"] if command == "identify" else []), small_arm, "--3d")
+        assert done.code == BAD_INPUT
+        assert "--3d is for the page of --html FILE; name it, or look with `graphdyn view`" in words(done.err)
+
+    def test_3d_of_a_folder(self, program, words, small_arm, tmp_path):
+        done = program("crosscheck", tmp_path, "--3d", "--html", tmp_path / "x.html")
+        assert done.code == BAD_INPUT
+        assert "--3d is not for folders; name the robots" in words(done.err)
