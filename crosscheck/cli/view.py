@@ -83,7 +83,7 @@ def run(
     drop: DropOption = None,
     cutoff: CutoffOption = "residual",
 ) -> None:
-    """Show robots in three dimensions, and what their joints transmit.
+    """Show robots in three dimensions, and loads of joints.
 
     Joints can be moved by hand. Shown at choice: reaction forces and moments of the joints as arrows to scale, actuator
     torques, link frames, joint axes, centers of mass, inertia ellipsoids; torques, loads and multipliers as curves.
