@@ -12,9 +12,8 @@ from crosscheck.identifying.change_words import change_in_words
 from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.remedies import mapping_lines, recorded_columns
 from crosscheck.recordings import Recording
-from graphdyn import InvalidInput
 from graphdyn.identification import TorqueModel
-from graphdyn.identification.health import Change, Fault, RecordingHealth, recording_health
+from graphdyn.identification.health import Change, Fault, RecordingHealth, TooShort, recording_health
 from graphdyn.identification.health.halves import contradictions
 from graphdyn.identification.health.searching import RIGHT_RATE
 
@@ -80,7 +79,7 @@ def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparati
             columns=recorded_columns(recordings[0]),
             min_speed=preparation.min_speed,
         )
-    except InvalidInput:
+    except TooShort:
         return None
     said = [*_faults(found, recordings[0]), *_of_channels(found)]
     if not any(finding.severity == "fault" for finding in said):  # else gains and fits suffer from it

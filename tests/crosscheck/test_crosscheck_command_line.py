@@ -224,7 +224,13 @@ class TestExamples:
 
     @pytest.fixture
     def hurry(self, monkeypatch):
-        """The benchmark measures little."""
+        """The benchmark measures little; a page that is served is left at once, as by Ctrl-C."""
+
+        def interrupted(server):
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr("socketserver.BaseServer.serve_forever", interrupted)
+        monkeypatch.setattr("webbrowser.open", lambda address: True)
         monkeypatch.setattr("crosscheck.studies.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
         monkeypatch.setattr("crosscheck.studies.bench.contender.STEADY", 1e-3)
 

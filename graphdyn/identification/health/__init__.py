@@ -8,7 +8,7 @@ from graphdyn.identification.health.lag import Lag
 from graphdyn.identification.health.recorded_columns import RecordedColumns
 from graphdyn.identification.health.recording_health import RecordingHealth, recording_health
 from graphdyn.identification.health.searching import Fault
-from graphdyn.identification.health.thinning import Piece
+from graphdyn.identification.health.thinning import Piece, TooShort
 
 __all__ = [
     "Change",
@@ -20,6 +20,7 @@ __all__ = [
     "Piece",
     "RecordedColumns",
     "RecordingHealth",
+    "TooShort",
     "excitation",
     "recording_health",
 ]

@@ -71,7 +71,8 @@ def recording_health(
     columns: how the recorded columns became joint coordinates; as they are if left out
     min_speed: as in Problem
 
-    Raises InvalidInput for a recording too short to look for delays.
+    Raises TooShort for a recording too short to look for delays; InvalidInput for a base that moves, and where a term
+    of the torque is not finite.
     """
     model = torque_model.model
     columns = columns or RecordedColumns.of_joints(model.n_freedoms)

@@ -24,6 +24,10 @@ ORDER = 5
 it is right to 1e-4."""
 
 
+class TooShort(InvalidInput):
+    """A recording too short to look for delays."""
+
+
 @dataclass(frozen=True, eq=False)
 class Piece:
     """An uninterrupted piece of a recording, prepared: q, v, a and tau low-passed alike. period [s]"""
@@ -64,7 +68,7 @@ class ThinnedRecording:
             self._parts.append((make_interp_spline(t, piece.samples.tau, k=ORDER), t[chosen]))
             kept.append(_rows(piece.samples, chosen))
         if not kept:
-            raise InvalidInput("no piece of the recording is long enough to look for delays; record longer")
+            raise TooShort("no piece of the recording is long enough to look for delays; record longer")
         self.samples = _joined(kept)
 
     def torque(self, later: float | Array = 0.0) -> Array:
