@@ -12,6 +12,7 @@ from crosscheck.identifying.change_words import change_in_words
 from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.remedies import mapping_lines, recorded_columns
 from crosscheck.recordings import Recording
+from graphdyn import InvalidInput
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.health import Change, Fault, RecordingHealth, TooShort, recording_health
 from graphdyn.identification.health.halves import contradictions
@@ -72,6 +73,9 @@ def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparati
     """Of all recordings together, with the mapping of the first; None where they are too short to tell."""
     try:
         parts = [preparation.pieces(recording) for recording in recordings]
+    except InvalidInput:  # too few rows to filter, which the fit then refuses
+        return None
+    try:
         found = recording_health(
             torque_model,
             [piece for pieces, _ in parts for piece in pieces],
