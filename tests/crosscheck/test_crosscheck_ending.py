@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+from long_check import few
 
 from crosscheck.cli import console, ending_signals
 
@@ -26,7 +27,7 @@ def alive(process):
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="the processes of a program are found in /proc")
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"])
+@pytest.mark.parametrize("name", few(["SIGINT", "SIGTERM", "SIGHUP", "SIGKILL"], "SIGINT", "SIGKILL"))
 def test_a_sweep_ends_with_its_workers(started, tmp_path, small_arm, name):
     """Even if it is killed, and cannot end them."""
     folder, number = tmp_path / "robots", getattr(signal, name)

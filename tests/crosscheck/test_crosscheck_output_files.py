@@ -31,6 +31,7 @@ READS = {
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),
         *("--known-torque", "{code}:K", "--methods", "wls,{method}:E"),
     ),
+    "excite": (*("--robot", "{robot}", "--motion", "{log}", "--against", "{other}", "--mapping", "{mapping}"),),
     "simulate": ("{robot}", "--torque", "{code}:T"),
     "paper": (),
     "bench": ("--robot", "{robot}"),

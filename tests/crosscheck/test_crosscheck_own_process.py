@@ -6,6 +6,7 @@ import signal
 import sys
 
 import pytest
+from long_check import few
 
 from crosscheck.cli import own_process
 from crosscheck.cli.exits import AGREED, BAD_INPUT
@@ -96,7 +97,7 @@ class TestEnds:
         assert (done.code, done.out) == (BAD_INPUT, "")
         assert done.err.startswith("error: inverse_dynamics raised SystemExit: 0 (")
 
-    @pytest.mark.parametrize("option", ["--term", "--known-torque", "--methods"])
+    @pytest.mark.parametrize("option", few(["--term", "--known-torque", "--methods"], "--term"))
     def test_when_imported_for_an_identification(self, script, tmp_path, option):
         (tmp_path / "own.py").write_text(ENDS, encoding="utf-8")
         done = script("identify", "log.csv", "--robot", "ur5", option, "own.py:f")
@@ -124,7 +125,9 @@ class TestOutput:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize(
+    ("number", "code"), few([(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)], (signal.SIGINT, 130))
+)
 def test_the_program_is_ended(started, tmp_path, number, code):
     """With the process of its command, which holds its output open as long as it lives."""
     (tmp_path / "own.py").write_text(CODE, encoding="utf-8")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from long_check import few
 from test_crosscheck_ending import HANGS, alive
 
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
@@ -336,7 +337,7 @@ class TestCommand:
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="processes are found in /proc")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("number", few([signal.SIGINT, signal.SIGTERM, signal.SIGKILL], signal.SIGKILL))
 def test_it_ends_with_us(started, tmp_path, number):
     """Though it neither reads nor writes, and even if the program that started it is killed."""
     sleeper = "import os, time; open('pid', 'w').write(str(os.getpid())); time.sleep(600)"

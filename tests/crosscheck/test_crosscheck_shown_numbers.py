@@ -88,7 +88,10 @@ def found():
             )
         )
     return dataclasses.replace(
-        original, comparison=dataclasses.replace(original.comparison, results=tuple(results)), truth=None
+        original,
+        comparison=dataclasses.replace(original.comparison, results=tuple(results)),
+        truth=None,
+        others=(),
     )
 
 

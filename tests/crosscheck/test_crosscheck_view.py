@@ -210,7 +210,6 @@ class TestServer:
             (b'{"figure": 7, "q": [0, 0], "seconds": 1}', "another form"),
             (b'{"figure": 0, "q": [0], "seconds": 1}', "q"),
             (b'{"figure": 0, "q": [0, 0], "seconds": 0}', "duration is 0.0"),
-            (b'{"figure": 1, "q": [0], "seconds": 1}', "coupl"),
         ],
     )
     def test_other_questions_are_answered_with_the_reason(self, server, question, reason):
