@@ -54,7 +54,7 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
         x[accepted], gaps[accepted], best[accepted] = tried[better], new[better], size[better]
         damping[todo] = np.where(better, np.maximum(damping[todo] / 4, 1e-8), damping[todo] * 8)
         damping[todo[~better & (size < CLOSED)]] = np.inf  # rounding
-    return x.reshape(*batch, -1), gaps.reshape(*batch, -1)
+    return x.reshape(q.shape), gaps.reshape(*batch, loops.n_rows)
 
 
 def refuse_open(who: str, loops: Loops, gaps: Array, remedy: str) -> None:

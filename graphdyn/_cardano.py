@@ -39,6 +39,7 @@ def cardano_form(state: MaximalState, twist: KKTSystem) -> KKTSystem:
         force=apply(transposed, twist.force - apply(twist.mass, drift)),
         zeta=twist.zeta - apply(twist.constraint_jacobian, drift),
         coordinates="cardano",
+        n_chord_rows=twist.n_chord_rows,
     )
 
 

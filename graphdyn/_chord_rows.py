@@ -19,10 +19,11 @@ from graphdyn.layout import ANGULAR, BODY_FREEDOMS, JOINT_CONSTRAINTS, LINEAR, A
 
 @dataclass(frozen=True, eq=False)
 class _End:
-    """One end of a chord: lever from the center of mass to where the rows act, and how its own point moves.
+    """One end of a chord, in world axes.
 
-    lever: to the point of body j, where forces act         (…, 3)
-    rate, curvature: ṙ and r̈ of its own point, at ω̇ = 0 and r̈ = 0 of the center of mass   (…, 3)
+    point: its origin on that body                          (…, 3)
+    rate, curvature: ṙ and r̈ of it, at ω̇ = 0 and r̈ = 0 of the center of mass   (…, 3)
+    omega: of the body                                      (…, 3)
     """
 
     point: Array

@@ -17,6 +17,7 @@ from graphdyn._cardano import cardano_system
 from graphdyn._errors import InvalidInput
 from graphdyn._kinematics import bias_acceleration
 from graphdyn._kkt import Coordinates, KKTSystem
+from graphdyn._loop_dynamics import closed
 from graphdyn._methods import Method, with_keywords
 from graphdyn._model import RobotModel
 from graphdyn._verbs import Verbs
@@ -220,11 +221,14 @@ def kkt_system(
     q, v, tau: (n,); external_wrenches: (n, 6); base: prescribed motion of the base at that state
     coordinates: "twist" (r̈, ω̇), regular in every pose; "cardano" (r̈, θ̈) as the paper writes it, rows times Dᵀ
 
-    Raises InvalidInput for more than one state; GimbalLock for Cardano coordinates at |cos β| below 1e-4.
+    Raises InvalidInput for more than one state; InconsistentState where a loop is open; GimbalLock for
+    Cardano coordinates at |cos β| below 1e-4.
     """
     if coordinates not in ("twist", "cardano"):
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")
     x = one_state(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
+    if model.chords:
+        closed(model, x["q"], x["v"])  # refuses open states
     state = projected.rooted_state(model, base, x["q"], x["v"])
     bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     system = projected.kkt(state, x["tau"], x["external_wrenches"], bias)

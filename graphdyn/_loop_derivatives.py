@@ -8,8 +8,8 @@ Accelerations:
 at fixed a, λ on the right, which complex steps differentiate. Redundant rows do not matter: along closed motions what a
 self-stress adds to the right is again of the form Jᵀ y.
 
-Torques at the motors s: τ_s = K_s (K_sᵀ K_s)⁻¹ Kᵀ f of the torques f of the tree, with the motions K of the dependent
-joints that graphdyn.kernels.loops has, which are analytic in q; complex steps differentiate the whole.
+Torques at the motors s: τ_s = K_s (K_sᵀ K_s)⁻¹ Kᵀ f of the torques f of the tree, with closed motions K that are
+analytic in q: combinations of the columns of V of J = U Σ Vᵀ at the pose itself. Complex steps differentiate the whole.
 """
 
 from __future__ import annotations
@@ -45,25 +45,28 @@ def inverse_dynamics_derivatives(
     model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
 ) -> dict[str, Array]:
     """∂τ/∂q, ∂τ/∂v, ∂τ/∂a (…, n, n). Raises as graphdyn._loop_dynamics.inverse_dynamics does."""
-    actuation(model, closed(model, x["q"], x["v"], x["a"]).spaces)
-    return {f"dtau_d{name}": derivatives(_at_motors, model, x, base, dense, name)["tau"] for name in "qva"}
+    spaces = closed(model, x["q"], x["v"], x["a"]).spaces
+    actuation(model, spaces)
+    state = {**x, "right": spaces.right, "free": spaces.free.astype(float)}
+    return {f"dtau_d{name}": derivatives(_at_motors, model, state, base, dense, name)["tau"] for name in "qva"}
 
 
 def _at_motors(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """τ as functions of q, v and a that are analytic, and right where these are closed."""
-    jacobian = model.loops.jacobian(model.loops.links(x["q"]))
-    dependent = list(model.dependent_joints)
-    independent = [j for j in range(model.n_freedoms) if j not in dependent]
-    columns = jacobian[..., dependent]
-    transposed = np.swapaxes(columns, -1, -2)
-    motions = np.zeros((*jacobian.shape[:-2], model.n_freedoms, len(independent)), dtype=jacobian.dtype)
-    motions[..., independent, range(len(independent))] = 1.0
-    motions[..., dependent, :] = -np.linalg.solve(transposed @ columns, transposed @ jacobian[..., independent])
+    """τ as functions of q, v and a that are analytic, and right where these are closed.
+
+    x["right"], x["free"]: V (…, n, n) of J = U Σ Vᵀ at the pose itself, and which of its columns are closed motions
+    """
+    right, free, eye = x["right"], x["free"][..., None, :], np.eye(model.n_freedoms)
+    rows = model.loops.jacobian(model.loops.links(x["q"])) @ right
+    held = rows * (1 - free)
+    transposed = np.swapaxes(held, -1, -2)
+    motions = right @ (eye * free - np.linalg.solve(transposed @ held + eye * free, transposed @ (rows * free)))
     motors = [model.independent_joints.index(name) for name in model.actuated or ()]
     of_motors = motions[..., motors, :]
+    square = np.swapaxes(of_motors, -1, -2) @ of_motors + eye * (1 - free)
     needed = apply(np.swapaxes(motions, -1, -2), projected.inverse_dynamics(model.opened, x, base)["tau"])
-    tau = np.zeros(np.broadcast_shapes(x["q"].shape, (*needed.shape[:-1], model.n_freedoms)), dtype=needed.dtype)
-    tau[..., motors] = apply(of_motors, solve(np.swapaxes(of_motors, -1, -2) @ of_motors, needed))
+    tau = np.zeros(np.broadcast_shapes(x["q"].shape, needed.shape), dtype=needed.dtype)
+    tau[..., motors] = apply(of_motors, solve(square, needed))
     return {"tau": tau}
 
 

@@ -6,7 +6,7 @@ linkage); what takes part in one is NaN. Forces are along t_1, t_2, p of each jo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -154,8 +154,7 @@ def at_motors(name: str, tree: Specification) -> Specification:
 
     def torque(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
         held = closed(model, x["q"], x.get("v"), x.get("a"))
-        opened = replace(model, chords=(), actuated=None)
-        of_joints, to_motors = tree(opened, x, base, dense)[name], actuation(model, held.spaces)
+        of_joints, to_motors = tree(model.opened, x, base, dense)[name], actuation(model, held.spaces)
         return {name: apply(to_motors, of_joints) if of_joints.ndim == x["q"].ndim else to_motors @ of_joints}
 
     return torque

@@ -152,7 +152,10 @@ def _ends(chord: Chord, links: Links) -> Ends:
     point_j = links.origin[..., j, :] + links.rotation[..., j, :, :] @ chord.placement_j.translation
     if chord.kind == "distance":
         line = point_i - point_j
-        return Ends(chord, point_i, point_j, (line / _length(line)[..., None])[..., None, :], 1)
+        apart = _length(line)[..., None]
+        anyhow = links.rotation[..., i, :, :] @ (chord.placement_i.rotation @ chord.triad[:, 0])
+        unit = np.where(apart == 0, anyhow, line / np.where(apart == 0, 1.0, apart))
+        return Ends(chord, point_i, point_j, unit[..., None, :], 1)
     triad = links.rotation[..., i, :, :] @ (chord.placement_i.rotation @ chord.triad)
     along = [row.split()[1] for row in chord.rows]
     chosen = [("t1", "t2", "p").index(name) for name in along]
@@ -215,9 +218,9 @@ def _second_derivative(end: Ends, links: Links) -> Array:
         _point_motion(links, body, point) for body, point in ((i, end.point_i), (j, end.point_j))
     )
     apart, rate, drift = end.point_i - end.point_j, rate_i - rate_j, drift_i - drift_j
-    if end.chord.kind == "distance":
+    if end.chord.length is not None:
         along = np.einsum("...ka,...a->...k", u, rate)
-        across = (np.einsum("...a,...a->...", rate, rate)[..., None] - along**2) / _length(apart)[..., None]
+        across = (np.einsum("...a,...a->...", rate, rate)[..., None] - along**2) / end.chord.length
         return np.asarray(np.einsum("...ka,...a->...k", u, drift) + across)
     linear, angular = u[..., : end.n_linear, :], u[..., end.n_linear :, :]
     u_dot = cross(omega[..., None, :], linear)

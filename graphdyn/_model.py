@@ -94,7 +94,12 @@ class RobotModel:
         frames = [name for frame in self.frames for name in (frame.name, *frame.aliases)]
         joints = [joint.name for joint in self.joints]
         chords = [chord.name for chord in self.chords]
-        for what, names in (("body", bodies), ("joint", joints), ("frame", bodies + frames), ("chord", chords)):
+        for what, names in (
+            ("body", bodies),
+            ("joint", joints),
+            ("frame", bodies + frames),
+            ("chord", joints + chords),
+        ):
             repeated = [name for name in names if names.count(name) > 1]
             if repeated:
                 raise InvalidModel(f"{who}: {what} name '{repeated[0]}' is used more than once")
@@ -326,7 +331,7 @@ class RobotModel:
             if not todo.size:
                 jacobian = self.loops.jacobian(self.loops.links(q))
                 v = assembly.completed_rate(jacobian, v, np.zeros(jacobian.shape[:-1]), None)
-                return q.reshape(*shape, -1), v.reshape(*shape, -1)
+                return q.reshape(*shape, self.n_freedoms), v.reshape(*shape, self.n_freedoms)
             q[todo] = self._drawn(rng, todo.shape)[0]
         raise InconsistentState(
             f"robot '{self.name}': {len(todo)} of {len(q)} random states did not close; give states of your own, "

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.cli.console import warnings_shown
+from crosscheck.cli.console import warn, warnings_shown
 from crosscheck.cli.judge_options import GravityOption
 from crosscheck.cli.options import EXAMPLES, ChainOption, LockOption, RobotArgument, locked_joints
 from crosscheck.cli.output_files import OutputFile
@@ -41,7 +41,7 @@ def run(
 
     Joint placements and axes, masses, centers of mass, tensors, parents, gravity, named frames: as JSON, as constants
     in C (and C++), or as a function for MATLAB and Octave. Units and frames are said in the file. Mimic joints are
-    joints like others, as in `graphdyn judge`.
+    joints like others, as in `graphdyn judge`; of a robot with loops only the tree is written.
     """
     ending = ".json" if to.is_standard_output else to.path.suffix.lower()
     if ending not in ENDINGS:
@@ -59,6 +59,9 @@ def run(
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None, chain=chain, mimic="independent", gravity=gravity)
+    if model.chords:
+        names = ", ".join(f"'{chord.name}'" for chord in model.chords)
+        warn(f"robot '{model.name}' has loops, closed by {names}, which are not written: the model is that of its tree")
     exported = record(model, robot, locked)
     if ending == ".json":
         to.write(as_bytes(plain(exported)))

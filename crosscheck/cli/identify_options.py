@@ -54,8 +54,9 @@ TermsOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME,…",
-        help="What the drives add: viscous, coulomb, stribeck, offset, rotor, asymmetric-viscous, asymmetric-coulomb, "
-        "coupled-wrist; none. Repeatable: torque models to compare. viscous,coulomb,offset if left out.",
+        help="What the drives add: viscous, coulomb, stribeck, load, smooth-coulomb, offset, rotor, "
+        "asymmetric-viscous, asymmetric-coulomb, coupled-wrist; none. Repeatable: torque models to compare. "
+        "viscous,coulomb,offset if left out.",
     ),
 ]
 ModelsOption = Annotated[
@@ -98,7 +99,8 @@ MethodsOption = Annotated[
     typer.Option(
         metavar="NAME,…|all",
         help="ols, wls, wls-pinocchio, gls, huber, tukey, ridge, essential, consistent, entropic, pullback, "
-        f"log-cholesky, graph, tls, iv, didim, cloe, clie, or {FUNCTION} of your own. Without it: one of each kind.",
+        "consistent-huber, entropic-huber, pullback-huber, log-cholesky, graph, tls, iv, didim, cloe, clie, or "
+        f"{FUNCTION} of your own. Without it: one of each kind.",
     ),
 ]
 ValidateOption = Annotated[

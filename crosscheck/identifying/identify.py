@@ -18,7 +18,7 @@ from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.result import Identified
 from crosscheck.identifying.torque_terms import STANDARD_TERMS, friction_terms
 from crosscheck.recordings import Recording
-from crosscheck.referee.subject import Lock, Robot, subject
+from crosscheck.referee.subject import IDENTIFY_CLOSED, Lock, Robot, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import ClosedLoop, Estimator
 from graphdyn.identification.plausibility import POSES
@@ -63,6 +63,7 @@ def identify(
     to predict, for unknown or repeated methods; urdf's errors.
     """
     compared = subject(robot, lock, gravity, chain)
+    refuse_chords(compared.model, IDENTIFY_CLOSED)
     recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
     preparation = preparation or Preparation()
     say = progress or (lambda what: None)

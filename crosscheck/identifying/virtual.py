@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosscheck.recordings import Provenance, Recording, recording_of, samples_of
-from crosscheck.referee.subject import Lock, Robot, Subject, subject
+from crosscheck.referee.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn import record as virtual_experiment
 from graphdyn.identification import TorqueModel
@@ -82,6 +82,7 @@ def virtual_robot(
     Raises InvalidInput for a robot without mass or with couplings, and for less than one period of the motion.
     """
     given = subject(robot, lock, gravity, chain)
+    refuse_chords(given.model, IDENTIFY_CLOSED)
     if not seconds >= 1 / FREQUENCY:
         raise InvalidInput(f"{seconds:g} s are less than one period of the excitation; give {1 / FREQUENCY:g} or more")
     if not any(body.mass > 0 for body in given.model.bodies):

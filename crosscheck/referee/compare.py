@@ -73,8 +73,8 @@ def compare(
     few more (quantities.COUPLED) compare the coupled one with their projection. Where chords close loops, they are
     those of the tree, and a few more (quantities.LOOPED) compare the closed robot with constraintDynamics.
 
-    Raises InvalidInput for invalid samples or seed, for a robot with loops, and for lock, gravity or chain with a
-    RobotModel; urdf's errors for a file that cannot be loaded.
+    Raises InvalidInput for invalid samples or seed, and for lock, gravity or chain with a RobotModel; urdf's errors for
+    a file that cannot be loaded.
     """
     check_counts(samples, seed)
     compared = subject(robot, lock, gravity, chain)

@@ -60,15 +60,20 @@ def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = 
     return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
 
 
-def refuse_chords(model: RobotModel) -> None:
-    """Raise InvalidInput for a robot with loops."""
+JUDGE_THE_TREE = "are not judged; from Python, judge its tree: urdf.load(…).opened"
+
+IDENTIFY_CLOSED = (
+    "recorded positions leave open by their noise; from Python, identify it with samples that graphdyn.assemble has "
+    "closed"
+)
+
+
+def refuse_chords(model: RobotModel, why: str = JUDGE_THE_TREE) -> None:
+    """Raise InvalidInput for a robot with loops. why: what they are not, and the remedy."""
     if model.chords:
         names = ", ".join(f"'{chord.name}'" for chord in model.chords[:5])
         more = f" and {len(model.chords) - 5} more" if len(model.chords) > 5 else ""
-        raise InvalidInput(
-            f"robot '{model.name}' has loops, closed by {names}{more}, which are not judged; judge its tree: give "
-            "urdf.load(…).opened"
-        )
+        raise InvalidInput(f"robot '{model.name}' has loops, closed by {names}{more}, which {why}")
 
 
 def tip(model: RobotModel) -> str:

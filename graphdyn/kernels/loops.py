@@ -77,6 +77,16 @@ class Closing:
     rows: list[Rows]
     watched: list[Any]
 
+    def opened_by(self, a: Columns) -> list[Any]:
+        """Negative where accelerations (n) of all joints open a loop."""
+        watched = []
+        for rows in self.rows:
+            for line, bias in zip(rows.jacobian, rows.bias, strict=True):
+                terms = [x * y for x, y in zip(line, a, strict=True)]
+                error, size = sum(terms) - bias, sum(x * x for x in terms) + bias * bias
+                watched.append((size * CLOSED**2 - error * error) * TINY + 1e-6)
+        return watched
+
     def start(self, n: int) -> list[Any]:
         """The accelerations (n) of the dependent joints while the independent ones have none."""
         bias = np.concatenate([row.bias for row in self.rows])
@@ -154,16 +164,28 @@ def inverse_dynamics_at_motors(
     to_motors, pivots = _actuation(model, held)
     tau = list(to_motors @ needed)
     answer = _reactions(model, links, root, held, q, v, a, tau, external)
-    return {"tau": tau, **answer, "pivots": held.watched + pivots}
+    return {"tau": tau, **answer, "pivots": held.watched + held.opened_by(a) + pivots}
 
 
 def at_motors(
-    model: RobotModel, links: Sequence[Link], q: Columns, v: Columns, name: str, torques: Scalars | Columns
+    model: RobotModel,
+    links: Sequence[Link],
+    q: Columns,
+    v: Columns,
+    name: str,
+    torques: Scalars | Columns,
+    a: Columns = (),
 ) -> dict[str, list[Any]]:
-    """Torques (n) or torques per parameter (n, k) of the joints without chords, at the actuated joints, by name."""
+    """Torques (n) or torques per parameter (n, k) of the joints without chords, at the actuated joints, by name.
+
+    a: accelerations that must keep the loops closed, if any
+    """
     held = closing(model, links, q, v)
     to_motors, pivots = _actuation(model, held)
-    return {name: list((to_motors @ np.asarray(torques, dtype=object)).ravel()), "pivots": held.watched + pivots}
+    return {
+        name: list((to_motors @ np.asarray(torques, dtype=object)).ravel()),
+        "pivots": held.watched + (held.opened_by(a) if len(a) else []) + pivots,
+    }
 
 
 def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:
@@ -173,6 +195,8 @@ def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:
     square = of_motors.T @ of_motors
     inverse, pivots = inverted(square, [range(j)[::-1] for j in range(len(square))])
     whole[motors, :] = of_motors @ inverse @ held.motions.T
+    if model.actuated is None:
+        return whole, [0.0]  # suspicious, so that the specification refuses
     return whole, [_ratio(pivot, size) * CAUTION for pivot, size in zip(pivots, square.diagonal(), strict=True)]
 
 
@@ -257,7 +281,7 @@ def _rows(links: Sequence[Link], at: Sequence[Place], chord: Chord, v: Columns) 
     on_i: list[Wrench] = []
     on_j: list[Wrench] = []
     for number, name in enumerate(chord.rows):
-        linear = name != "moment" and not name.startswith("moment")
+        linear = not name.startswith("moment")
         if chord.length is not None:
             length = (apart @ apart) * (0.5 / chord.length) + 0.5 * chord.length  # |d| to second order, exact if closed
             u, gap = apart * (1.0 / chord.length), length - chord.length

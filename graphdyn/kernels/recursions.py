@@ -125,7 +125,8 @@ def _torques(name: str, inputs: tuple[str, ...], compute: Callable[..., Any]) ->
 
     def closed(x: Any, q: Any, v: Any = None, *rest: Any) -> Any:
         arrays = (q, v, *rest)[: len(inputs)]
-        return loops.at_motors(x.model, x.links, q, x.zeros if v is None else v, name, compute(x, *arrays))
+        held = x.zeros if v is None else v
+        return loops.at_motors(x.model, x.links, q, held, name, compute(x, *arrays), *rest[:1])
 
     return Recursion(inputs, (name,), compute, closed=closed)
 

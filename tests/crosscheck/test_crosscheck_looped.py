@@ -7,6 +7,8 @@ from mechanisms import bricard, four_bar, palletiser
 from shared_data import DATA, existing
 
 import crosscheck
+import urdf
+from crosscheck.cli.exits import BAD_INPUT
 from crosscheck.referee import looped
 from crosscheck.referee.quantities import BY_NAME, LOOPED
 from graphdyn import Chord
@@ -49,3 +51,13 @@ def test_redundant_rows_in_space_and_loops_that_pinocchio_has_not():
     slide = replace(model, chords=(Chord("slide", "slide", *ends),))
     told = crosscheck.compare(slide, samples=SAMPLES)
     assert told.not_compared["closed_acceleration"] == "Pinocchio has no constraint for a slide that keeps its digits"
+
+
+def test_loops_are_not_identified_from_recordings_nor_exported(program, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    urdf.save(four_bar().with_gravity((0, 0, -9.81)), "linkage.urdf")
+    done = program("identify", "--robot", "linkage.urdf")
+    assert done.code == BAD_INPUT
+    assert "which recorded positions leave open by their noise; from Python" in " ".join(done.err.split())
+    done = program("export", "linkage.urdf", "--to", "linkage.json")
+    assert "warning: robot 'four-bar' has loops, closed by 'closing', which are not written" in done.err

@@ -205,6 +205,21 @@ def test_assembly_holds_joints_and_keeps_the_branch():
         graphdyn.assemble(replace(model, chords=model.chords), [0, 0, np.pi / 2], hold=["a", "b", "c"])
 
 
+def test_corners():
+    model = four_bar()
+    q, v = model.random_state(np.random.default_rng(0), 0)
+    assert q.shape == v.shape == graphdyn.assemble(model, q).shape == (0, 3)
+    q, v = model.random_state(np.random.default_rng(0))
+    cardano = graphdyn.kkt_system(model, q, v, np.zeros(3), coordinates="cardano").solve(least_norm=True)
+    twist = graphdyn.kkt_system(model, q, v, np.zeros(3)).solve(least_norm=True)
+    assert relative_error(cardano.chord_multipliers, twist.chord_multipliers) < 1e-10
+    arms = (four_bar().joints[0], replace(four_bar().joints[0], name="other"))
+    roped = RobotModel(
+        "two arms", (rod("a"), rod("b")), arms, chords=(Chord("rope", "distance", 1, at(1), 2, at(1), length=0.5),)
+    )  # at q = 0 the ends of the rope coincide
+    assert np.abs(roped.loops.gaps(roped.closed_pose)).max() < 1e-12
+
+
 def test_random_states_are_closed_and_gravity_and_inertia_of_trees_are_untouched():
     model = four_bar()
     q, v = model.random_state(np.random.default_rng(0), (2, 3))
@@ -279,8 +294,14 @@ def test_refusals():
             graphdyn.forward_dynamics(model, opened, still, still, method=method)
     with pytest.raises(InconsistentState, match=r"the velocity opens the loop of chord 'closing' in row 1 .*assemble"):
         graphdyn.forward_dynamics(model, q, v + 1, still)
-    with pytest.raises(InconsistentState, match=r"the acceleration opens the loop"):
-        graphdyn.inverse_dynamics(model, q, v, v + 1)
+    for method in ("projected", "recursive"):
+        for verb in (graphdyn.inverse_dynamics, graphdyn.joint_torque_regressor):
+            with pytest.raises(InconsistentState, match=r"the acceleration opens the loop"):
+                verb(model, q, v, v + 1, method=method)
+        with pytest.raises(InvalidInput, match=r"which joints have motors is not known"):
+            graphdyn.gravity_torque(replace(model, actuated=None), q, method=method)
+    with pytest.raises(InconsistentState, match=r"the loop of chord 'closing' is open"):
+        graphdyn.kkt_system(model, opened[1], still[0], still[0])
     with pytest.raises(InvalidInput, match=r"mass_matrix_inverse does not know the loops of robot 'four-bar'"):
         graphdyn.mass_matrix_inverse(model, q)
     with pytest.raises(InvalidInput, match=r"no compiled form; use method='projected'"):
@@ -328,6 +349,7 @@ def test_refused_chords(change, message):
         ({"actuated": ("x",)}, "there is no joint 'x' to actuate; choose among a, b, c"),
         ({"chords": ()}, "every joint of a tree is"),
         ({"chords": four_bar().chords * 2}, "chord name 'closing' is used more than once"),
+        ({"chords": (replace(four_bar().chords[0], name="b"),)}, "chord name 'b' is used more than once"),
     ],
 )
 def test_refused_models(change, message):

@@ -11,8 +11,8 @@ import numpy as np
 from graphdyn import Body, Chord, Joint, Placement, RobotModel
 
 
-def at(*translation: float) -> Placement:
-    return Placement(np.eye(3), np.array(translation))
+def at(x: float, y: float = 0.0, z: float = 0.0) -> Placement:
+    return Placement(np.eye(3), np.array((x, y, z)))
 
 
 def hinge(name: str, inside: int, translation: Sequence[float], axis: Sequence[float] = (0, 0, 1)) -> Joint:

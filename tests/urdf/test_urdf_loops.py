@@ -427,6 +427,6 @@ def test_inspected(name, said):
 
 def test_loops_are_not_judged():
     with pytest.raises(
-        InvalidInput, match=r"robot 'four-bar' has loops, closed by 'closing', .* give urdf.load\(…\).opened"
+        InvalidInput, match=r"robot 'four-bar' has loops, closed by 'closing', .* its tree: urdf.load\(…\).opened"
     ):
         judge(four_bar(), inverse_dynamics=lambda q, v, a: q)
