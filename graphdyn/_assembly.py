@@ -65,12 +65,9 @@ def refuse_open(who: str, loops: Loops, gaps: Array, remedy: str) -> None:
 
 def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentState:
     """The error that names the widest of gaps (…, m)."""
-    wide = np.abs(gaps)
-    *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(wide)), wide.shape))
-    where = f" in row {row[0] if len(row) == 1 else tuple(row)}" if row else ""
+    gap, chord, where = _worst(loops, np.abs(gaps))
     return InconsistentState(
-        f"{who}: the loop of chord '{_chord_of(loops, worst)}' is open by {wide[(*row, worst)]:.2g} m or rad{where}; "
-        f"closed is {CLOSED:g}. {remedy}"
+        f"{who}: the loop of chord '{chord}' is open by {gap:.2g} m or rad{where}; closed is {CLOSED:g}. {remedy}"
     )
 
 
@@ -82,12 +79,10 @@ def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wa
     relative = error / np.where(scale > 0, scale, 1.0)
     if not relative.size or np.nanmax(relative) <= CLOSED:
         return
-    *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(relative)), relative.shape))
-    where = f" in row {row[0] if len(row) == 1 else tuple(row)}" if row else ""
+    part, chord, where = _worst(loops, relative)
     raise InconsistentState(
-        f"{who}: the {what} opens the loop of chord '{_chord_of(loops, worst)}'{where} (by "
-        f"{relative[(*row, worst)]:.2g} of its terms, at most {CLOSED:g}); graphdyn.assemble(model, q, v, a) gives the "
-        "nearest that does not"
+        f"{who}: the {what} opens the loop of chord '{chord}'{where} (by {part:.2g} of its terms, at most {CLOSED:g}); "
+        "graphdyn.assemble(model, q, v, a) gives the nearest that does not"
     )
 
 
@@ -99,12 +94,12 @@ def completed_rate(jacobian: Array, rate: Array, wanted: Array, held: NDArray[np
     return rate + loop_spaces(jacobian * moving).least_motion(wanted - apply(jacobian, rate))
 
 
-def _chord_of(loops: Loops, row: int) -> str:
-    for chord in loops.chords:
-        if row < len(chord.rows):
-            return chord.name
-        row -= len(chord.rows)
-    raise IndexError(row)
+def _worst(loops: Loops, errors: Array) -> tuple[float, str, str]:
+    """The largest of errors (…, m), the chord it belongs to, and in words its row among the states."""
+    *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(errors)), errors.shape))
+    chords = [chord.name for chord in loops.chords for _ in chord.rows]
+    where = f" in row {row[0] if len(row) == 1 else tuple(row)}" if row else ""
+    return float(errors[(*row, worst)]), chords[worst], where
 
 
 def walked(loops: Loops, start: Array, target: Array) -> tuple[Array, Array]:

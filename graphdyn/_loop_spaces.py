@@ -33,6 +33,13 @@ class LoopSpaces:
         return np.asarray(np.count_nonzero(self.inverse, axis=-1))
 
     @property
+    def distance(self) -> Array:
+        """From a singular pose (…): smallest by largest of the singular values that count; 1 where none does."""
+        largest = self.inverse.max(axis=-1, initial=0.0)
+        least = np.where(self.inverse > 0, self.inverse, np.inf).min(axis=-1, initial=np.inf)
+        return np.where(largest > 0, least / np.where(largest > 0, largest, 1.0), 1.0)
+
+    @property
     def free(self) -> NDArray[np.bool_]:
         """Which columns of V are motions that keep the loops closed (…, n)."""
         return _padded(self.inverse == 0, self.right.shape[-1])

@@ -13,6 +13,7 @@ import numpy as np
 
 from graphdyn._chord import Chord
 from graphdyn._coupling import Freedoms
+from graphdyn._graph import Graph
 from graphdyn._linear import cross
 from graphdyn._parts import Joint
 from graphdyn._rotation import rotation_about
@@ -71,10 +72,8 @@ class Loops:
     def __init__(self, joints: Sequence[Joint], chords: Sequence[Chord], freedoms: Freedoms) -> None:
         self.joints, self.chords, self.freedoms = tuple(joints), tuple(chords), freedoms
         self.n_rows = sum(len(chord.rows) for chord in chords)
-        self.paths = np.zeros((len(joints) + 1, len(joints)))  # which joints lie between the ground and a body
-        for j, joint in enumerate(joints, start=1):
-            self.paths[j] = self.paths[joint.inside]
-            self.paths[j, j - 1] = 1.0
+        on_path = Graph(tuple(joint.inside for joint in joints)).path_matrix()
+        self.paths = np.vstack([np.zeros(len(joints)), on_path.T])  # which joints lie between the ground and a body
         self.turns = np.array([not joint.is_prismatic for joint in joints])
 
     def row_names(self) -> tuple[str, ...]:

@@ -36,11 +36,11 @@ ANGLE_RANGE = np.pi
 CLOSING_STARTS = 100
 """Random poses from which the loops are closed before that counts as impossible."""
 
-REGULAR_CANDIDATES = 20
-"""Closed poses among which regular_pose chooses."""
-
 TOGETHER = 20
 """Of these as many at once as keep an assembly of many loops short where one of the first closes."""
+
+REGULAR_CANDIDATES = 20
+"""Closed poses among which regular_pose chooses."""
 
 SLIDE_RANGE = 0.5
 """Ranges that random_state takes where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
@@ -188,8 +188,7 @@ class RobotModel:
         """
         q, _ = self._closed_states(np.random.default_rng(0), (REGULAR_CANDIDATES,))
         spaces = loop_spaces(self.loops.jacobian(self.loops.links(q)))
-        ratio = np.where(spaces.inverse > 0, spaces.inverse, np.inf).min(axis=-1) / spaces.inverse.max(axis=-1)
-        return read_only(q[np.lexsort((ratio, spaces.rank))[-1]])
+        return read_only(q[np.lexsort((spaces.distance, spaces.rank))[-1]])
 
     @cached_property
     def dependent_joints(self) -> tuple[int, ...]:

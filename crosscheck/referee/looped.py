@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from crosscheck.referee.coupled import METHODS
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.referee.pinocchio_model.closed import KINDS, closed_dynamics
 from crosscheck.referee.scales import acceleration_scale, largest
@@ -26,15 +27,11 @@ from graphdyn import (
     mass_matrix,
 )
 from graphdyn._loop_spaces import loop_spaces
-from graphdyn._methods import Method
 from graphdyn._rotation import rotation_about
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 MOST = 20
 """Largest number of states: closing loops takes long, and the other quantities have looked at the tree."""
-
-METHODS: tuple[Method, ...] = ("dense", "projected", "recursive")
-"""The error of a quantity is the largest of these."""
 
 
 def why_not_closed(model: RobotModel) -> str | None:
@@ -66,8 +63,7 @@ def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Ar
     a, wrenches, missing = (np.array(column) for column in zip(*rows, strict=True))
     ours = [forward_dynamics(model, case.q, case.v, case.tau, loads, method=method) for method in METHODS]
     spaces = loop_spaces(model.loops.jacobian(model.loops.links(case.q)))
-    kept = np.where(spaces.inverse > 0, spaces.inverse, np.inf)
-    condition = spaces.inverse.max(axis=-1) / kept.min(axis=-1)  # of the rows that hold something
+    condition = 1 / spaces.distance  # of the rows that hold something
     mass = mass_matrix(model, case.q)
     scale = acceleration_scale(mass, a, case.tau, wrenches) * condition
     yield "closed_acceleration", np.maximum.reduce([largest(answer.a - a) / scale for answer in ours])

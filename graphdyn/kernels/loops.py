@@ -79,13 +79,9 @@ class Closing:
 
     def opened_by(self, a: Columns) -> list[Any]:
         """Negative where accelerations (n) of all joints open a loop."""
-        watched = []
-        for rows in self.rows:
-            for line, bias in zip(rows.jacobian, rows.bias, strict=True):
-                terms = [x * y for x, y in zip(line, a, strict=True)]
-                error, size = sum(terms) - bias, sum(x * x for x in terms) + bias * bias
-                watched.append((size * CLOSED**2 - error * error) * TINY + 1e-6)
-        return watched
+        return [
+            _opening(line, a, bias) for rows in self.rows for line, bias in zip(rows.jacobian, rows.bias, strict=True)
+        ]
 
     def start(self, n: int) -> list[Any]:
         """The accelerations (n) of the dependent joints while the independent ones have none."""
@@ -120,10 +116,7 @@ def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) ->
     for row in rows:
         watched += [1.0 - gap * gap * (1.0 / CLOSED**2) for gap in row.gap]
         watched += row.agreeing
-        for line in row.jacobian:
-            terms = [x * rate for x, rate in zip(line, v, strict=True)]
-            opening, size = sum(terms), sum(x * x for x in terms)
-            watched.append((size * CLOSED**2 - opening * opening) * TINY + 1e-6)
+        watched += [_opening(line, v, 0.0) for line in row.jacobian]
     return Closing(motions_of, dependent, columns, inverse, rows, watched)
 
 
@@ -376,6 +369,13 @@ def _point(seen: Seen, arm: Scalars) -> tuple[Scalars, Scalars, Scalars]:
 def _in_joint_axes(links: Sequence[Link], body: int, given: Any) -> Scalars:
     """A vector or matrix of link axes."""
     return scalars(given) if body == 0 else links[body - 1].link_axes.T @ scalars(given)
+
+
+def _opening(line: Scalars, rates: Columns, wanted: Any) -> Any:
+    """Negative where a row times rates is not as wanted, to CLOSED of its terms."""
+    terms = [x * rate for x, rate in zip(line, rates, strict=True)]
+    error, size = sum(terms) - wanted, sum(x * x for x in terms) + wanted * wanted
+    return (size * CLOSED**2 - error * error) * TINY + 1e-6
 
 
 def _is_zero(scalar: Any) -> bool:

@@ -38,13 +38,11 @@ class LoopEquations(Equations):
     """
 
     def __init__(self, plant: Plant) -> None:
-        tree = replace(plant.model, chords=(), actuated=None)
-        super().__init__(replace(plant, model=tree))
+        super().__init__(replace(plant, model=plant.model.opened))
         self._loops = loops = plant.model.loops
         spaces = loop_spaces(loops.jacobian(loops.links(plant.model.regular_pose)))
         self._rank = int(spaces.rank)
-        kept = spaces.inverse[spaces.inverse > 0]
-        self.usual_distance = float(kept.min() / kept.max()) if kept.size else 1.0
+        self.usual_distance = float(spaces.distance)
         self.distance = self.usual_distance
 
     def rates(self, t: float, q: Array, v: Array, tau: Array, contact: Contact) -> Rates:
