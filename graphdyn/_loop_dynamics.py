@@ -149,12 +149,13 @@ def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
     return whole
 
 
-def at_motors(name: str, tree: Specification) -> Specification:
-    """The torques (…, n) or torques per parameter (…, n, k) of a specification of trees, at the actuated joints."""
+def at_motors(tree: Specification) -> Specification:
+    """The torques (…, n) or torques per parameter (…, n, k) that a specification of trees answers, at the motors."""
 
     def torque(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
         held = closed(model, x["q"], x.get("v"), x.get("a"))
-        of_joints, to_motors = tree(model.opened, x, base, dense)[name], actuation(model, held.spaces)
+        ((name, of_joints),) = tree(model.opened, x, base, dense).items()
+        to_motors = actuation(model, held.spaces)
         return {name: apply(to_motors, of_joints) if of_joints.ndim == x["q"].ndim else to_motors @ of_joints}
 
     return torque

@@ -21,10 +21,16 @@ from graphdyn._answers import (
     Momentum,
     ReactionDerivatives,
 )
+from graphdyn._projected import Specification
 from graphdyn._verb import Verb
 from graphdyn.layout import Array
 
 NO_DERIVATIVES = "take differences along closed motions (graphdyn.assemble)"
+
+
+def _torques(specification: Specification) -> Verb[Array]:
+    """A verb that answers torques, or torques per parameter; of robots with loops those of the motors."""
+    return Verb(specification, closed=loops.at_motors(specification))
 
 
 class Verbs:
@@ -48,18 +54,9 @@ class Verbs:
         closed=loops.refused("mass_matrix_inverse", "joint_accelerations says what torques do"),
     )
     coriolis_matrix = Verb[Array](complex_steps.coriolis_matrix)
-    bias_torque = Verb[Array](
-        projected.torque_at_zero("bias_torque", "a"),
-        closed=loops.at_motors("bias_torque", projected.torque_at_zero("bias_torque", "a")),
-    )
-    gravity_torque = Verb[Array](
-        projected.torque_at_zero("gravity_torque", "v", "a"),
-        closed=loops.at_motors("gravity_torque", projected.torque_at_zero("gravity_torque", "v", "a")),
-    )
-    static_torque = Verb[Array](
-        projected.torque_at_zero("static_torque", "v", "a"),
-        closed=loops.at_motors("static_torque", projected.torque_at_zero("static_torque", "v", "a")),
-    )
+    bias_torque = _torques(projected.torque_at_zero("bias_torque", "a"))
+    gravity_torque = _torques(projected.torque_at_zero("gravity_torque", "v", "a"))
+    static_torque = _torques(projected.torque_at_zero("static_torque", "v", "a"))
     power = Verb[Array](projected.power, closed=loops.power)
     kinetic_energy = Verb[Array](projected.kinetic_energy)
     potential_energy = Verb[Array](projected.potential_energy)
@@ -96,10 +93,7 @@ class Verbs:
     frame_jacobian_derivative = Verb[Array](complex_steps.frame_jacobian_derivative)
     frame_velocity = Verb[Array](frames.frame_velocity)
     frame_acceleration = Verb[Array](frames.frame_acceleration)
-    joint_torque_regressor = Verb[Array](
-        regressors.joint_torque_regressor,
-        closed=loops.at_motors("joint_torque_regressor", regressors.joint_torque_regressor),
-    )
+    joint_torque_regressor = _torques(regressors.joint_torque_regressor)
     body_regressor = Verb[Array](regressors.body_regressor)
     momentum_regressor = Verb[Array](regressors.momentum_regressor)
     energy_regressor = Verb(regressors.energy_regressor, answer=EnergyRegressor)
