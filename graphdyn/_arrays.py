@@ -62,6 +62,11 @@ def joint_arrays(
     }
 
 
+def with_wrenches(model: RobotModel, x: Mapping[str, Array]) -> dict[str, Array]:
+    """The arguments of joint_arrays, with external wrenches (…, n, 6), which are zero where none were given."""
+    return {"external_wrenches": np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_FREEDOMS)), **x}
+
+
 def _are_plain(arguments: Iterable[ArrayLike | None], n: int) -> bool:
     """Whether these are float arrays (…, n) of one shape, as they mostly are: nothing to convert, nothing to refuse."""
     shape = None

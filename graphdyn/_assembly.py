@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn._errors import InconsistentState
+from graphdyn._errors import InconsistentState, in_row
 from graphdyn._linear import apply
 from graphdyn._loop_spaces import loop_spaces
 from graphdyn._loops import CLOSED, Loops
@@ -98,8 +98,7 @@ def _worst(loops: Loops, errors: Array) -> tuple[float, str, str]:
     """The largest of errors (…, m), the chord it belongs to, and in words its row among the states."""
     *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(errors)), errors.shape))
     chords = [chord.name for chord in loops.chords for _ in chord.rows]
-    where = f" in row {row[0] if len(row) == 1 else tuple(row)}" if row else ""
-    return float(errors[(*row, worst)]), chords[worst], where
+    return float(errors[(*row, worst)]), chords[worst], in_row(row)
 
 
 def walked(loops: Loops, start: Array, target: Array) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from graphdyn._verbs import VERBS
 from graphdyn.kernels.native import CompiledProgram
 from graphdyn.kernels.programs import Request
 from graphdyn.kernels.python_calls import python_call
-from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
+from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared
 from graphdyn.layout import Array
 
@@ -36,8 +36,8 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
 
     def __init__(self, model: RobotModel, name: str) -> None:
         verb = SINGLE[name]
-        if model.chords and verb.closed is not None and (model.couplings or RECURSIONS[verb.recursion].closed is None):
-            raise InvalidInput(f"{name} of robot '{model.name}', which has loops, has no compiled form")
+        verb.refuse_loops(model)
+        verb.refuse_uncompiled(model, f"call graphdyn.{name}")
         n, (output,) = model.n_freedoms, verb.outputs
         shape = ARRAYS[output].shape_for(model)
         backend = prepared(model, Request(verb.recursion, verb.outputs)).backend

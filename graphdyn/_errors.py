@@ -1,6 +1,6 @@
 """What graphdyn refuses, and the facts each refusal carries."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 
 class GraphDynError(Exception):
@@ -53,3 +53,9 @@ class EstimationFailed(GraphDynError, ArithmeticError):
 
 class IntegrationFailed(GraphDynError, ArithmeticError):
     """A simulation whose numbers are no longer finite, or whose steps became too small; the message says when."""
+
+
+def in_row(index: Iterable[int]) -> str:
+    """Which sample of a batch, for messages: " in row 3", " in row (1, 2)"; nothing where there is one state only."""
+    row = tuple(int(k) for k in index)
+    return f" in row {row[0] if len(row) == 1 else row}" if row else ""

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn._arrays import as_floats, joint_arrays
 from graphdyn._base_motion import BaseMotion, Ground, ground
-from graphdyn._errors import InconsistentState, InvalidInput
+from graphdyn._errors import InconsistentState, InvalidInput, in_row
 from graphdyn._linear import cross, solve
 from graphdyn._methods import Method, is_recursive, with_keywords
 from graphdyn._model import RobotModel, check_model
@@ -273,9 +273,8 @@ def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
     residual = np.abs(state.constraint_residual())
     if residual.size and residual.max() > CLOSURE:
         *row, worst, _ = (int(k) for k in np.unravel_index(int(residual.argmax()), residual.shape))
-        where = f" in row {tuple(row)}" if row else ""
         raise InconsistentState(
-            f"joint '{model.joint_names[worst]}' is open by {residual.max():.2g} (m or rad){where}; "
+            f"joint '{model.joint_names[worst]}' is open by {residual.max():.2g} (m or rad){in_row(row)}; "
             f"a state of robot '{model.name}' closes every joint to {CLOSURE:g}"
         )
     return read_joints(state)
@@ -320,10 +319,9 @@ def _refuse_uncoupled(model: RobotModel, q: Array, v: Array) -> None:
     for what, unit, error in (("position", "rad or m", gap), ("velocity", "rad/s or m/s", v @ rows.T)):
         if error.size and (largest := float(np.abs(error).max())) > CLOSURE:
             *row, worst = (int(k) for k in np.unravel_index(int(np.abs(error).argmax()), error.shape))
-            where = f" in row {tuple(row)}" if row else ""
             raise InconsistentState(
                 f"the {what} of joint '{driven[worst].name}' is off its coupling by "
-                f"{largest:.2g} {unit}{where}; a state of robot '{model.name}' holds couplings to {CLOSURE:g}"
+                f"{largest:.2g} {unit}{in_row(row)}; a state of robot '{model.name}' holds couplings to {CLOSURE:g}"
             )
 
 

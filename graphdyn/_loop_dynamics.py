@@ -16,7 +16,7 @@ from graphdyn import _projected as projected
 from graphdyn._assembly import refuse_moving_apart, refuse_open
 from graphdyn._base_motion import BaseMotion
 from graphdyn._chord_rows import chord_rows
-from graphdyn._errors import InvalidInput, SingularMassMatrix
+from graphdyn._errors import InvalidInput, SingularMassMatrix, in_row
 from graphdyn._kinematics import MaximalState, bias_acceleration, joint_axes, null_space, project_accelerations
 from graphdyn._linear import apply
 from graphdyn._loop_spaces import LoopSpaces, loop_spaces
@@ -166,15 +166,6 @@ def power(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool 
     return {"power": inverse_dynamics(model, x, base, dense)["tau"] * x["v"]}
 
 
-def refused(name: str, remedy: str) -> Specification:
-    """Of a verb that has no answer for loops."""
-
-    def refuse(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-        raise InvalidInput(f"{name} does not know the loops of robot '{model.name}'; {remedy}")
-
-    return refuse
-
-
 def motion_names(model: RobotModel, motion: Array) -> str:
     """The joints that take part in a motion (n,), largest first, with what they move by: "knee 1, hip -0.5"."""
     size = np.abs(motion)
@@ -287,11 +278,11 @@ def refuse_massless_motions(model: RobotModel, spaces: LoopSpaces, mass: Array) 
     at_fault = projected.singular(on_motions)
     if not at_fault.any():
         return
-    row = tuple(int(k) for k in np.argwhere(at_fault)[0])
+    row = tuple(np.argwhere(at_fault)[0])
     values, vectors = np.linalg.eigh(on_motions[row])
     motion = right[row] @ vectors[:, np.abs(values).argmin()]
     raise SingularMassMatrix(
-        f"robot '{model.name}' can move without inertia{f' in row {row}' if row else ''}: "
+        f"robot '{model.name}' can move without inertia{in_row(row)}: "
         f"{motion_names(model, motion)}. Torques do not determine accelerations there; see physical_consistency()"
     )
 
@@ -303,13 +294,13 @@ def _refuse_idle(
     idle = np.count_nonzero(kept, axis=-1) < np.count_nonzero(spaces.free, axis=-1)
     if not idle.any():
         return
-    row = tuple(int(k) for k in np.argwhere(idle)[0])
+    row = tuple(np.argwhere(idle)[0])
     free = spaces.right[row][:, spaces.free[row]]
     _, values, vectors = np.linalg.svd(free[motors, :])
     still = vectors[np.count_nonzero(values > RANK) :]
     named = "; ".join(motion_names(model, free @ amounts) for amounts in still)
-    where, motors_named = f" in row {row}" if row else "", ", ".join(model.actuated or ()) or "no joint"
+    motors_named = ", ".join(model.actuated or ()) or "no joint"
     raise InvalidInput(
-        f"robot '{model.name}': motors at {motors_named} leave {len(still)} of {free.shape[1]} motions free{where}: "
-        f"{named}. Torques do not follow from accelerations; actuate more joints"
+        f"robot '{model.name}': motors at {motors_named} leave {len(still)} of {free.shape[1]} motions free"
+        f"{in_row(row)}: {named}. Torques do not follow from accelerations; actuate more joints"
     )

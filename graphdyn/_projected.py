@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from graphdyn._base_motion import BaseMotion, ground, rooted_ground
 from graphdyn._chord_rows import chord_rows, pin_rows
 from graphdyn._constraints import constraints, coupling_rows
-from graphdyn._errors import SingularMassMatrix
+from graphdyn._errors import SingularMassMatrix, in_row
 from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations, state_on
 from graphdyn._kkt import KKTSystem
 from graphdyn._linear import apply, solve
@@ -200,15 +200,15 @@ def refuse_singular(model: RobotModel, mass: Array, rows: Sequence[tuple[int, ..
     at_fault = singular(mass)
     if not at_fault.any():
         return
-    row = tuple(int(k) for k in np.argwhere(at_fault)[0])
+    row = tuple(np.argwhere(at_fault)[0])
     values, vectors = _scaled_eigensystem(mass[row])
     joint = int(np.abs(vectors[:, np.abs(values).argmin()]).argmax())
     massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
     cause = f"bodies without mass or inertia: {', '.join(massless)}" if massless else "see physical_consistency()"
-    name = rows[row[0]] if rows is not None else row
+    where = in_row(row if rows is None else rows[row[0]])
     joint_name = model.independent_joints[joint]
     raise SingularMassMatrix(
-        f"the mass matrix of robot '{model.name}' is singular{f' in row {name}' if name else ''}: joint "
+        f"the mass matrix of robot '{model.name}' is singular{where}: joint "
         f"'{joint_name}' moves without inertia, so torques do not determine accelerations ({cause})"
     )
 

@@ -11,13 +11,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from graphdyn import _projected as projected
+from graphdyn._arrays import with_wrenches
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import GraphDynError
 from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel
 from graphdyn._projected import Arguments, Specification, refuse_singular
 from graphdyn.kernels.batch import Evaluation, Options, evaluate
-from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.layout import Array
 
 
 def answers(
@@ -42,23 +43,18 @@ def _decide(
     model: RobotModel, answer: Evaluation, specification: Specification, x: Arguments, base: BaseMotion | None
 ) -> None:
     """Refuse samples with a singular mass matrix; solve those that merely have a small pivot by projection."""
-    arrays, single = answer.arrays, x["q"].ndim == 1
-    if single:  # as a batch of one
-        x, arrays = ({name: array[None] for name, array in given.items()} for given in (x, arrays))
     batch = x["q"].shape[:-1]
-    index = np.unravel_index(answer.suspects, batch)
-    rows = [() if single else tuple(int(k[i]) for k in index) for i in range(answer.suspects.size)]
-    chosen = {name: array[index] for name, array in x.items()}
-    chosen.setdefault("external_wrenches", np.zeros((len(rows), model.n_bodies, BODY_FREEDOMS)))
+    index = np.unravel_index(answer.suspects, batch) if batch else ()
+    chosen = with_wrenches(model, {name: array[index] for name, array in x.items()})
     there = None if base is None else base.at(batch, index)
     if not model.chords:  # whose specification refuses by itself
+        rows = list(zip(*index, strict=True)) if batch else None
         refuse_singular(model, projected.mass_matrix(model, chosen, there)["mass_matrix"], rows)
     try:
         solved = specification(model, chosen, there, False)
     except GraphDynError:
         if model.chords:  # that of all samples names the row
-            none = np.zeros((*batch, model.n_bodies, BODY_FREEDOMS))
-            specification(model, {"external_wrenches": none, **x}, base, False)
+            specification(model, with_wrenches(model, x), base, False)
         raise
-    for name, array in arrays.items():
+    for name, array in answer.arrays.items():
         array[index] = solved[name]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn import _recursive as recursive
-from graphdyn._arrays import joint_arrays, refuse_non_finite
+from graphdyn._arrays import joint_arrays, refuse_non_finite, with_wrenches
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import InvalidInput
 from graphdyn._frame_choice import FrameChoice
@@ -20,7 +20,7 @@ from graphdyn._model import RobotModel
 from graphdyn._projected import Specification
 from graphdyn.kernels.batch import Options
 from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
-from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.layout import Array
 
 Answer = TypeVar("Answer")
 
@@ -34,6 +34,7 @@ class Verb(Generic[Answer]):
         if left out
     outputs: which of the recursion's outputs the verb answers; all of them if left out
     closed: the specification for robots with loops, where these matter
+    remedy: what to do with robots with loops instead, of a verb that has no answer for them
     answer: the class that holds several outputs; without one they are a tuple, and a single output is an array
     """
 
@@ -46,8 +47,9 @@ class Verb(Generic[Answer]):
         outputs: tuple[str, ...] = (),
         answer: type[Answer] | None = None,
         closed: Specification | None = None,
+        remedy: str | None = None,
     ) -> None:
-        self.specification, self.closed, self.outputs = specification, closed, outputs
+        self.specification, self.closed, self.remedy, self.outputs = specification, closed, remedy, outputs
         self._recursion, self._answer = recursion, answer
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -81,6 +83,7 @@ class Verb(Generic[Answer]):
         if external_wrenches is not None:
             given["external_wrenches"] = external_wrenches
         x = joint_arrays(model, base, check=False, **given)
+        self.refuse_loops(model)
         specification = self.specification if frame is None else partial(self.specification, frame=frame)
         if model.chords and self.closed is not None:
             return self._of_loops(self.closed, model, x, base, method, Options(threads, check), out)
@@ -91,6 +94,22 @@ class Verb(Generic[Answer]):
                 recursive.answers(model, specification, self.recursion, self.outputs, x, moving, options, memory, frame)
             )
         return self._packed(specification(model, _complete(model, x), base, method == "dense"))
+
+    def refuse_loops(self, model: RobotModel) -> None:
+        """Raises InvalidInput for a robot with loops where the verb has no answer for them."""
+        if model.chords and self.remedy is not None:
+            raise InvalidInput(f"{self.name} does not know the loops of robot '{model.name}'; {self.remedy}")
+
+    def is_compiled(self, model: RobotModel) -> bool:
+        """Whether it has a compiled form for this robot."""
+        knows_loops = RECURSIONS[self.recursion].closed is not None and not model.couplings
+        return knows_loops or not model.chords or self.closed is None
+
+    def refuse_uncompiled(self, model: RobotModel, remedy: str) -> None:
+        """Raises InvalidInput where there is no compiled form for this robot."""
+        if not self.is_compiled(model):
+            what = "loops and couplings" if model.couplings else "loops"
+            raise InvalidInput(f"{self.name} of robot '{model.name}', which has {what}, has no compiled form; {remedy}")
 
     def _of_loops(
         self,
@@ -103,11 +122,8 @@ class Verb(Generic[Answer]):
         out: Answer | None,
     ) -> Answer:
         """Of a robot with loops. What they leave undetermined is NaN."""
-        compiled = RECURSIONS[self.recursion].closed is not None and not model.couplings
-        if is_recursive(method, x, out) and (compiled or method == "recursive" or out is not None):
-            if not compiled:
-                what = "loops and couplings" if model.couplings else "loops"
-                raise InvalidInput(f"{self.name} of robots with {what} has no compiled form; use method='projected'")
+        if is_recursive(method, x, out) and (self.is_compiled(model) or method == "recursive" or out is not None):
+            self.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
             memory = self._memory(out)
             arrays = recursive.answers(model, closed, self.recursion, self.outputs, x, base, options, memory)
             for name, undetermined in in_self_stress_usually(model).items():
@@ -141,8 +157,7 @@ class Verb(Generic[Answer]):
 def _complete(model: RobotModel, x: dict[str, Array]) -> dict[str, Array]:
     """The arguments, finite, with external wrenches. Raises InvalidInput."""
     refuse_non_finite(model, x)
-    x.setdefault("external_wrenches", np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_FREEDOMS)))
-    return x
+    return with_wrenches(model, x)
 
 
 def _listed(names: Sequence[int | str]) -> str:

@@ -25,7 +25,7 @@ from graphdyn._projected import Specification
 from graphdyn._verb import Verb
 from graphdyn.layout import Array
 
-NO_DERIVATIVES = "take differences along closed motions (graphdyn.assemble)"
+DIFFERENCES = "take differences along closed motions (graphdyn.assemble)"
 
 
 def _torques(specification: Specification) -> Verb[Array]:
@@ -49,10 +49,7 @@ class Verbs:
         projected.forward_dynamics, "forward_dynamics", ("a",), closed=loops.forward_dynamics
     )
     mass_matrix = Verb[Array](projected.mass_matrix)
-    mass_matrix_inverse = Verb[Array](
-        projected.mass_matrix_inverse,
-        closed=loops.refused("mass_matrix_inverse", "joint_accelerations says what torques do"),
-    )
+    mass_matrix_inverse = Verb[Array](projected.mass_matrix_inverse, remedy="joint_accelerations says what torques do")
     coriolis_matrix = Verb[Array](complex_steps.coriolis_matrix)
     bias_torque = _torques(projected.torque_at_zero("bias_torque", "a"))
     gravity_torque = _torques(projected.torque_at_zero("gravity_torque", "v", "a"))
@@ -73,7 +70,7 @@ class Verbs:
     inverse_dynamics_second_derivatives = Verb(
         complex_steps.inverse_dynamics_second_derivatives,
         answer=InverseDynamicsSecondDerivatives,
-        closed=loops.refused("inverse_dynamics_second_derivatives", NO_DERIVATIVES),
+        remedy=DIFFERENCES,
     )
     forward_dynamics_derivatives = Verb(
         complex_steps.forward_dynamics_derivatives,
@@ -83,11 +80,10 @@ class Verbs:
     reaction_derivatives = Verb(
         complex_steps.reaction_derivatives,
         answer=ReactionDerivatives,
-        closed=loops.refused("reaction_derivatives", NO_DERIVATIVES),
+        remedy=DIFFERENCES,
     )
     forward_dynamics_parameter_derivatives = Verb[Array](
-        regressors.forward_dynamics_parameter_derivatives,
-        closed=loops.refused("forward_dynamics_parameter_derivatives", NO_DERIVATIVES),
+        regressors.forward_dynamics_parameter_derivatives, remedy=DIFFERENCES
     )
     frame_jacobian = Verb[Array](frames.frame_jacobian)
     frame_jacobian_derivative = Verb[Array](complex_steps.frame_jacobian_derivative)
