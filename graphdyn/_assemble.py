@@ -37,6 +37,8 @@ def assemble(
     check_model(model)
     rest = np.zeros(model.n_freedoms)
     x = joint_arrays(model, q=q, v=rest if v is None else v, a=rest if a is None else a)
+    if isinstance(hold, str):
+        raise InvalidInput(f"hold is the text '{hold}'; give a list of joint names")
     for name in hold:
         if name not in model.independent_joints:
             known = ", ".join(model.independent_joints)

@@ -216,7 +216,7 @@ def kkt_system(
     base: BaseMotion | None = None,
     coordinates: Coordinates = "twist",
 ) -> KKTSystem:
-    """Eq. (111) at ONE state: matrix (11n, 11n), right side, rank, condition number, solution, residuals.
+    """Eq. (111) at ONE state: matrix, right side, rank, condition number, solution, residuals.
 
     q, v, tau: (n,); external_wrenches: (n, 6); base: prescribed motion of the base at that state
     coordinates: "twist" (r̈, ω̇), regular in every pose; "cardano" (r̈, θ̈) as the paper writes it, rows times Dᵀ

@@ -28,10 +28,12 @@ DEPENDENT_SHARE = 0.1
 class KKTSystem:
     """Eq. (111) at one state, or at a batch of states.
 
+    The m rows of φ_q are 5 for each of the n joints, one for each coupling, and those of the chords.
+
     mass: A                                                 (…, 6n, 6n)
-    constraint_jacobian: φ_q                                (…, 5n, 6n)
+    constraint_jacobian: φ_q                                (…, m, 6n)
     force: B                                                (…, 6n)
-    zeta: ζ                                                 (…, 5n)
+    zeta: ζ                                                 (…, m)
     coordinates: "twist", q̈ = (r̈, ω̇) per body, or "cardano", q̈ = (r̈, θ̈) with the rotational rows times Dᵀ
     n_chord_rows: how many of the last rows are those of chords; with these, rows may depend on each other
     """
@@ -45,7 +47,7 @@ class KKTSystem:
 
     @property
     def matrix(self) -> Array:
-        """The matrix of Eq. (111) (…, 11n, 11n)."""
+        """The matrix of Eq. (111) (…, 6n + m, 6n + m)."""
         rows, columns = self.constraint_jacobian.shape[-2:]
         batch = np.broadcast_shapes(self.mass.shape[:-2], self.constraint_jacobian.shape[:-2])
         number = np.result_type(self.mass, self.constraint_jacobian)
@@ -57,16 +59,16 @@ class KKTSystem:
 
     @property
     def rhs(self) -> Array:
-        """The right side (B, ζ) of Eq. (111) (…, 11n)."""
+        """The right side (B, ζ) of Eq. (111) (…, 6n + m)."""
         return np.concatenate([self.force, self.zeta], axis=-1)
 
     def rank(self) -> int | Array:
-        """Numerical rank of the matrix, balanced (see _balance); 11n where everything is determined."""
+        """Numerical rank of the matrix, balanced (see _balance); 6n + m where everything is determined."""
         rank: int | Array = np.linalg.matrix_rank(self._balanced(), hermitian=True)
         return rank
 
     def constraint_rank(self) -> int | Array:
-        """Numerical rank of φ_q; 5n for every tree of bodies."""
+        """Numerical rank of φ_q; m for every tree of bodies."""
         rank: int | Array = np.linalg.matrix_rank(self.constraint_jacobian)
         return rank
 
@@ -82,10 +84,10 @@ class KKTSystem:
         the equations instead, which depend on the units: newtons and newton meters count alike
 
         Raises RankDeficientConstraints, naming rank and rows, where φ_q loses rank; SingularMassMatrix where the
-        constraints are independent and the matrix is singular all the same (a massless body).
+        matrix is singular although the constraints are independent, or are those of loops (a massless body).
         """
         if self.n_chord_rows:
-            return self.solve_redundant(least_norm)
+            return self.solve_redundant(least_norm, check=True)
         n_rows, size = self.constraint_jacobian.shape[-2], self.matrix.shape[-1]
         if np.any(np.asarray(self.constraint_rank()) < n_rows):
             raise self._dependent_rows()
@@ -109,10 +111,11 @@ class KKTSystem:
         n_freedoms = self.mass.shape[-1]
         return KKTSolution(self, solution[..., :n_freedoms], solution[..., n_freedoms:])
 
-    def solve_redundant(self, least_norm: bool = True) -> KKTSolution:
+    def solve_redundant(self, least_norm: bool = True, check: bool = False) -> KKTSolution:
         """As solve, of rows that may depend on each other: φ_q = U Σ Vᵀ, whose first rows Vᵀ are independent.
 
         Accelerations are unique; multipliers are the smallest. Systems of different rank are solved one by one.
+        check: with the rank tests of solve
         """
         jacobian, n_freedoms = self.constraint_jacobian, self.mass.shape[-1]
         batch = jacobian.shape[:-2]
@@ -121,7 +124,8 @@ class KKTSystem:
             left, values, right = np.linalg.svd(jacobian[row])
             rank = int(np.count_nonzero(values > RANK * values.max()))
             zeta = left.T[:rank] @ self.zeta[row] / values[:rank]
-            reduced = KKTSystem(self.mass, right[:rank], self.force[row], zeta).solve_unchecked()
+            independent = KKTSystem(self.mass, right[:rank], self.force[row], zeta)
+            reduced = independent.solve() if check else independent.solve_unchecked()
             acceleration[row] = reduced.acceleration
             multipliers[row] = left[:, :rank] @ (reduced.stacked_multipliers / values[:rank])
             if not least_norm:

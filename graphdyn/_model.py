@@ -117,9 +117,12 @@ class RobotModel:
                 raise InvalidModel(f"chord '{chord.name}': there is no body {max(chord.body_i, chord.body_j)}")
         _ = self.freedoms  # refuses couplings that cannot be
         if self.actuated is not None:
-            self._check_actuated(who, tuple(self.actuated))
+            self._check_actuated(who, self.actuated)
 
-    def _check_actuated(self, who: str, actuated: tuple[str, ...]) -> None:
+    def _check_actuated(self, who: str, given: Sequence[str]) -> None:
+        if isinstance(given, str):
+            raise InvalidModel(f"{who}: actuated is the text '{given}'; give a list of joint names")
+        actuated = tuple(given)
         if not self.chords:
             raise InvalidModel(f"{who}: actuated is given, but every joint of a tree is; leave it out (None)")
         for name in actuated:
@@ -300,7 +303,7 @@ class RobotModel:
 
     def with_actuated(self, joints: Sequence[str]) -> RobotModel:
         """The same robot with motors at these joints. Raises InvalidModel as the class does."""
-        return dataclasses.replace(self, actuated=tuple(joints))
+        return dataclasses.replace(self, actuated=joints)  # type: ignore[arg-type]  # of which it makes a tuple
 
     def random_state(self, rng: np.random.Generator, size: int | Sequence[int] = ()) -> tuple[Array, Array]:
         """q, v (size, n_freedoms), uniform within limits, or default ranges where these are zero, missing or absurd.

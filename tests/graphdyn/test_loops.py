@@ -320,6 +320,10 @@ def test_refusals():
         graphdyn.analyze_loops(graphdyn.kr500(), np.zeros(6))
     with pytest.raises(InvalidInput, match=r"no free joint 'x' to hold; choose among a, b, c"):
         graphdyn.assemble(model, q, hold=["x"])
+    with pytest.raises(InvalidInput, match=r"hold is the text 'a'; give a list of joint names"):
+        graphdyn.assemble(model, q, hold="a")
+    with pytest.raises(InvalidModel, match=r"'four-bar': actuated is the text 'abc'; give a list of joint names"):
+        model.with_actuated("abc")
     with pytest.raises(InvalidInput, match=r"a is given without v"):
         graphdyn.assemble(model, q, a=still)
     with pytest.raises(InconsistentState, match=r"'closing' is open by 4.5 m .*None of 100 poses leads"):
@@ -329,6 +333,10 @@ def test_refusals():
     )
     with pytest.raises(graphdyn.SingularMassMatrix, match=r"can move without inertia in row 0: .*b 1|a 1|c 1"):
         graphdyn.joint_accelerations(massless, q, still, still)
+    with pytest.raises(
+        graphdyn.SingularMassMatrix, match=r"system has rank \d+ although its constraints .* no inertia"
+    ):
+        graphdyn.kkt_system(massless, q[0], still[0], still[0]).solve()
 
 
 @pytest.mark.parametrize(
