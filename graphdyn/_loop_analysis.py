@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn._arrays import one_state
+from graphdyn._chord_rows import chord_rows
 from graphdyn._errors import InvalidInput
-from graphdyn._loop_dynamics import closed, in_self_stress, self_stress, transmission
+from graphdyn._loop_dynamics import closed
+from graphdyn._loop_reactions import in_self_stress, self_stress, transmission
 from graphdyn._loop_spaces import loop_spaces, pivoted_columns
 from graphdyn._loops import SELF_STRESS
 from graphdyn._model import RobotModel
@@ -63,7 +65,8 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
     of_tree = JOINT_CONSTRAINTS * model.n_bodies + len(model.couplings)
     rank = int(spaces.rank)
     usual = int(loop_spaces(model.loops.jacobian(model.loops.links(model.regular_pose))).rank)
-    undetermined = in_self_stress(state, spaces)
+    stress = self_stress(state, chord_rows(state)[0], spaces)
+    undetermined = in_self_stress(model, stress)
     return LoopAnalysis(
         n_rows=of_tree + model.n_chord_rows,
         rank=of_tree + rank,
@@ -74,7 +77,7 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
         determined_multipliers=~undetermined["multipliers"],
         determined_wrenches=~undetermined["joint_wrenches"],
         determined_chord_multipliers=~undetermined["chord_multipliers"],
-        self_stresses=_named(model, *_sparse(self_stress(state, spaces).joints, spaces.left, spaces.redundant)),
+        self_stresses=_named(model, *_sparse(stress.joints, spaces.left, spaces.redundant)),
     )
 
 

@@ -1,13 +1,11 @@
 """The dynamics of robots with loops: Eq. (111) with redundant rows, as it stands or projected onto the closed motions.
 
-Accelerations are unique. Redundant rows leave combinations of multipliers that nothing determines (self-stresses of the
-linkage); what takes part in one is NaN. Forces are along t_1, t_2, p of each joint and chord.
+Accelerations are unique; of the reactions those that the equations determine (graphdyn._loop_reactions).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +13,16 @@ from numpy.typing import NDArray
 from graphdyn import _projected as projected
 from graphdyn._assembly import refuse_moving_apart, refuse_open
 from graphdyn._base_motion import BaseMotion
-from graphdyn._chord_rows import chord_rows
 from graphdyn._errors import InvalidInput, SingularMassMatrix, in_row
-from graphdyn._kinematics import MaximalState, bias_acceleration, joint_axes, null_space, project_accelerations
+from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations
 from graphdyn._linear import apply
+from graphdyn._loop_reactions import reactions
 from graphdyn._loop_spaces import LoopSpaces, loop_spaces
-from graphdyn._loops import RANK, SELF_STRESS
+from graphdyn._loops import RANK
 from graphdyn._model import RobotModel
 from graphdyn._projected import Arguments, Specification
-from graphdyn._reactions import transmitted_wrenches
 from graphdyn._unconstrained import passive_terms
-from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
+from graphdyn.layout import Array, per_body, stacked
 
 REMEDY = "graphdyn.assemble(model, q) closes loops"
 
@@ -65,7 +62,7 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
         a = project_accelerations(state, accelerations, found.bias)
     else:
         accelerations = found.bias + per_body(apply(found.null_space, a))
-    return {"a": a, **reactions(state, found.held, accelerations, x["external_wrenches"], multipliers)}
+    return {"a": a, **reactions(state, found.held.spaces, accelerations, x["external_wrenches"], multipliers)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +118,7 @@ def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     needed = apply(np.swapaxes(null_space(state), -1, -2), stacked(required))
     tau = apply(actuation(model, held.spaces), needed)
     multipliers = held.spaces.least_multipliers(tau - needed)
-    return {"tau": tau, **reactions(state, held, accelerations, x["external_wrenches"], multipliers)}
+    return {"tau": tau, **reactions(state, held.spaces, accelerations, x["external_wrenches"], multipliers)}
 
 
 def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
@@ -171,103 +168,6 @@ def motion_names(model: RobotModel, motion: Array) -> str:
     size = np.abs(motion)
     order = [k for k in np.argsort(-size) if size[k] > RANK * size.max()]
     return ", ".join(f"{model.independent_joints[k]} {motion[k] / size.max():.3g}" for k in order)
-
-
-@dataclass(frozen=True, eq=False)
-class SelfStress:
-    """Reactions that hold each other without any load, a column for each combination (…, d = m), many of them zero.
-
-    joints: in the order force, moment along t_1, t_2, p    (…, n, 6, d)
-    chords: (…, m, d)
-    """
-
-    joints: Array
-    chords: Array
-
-
-def self_stress(state: MaximalState, spaces: LoopSpaces) -> SelfStress:
-    """Chord multipliers that do no work on any joint motion, and what the joints transmit then."""
-    rows, _ = chord_rows(state)
-    n = state.model.n_bodies
-    chords = np.where(spaces.redundant[..., None, :], spaces.left, 0.0)
-    loads = np.swapaxes(np.swapaxes(rows, -1, -2) @ chords, -1, -2)  # (…, d, 6n)
-    of_bodies = loads.reshape(*loads.shape[:-1], n, 6)
-    each = [along_pins(state, transmitted_wrenches(state, of_bodies[..., k, :, :])) for k in range(loads.shape[-2])]
-    return SelfStress(np.stack(each, axis=-1), chords)
-
-
-def along_pins(state: MaximalState, wrenches: Array) -> Array:
-    """World wrenches (…, n, 6) at O_j as force, moment along t_1, t_2, p of each joint."""
-    vertices, axes = state.vertices, joint_axes(state)
-    triads = np.empty((*axes.shape, 3))
-    for k, joint in enumerate(state.model.joints):
-        in_world = vertices.rotation[..., joint.inside, :, :] @ joint.placement.rotation
-        triads[..., k, :, :] = np.stack([*(in_world @ t for t in joint.axis_normals), axes[..., k, :]], axis=-2)
-    return np.concatenate([apply(triads, wrenches[..., part]) for part in (LINEAR, ANGULAR)], axis=-1)
-
-
-def reactions(
-    state: MaximalState, held: Closed, accelerations: Array, external_wrenches: Array, chord_multipliers: Array
-) -> dict[str, Array]:
-    """What joints and chords transmit, from any chord multipliers that move the robot so; NaN where undetermined."""
-    rows, _ = chord_rows(state)
-    required = projected.inertial_terms(state, accelerations) - passive_terms(state, external_wrenches)
-    required = required + per_body(apply(np.swapaxes(rows, -1, -2), chord_multipliers))
-    found = transmission(state.model, along_pins(state, transmitted_wrenches(state, required)), chord_multipliers)
-    undetermined = in_self_stress(state, held.spaces)
-    return {
-        "body_accelerations": accelerations,
-        **{name: np.where(undetermined[name], np.nan, array) for name, array in found.items()},
-    }
-
-
-def in_self_stress(state: MaximalState, spaces: LoopSpaces) -> dict[str, NDArray[np.bool_]]:
-    """Which multipliers and components of joint wrenches take part in a self-stress, by the name of the answer."""
-    stress = self_stress(state, spaces)
-    columns = [
-        transmission(state.model, stress.joints[..., d], stress.chords[..., d]) for d in range(stress.chords.shape[-1])
-    ]
-    involved = {name: np.zeros(array.shape, dtype=bool) for name, array in columns[0].items()}
-    for column in columns:
-        joints, chords = np.abs(column["joint_wrenches"]), np.abs(column["chord_multipliers"])
-        largest = np.maximum(joints.max(axis=(-2, -1), initial=0.0), chords.max(axis=-1, initial=0.0))
-        limit = SELF_STRESS * np.where(largest > 0, largest, np.inf)
-        for name, array in column.items():
-            involved[name] |= np.abs(array) > limit.reshape(*limit.shape, *(1,) * (array.ndim - limit.ndim))
-    return involved
-
-
-_usual: WeakKeyDictionary[RobotModel, dict[str, NDArray[np.bool_]]] = WeakKeyDictionary()
-
-
-def in_self_stress_usually(model: RobotModel) -> dict[str, NDArray[np.bool_]]:
-    """in_self_stress at the regular pose of the model: what is undetermined in all but singular poses."""
-    if model not in _usual:
-        q = model.regular_pose
-        state = projected.rooted_state(model, None, q, np.zeros_like(q))
-        _usual[model] = in_self_stress(state, closed(model, q).spaces)
-    return _usual[model]
-
-
-def transmission(model: RobotModel, wrenches: Array, chord_multipliers: Array) -> dict[str, Array]:
-    """The answers that state joint wrenches along the pins (…, n, 6) and chord multipliers (…, m)."""
-    slides = [joint.is_prismatic for joint in model.joints]
-    held = np.array([[0, 1, 3, 4, 5] if slide else [0, 1, 2, 3, 4] for slide in slides])
-    along = np.array([[2] if slide else [5] for slide in slides])
-    transmitted = _components(wrenches, along)[..., 0]
-    return {
-        "multipliers": _components(wrenches, held),
-        "joint_wrenches": wrenches,
-        "coupling_multipliers": transmitted @ model.freedoms.reactions.T,
-        "chord_multipliers": chord_multipliers,
-    }
-
-
-def _components(wrenches: Array, chosen: NDArray[np.intp]) -> Array:
-    picked: Array = np.take_along_axis(
-        wrenches, np.broadcast_to(chosen, (*wrenches.shape[:-1], chosen.shape[-1])), axis=-1
-    )
-    return picked
 
 
 def refuse_massless_motions(model: RobotModel, spaces: LoopSpaces, mass: Array) -> None:

@@ -14,7 +14,7 @@ from graphdyn._arrays import joint_arrays, refuse_non_finite, with_wrenches
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import InvalidInput
 from graphdyn._frame_choice import FrameChoice
-from graphdyn._loop_dynamics import in_self_stress_usually
+from graphdyn._loop_reactions import in_self_stress_usually
 from graphdyn._methods import Method, is_recursive
 from graphdyn._model import RobotModel
 from graphdyn._projected import Specification
