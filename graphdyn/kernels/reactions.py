@@ -53,21 +53,49 @@ def answers(
 ) -> dict[str, list[Any]]:
     """body_accelerations, multipliers and joint_wrenches as graphdyn states them, from joint axes."""
     to_world = rotations(links, at, root)
-    gravity = root.gravity
-    accelerations, multipliers, in_link_axes = [], [], []
-    for link, place, motion, (force, moment), rotation in zip(links, at, moving, wrenches, to_world, strict=True):
-        at_center = motion.compensated + motion.spread() @ link.center_of_mass
-        accelerations += [rotation @ at_center + gravity, link.link_axes @ motion.alpha]
+    multipliers, in_link_axes = [], []
+    for link, place, (force, moment), rotation in zip(links, at, wrenches, to_world, strict=True):
         if link.prismatic:
             multipliers += [force[:2], moment]
         else:
             multipliers += [rotation @ force, turn(place.c, place.s, moment)[:2]]
         in_link_axes += [link.link_axes @ force, link.link_axes @ moment]
     return {
-        "body_accelerations": stacked(accelerations),
+        "body_accelerations": _body_accelerations(links, root, moving, to_world),
         "multipliers": stacked(multipliers),
         "joint_wrenches": stacked(in_link_axes),
     }
+
+
+def along_pins(
+    links: Sequence[Link],
+    at: Sequence[Place],
+    root: Root,
+    moving: Sequence[Motion],
+    wrenches: Sequence[Wrench],
+) -> dict[str, list[Any]]:
+    """The same of robots with loops: forces and moments along t_1, t_2, p, which turn with the inside body."""
+    multipliers, along = [], []
+    for link, place, wrench in zip(links, at, wrenches, strict=True):
+        force, moment = (turn(place.c, place.s, part) for part in wrench)
+        multipliers += [force[:2], moment] if link.prismatic else [force, moment[:2]]
+        along += [force, moment]
+    return {
+        "body_accelerations": _body_accelerations(links, root, moving, rotations(links, at, root)),
+        "multipliers": stacked(multipliers),
+        "joint_wrenches": stacked(along),
+    }
+
+
+def _body_accelerations(
+    links: Sequence[Link], root: Root, moving: Sequence[Motion], to_world: Sequence[Scalars]
+) -> list[Any]:
+    """r̈ of the centers of mass in world axes, ω̇ in link axes."""
+    accelerations = []
+    for link, motion, rotation in zip(links, moving, to_world, strict=True):
+        at_center = motion.compensated + motion.spread() @ link.center_of_mass
+        accelerations += [rotation @ at_center + root.gravity, link.link_axes @ motion.alpha]
+    return stacked(accelerations)
 
 
 def in_joint_axes(links: Sequence[Link], external: Scalars) -> list[Wrench]:
