@@ -73,10 +73,7 @@ def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentS
 
 def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wanted: Array, what: str) -> None:
     """Raises InconsistentState where J rate (…, m) is not as wanted: loops would open. what: "velocity", …"""
-    error = np.abs(apply(jacobian, rate) - wanted)
-    size = apply(np.abs(jacobian), np.abs(rate)) + np.abs(wanted)
-    scale = size.max(axis=-1, keepdims=True, initial=0.0)
-    relative = error / np.where(scale > 0, scale, 1.0)
+    relative = moving_apart(jacobian, rate, wanted)
     if not relative.size or np.nanmax(relative) <= CLOSED:
         return
     part, chord, where = _worst(loops, relative)
@@ -84,6 +81,15 @@ def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wa
         f"{who}: the {what} opens the loop of chord '{chord}'{where} (by {part:.2g} of its terms, at most {CLOSED:g}); "
         "graphdyn.assemble(model, q, v, a) gives the nearest that does not"
     )
+
+
+def moving_apart(jacobian: Array, rate: Array, wanted: Array) -> Array:
+    """How far J rate (…, m) is from wanted, relative to the largest of the terms that are summed."""
+    error = np.abs(apply(jacobian, rate) - wanted)
+    size = apply(np.abs(jacobian), np.abs(rate)) + np.abs(wanted)
+    scale = size.max(axis=-1, keepdims=True, initial=0.0)
+    relative: Array = error / np.where(scale > 0, scale, 1.0)
+    return relative
 
 
 def completed_rate(jacobian: Array, rate: Array, wanted: Array, held: NDArray[np.intp] | None) -> Array:

@@ -76,6 +76,11 @@ class Loops:
         self.paths = np.vstack([np.zeros(len(joints)), on_path.T])  # which joints lie between the ground and a body
         self.turns = np.array([not joint.is_prismatic for joint in joints])
 
+    @property
+    def free_joints(self) -> tuple[Joint, ...]:
+        """The joints that no others drive."""
+        return tuple(self.joints[k] for k in self.freedoms.independent)
+
     def row_names(self) -> tuple[str, ...]:
         """Such as "closing_hinge force t1", in the order of the rows."""
         return tuple(f"{chord.name} {row}" for chord in self.chords for row in chord.rows)

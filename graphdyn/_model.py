@@ -12,10 +12,10 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn import _assembly as assembly
+from graphdyn import _random_states as random_states
 from graphdyn._chord import Chord
 from graphdyn._coupling import Coupling, Freedoms, freedoms
-from graphdyn._errors import InconsistentState, InvalidInput, InvalidModel, UnknownFrame
+from graphdyn._errors import InvalidInput, InvalidModel, UnknownFrame
 from graphdyn._graph import Graph
 from graphdyn._inertia import (
     Consistency,
@@ -23,30 +23,13 @@ from graphdyn._inertia import (
     pseudo_inertia,
 )
 from graphdyn._loop_spaces import loop_spaces, pivoted_columns
-from graphdyn._loops import CLOSED, Loops
+from graphdyn._loops import Loops
 from graphdyn._parts import Body, Frame, Joint, as_floats, check_type, freeze, read_only
 from graphdyn._placement import Placement
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 """Gravity of a model unless told otherwise [m/s²]: the value Pinocchio and most URDF tools use."""
-
-ANGLE_RANGE = np.pi
-
-CLOSING_STARTS = 100
-"""Random poses from which the loops are closed before that counts as impossible."""
-
-TOGETHER = 20
-"""Of these as many at once as keep an assembly of many loops short where one of the first closes."""
-
-REGULAR_CANDIDATES = 20
-"""Closed poses among which regular_pose chooses."""
-
-SLIDE_RANGE = 0.5
-"""Ranges that random_state takes where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
-
-ABSURD = 1e6
-"""A limit beyond this [rad, m, …/s] is treated as no limit by random_state."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,17 +153,7 @@ class RobotModel:
 
         Raises InconsistentState, naming a loop, where none of them closes.
         """
-        starts = self._drawn(np.random.default_rng(0), (CLOSING_STARTS,))[0]
-        starts[0] = 0.0
-        nearest = np.full(self.n_chord_rows, np.inf)
-        for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // TOGETHER)):
-            found, gaps = assembly.assembled(self.loops, some)
-            widest = np.abs(gaps).max(axis=-1)
-            if widest.min() <= CLOSED:
-                return read_only(found[np.flatnonzero(widest <= CLOSED)[0]])
-            nearest = min(nearest, gaps[widest.argmin()], key=lambda gap: float(np.abs(gap).max()))
-        remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
-        raise assembly.open_loop(f"robot '{self.name}'", self.loops, nearest, remedy)
+        return read_only(random_states.closed_pose(f"robot '{self.name}'", self.loops))
 
     @cached_property
     def regular_pose(self) -> Array:
@@ -189,9 +162,7 @@ class RobotModel:
         That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
         Raises InconsistentState where the loops cannot be closed.
         """
-        q, _ = self._closed_states(np.random.default_rng(0), (REGULAR_CANDIDATES,))
-        spaces = loop_spaces(self.loops.jacobian(self.loops.links(q)))
-        return read_only(q[np.lexsort((spaces.distance, spaces.rank))[-1]])
+        return read_only(random_states.regular_pose(f"robot '{self.name}'", self.loops, self.closed_pose))
 
     @cached_property
     def dependent_joints(self) -> tuple[int, ...]:
@@ -315,30 +286,10 @@ class RobotModel:
         uniform nor always within limits. Raises InconsistentState where the loops cannot be closed.
         """
         shape: Sequence[int] = (int(size),) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
-        return self._closed_states(rng, shape) if self.chords else self._drawn(rng, shape)
-
-    def _drawn(self, rng: np.random.Generator, shape: Sequence[int]) -> tuple[Array, Array]:
-        ranges = [_sampling_range(self.joints[k]) for k in self.freedoms.independent]
-        lower, upper, speed = (np.array(values) for values in zip(*ranges, strict=True))
-        q = rng.uniform(lower, upper, (*shape, self.n_freedoms))
-        v = rng.uniform(-speed, speed, (*shape, self.n_freedoms))
-        return q, v
-
-    def _closed_states(self, rng: np.random.Generator, shape: Sequence[int]) -> tuple[Array, Array]:
-        q, v = (array.reshape(-1, self.n_freedoms) for array in self._drawn(rng, shape))
-        todo = np.arange(len(q))
-        for _ in range(CLOSING_STARTS):
-            q[todo], gaps = assembly.walked(self.loops, self.closed_pose, q[todo])
-            todo = todo[np.abs(gaps).max(axis=-1) > CLOSED]
-            if not todo.size:
-                jacobian = self.loops.jacobian(self.loops.links(q))
-                v = assembly.completed_rate(jacobian, v, np.zeros(jacobian.shape[:-1]), None)
-                return q.reshape(*shape, self.n_freedoms), v.reshape(*shape, self.n_freedoms)
-            q[todo] = self._drawn(rng, todo.shape)[0]
-        raise InconsistentState(
-            f"robot '{self.name}': {len(todo)} of {len(q)} random states did not close; give states of your own, "
-            "closed by graphdyn.assemble"
-        )
+        if self.chords:
+            who = f"robot '{self.name}'"
+            return random_states.closed_states(who, self.loops, self.closed_pose, rng, shape)
+        return random_states.drawn(self.loops.free_joints, rng, shape)
 
     def physical_consistency(self) -> tuple[Consistency, ...]:
         """Per body: whether a real body can have these inertials, and if not why. Reports; refuses nothing."""
@@ -370,19 +321,3 @@ def total_mass(model: RobotModel) -> float:
             "see physical_consistency()"
         )
     return mass
-
-
-def _sampling_range(joint: Joint) -> tuple[float, float, float]:
-    """lower, upper and speed of random_state."""
-    reach = SLIDE_RANGE if joint.is_prismatic else ANGLE_RANGE
-    lower, upper, speed = (
-        None if limit is None or abs(limit) > ABSURD else limit
-        for limit in (joint.limits.lower, joint.limits.upper, joint.limits.velocity)
-    )
-    speed = abs(speed or 0.0) or reach
-    if joint.kind == "continuous" or not (lower or upper):  # both zero or missing
-        return -reach, reach, speed
-    if lower is None:
-        assert upper is not None  # one of them is given
-        return upper - 2 * reach, upper, speed
-    return lower, lower + 2 * reach if upper is None else upper, speed

@@ -20,6 +20,7 @@ from graphdyn import (
     RobotModel,
     identification,
 )
+from graphdyn import _random_states as random_states
 from graphdyn._chord import CHORD_ROWS
 from graphdyn._loops import Loops
 from graphdyn._rotation import rotation_about
@@ -279,6 +280,16 @@ def test_motors():
         graphdyn.inverse_dynamics(two, q, 0 * q, 0 * q, actuated=["a0"])
     with pytest.raises(InvalidInput, match=r"which joints have motors is not known: give actuated= .* among a0, a1"):
         graphdyn.gravity_torque(two, q)
+
+
+def test_random_states_keep_away_from_singular_poses(monkeypatch):
+    """N-four-bars are singular at q = 0, where walks to random states begin and half of them stay."""
+    model = n_four_bar(2)
+    q, v = model.random_state(np.random.default_rng(0), 10)
+    graphdyn.joint_accelerations(model, q, v, 0 * q)  # refuses velocities that open a loop
+    monkeypatch.setattr(random_states, "CLOSING_STARTS", 1)
+    with pytest.raises(InconsistentState, match=r"'n-four-bar': \d of 10 random states did not close; .*assemble"):
+        model.random_state(np.random.default_rng(0), 10)
 
 
 def test_refusals():
