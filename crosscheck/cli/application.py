@@ -15,6 +15,7 @@ from crosscheck.cli import (
     identify,
     inspect,
     judge,
+    own_process,
     paper,
     questions,
     robots,
@@ -73,8 +74,16 @@ def options(
         raise typer.Exit(AGREED)
 
 
+def run() -> None:
+    """The command that was typed. Errors are handled in crosscheck.cli.exits."""
+    app()
+
+
+own_process.program = run
+
+
 def main() -> None:
-    """Entry point of the script. Errors are handled in crosscheck.cli.exits."""
+    """Entry point of the script."""
     accept_all_characters()
     with ended_by_signals():
-        app()
+        run()

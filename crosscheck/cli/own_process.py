@@ -25,6 +25,9 @@ from graphdyn import GraphDynError
 PATIENCE = 5.0
 """Time that the process has to unwind before it is killed [s]."""
 
+program: Callable[[], None] | None = None
+"""Runs the command line; set by crosscheck.cli.application, whose commands this file serves."""
+
 tell: Callable[[str], None] | None = None
 """In the process of the command: says to the program which foreign code is about to run. None in the program itself."""
 
@@ -42,9 +45,10 @@ def enter(what: str) -> None:
     if tell is not None:
         tell(what)
         return
+    assert program is not None
     context = get_context("spawn")
     ours, theirs = context.Pipe(duplex=False)
-    process = context.Process(target=_run, args=(theirs,))
+    process = context.Process(target=_run, args=(program, theirs))
     process.start()
     theirs.close()
     try:
@@ -83,7 +87,7 @@ def _end(process: BaseProcess) -> None:
         process.join()
 
 
-def _run(theirs: Connection) -> None:
+def _run(again: Callable[[], None], theirs: Connection) -> None:
     """The program, in the process of the command. A signal ends it at once: the program that started it unwinds."""
     global tell
     tell = theirs.send
@@ -91,10 +95,8 @@ def _run(theirs: Connection) -> None:
     faulthandler.enable()  # says in which line of Python a compiled extension crashed
     accept_all_characters()
     _keep_standard_output()
-    from crosscheck.cli.application import app
-
     try:
-        app()
+        again()
     except SystemExit as end:
         console.out.file.flush()
         sys.stderr.flush()
