@@ -67,6 +67,18 @@ def arm(tmp_path: Path) -> Writer:
 
 
 @pytest.fixture
+def written(tmp_path: Path) -> Writer:
+    """written(text): a file of this text, or of these bytes."""
+
+    def write(content: str | bytes) -> Path:
+        path = tmp_path / "arm.urdf"
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
+
+
+@pytest.fixture
 def robot(tmp_path: Path) -> Writer:
     """robot(*elements): the file with exactly these elements in <robot>."""
 

@@ -27,16 +27,6 @@ CONSTRAINTS = {
 """By tag, an element that is one; written out, so that a tag lost from the table of the package shows."""
 
 
-@pytest.fixture
-def written(tmp_path):
-    def write(text):
-        path = tmp_path / "arm.urdf"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 def found(path, code):
     return [finding for finding in urdf.inspect(path).findings if finding.code == code]
 

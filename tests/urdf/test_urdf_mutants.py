@@ -36,16 +36,6 @@ def test_a_mutant_is_known_by_its_number():
     assert mutant(3, 0) != mutant(4, 0)
 
 
-@pytest.fixture
-def written(tmp_path):
-    def write(text):
-        path = tmp_path / "arm.urdf"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 class TestTheTrialCanFail:
     """A fault planted in what is tried shows."""
 

@@ -12,16 +12,6 @@ from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
 REFUSED = "Pinocchio refuses the file"
 
 
-@pytest.fixture
-def written(tmp_path):
-    def write(content):
-        path = tmp_path / "arm.urdf"
-        path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return path
-
-    return write
-
-
 def messages(path, code):
     """Of the findings with this code; load must accept the file without a Python warning."""
     with warnings.catch_warnings():
