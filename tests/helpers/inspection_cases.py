@@ -463,7 +463,7 @@ CASES = {
         (INERTIA, '<inertia ixx="11" ixy="0" ixz="0" iyy="13" iyz="0" izz="17"/>'),
         "warning", "<inertial> of link 'upper'", 4,
         "the radius of gyration is 2.61 m, the link reaches 0.374 m: tensor and mass do not fit",
-        "give kg, m and kg m²; the tensor may be in g mm², or about another point",
+        "give kg, m and kg m²; the tensor may be in kg mm² or g mm², or about another point",
     ),
     "rpy-truncated": Case(
         ('xyz="0.3 0 0" rpy="0 0 0"', 'xyz="0.3 0 0" rpy="1.5708 0 -3.1416"'),

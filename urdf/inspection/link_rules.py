@@ -199,7 +199,7 @@ def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "warning",
             inertial.element,
             f"the radius of gyration is {radius:.3g} m, the link reaches {size:.3g} m: tensor and mass do not fit",
-            "give kg, m and kg m²; the tensor may be in g mm², or about another point",
+            "give kg, m and kg m²; the tensor may be in kg mm² or g mm², or about another point",
         )
 
 
