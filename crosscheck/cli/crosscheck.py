@@ -24,8 +24,8 @@ from crosscheck.cli.options import (
 )
 from crosscheck.cli.robot_files import is_folder
 from crosscheck.cli.three_d import ThreeDOption, refuse_without_page, standing
+from crosscheck.cli.workers import SchedulerOption, workers_of
 from graphdyn import GraphDynError
-from graphdyn.kernels.running import cores
 
 DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
     ("kr500", {}),
@@ -63,6 +63,7 @@ def run(
     html_file: HtmlOption = None,
     three_d: ThreeDOption = False,
     jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
     resume: ResumeOption = False,
 ) -> None:
     """Compare graphdyn with Pinocchio on robots of your choice.
@@ -75,16 +76,16 @@ def run(
     folder = any(map(is_folder, robots or ()))
     if (locked or chain) and (folder or len(robots or ()) != 1):
         raise typer.BadParameter("--lock and --chain need exactly one robot, whose joints and links they name")
-    if (jobs or resume) and not folder:
-        raise typer.BadParameter("--jobs and --resume are for folders")
+    if (jobs or scheduler or resume) and not folder:
+        raise typer.BadParameter("--jobs, --scheduler and --resume are for folders")
     if resume and (json_file is None or not json_file.is_regular):
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
     refuse_without_page(three_d, html_file)
     if folder and three_d:
         raise typer.BadParameter("--3d is not for folders; name the robots")
     if folder:
-        processes = jobs or cores()
-        raise typer.Exit(compare_folder(context, robots or [], samples, seed, processes, resume, json_file, html_file))
+        workers = workers_of(jobs, scheduler)
+        raise typer.Exit(compare_folder(context, robots or [], samples, seed, workers, resume, json_file, html_file))
     choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
     from crosscheck.referee.compare import compare
     from crosscheck.report.commands.crosscheck import crosscheck_report

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import typer
 
-from crosscheck.cli import processes
 from crosscheck.cli.console import complain, progress, say
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.cli.options import command_line
 from crosscheck.cli.output_files import OutputFile
 from crosscheck.cli.robot_files import files_below, is_folder
+from crosscheck.distributing import Lost, Workers
 from graphdyn import GraphDynError
 
 
@@ -21,7 +21,7 @@ def compare_folder(
     given: Sequence[str],
     samples: int,
     seed: int,
-    jobs: int,
+    workers: Workers,
     resume: bool,
     json_file: OutputFile | None,
     html_file: OutputFile | None,
@@ -50,10 +50,10 @@ def compare_folder(
     try:
         with progress("crosscheck", len(robots)) as advance:
             advance("", len(file.records))
-            for k, outcome in processes.each(examine, tasks, jobs):
+            for k, outcome in workers.each(examine, tasks):
                 robot = tasks[k].robot
-                if isinstance(outcome, processes.Died):
-                    message = f"the process that compared it died with code {outcome.code}; report it, with the file"
+                if isinstance(outcome, Lost):
+                    message = f"the comparison was lost: {outcome.reason}; report it, with the file"
                     file.failures[robot] = {"robot": robot, "message": message}
                 elif outcome.record is None:
                     file.failures[robot] = {"robot": robot, "message": str(outcome.failure)}

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, NamedTuple
 
-from crosscheck.cli import processes
 from crosscheck.cli.console import say
+from crosscheck.distributing import LocalProcesses, Lost
 
 if TYPE_CHECKING:
     from graphdyn.excitation import ExcitationProblem, OptimisedMotion
@@ -48,13 +48,11 @@ def best_of(
     tasks = [Task(problem, seed) for seed in seeds]
     best: OptimisedMotion | None = None
     failures = list[str]()
-    answers = (
-        processes.each(search, tasks, min(processes_used, len(tasks))) if processes_used > 1 else one_by_one(tasks)
-    )
+    answers = LocalProcesses(processes_used).each(search, tasks) if processes_used > 1 else one_by_one(tasks)
     try:
         for k, outcome in answers:
-            if isinstance(outcome, processes.Died):
-                failures.append(f"the process of seed {tasks[k].seed} died with code {outcome.code}")
+            if isinstance(outcome, Lost):
+                failures.append(f"the search from seed {tasks[k].seed} was lost: {outcome.reason}")
             elif isinstance(outcome, str):
                 failures.append(outcome)
             elif best is None or outcome.value < best.value:
@@ -66,5 +64,5 @@ def best_of(
         say(f"interrupted: the best motion so far, of seed {best.seed}, is kept", "yellow")
         return Found(best, failures, True)
     finally:
-        answers.close()  # type: ignore[attr-defined]  # a generator: ends its processes
+        answers.close()  # ends its processes
     return Found(best, failures, False)

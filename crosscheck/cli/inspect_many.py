@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from crosscheck.cli.processes import Died, each
+from crosscheck.distributing import LocalProcesses, Lost
 from graphdyn.kernels.running import cores
 from urdf import Finding, Inspection, inspect
 
@@ -21,10 +21,10 @@ def inspect_files(
     """One report per robot, in their order. done: called with what was just inspected, and 1."""
     work = partial(_examined, examine)
     reports: dict[int, Inspection] = {}
-    answers = each(work, robots, cores()) if len(robots) > FEW else enumerate(map(work, robots))
+    answers = LocalProcesses(cores()).each(work, robots) if len(robots) > FEW else enumerate(map(work, robots))
     for k, answer in answers:
-        if isinstance(answer, Died):
-            answer = _failed(robots[k], f"the process that read the file died with code {answer.code}")
+        if isinstance(answer, Lost):
+            answer = _failed(robots[k], f"the inspection was lost: {answer.reason}")
         reports[k] = answer
         done(robots[k], 1)
     return [reports[k] for k in range(len(robots))]

@@ -18,7 +18,7 @@ import typer
 
 from crosscheck.cli import console
 from crosscheck.cli.encodings import accept_all_characters
-from crosscheck.cli.processes import end_with_parent
+from crosscheck.distributing.processes import end_with_parent
 from crosscheck.judging.exchange.line_process import end_in_words
 from graphdyn import GraphDynError
 

@@ -13,8 +13,9 @@ from jsonschema import Draft202012Validator
 from planting import mixed_tree
 
 import urdf
-from crosscheck.cli import excite_search, processes
+from crosscheck.cli import excite_search
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.distributing import LocalProcesses, Lost
 from crosscheck.exciting.motion_formats.krl import AxisSettings
 from crosscheck.exciting.motion_formats.motion_file import WRITTEN, document, read_motion, slides
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
@@ -194,26 +195,26 @@ def motion_of(value, seed):
 def test_the_best_seed_is_kept(monkeypatch, capsys):
     """Also after an interruption, a seed that found nothing, and a process that died."""
 
-    def interrupted(function, tasks, count):
+    def interrupted(_self, function, tasks):
         yield 1, motion_of(-3.0, 1)
         yield 0, motion_of(-2.0, 0)
         yield 2, "no motion from seed 2"
-        yield 3, processes.Died(-9)
+        yield 3, Lost("it died")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(processes, "each", interrupted)
+    monkeypatch.setattr(LocalProcesses, "each", interrupted)
     found = excite_search.best_of(None, range(5), 2, lambda what, steps: None)
     assert (found.best.seed, found.interrupted) == (1, True)
-    assert found.failures == ["no motion from seed 2", "the process of seed 3 died with code -9"]
+    assert found.failures == ["no motion from seed 2", "the search from seed 3 was lost: it died"]
     assert "interrupted: the best motion so far, of seed 1, is kept" in capsys.readouterr().err
 
 
 def test_interrupted_too_early(monkeypatch):
-    def interrupted(function, tasks, count):
+    def interrupted(_self, function, tasks):
         raise KeyboardInterrupt
         yield
 
-    monkeypatch.setattr(processes, "each", interrupted)
+    monkeypatch.setattr(LocalProcesses, "each", interrupted)
     with pytest.raises(KeyboardInterrupt):
         excite_search.best_of(None, range(2), 2, lambda what, steps: None)
 

@@ -328,7 +328,7 @@ class TestSweep:
         assert len(reports) == 4
         failed = [report for report in reports if not report.usable]
         assert [Path(report.robot).name for report in failed] == ["03_fatal.urdf"]
-        assert failed[0].reasons == ("the process that read the file died with code 1",)
+        assert failed[0].reasons == ("the inspection was lost: its process died with code 1, tries: 2",)
         assert failed[0].codes == ("inspection-failed",)
         assert failed[0].findings[0].remedy == "report it, with the file"
 

@@ -2,10 +2,8 @@
 
 import json
 import math
-import os
 import re
 import shutil
-import signal
 import sys
 from itertools import islice
 from pathlib import Path
@@ -15,11 +13,12 @@ from jsonschema import Draft202012Validator
 from planting import Plant
 from shared_data import ARMS, REPOSITORY, existing
 
-from crosscheck.cli import console, main, processes
+from crosscheck.cli import console, main
 from crosscheck.cli import crosscheck_worker as sweeping
 from crosscheck.cli.crosscheck_folder_file import SweepFile
 from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
 from crosscheck.cli.output_files import OutputFile
+from crosscheck.distributing import LocalProcesses, Lost
 from crosscheck.referee import compare as comparing
 from crosscheck.referee.comparison import part_of_bound
 from crosscheck.referee.subject import content_sha256
@@ -72,12 +71,12 @@ def here(monkeypatch):
     cases = comparing.cases
     monkeypatch.setattr(comparing, "cases", lambda *arguments: islice(cases(*arguments), 1))
 
-    def each(function, items, _processes):
+    def each(_self, function, items):
         for k, item in enumerate(items):
             compared.append(Path(item.robot).name)
             yield k, function(item)
 
-    monkeypatch.setattr(processes, "each", each)
+    monkeypatch.setattr(LocalProcesses, "each", each)
     return compared
 
 
@@ -188,11 +187,11 @@ class TestOutcomes:
 
     def test_a_process_that_died(self, program, good_folder, monkeypatch):
         monkeypatch.setattr(
-            processes, "each", lambda _function, items, _jobs: ((k, processes.Died(-11)) for k in range(len(items)))
+            LocalProcesses, "each", lambda _self, _f, items: ((k, Lost("it died")) for k in range(len(items)))
         )
         done = program(good_folder, "--samples", 1)
         assert done.code == BAD_INPUT
-        assert done.row("good.urdf")[6] == "the process that compared it died with code -11; report it, with the file"
+        assert done.row("good.urdf")[6] == "the comparison was lost: it died; report it, with the file"
 
 
 class TestArguments:
@@ -214,6 +213,7 @@ class TestArguments:
             (["--lock", "y_elbow"], "--lock and --chain need exactly one robot"),
             (["--resume"], "--resume needs --json FILE"),
             (["--jobs", "0"], "'--jobs'"),
+            (["--jobs", "2", "--scheduler", "tcp://a:1"], "--jobs and --scheduler exclude each other"),
         ],
     )
     def test_refused(self, program, here, folder, options, message):
@@ -222,11 +222,13 @@ class TestArguments:
         assert message in re.sub(r"\s*\n\W*", " ", done.err)
         assert here == []
 
-    @pytest.mark.parametrize("options", [["--jobs", 2], ["--resume"]], ids=lambda options: options[0])
+    @pytest.mark.parametrize(
+        "options", [["--jobs", 2], ["--resume"], ["--scheduler", "tcp://a:1"]], ids=lambda options: options[0]
+    )
     def test_without_a_folder(self, program, options):
         done = program("kr500", *options)
         assert done.code == BAD_INPUT
-        assert "--jobs and --resume are for folders" in done.err
+        assert "--jobs, --scheduler and --resume are for folders" in done.err
 
     def test_a_robot_of_the_catalogue_comes_before_a_folder(self, program, here, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
@@ -294,14 +296,14 @@ class TestResume:
 
     def test_interrupted(self, program, here, good_folder, tmp_path, monkeypatch):
         """What was finished is in the file, which says what is not."""
-        each, path = processes.each, tmp_path / "r.json"
+        each, path = LocalProcesses.each, tmp_path / "r.json"
 
         def interrupted(*arguments):
             yield next(each(*arguments))
             raise KeyboardInterrupt
 
         with monkeypatch.context() as patch:
-            patch.setattr(processes, "each", interrupted)
+            patch.setattr(LocalProcesses, "each", interrupted)
             done = program(good_folder, "--samples", 1, "--json", path)
         assert done.code not in (AGREED, DISAGREED, BAD_INPUT, INTERNAL_ERROR)
         record = written(path)
@@ -364,29 +366,6 @@ class TestPage:
         assert html.count('class="sheet"') == 1
         assert '<a href="#robot-1">good.urdf</a>' in html
         assert "Details are shown of robots that disagree" in html
-
-
-def deadly(number):
-    if number < 0:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return number**2
-
-
-class TestProcesses:
-    def test_the_item_that_kills_is_known_and_the_others_go_on(self):
-        answers = dict(processes.each(deadly, [1, -2, 3, -4], 1))
-        assert answers == {0: 1, 1: processes.Died(-9), 2: 9, 3: processes.Died(-9)}
-
-    def test_nothing_to_do(self):
-        assert list(processes.each(deadly, [], 2)) == []
-
-    def test_they_end_with_the_iterator(self):
-        import multiprocessing
-
-        answers = processes.each(deadly, [1, 2, 3], 2)
-        next(answers)
-        answers.close()
-        assert multiprocessing.active_children() == []
 
 
 class TestVerdict:

@@ -1,0 +1,112 @@
+"""A function over many tasks on the workers of a Dask scheduler, which gives those of a lost worker to another.
+
+A worker that dies takes tasks with it that only waited beside the one that killed it. Dask gives up on all of them
+after some deaths; here each of them is then tried again with nothing beside it, so that the right one is blamed.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Generator, Sequence
+from contextlib import chdir
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Any
+
+from crosscheck.distributing.cluster import Cluster
+from crosscheck.distributing.errors import NoWorkers
+from crosscheck.distributing.workers import Answer, Lost, Task
+
+if TYPE_CHECKING:
+    from distributed import Future
+
+AHEAD = 2
+"""Tasks per worker that are given out: one is done while the next one waits."""
+
+ASK = 5.0
+"""After this time without an answer the scheduler is asked whether it has workers [s]."""
+
+WITHOUT = 12
+"""So often in a row it may have none: a lost one is replaced in the meantime."""
+
+
+@dataclass(frozen=True)
+class DaskWorkers:
+    """address: of the scheduler, such as tcp://10.0.0.1:8786
+
+    Every worker has one thread, and the versions of this process. Files are found under the same paths as here.
+    """
+
+    address: str
+
+    def each(
+        self, function: Callable[[Task], Answer], tasks: Sequence[Task]
+    ) -> Generator[tuple[int, Answer | Lost], None, None]:
+        """As in Workers."""
+        if not tasks:
+            return
+        work = partial(_in_folder, function, os.getcwd())
+        waiting, suspected = deque(range(len(tasks))), deque[int]()
+        running: dict[str, tuple[Future, int]] = {}
+        ended: SimpleQueue[str] = SimpleQueue()
+        with Cluster(self.address) as cluster:
+
+            def start(k: int) -> None:
+                future = cluster.submit(work, tasks[k])
+                running[future.key] = future, k
+                future.add_done_callback(lambda done: ended.put(done.key))
+
+            while waiting or running:
+                room = AHEAD * cluster.n_workers() if waiting else 0
+                while waiting and len(running) < room:
+                    start(waiting.popleft())
+                future, k = running.pop(_next(ended, cluster))
+                if _killed(future):
+                    suspected.append(k)
+                else:
+                    yield k, _answer(future, cluster)
+            for k in suspected:
+                start(k)
+                future, _ = running.pop(_next(ended, cluster))
+                yield k, _answer(future, cluster)
+
+
+def _next(ended: SimpleQueue[str], cluster: Cluster) -> str:
+    """Key of the next task that has ended. Raises NoWorkers where none is left for some time."""
+    for _ in range(WITHOUT):
+        while True:
+            try:
+                return ended.get(timeout=ASK)
+            except Empty:
+                if not cluster.n_workers():
+                    break
+    raise NoWorkers(f"the scheduler {cluster.address} has lost its last worker; start others, and run this again")
+
+
+def _killed(future: Future) -> bool:
+    from distributed import KilledWorker
+
+    return future.status == "error" and isinstance(future.exception(), KilledWorker)
+
+
+def _answer(future: Future, cluster: Cluster) -> Any:
+    if future.status == "cancelled":
+        raise cluster.gone()
+    if _killed(future):
+        killed: Any = future.exception()
+        return Lost(
+            f"its process died, the last time with no task beside it, tries: {2 * (killed.allowed_failures + 1)}"
+        )
+    if future.status == "error":
+        error = future.exception()
+        return Lost(f"{type(error).__name__}: {error}")
+    return future.result()
+
+
+def _in_folder(function: Callable[[Any], Any], folder: str, task: object) -> Any:
+    """In the folder of the process that gives the task, where there is one, so that relative paths mean the same."""
+    with chdir(folder if Path(folder).is_dir() else "."):
+        return function(task)
