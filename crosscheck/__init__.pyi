@@ -5,6 +5,7 @@ from .judging.judge import judge
 from .judging.judgement import Diagnosis, JudgedFunction, Judgement
 from .recordings import (
     DirtyRecording,
+    PartitionedRecording,
     Recording,
     StreamedRecording,
     concatenated,
@@ -32,6 +33,7 @@ __all__ = [
     "Identified",
     "JudgedFunction",
     "Judgement",
+    "PartitionedRecording",
     "QuantityResult",
     "Recording",
     "StreamedRecording",

@@ -8,6 +8,7 @@ from crosscheck.recordings.findings import DROPPABLE, RecordingFinding
 from crosscheck.recordings.loading import inspect_recording, load_recording
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping, mapping_of
 from crosscheck.recordings.noise_floor import ResidualAnalysis, residual_analysis
+from crosscheck.recordings.partitioned import PartitionedRecording
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
 from crosscheck.recordings.resampling import resampled, sampling_rate
 from crosscheck.recordings.row_filters import samples_of
@@ -22,6 +23,7 @@ __all__ = [
     "BadRecordingFile",
     "ColumnMapping",
     "DirtyRecording",
+    "PartitionedRecording",
     "Provenance",
     "Recording",
     "RecordingFinding",

@@ -6,6 +6,7 @@ import re
 import zlib
 from collections.abc import Iterator
 from errno import ENOENT
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,9 @@ from crosscheck.recordings.table import RecordedTable
 
 AT_ONCE = 1 << 20
 """Part of a CSV file that is parsed at once [bytes]."""
+
+BATCH = 65_536
+"""Rows of a Parquet file that are decoded at once."""
 
 
 def tables(path: Path, delimiter: str | None, rows: int) -> Iterator[RecordedTable]:
@@ -43,6 +47,34 @@ def tables(path: Path, delimiter: str | None, rows: int) -> Iterator[RecordedTab
             )
     except (pa.ArrowException, OSError, EOFError, UnicodeDecodeError, zlib.error) as error:
         raise BadRecordingFile(f"{path}: {error}; load_recording gives details, or repair the file") from error
+
+
+def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:
+    """The rows first … last - 1 of a Parquet file; only the row groups that hold them are read.
+
+    Raises BadRecordingFile.
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    try:
+        with parquet.ParquetFile(path) as file:
+            names, metadata = file.schema_arrow.names, file.metadata
+            starts = [0, *accumulate(metadata.row_group(k).num_rows for k in range(metadata.num_row_groups))]
+            groups = [k for k in range(len(starts) - 1) if starts[k] < last and starts[k + 1] > first]
+            row, batches = starts[groups[0]], []
+            for batch in file.iter_batches(BATCH, row_groups=groups, use_threads=False):
+                begin, end = max(first - row, 0), min(last - row, len(batch))
+                if begin < end:
+                    batches.append(batch.slice(begin, end - begin))
+                row += len(batch)
+                if row >= last:
+                    break
+    except (pa.ArrowException, OSError) as error:
+        raise BadRecordingFile(f"{path}: {error}; repair the file") from error
+    numbers = [str(k) for k in range(len(names))]  # names may be repeated
+    whole = pa.Table.from_batches([pa.record_batch(batch.columns, names=numbers) for batch in batches])
+    return table_of_columns(path, names, whole.columns)
 
 
 def _csv_batches(path: Path, delimiter: str | None) -> tuple[tuple[str, ...], Any]:

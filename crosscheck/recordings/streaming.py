@@ -10,22 +10,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 
 from crosscheck.recordings.batches import tables
-from crosscheck.recordings.conversion import joint_channels, mapped_columns, sliding_joints
 from crosscheck.recordings.delays import refuse_delays
 from crosscheck.recordings.derivatives import differentiated
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.loading import reordered
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping_by_name import mapping_by_name
-from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
-from crosscheck.recordings.resampling import EVEN
+from crosscheck.recordings.recording import Recording
 from crosscheck.recordings.row_filters import BORDERS, torque_filter
-from crosscheck.recordings.stamps import Origin, times
+from crosscheck.recordings.stamps import Origin
+from crosscheck.recordings.windows import Place, appended, refuse_uneven, window_of
 from graphdyn import InvalidInput
 from graphdyn.identification import RowFilter, Samples
 
@@ -59,7 +57,7 @@ class StreamedRecording:
         row_filter: RowFilter | None = None
         first = 0
         for part in self._parts():
-            whole = part if whole is None else _appended(whole, part)
+            whole = part if whole is None else appended(whole, part)
             if len(whole.t) >= self.window:
                 done, border = self._differentiated(whole, first)
                 overlap = 2 * BORDERS * border
@@ -81,13 +79,7 @@ class StreamedRecording:
 
     def _differentiated(self, recording: Recording, first: int) -> tuple[Recording, int]:
         """The window with v and a, and the rows that were cut at both of its ends. first: row of the file."""
-        steps = np.diff(recording.t)
-        uneven = np.flatnonzero(np.abs(steps - np.median(steps)) > EVEN * np.median(steps))
-        if uneven.size:
-            raise InvalidInput(
-                f"{self.path}: after row {first + uneven[0]} the time steps by {steps[uneven[0]]:g} s instead of "
-                f"{np.median(steps):g} s; load_recording divides or resamples such a file, which has to fit into memory"
-            )
+        refuse_uneven(recording, self.path, first)
         done = differentiated(recording, self.cutoff)
         return done, int(np.searchsorted(recording.t, done.t[0]))
 
@@ -100,43 +92,13 @@ class StreamedRecording:
             if mapping is None:
                 mapping = mapping_by_name(table, self.joints, self.rate)[0]
             refuse_delays(mapping)
-            columns = mapped_columns([table], mapping)
-            rows = np.arange(count, count + len(table.values))
-            if mapping.time:
-                t, origin = times(columns["time"], mapping.time.factor, origin)
-            else:
-                t = rows / (mapping.rate or 1.0)
-            channels = joint_channels(columns, mapping)
-            bad = np.flatnonzero(~np.isfinite(np.column_stack([t, *channels.values()])).all(axis=1))
-            back = np.flatnonzero(np.diff(t) <= 0)
-            for found, what in ((bad, "not a number"), (back, "the time does not increase after it")):
-                if found.size:
-                    raise InvalidInput(
-                        f"{path}, row {count + found[0]}: {what}; load_recording drops such rows, for which the "
-                        "file has to fit into memory"
-                    )
-            count += len(rows)
-            recording = Recording(
-                joint_names=mapping.joints,
-                t=t,
-                prismatic=sliding_joints(mapping),
-                provenance=Provenance((str(path),)),
-                **cast(Any, channels),
-            )
+            recording, origin = window_of(table, mapping, Place(count, count), origin)
+            count += len(table.values)
             yield recording if self.joints is None else reordered(recording, self.joints)
 
     def _mapping(self) -> ColumnMapping:
         mapping = self.mapping if isinstance(self.mapping, ColumnMapping) else load_mapping(self.mapping)  # type: ignore[arg-type]
         return mapping if self.rate is None else replace(mapping, rate=self.rate)
-
-
-def _appended(recording: Recording, part: Recording) -> Recording:
-    """Both, one after the other, in one block."""
-    if not part.t[0] > recording.t[-1]:
-        raise InvalidInput(f"{recording.provenance.files[0]}: the time goes back to {part.t[0]:g} s; repair the file")
-    names = [name for name in ("t", *JOINT_CHANNELS) if getattr(recording, name) is not None]
-    joined: dict[str, Any] = {name: np.concatenate([getattr(recording, name), getattr(part, name)]) for name in names}
-    return Recording(recording.joint_names, **joined, prismatic=recording.prismatic, provenance=recording.provenance)
 
 
 def _samples(done: Recording, row_filter: RowFilter | None, before: int, after: int) -> Samples:

@@ -23,6 +23,7 @@ from graphdyn.identification.compressed import CompressedEquations, merged
 from graphdyn.identification.direct_sums import DirectSums
 from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.parallel_filtering import filtered
+from graphdyn.identification.partitions import Partitioned, merged_in_tree
 from graphdyn.identification.rows import Rows
 from graphdyn.identification.runs import Run, runs
 from graphdyn.identification.samples import Samples
@@ -59,7 +60,8 @@ class Problem:
     """A torque model and its data.
 
     data: one piece, several, or anything that can be iterated over them again and again (a list; an object that
-        opens its file in __iter__). What can be read once only (a generator) serves the methods that read once
+        opens its file in __iter__). What can be read once only (a generator) serves the methods that read once.
+        Data in parts (graphdyn.identification.partitions) are summed up part by part, wherever their parts are
     n_blocks: time blocks for standard deviations and cross-validation
     block_samples: samples per time block instead; needed where the data can be read once only
     min_speed: equations of joint j with |v_j| below it are left out of the fit, one for all or (n,) [rad/s or m/s]
@@ -103,7 +105,9 @@ class Problem:
     @cached_property
     def recorded(self) -> tuple[CompressedEquations, ...]:
         """Factors of every time block that has samples, in the base parameters of the structure."""
-        blocks: dict[int, Accumulator] = defaultdict(self._accumulator)
+        if isinstance(self.data, Partitioned):
+            return _blocks_of_parts(self.data.each_part(self, factors_of_part))
+        blocks: dict[int, Accumulator] = defaultdict(self.accumulator)
         if self.compression == "gram":
             sums = DirectSums(self.torque_model, self.structure)
             for part, block in self._cut(self._equations_or_samples()):
@@ -119,7 +123,8 @@ class Problem:
             raise InvalidInput(NOTHING)
         return tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
 
-    def _accumulator(self) -> Accumulator:
+    def accumulator(self) -> Accumulator:
+        """An empty one for the equations of the structure."""
         n_joints, n_columns = self.structure.support.shape
         return Accumulator(n_columns, n_joints, support=self.structure.support, method=self.compression)
 
@@ -237,7 +242,7 @@ class Problem:
 
     def _runs(self) -> Iterator[Run]:
         """Raises InvalidInput for pieces that are none, or of other joints."""
-        return runs(self._checked(piece) for piece in ([self.data] if isinstance(self.data, Samples) else self.data))
+        return runs(self._checked(piece) for piece in pieces_of(self.data))
 
     def _checked(self, piece: Samples) -> Samples:
         if not isinstance(piece, Samples):
@@ -255,6 +260,44 @@ class Problem:
         if self.block_samples is not None:
             return self.block_samples
         return max(1, -(-sum(run.filtered_length() for run in self._runs()) // self.n_blocks))
+
+
+def pieces_of(data: Samples | Iterable[Samples]) -> Iterable[Samples]:
+    """The data as pieces."""
+    return [data] if isinstance(data, Samples) else data
+
+
+def own_rows(problem: Problem, own: slice) -> Iterator[Rows]:
+    """The equations of a part without those around it. own: start and stop among those that the filter leaves."""
+    position = 0
+    for rows in problem.rows():
+        cut = rows[max(own.start - position, 0) : max(own.stop - position, 0)]
+        position += len(rows)
+        if len(cut):
+            yield cut
+
+
+def factors_of_part(problem: Problem, own: slice) -> CompressedEquations:
+    """Factors of the own equations of a part."""
+    with one_thread():
+        if all(piece.row_filter is None for piece in pieces_of(problem.data)):
+            return merged(problem.recorded)
+        accumulator = problem.accumulator()
+        for rows in own_rows(problem, own):
+            accumulator.add(rows.matrix, rows.right, kept=rows.kept)
+        return accumulator.compressed
+
+
+def _blocks_of_parts(parts: Sequence[tuple[int, CompressedEquations]]) -> tuple[CompressedEquations, ...]:
+    blocks: dict[int, list[CompressedEquations]] = defaultdict(list)
+    for block, part in parts:
+        blocks[block].append(part)
+    with one_thread():
+        return tuple(merged_in_tree(_both, blocks[block]) for block in sorted(blocks))
+
+
+def _both(first: CompressedEquations, second: CompressedEquations) -> CompressedEquations:
+    return merged([first, second])
 
 
 def together(blocks: Sequence[CompressedEquations]) -> tuple[CompressedEquations, ...]:

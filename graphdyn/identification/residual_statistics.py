@@ -7,11 +7,13 @@ noise. Durbin and Watson, Biometrika 37, 1950: Σ (e_t - e_{t-1})² / Σ e_t² i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from graphdyn.identification.correlation_length import CorrelationLength
-from graphdyn.identification.problem import Problem
+from graphdyn.identification.partitions import Partitioned, merged_in_tree
+from graphdyn.identification.problem import Problem, own_rows
 from graphdyn.identification.rows import Rows
 from graphdyn.layout import Array
 
@@ -65,24 +67,65 @@ class ResidualStatistics:
 def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualStatistics]:
     """One for every row of parameters (m, p), in one reading of the recording.
 
-    The equations that min_speed leaves out of the fit are predicted too.
+    The equations that min_speed leaves out of the fit are predicted too. Of data in parts each part is a piece of its
+    own, and the longest correlation in any of them counts.
     """
     x = problem.structure.base.matrix @ np.asarray(parameters, dtype=float).T
-    everything, moving = (_Sizes(problem.n_joints, x.shape[1]) for _ in range(2))
-    lagged = _Autocorrelation(problem.n_joints, x.shape[1])
-    lengths = CorrelationLength(problem.n_joints, x.shape[1])
+    if isinstance(problem.data, Partitioned):
+        parts = problem.data.each_part(problem, partial(residuals_of_part, x))
+        return merged_in_tree(_Residuals.merge, [part for _, part in parts]).statistics()
+    sums = _Residuals(problem.n_joints, x.shape[1])
     for rows in problem.rows():
-        residual = rows.matrix @ x - rows.right[..., None]
-        everything.add(residual, rows.measured, np.ones(rows.right.shape))
-        moving.add(residual, rows.measured, (np.abs(rows.velocity) > MOVING).astype(float))
-        lagged.add(rows, residual)
-        lengths.add(residual, rows.kept)
-    correlation = lengths.samples()
-    tests = lagged.durbin_watson(), lagged.ljung_box_p(everything.count)
-    return [
-        ResidualStatistics(everything.of(k), moving.of(k), tests[0][:, k], tests[1][:, k], correlation[:, k])
-        for k in range(x.shape[1])
-    ]
+        sums.add(rows, rows.matrix @ x - rows.right[..., None])
+    return sums.statistics()
+
+
+def residuals_of_part(x: Array, problem: Problem, own: slice) -> _Residuals:
+    """Of the own equations of a part."""
+    sums = _Residuals(problem.n_joints, x.shape[1])
+    for rows in own_rows(problem, own):
+        sums.add(rows, rows.matrix @ x - rows.right[..., None])
+    return sums.finished()
+
+
+class _Residuals:
+    """Of n joints and m methods, summed up."""
+
+    def __init__(self, n: int, m: int):
+        self.everything, self.moving = _Sizes(n, m), _Sizes(n, m)
+        self.lagged = _Autocorrelation(n, m)
+        self.lengths: CorrelationLength | None = CorrelationLength(n, m)
+        self.longest = np.full((n, m), np.nan)
+
+    def add(self, rows: Rows, residual: Array) -> None:
+        self.everything.add(residual, rows.measured, np.ones(rows.right.shape))
+        self.moving.add(residual, rows.measured, (np.abs(rows.velocity) > MOVING).astype(float))
+        self.lagged.add(rows, residual)
+        assert self.lengths is not None
+        self.lengths.add(residual, rows.kept)
+
+    def finished(self) -> _Residuals:
+        """Nothing can be added any more; what only that needs is dropped."""
+        if self.lengths is not None:
+            self.longest, self.lengths = self.lengths.samples(), None
+        return self
+
+    def merge(self, other: _Residuals) -> _Residuals:
+        """Both together, which must be finished: the longer correlation of the two counts."""
+        self.everything.merge(other.everything)
+        self.moving.merge(other.moving)
+        self.lagged.merge(other.lagged)
+        self.longest = np.fmax(self.longest, other.longest)
+        return self
+
+    def statistics(self) -> list[ResidualStatistics]:
+        """One for every method."""
+        longest = self.finished().longest
+        tests = self.lagged.durbin_watson(), self.lagged.ljung_box_p(self.everything.count)
+        return [
+            ResidualStatistics(self.everything.of(k), self.moving.of(k), tests[0][:, k], tests[1][:, k], longest[:, k])
+            for k in range(longest.shape[1])
+        ]
 
 
 class _Sizes:
@@ -98,6 +141,11 @@ class _Sizes:
         self.sum += part.sum(axis=0)
         self.squares += np.sum(part**2, axis=0)
         self.largest = np.maximum(self.largest, np.abs(part).max(axis=0))
+
+    def merge(self, other: _Sizes) -> None:
+        self.count, self.measured = self.count + other.count, self.measured + other.measured
+        self.sum, self.squares = self.sum + other.sum, self.squares + other.squares
+        self.largest = np.maximum(self.largest, other.largest)
 
     def of(self, k: int) -> ResidualSizes:
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -128,6 +176,10 @@ class _Autocorrelation:
             if lag == 1:
                 self.steps += np.sum((later - earlier) ** 2, axis=0)
         self.tail = joined[-LAGS:]
+
+    def merge(self, other: _Autocorrelation) -> None:
+        """Another piece: no product reaches from one into the other."""
+        self.products, self.steps = self.products + other.products, self.steps + other.steps
 
     def durbin_watson(self) -> Array:
         with np.errstate(invalid="ignore", divide="ignore"):
