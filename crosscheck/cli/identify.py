@@ -11,7 +11,7 @@ import typer
 from rich.text import Text
 
 from crosscheck.cli import identify_options as options
-from crosscheck.cli import loop_options
+from crosscheck.cli import identify_parts, loop_options
 from crosscheck.cli.console import out, progress, say, warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.exits import AGREED, DISAGREED
@@ -33,6 +33,7 @@ from crosscheck.cli.options import (
     locked_joints,
 )
 from crosscheck.cli.three_d import ThreeDOption, recorded, refuse_without_page
+from crosscheck.cli.workers import SchedulerOption, workers_of
 from crosscheck.report.plain_text import printable
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,
   graphdyn identify log.csv --robot arm.urdf --cutoff 8 --html found.html --urdf better.urdf
   graphdyn identify a.csv b.csv --validate c.csv --robot arm.urdf --mapping columns.toml --methods all
   graphdyn identify a.csv --robot arm.urdf --models drives.toml --folds 10 --validate b.csv --json rows.json
+  graphdyn identify 'fleet/*.parquet' --robot arm.urdf --cutoff 10 --scheduler tcp://10.0.0.1:8786
   graphdyn identify pos.csv cur.csv --mapping tx40.toml --robot tx40.urdf --cutoff 20 --decimate 10,10 --split 0:6 6:9
 """
 
@@ -91,6 +93,8 @@ def run(
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
     three_d: ThreeDOption = False,
+    jobs: identify_parts.JobsOption = None,
+    scheduler: SchedulerOption = None,
 ) -> None:
     """Find a robot's parameters from recordings.
 
@@ -106,6 +110,10 @@ def run(
     finding comes with lines for --mapping. Nothing is recommended from a recording with a fault, nor a model that
     predicts some joint badly, or worse than CAD with fitted drives.
 
+    With --jobs or --scheduler the LOGs may have any length, and are read part by part. Each is a Parquet file, which is
+    a log of its own, or a folder, which is one log in Parquet files that follow each other without a gap, in the order
+    of the numbers in their names. Filters run across the parts of a log, never from one log into another.
+
     Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
     """
     if robot is None and logs:
@@ -120,10 +128,20 @@ def run(
             known_torque=known_torque, known_bodies=known_bodies, payload=payload, payload_on=payload_on, models=models,
             controller=controller, control_rate=control_rate, torque_hold=torque_hold,
         )  # fmt: skip
+    in_parts = bool(jobs or scheduler)
+    if in_parts:
+        identify_parts.refuse(
+            logs, cutoff,
+            drop=drop, derive_velocity=derive_velocity, decimate=decimate, split=split, split_rows=split_rows,
+            folds=folds, controller=controller, control_rate=control_rate, torque_hold=torque_hold,
+        )  # fmt: skip
     frozen = Frozen(locked_joints(lock) or None, chain, gravity)
     load, known_load = payload_of(payload, payload_on)
     load += scaled_torques(scaled_torque)
-    ways, known = methods_of(methods), (*known_torques(known_torque), *known_load)
+    ways, known = (
+        identify_parts.methods(methods) if in_parts else methods_of(methods),
+        (*known_torques(known_torque), *known_load),
+    )
     if models is None:
         compared = candidate_models(terms, width, stribeck_velocity, term, ways, load, known, known_bodies)
     else:
@@ -136,6 +154,23 @@ def run(
 
     if logs:
         options.refuse_with_log(seconds=seconds, seed=seed)
+    if logs and in_parts:
+        with warnings_shown():
+            found = identify_parts.found(
+                robot,
+                logs,
+                validate,
+                compared,
+                preparation,
+                mapping,
+                rate,
+                workers_of(jobs, scheduler),
+                lock=frozen.lock,
+                chain=frozen.chain,
+                gravity=frozen.gravity,
+                poses=poses,
+            )
+    elif logs:
         with warnings_shown():
             joints = frozen.load(robot).independent_joints
             with progress("read", len(logs) + len(validate or [])) as advance:

@@ -10,6 +10,8 @@ import numpy as np
 
 from crosscheck.referee.subject import Subject
 from graphdyn.identification import MethodComparison, MethodResult, Problem, ResidualStatistics, TorqueModel
+from graphdyn.identification.partitions import Partitioned
+from graphdyn.identification.problem import own_rows
 from graphdyn.identification.residual_statistics import MOVING
 from graphdyn.identification.terms import KnownPayload
 from graphdyn.identification.terms.term import CarriesKnownBodies
@@ -57,6 +59,16 @@ class HeldOutPrediction:
     parameters: Mapping[str, Array]
     statistics: Mapping[str, ResidualStatistics]
     name: str = ""
+
+    @property
+    def n_rows(self) -> int:
+        return sum(map(len, self.times))
+
+    @property
+    def period(self) -> float:
+        """Between two rows, NaN for a single one [s]."""
+        longest = max(self.times, key=len)
+        return float(np.median(np.diff(longest))) if len(longest) > 1 else float("nan")
 
     def squares(self, pieces: int) -> PieceSquares:
         """Of the torques and their errors, summed over so many consecutive parts of the rows."""
@@ -132,9 +144,10 @@ class IdentifiedModel:
     @cached_property
     def _fitted_squares(self) -> Array:
         """‖τ‖² of each joint over the rows that were fitted, known torques included (n,)."""
-        return np.asarray(
-            sum(np.sum(np.where(rows.kept, rows.measured, 0.0) ** 2, axis=0) for rows in self.problem.rows())
-        )
+        if isinstance(self.problem.data, Partitioned):
+            parts = self.problem.data.each_part(self.problem, _measured_squares)
+            return np.asarray(sum(part for _, part in parts))
+        return _measured_squares(self.problem, slice(None))
 
     def body_parameters(self, result: MethodResult) -> Array:
         """Ten per link (n, 10): unknown or known bodies with an unknown payload; a known payload is left out.
@@ -151,6 +164,12 @@ class IdentifiedModel:
     def row_name(self, result: MethodResult) -> str:
         """Of a result of this model, in tables of several models."""
         return f"{self.name}: {result.name}" if self.name else result.name
+
+
+def _measured_squares(problem: Problem, own: slice) -> Array:
+    """‖τ‖² of each joint over the equations that count (n,)."""
+    rows = problem.rows() if own == slice(None) else own_rows(problem, own)
+    return np.asarray(sum(np.sum(np.where(part.kept, part.measured, 0.0) ** 2, axis=0) for part in rows))
 
 
 @dataclass(frozen=True, eq=False)

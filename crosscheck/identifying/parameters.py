@@ -86,12 +86,12 @@ class Correlation:
 def correlation_of(found: Identified, result: MethodResult) -> Correlation:
     """Over the rows of the fit; the result must have an estimate."""
     assert result.training is not None
-    longest = max(found.fit.times, key=len)
-    period = float(np.median(np.diff(longest))) if len(longest) > 1 else float("nan")
     lengths = np.nan_to_num(result.training.correlation_length)
     j = int(np.argmax(lengths))
     return Correlation(
-        found.torque_model.model.independent_joints[j], float(lengths[j]) * period, result.training.correlation_times
+        found.torque_model.model.independent_joints[j],
+        float(lengths[j]) * found.fit.period,
+        result.training.correlation_times,
     )
 
 

@@ -78,8 +78,8 @@ class ReadableLog:
         source = cls(log, mapping, origin, joints, cutoff, cut, memory, begin, end)
         if source.n_rows <= source.shortest:
             raise InvalidInput(
-                f"{log.path}: {max(source.n_rows, 0)} rows are too few for the borders of the filter; leave the log out if it has "
-                f"less than {source.shortest + 1}, or choose a higher cutoff"
+                f"{log.path}: {max(source.n_rows, 0)} rows are too few for the borders of the filter; leave the log "
+                f"out if it has less than {source.shortest + 1}, or choose a higher cutoff"
             )
         return source
 

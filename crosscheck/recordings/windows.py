@@ -47,7 +47,7 @@ def window_of(
         joint_names=mapping.joints,
         t=t,
         prismatic=sliding_joints(mapping),
-        provenance=Provenance((str(table.path),)),
+        provenance=Provenance((str(table.path),), mapping.source, (), mapping),
         **cast(Any, channels),
     )
     return recording, origin

@@ -78,11 +78,11 @@ def _verdict(found: Identified) -> Verdict:
 
 def _overview(found: Identified, shown: MethodResult | None) -> Facts:
     comparison, fit = _model(found, shown).comparison, found.division.fit.provenance
-    held_out_rows = sum(len(t) for trial in found.trials for t in trial.times)
+    held_out_rows = sum(trial.n_rows for trial in found.trials)
     of_model = f" of {_model(found, shown).name}" if _model(found, shown).name else ""
     return Facts(
         (
-            ("fitted", f"{sum(map(len, found.fit.times))} rows of {', '.join(fit.files)}"),
+            ("fitted", f"{found.fit.n_rows} rows of {', '.join(fit.files)}"),
             ("held out", f"{found.division.words}, {held_out_rows} rows"),
             *(("" if k else "prepared", step) for k, step in enumerate(fit.steps)),
             (

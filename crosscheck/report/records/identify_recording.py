@@ -172,10 +172,10 @@ def recording_record(found: Identified) -> RecordingRecord:
         steps=fit.provenance.steps,
         decimate=found.preparation.decimate,
         min_speed=np.asarray(found.preparation.min_speed).tolist(),
-        fitted_rows=sum(len(t) for t in found.fit.times),
+        fitted_rows=found.fit.n_rows,
         held_out=found.division.words,
         held_out_files=list(dict.fromkeys(name for recording in test for name in recording.provenance.files)),
-        held_out_rows=sum(len(t) for trial in found.trials for t in trial.times),
+        held_out_rows=sum(trial.n_rows for trial in found.trials),
         findings=[
             taken(IdentifyFindingRecord, finding) for recording in found.recordings for finding in recording.findings
         ],

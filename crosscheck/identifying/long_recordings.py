@@ -1,0 +1,202 @@
+"""Identification from recordings of any length, of which only sums are ever in memory, and their beginnings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from crosscheck.identifying.candidate_models import CandidateModel, with_links_of_cad
+from crosscheck.identifying.health import health
+from crosscheck.identifying.holding_out import Division, Trial
+from crosscheck.identifying.identified_model import HeldOutPrediction, IdentifiedModel
+from crosscheck.identifying.loop_methods import IN_LOOP
+from crosscheck.identifying.methods import method_named
+from crosscheck.identifying.pinocchio_method import WithPinocchio
+from crosscheck.identifying.predicted_parts import PredictedParts
+from crosscheck.identifying.preparation import Preparation
+from crosscheck.identifying.result import Identified
+from crosscheck.identifying.wrench_method import FromWrenches
+from crosscheck.recordings import PartitionedRecording, Provenance, Recording, concatenated
+from crosscheck.referee.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
+from graphdyn import InvalidInput
+from graphdyn.identification import (
+    Estimator,
+    GeneralisedLeastSquares,
+    Problem,
+    ResidualStatistics,
+    ReweightedLeastSquares,
+    RobustConsistent,
+    TorqueModel,
+    WeightedLeastSquares,
+    compare_methods,
+    residual_statistics,
+)
+from graphdyn.identification.one_thread import one_thread
+from graphdyn.identification.plausibility import POSES
+from graphdyn.identification.terms import Offset
+from urdf._cutting import Chain
+
+EXCERPT = 100_000
+"""Rows from the beginnings of the logs that are in memory: for their health, and for the curves of a page."""
+
+HELD_OUT = 0.25
+"""Part of every log, its end, that is predicted unless other logs are."""
+
+METHODS_OF_SUMS = ("ols", "wls", "ridge", "essential", "consistent", "entropic", "pullback", "log-cholesky", "tls")
+"""Methods that need no more than the sums of all parts."""
+
+STANDARD_METHODS_OF_SUMS = ("ols", "wls", "ridge", "consistent", "entropic")
+"""The default ones."""
+
+OF_SAMPLES = (
+    GeneralisedLeastSquares,
+    ReweightedLeastSquares,
+    RobustConsistent,
+    WithPinocchio,
+    FromWrenches,
+    *IN_LOOP,
+)
+"""Methods that look at the samples, some of them again and again."""
+
+
+def identify_long(
+    robot: Robot,
+    data: PartitionedRecording,
+    models: Sequence[CandidateModel],
+    *,
+    validate: PartitionedRecording | None = None,
+    min_speed: ArrayLike = 0.0,
+    lock: Lock = None,
+    chain: Chain = None,
+    gravity: ArrayLike | None = None,
+    poses: int = POSES,
+    progress: Callable[[str, int], None] | None = None,
+) -> Identified:
+    """As identify, where the recordings do not fit into memory. They are read several times, part by part.
+
+    data, validate: joints in the order of the robot, those of the robot if left out; validate: logs to predict, the end
+        of every log of `data` if left out
+    min_speed: as in Preparation
+    progress: called with what is done, and a number of rows
+
+    The result is that of the whole data. Its `recordings`, `division` and curves are the beginnings of the logs; health
+    is judged from these. Raises as identify; InvalidInput for methods that look at samples; NoWorkers.
+    """
+    compared = subject(robot, lock, gravity, chain)
+    refuse_chords(compared.model, IDENTIFY_CLOSED)
+    joints = compared.model.independent_joints
+    data = data if data.joints else replace(data, joints=joints)
+    validate = replace(validate, joints=joints) if validate is not None and not validate.joints else validate
+    candidates = with_links_of_cad(models)
+    for candidate in candidates:
+        _estimators(candidate)
+    fitted = data if validate is not None else replace(data, between=(0.0, 1 - HELD_OUT))
+    predicted = replace(data, between=(1 - HELD_OUT, 1.0)) if validate is None else validate
+    preparation = Preparation(cutoff=data.cutoff, min_speed=min_speed)
+    begun = _beginnings(fitted)
+    found_health = health(candidates[0].of(compared.model), begun, preparation)
+    begin, ahead = (_excerpt(part, preparation) for part in (fitted, predicted))
+    words = f"the last {100 * HELD_OUT:g} % of every log" if validate is None else f"all of {_names(predicted)}"
+    division = Division(begin, [Trial("", begin, ahead)], words)
+
+    def say(what: str) -> Callable[[int], None] | None:
+        return None if progress is None else lambda rows: progress(what, rows)
+
+    with one_thread():
+        main, *further = (
+            _fitted(compared, candidate, fitted, predicted, division, preparation, poses, say)
+            for candidate in candidates
+        )
+        constant = _constant(compared, fitted, predicted, say("constant torque"))
+    return Identified(
+        **{field.name: getattr(main, field.name) for field in fields(main)},
+        recordings=tuple(begun),
+        division=division,
+        preparation=preparation,
+        others=tuple(further),
+        constant=constant,
+        health=found_health,
+    )
+
+
+def _estimators(candidate: CandidateModel) -> list[Estimator]:
+    found = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
+    for estimator in found:
+        if isinstance(estimator, OF_SAMPLES):
+            raise InvalidInput(
+                f"{estimator.name} looks at samples, of which only sums are kept here; use {', '.join(METHODS_OF_SUMS)}"
+            )
+    return found
+
+
+def _fitted(
+    compared: Subject,
+    candidate: CandidateModel,
+    fitted: PartitionedRecording,
+    predicted: PartitionedRecording,
+    division: Division,
+    preparation: Preparation,
+    poses: int,
+    say: Callable[[str], Callable[[int], None] | None],
+) -> IdentifiedModel:
+    torque_model = candidate.of(compared.model)
+    name = candidate.name or "torque model"
+    fit, ahead = (
+        Problem(torque_model, data, min_speed=preparation.min_speed, progress=say(f"{name}: {what}"))
+        for data, what in ((fitted, "fit"), (predicted, "prediction"))
+    )
+    comparison = compare_methods(fit, _estimators(candidate), ahead, poses=poses)
+
+    def prediction(problem: Problem, excerpt: Recording, of: str) -> PredictedParts:
+        answered = [result for result in comparison.results if result.estimate is not None]
+        parameters = {result.name: result.estimate.parameters for result in answered if result.estimate}
+        statistics = {result.name: getattr(result, of) for result in answered}
+        small = preparation.problem(torque_model, excerpt)
+        curves = HeldOutPrediction(small, preparation.times(excerpt), parameters, statistics)
+        return PredictedParts(problem, (), parameters, statistics, division.words, excerpt=curves)
+
+    return IdentifiedModel(
+        subject=compared,
+        torque_model=torque_model,
+        fit=prediction(fit, division.fit, "training"),
+        trials=(prediction(ahead, division.trials[0].test, "held_out"),),
+        comparison=comparison,
+        name=candidate.name,
+        cad_of=candidate.cad_of,
+    )
+
+
+def _constant(
+    compared: Subject,
+    fitted: PartitionedRecording,
+    predicted: PartitionedRecording,
+    progress: Callable[[int], None] | None,
+) -> ResidualStatistics:
+    """Of the mean torque of the fitted rows."""
+    torque_model = TorqueModel(compared.model, (Offset(),))
+    fit, ahead = (Problem(torque_model, data, progress=progress) for data in (fitted, predicted))
+    return residual_statistics(ahead, WeightedLeastSquares().estimate(fit).parameters[None])[0]
+
+
+def _beginnings(data: PartitionedRecording) -> list[Recording]:
+    """As read, of every log."""
+    each = EXCERPT // len(data.logs)
+    return [
+        source.read(source.begin, min(source.begin + max(each, source.shortest), source.end)) for source in data.logs
+    ]
+
+
+def _excerpt(data: PartitionedRecording, preparation: Preparation) -> Recording:
+    """The beginnings, prepared; the provenance is that of the whole."""
+    found = concatenated([preparation.differentiated(recording) for recording in _beginnings(data)])
+    source = found.provenance
+    steps = (*source.steps, f"health and curves from the first {len(found.t)} rows")
+    whole = Provenance(tuple(str(log.log.path) for log in data.logs), data.logs[0].mapping.source, steps)
+    return replace(found, provenance=whole, file=np.zeros(len(found.t), dtype=np.intp))
+
+
+def _names(data: PartitionedRecording) -> str:
+    return ", ".join(str(log.log.path) for log in data.logs)
