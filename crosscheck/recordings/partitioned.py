@@ -7,16 +7,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
 from os import PathLike
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from crosscheck.distributing import Lost, NoWorkers, Workers
 from crosscheck.recordings.logs import log_of
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.partitions import Partition, ReadableLog, partitions
 from graphdyn import GraphDynError, InvalidInput
-from graphdyn.identification import Problem, Samples
+from graphdyn.identification import Problem, Samples, TorqueModel
 
 T = TypeVar("T")
+
+SETTINGS = ("min_speed", "compression", "rank_tolerance")
+"""Fields of a problem that its parts have too."""
 
 ROWS = 250_000
 """Rows of a part unless told otherwise: a second of work, some 50 MB of memory for a six-axis arm."""
@@ -87,8 +90,10 @@ class PartitionedRecording:
         """As in graphdyn.identification.partitions.Partitioned."""
         in_block = problem.block_samples
         parts = self.parts(problem.n_blocks if in_block is None else -(-self.n_rows // in_block))
-        alone = replace(problem, data=(), block_samples=self.n_rows, progress=None)
-        work = partial(_work, pickle.dumps((alone, function)), alone.structure.base.independent.tobytes())
+        torque_model = problem.torque_model
+        settings = {name: getattr(problem, name) for name in SETTINGS}
+        base = problem.structure.base.independent.tobytes()
+        work = partial(_work, _pickled(torque_model), base, settings, pickle.dumps(function))
         answers = enumerate(map(work, parts)) if self.workers is None else self.workers.each(work, parts)
         found: dict[int, T] = {}
         for k, answer in answers:
@@ -102,20 +107,25 @@ class PartitionedRecording:
         return [(parts[k].block, found[k]) for k in range(len(parts))]
 
 
-@lru_cache(maxsize=2)
-def _unpacked(pickled: bytes) -> tuple[Problem, Callable[[Problem, slice], object]]:
-    """Once per process: the structure of a problem takes as long as many rows."""
-    found: tuple[Problem, Callable[[Problem, slice], object]] = pickle.loads(pickled)
+@lru_cache(maxsize=8)
+def _pickled(torque_model: TorqueModel) -> bytes:
+    """The same for every reading, by which a worker knows a model that it has compiled already."""
+    return pickle.dumps(torque_model)
+
+
+@lru_cache(maxsize=8)
+def _unpickled(torque_model: bytes) -> TorqueModel:
+    found: TorqueModel = pickle.loads(torque_model)
     return found
 
 
-def _work(pickled: bytes, independent: bytes, part: Partition) -> object:
-    """The answer for one part, or the error."""
+def _work(torque_model: bytes, base: bytes, settings: Mapping[str, Any], function: bytes, part: Partition) -> object:
+    """The answer for one part, or the error. base: numbers of the base parameters; settings: of the problem"""
     try:
-        problem, function = _unpacked(pickled)
-        if problem.structure.base.independent.tobytes() != independent:
-            raise NoWorkers("a worker finds other base parameters; use workers with processors of one type")
         samples, own = part.samples(part.source.memory)
-        return function(replace(problem, data=samples), own)
+        problem = Problem(_unpickled(torque_model), samples, block_samples=len(samples) or 1, **settings)
+        if problem.structure.base.independent.tobytes() != base:
+            raise NoWorkers("a worker finds other base parameters; use workers with processors of one type")
+        return pickle.loads(function)(problem, own)
     except (GraphDynError, OSError) as error:
         return error
