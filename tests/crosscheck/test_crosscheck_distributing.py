@@ -3,35 +3,29 @@
 import multiprocessing
 import os
 import signal
+from pathlib import Path
+from uuid import uuid4
 
 import pytest
 
-from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, cluster
+from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, cluster, dask_workers
 from crosscheck.distributing.versions import versions
 
 
-def deadly(number):
-    if number < 0:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return number**2
-
-
-def deadly_once(path):
-    if not path.exists():
-        path.touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    return path.name
+def deadly(task):
+    """Kills its process for a negative number, and once for a path."""
+    if task.exists() if isinstance(task, Path) else task > 0:
+        return task.name if isinstance(task, Path) else task**2
+    if isinstance(task, Path):
+        task.touch()
+    return os.kill(os.getpid(), signal.SIGKILL)
 
 
 class TestProcesses:
-    def test_the_task_that_kills_is_known_and_the_others_go_on(self):
-        lost = Lost("its process died with code -9, tries: 1")
-        answers = dict(LocalProcesses(1, tries=1).each(deadly, [1, -2, 3, -4]))
-        assert answers == {0: 1, 1: lost, 2: 9, 3: lost}
-
-    def test_tried_again(self, tmp_path):
-        assert dict(LocalProcesses(2).each(deadly_once, [tmp_path / "a"])) == {0: "a"}
-        assert dict(LocalProcesses(2).each(deadly, [-1])) == {0: Lost("its process died with code -9, tries: 2")}
+    def test_one_that_dies(self, tmp_path):
+        """Its task is tried again, and known if that does not help; the others go on."""
+        answers = dict(LocalProcesses(1).each(deadly, [1, -2, tmp_path / "a", 3]))
+        assert answers == {0: 1, 1: Lost("its process died with code -9, tries: 2"), 2: "a", 3: 9}
 
     def test_nothing_to_do(self):
         assert list(LocalProcesses(2).each(deadly, [])) == []
@@ -42,6 +36,75 @@ class TestProcesses:
         next(answers)
         answers.close()
         assert multiprocessing.active_children() == []
+
+
+class Future:
+    """As of distributed: done at once, unless its task is to kill its worker."""
+
+    def __init__(self, task, beside):
+        self.key, self.task, self.beside = str(uuid4()), task, beside
+        self.status = {"gone": "cancelled", "broken": "error"}.get(task, "finished")
+        if task == "killer" or (task == "innocent" and beside):
+            self.status = "error"
+
+    def add_done_callback(self, function):
+        function(self)
+
+    def exception(self):
+        from distributed import KilledWorker
+
+        return ImportError("no module") if self.task == "broken" else KilledWorker(self.key, None, 3)
+
+    def result(self):
+        return self.task
+
+
+class FakeCluster:
+    """Of one worker."""
+
+    def __init__(self, address):
+        self.address, self.given = address, 0
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def n_workers(self):
+        return 1
+
+    def submit(self, function, task):
+        self.given += 1
+        return Future(task, beside=self.given <= 3)
+
+    def gone(self):
+        return NoWorkers("the connection is lost")
+
+
+class TestScheduler:
+    @pytest.fixture(autouse=True)
+    def fake(self, monkeypatch):
+        monkeypatch.setattr(dask_workers, "Cluster", FakeCluster)
+
+    def test_what_waited_beside_a_deadly_task_is_not_lost(self):
+        answers = dict(DaskWorkers("a").each(deadly, ["innocent", "killer", "ok"]))
+        lost = Lost("its process died, the last time with no task beside it, tries: 8")
+        assert answers == {0: "innocent", 1: lost, 2: "ok"}
+
+    def test_what_a_worker_cannot_import(self):
+        assert dict(DaskWorkers("a").each(deadly, ["broken"])) == {0: Lost("ImportError: no module")}
+
+    def test_the_scheduler_ends(self):
+        with pytest.raises(NoWorkers, match="the connection is lost"):
+            list(DaskWorkers("a").each(deadly, ["gone"]))
+
+    def test_the_last_worker_ends(self, monkeypatch):
+        monkeypatch.setattr(dask_workers, "ASK", 0.001)
+        monkeypatch.setattr(FakeCluster, "n_workers", lambda self: 0 if self.given else 1)
+        monkeypatch.setattr(Future, "add_done_callback", lambda *_: None)
+        with pytest.raises(NoWorkers, match="the scheduler a has lost its last worker; start others, and run this ag"):
+            list(DaskWorkers("a").each(deadly, ["ok"]))
 
 
 class TestRefusals:

@@ -1,0 +1,261 @@
+"""Recordings in parts: together the same as the whole, wherever the parts are worked on."""
+
+import os
+import shutil
+import signal
+from dataclasses import replace
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from identified_arm import virtual
+from pyarrow import parquet
+from typer.testing import CliRunner
+
+from crosscheck.cli import app
+from crosscheck.distributing import DaskWorkers, Lost, NoWorkers
+from crosscheck.identifying import CandidateModel
+from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, identify_long
+from crosscheck.recordings import (
+    BadRecordingFile,
+    PartitionedRecording,
+    differentiated,
+    load_recording,
+    samples_of,
+    split_by_rows,
+)
+from graphdyn import InvalidInput
+from graphdyn.identification import Problem, WeightedLeastSquares, residual_statistics
+from graphdyn.identification.partitions import merged_in_tree
+
+CUTOFF, ROWS = 20.0, 700
+
+FORGOTTEN = 1e-5
+"""Relative difference to the whole: two borders leave BORDER_DECAY², which two derivatives enlarge."""
+
+
+def written(path, columns, rows=slice(None)):
+    path.parent.mkdir(exist_ok=True)
+    parquet.write_table(pa.table({name: values[rows] for name, values in columns.items()}), path, row_group_size=500)
+    return path
+
+
+@pytest.fixture(scope="module")
+def columns():
+    """2500 rows of the small arm."""
+    recording = virtual().fitted
+    n = recording.n_joints
+    names = ["time_s", *(f"q_{k}" for k in range(1, n + 1)), *(f"tau_{k}" for k in range(1, n + 1))]
+    return dict(zip(names, np.column_stack([recording.t, recording.q, recording.tau]).T, strict=True))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, columns):
+    """The rows as one file, and as a folder of eleven, whose order is that of their numbers."""
+    place = tmp_path_factory.mktemp("logs")
+    written(place / "log.parquet", columns)
+    for k in range(11):
+        written(place / "log" / f"part.{k}.parquet", columns, slice(230 * k, 230 * (k + 1)))
+    return place
+
+
+def summed(*paths, **options):
+    return problem(*paths, **options).recorded
+
+
+def problem(*paths, **options):
+    data = PartitionedRecording(paths, **{"cutoff": CUTOFF, "rows": ROWS} | options)
+    return Problem(virtual().torque_model, data, n_blocks=3)
+
+
+class TestWhole:
+    @pytest.mark.parametrize("name", ["log.parquet", "log"])
+    @pytest.mark.parametrize("cutoff", [CUTOFF, {"q": CUTOFF}, None])
+    def test_factors(self, folder, name, cutoff):
+        whole = Problem(
+            virtual().torque_model, samples_of(differentiated(load_recording(folder / "log.parquet"), cutoff))
+        )
+        parts = problem(folder / name, cutoff=cutoff)
+        assert len(parts.data.parts(3)) > 3
+        assert np.array_equal(parts.equations.counts, whole.equations.counts)
+        gram, expected = (np.einsum("gab,gac->gbc", f, f) for f in (parts.equations.factors, whole.equations.factors))
+        np.testing.assert_allclose(gram, expected, rtol=0, atol=FORGOTTEN * np.abs(expected).max())
+
+    def test_residuals(self, folder):
+        whole = Problem(
+            virtual().torque_model, samples_of(differentiated(load_recording(folder / "log.parquet"), CUTOFF))
+        )
+        parameters = WeightedLeastSquares().estimate(whole).parameters[None]
+        (one,), (other,) = (residual_statistics(each, parameters) for each in (whole, problem(folder / "log")))
+        for name in ("count", "mean", "rms", "largest", "relative"):
+            for rows in ("everything", "moving"):
+                here, there = (getattr(getattr(found, rows), name) for found in (one, other))
+                np.testing.assert_allclose(there, here, rtol=1e-3, atol=1e-6, err_msg=name)
+        np.testing.assert_allclose(other.durbin_watson, one.durbin_watson, rtol=0.02)
+
+    def test_one_after_the_other(self, folder):
+        """For methods that look at samples: the parts of a log continue each other, two logs do not."""
+        shutil.copy(folder / "log.parquet", folder / "again.parquet")
+        pieces = list(problem(folder / "log", folder / "again.parquet").data)
+        assert [piece.continues for piece in pieces] == 2 * [False, True, True, True]
+        whole = differentiated(load_recording(folder / "log.parquet"), CUTOFF)
+        q = np.concatenate([piece.q for piece in pieces[:4]])
+        np.testing.assert_allclose(q, whole.q, rtol=0, atol=FORGOTTEN * np.abs(whole.q).max())
+
+    def test_between(self, folder):
+        """The beginning and the end of a log, whose filters do not reach into each other."""
+        begun = problem(folder / "log", between=(0.0, 0.6))
+        read = load_recording(folder / "log.parquet")
+        expected = differentiated(split_by_rows(read, (0, 1500 - 62), (1500, 2500)).train, CUTOFF)
+        assert set(begun.equations.counts) == {len(expected.t)}
+
+    def test_tree(self):
+        assert merged_in_tree(lambda a, b: f"({a}{b})", "abcdefg") == "(((ab)(cd))((ef)g))"
+
+
+class TestRefusals:
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            ({"paths": []}, r"there is no log; give at least one"),
+            ({"paths": ["log", "log/part.3.parquet"]}, r"part.3.parquet is given twice; rows that count twice look"),
+            ({"cutoff": "residual"}, r"cutoff is 'residual'; give it in Hz, or per channel, or None"),
+            ({"cutoff": 1.0}, r"log: 2500 rows are too few for the borders of the filter; leave the log out if it has"),
+            ({"rows": 100}, r"parts of 100 rows are too short for the borders of the filter; give more than"),
+            ({"between": (0.5, 0.5)}, r"between is \(0.5, 0.5\); give two numbers from 0 to 1, the smaller one first"),
+        ],
+    )
+    def test_options(self, folder, monkeypatch, options, message):
+        monkeypatch.chdir(folder)
+        with pytest.raises(InvalidInput, match=message):
+            summed(*options.pop("paths", ["log"]), **options)
+
+    def test_files(self, tmp_path, columns):
+        (tmp_path / "empty").mkdir()
+        (tmp_path / "log.csv").write_text("q_1,tau_1\n1,2\n", encoding="utf-8")
+        (tmp_path / "damaged.parquet").write_bytes(b"PAR1")
+        written(tmp_path / "mixed" / "a.parquet", columns)
+        written(tmp_path / "mixed" / "b.parquet", {"other": columns["q_1"]})
+        with pytest.raises(FileNotFoundError, match="no such file or folder"):
+            summed(tmp_path / "none")
+        for name, message in {
+            "empty": "no Parquet file in this folder; a folder is one log in parts",
+            "log.csv": "only Parquet files are read in parts; convert it to one",
+            "damaged.parquet": "; repair the file",
+            "mixed": "b.parquet: its columns are not those of .*a.parquet; the files of a folder are parts of one log",
+        }.items():
+            with pytest.raises(BadRecordingFile, match=message):
+                summed(tmp_path / name)
+
+    def test_a_gap_between_two_files(self, tmp_path, columns):
+        """Whoever names different logs like parts of one is told."""
+        written(tmp_path / "log" / "1.parquet", columns, slice(0, 1000))
+        written(tmp_path / "log" / "2.parquet", columns, slice(1250, 2500))
+        with pytest.raises(InvalidInput, match=r"log: after row 999 the time steps by 1\.\d+ s instead of 0.004 s"):
+            summed(tmp_path / "log")
+
+    def test_not_a_number(self, tmp_path, columns):
+        """The row of its file."""
+        bad = {name: values.copy() for name, values in columns.items()}
+        bad["q_1"][1234] = np.nan
+        for k in range(2):
+            written(tmp_path / "log" / f"{k}.parquet", bad, slice(1000 * k, 1000 * (k + 1)))
+        with pytest.raises(InvalidInput, match=r"1.parquet, row 234: not a number"):
+            summed(tmp_path / "log")
+
+    def test_lost(self, folder):
+        class Losing:
+            def each(self, function, tasks):
+                yield 2, Lost("its process died")
+
+        with pytest.raises(NoWorkers, match=r"log, rows 1250 to 1875: its process died"):
+            summed(folder / "log", workers=Losing())
+
+
+def test_a_worker_is_killed(folder, monkeypatch):
+    """The same bits from this process and from two workers of a scheduler, one of which is killed half way."""
+    from distributed import LocalCluster
+
+    monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")  # which takes less than compiling in every process
+    here = problem(folder / "log").recorded
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster:
+        with cluster.get_client() as client:
+            victim = next(iter(client.run(os.getpid).values()))
+        done = []
+
+        def kill(rows):
+            done.append(rows)
+            if len(done) == 1:
+                os.kill(victim, signal.SIGKILL)
+
+        there = problem(folder / "log", workers=DaskWorkers(cluster.scheduler_address))
+        found = replace(there, progress=kill).recorded
+    assert len(done) == len(there.data.parts(3)) == 4
+    for one, other in zip(here, found, strict=True):
+        assert one.factors.tobytes() == other.factors.tobytes()
+
+
+@pytest.fixture(scope="module")
+def long(folder):
+    """An identification of which rows beyond the first thousand are never in memory together."""
+    arm = virtual()
+    model = CandidateModel("", arm.torque_model.terms, (), ["wls"])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("crosscheck.identifying.long_recordings.EXCERPT", 1000)
+        return identify_long(arm.subject.model, problem(folder / "log").data, [model], poses=5)
+
+
+class TestIdentified:
+    def test_rows(self, long):
+        assert long.fit.n_rows == 1875 - 62
+        assert long.recordings[0].t[-1] < 5
+        assert long.fit.squares(1).everything["WLS"].shape == (len(long.problem.data.parts(20)), 3)
+
+    def test_parameters(self, long):
+        """Those of the same rows in memory."""
+        read = load_recording(next(iter(long.problem.data.logs)).log.path.with_suffix(".parquet"))
+        rows = differentiated(split_by_rows(read, (0, 1875 - 62), (1875, 2500)).train, CUTOFF)
+        expected = WeightedLeastSquares().estimate(Problem(virtual().torque_model, samples_of(rows)))
+        found = long.comparison.of("WLS").estimate
+        np.testing.assert_allclose(found.parameters, expected.parameters, rtol=1e-3, atol=1e-3)
+
+    def test_command(self, long, folder, small_arm, monkeypatch, words):
+        asked = []
+        monkeypatch.setattr(
+            "crosscheck.identifying.long_recordings.identify_long",
+            lambda robot, data, models, **more: asked.append((data, models[0].methods)) or long,
+        )
+        options = ["--robot", str(small_arm), "--cutoff", "10", "--scheduler", "tcp://a:1"]
+        done = CliRunner().invoke(app, ["identify", f"{folder}/lo*.parquet", *options])
+        assert "held out the last 25 % of every log, 625 rows" in words(done.output)
+        ((data, methods),) = asked
+        assert (data.paths, data.cutoff, data.workers) == (
+            [str(folder / "log.parquet")],
+            10.0,
+            DaskWorkers("tcp://a:1"),
+        )
+        assert [method if isinstance(method, str) else method.name for method in methods] == list(
+            STANDARD_METHODS_OF_SUMS
+        )
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            ([], "--jobs and --scheduler need LOGs; a simulated robot is identified without them"),
+            (
+                ["log.parquet"],
+                "--cutoff residual, which is the default, needs the recording in memory; give Hz or none",
+            ),
+            (["log.parquet", "--folds", "3"], "--folds needs the recording in memory; leave it out with --jobs and"),
+            (
+                ["log.parquet", "--cutoff", "10", "--methods", "huber"],
+                "IRLS Huber looks at samples, of which only sums are kept here; use ols, wls, ridge",
+            ),
+            (["none*.parquet", "--cutoff", "10"], "no such file or folder: 'none*.parquet'"),
+        ],
+    )
+    def test_refused(self, folder, small_arm, monkeypatch, words, options, message):
+        monkeypatch.chdir(folder)
+        done = CliRunner().invoke(app, ["identify", *options, "--robot", str(small_arm), "--jobs", "1"])
+        assert done.exit_code == 2
+        assert message in words(done.output)
