@@ -1,5 +1,6 @@
 from . import identifying as identifying
 from .assertions import Disagreement, WrongDynamics, assert_agrees, assert_correct
+from .distributing import DaskWorkers, LocalProcesses
 from .identifying import Identified, identify
 from .judging.judge import judge
 from .judging.judgement import Diagnosis, JudgedFunction, Judgement
@@ -27,12 +28,14 @@ from .referee.comparison import Comparison, QuantityResult
 
 __all__ = [
     "Comparison",
+    "DaskWorkers",
     "Diagnosis",
     "DirtyRecording",
     "Disagreement",
     "Identified",
     "JudgedFunction",
     "Judgement",
+    "LocalProcesses",
     "PartitionedRecording",
     "QuantityResult",
     "Recording",

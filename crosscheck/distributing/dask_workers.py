@@ -35,9 +35,12 @@ WITHOUT = 12
 
 @dataclass(frozen=True)
 class DaskWorkers:
-    """address: of the scheduler, such as tcp://10.0.0.1:8786
+    """The workers of a Dask scheduler.
 
-    Every worker has one thread, and the versions of this process. Files are found under the same paths as here.
+    address: of the scheduler, such as tcp://10.0.0.1:8786
+
+    Every worker has one thread, and the versions of this process; files are found under the same paths as here. A
+    scheduler or workers that cannot be used raise NoWorkers when the work begins.
     """
 
     address: str

@@ -18,7 +18,11 @@ from crosscheck.distributing.workers import Answer, Lost, Task
 
 @dataclass(frozen=True)
 class LocalProcesses:
-    """count: processes at once; tries: how often a task is begun whose process dies."""
+    """Processes of this machine.
+
+    count: of processes at once
+    tries: how often a task is begun whose process dies
+    """
 
     count: int
     tries: int = 2

@@ -4,6 +4,7 @@ from crosscheck.identifying.candidate_models import CandidateModel
 from crosscheck.identifying.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.identified_model import Candidate, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.identify import identify
+from crosscheck.identifying.long_recordings import identify_long
 from crosscheck.identifying.methods import METHODS, STANDARD_METHODS, method_named, method_with
 from crosscheck.identifying.pinocchio_method import WithPinocchio
 from crosscheck.identifying.preparation import Preparation
@@ -35,6 +36,7 @@ __all__ = [
     "WithPinocchio",
     "friction_terms",
     "identify",
+    "identify_long",
     "method_named",
     "method_with",
     "recommendation",
