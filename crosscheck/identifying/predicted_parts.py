@@ -23,7 +23,7 @@ class PredictedParts(HeldOutPrediction):
 
     @property
     def n_rows(self) -> int:
-        """Without those that the borders of the filter take."""
+        """As recorded: with those that the borders of the filter take."""
         data = self.problem.data
         assert isinstance(data, PartitionedRecording)
         return data.n_rows

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
@@ -57,7 +58,7 @@ class PartitionedRecording:
         """In the order given. Raises InvalidInput for none, or for one given twice."""
         logs = [log_of(path) for path in self.paths]
         files = [file.resolve() for log in logs for file in log.files]
-        twice = next((file for k, file in enumerate(files) if file in files[:k]), None)
+        twice = next((file for file, count in Counter(files).items() if count > 1), None)
         if not logs or twice:
             what = f"{twice} is given twice; rows that count twice look more certain than they are"
             raise InvalidInput(what if logs else "there is no log; give at least one")
@@ -127,5 +128,7 @@ def _work(torque_model: bytes, base: bytes, settings: Mapping[str, Any], functio
         if problem.structure.base.independent.tobytes() != base:
             raise NoWorkers("a worker finds other base parameters; use workers with processors of one type")
         return pickle.loads(function)(problem, own)
+    except ImportError as error:
+        return NoWorkers(f"a worker cannot import a part of the torque model ({error}); install it there")
     except (GraphDynError, OSError) as error:
         return error

@@ -62,7 +62,8 @@ class ReadableLog:
         """Looks at the first rows. between: parts of the rows. Raises as PartitionedRecording."""
         if not log.n_rows:
             raise InvalidInput(f"{log.path}: no rows; leave it out")
-        head = parquet_rows(log.files[0], 0, min(HEAD, log.rows[0]))
+        file, count = next(found for found in zip(log.files, log.rows, strict=True) if found[1])
+        head = parquet_rows(file, 0, min(HEAD, count))
         mapping = mapping or mapping_by_name(head, joints, rate)[0]
         refuse_delays(mapping)
         window, origin = window_of(head, mapping, Place(0, 0), None)

@@ -163,6 +163,15 @@ class TestRefusals:
         with pytest.raises(InvalidInput, match=r"1.parquet, row 234: not a number"):
             summed(tmp_path / "log")
 
+    def test_an_empty_file_is_no_gap(self, tmp_path, columns):
+        for k, rows in enumerate([slice(0), slice(0, 1500), slice(0), slice(1500, 2500)]):
+            written(tmp_path / "log" / f"{k}.parquet", columns, rows)
+        assert problem(tmp_path / "log").data.n_rows == 2500
+        assert set(problem(tmp_path / "log", cutoff=None).equations.counts) == {2500 - 8}
+        written(tmp_path / "none.parquet", columns, slice(0))
+        with pytest.raises(InvalidInput, match=r"none.parquet: no rows; leave it out"):
+            summed(tmp_path / "none.parquet")
+
     def test_lost(self, folder):
         class Losing:
             def each(self, function, tasks):
