@@ -74,6 +74,14 @@ SMALL_ARM = robot_text(
 """One joint of each kind, branching; the order of the file is the reverse of the alphabet; a tool with mass."""
 
 
+PENDULUM = robot_text(
+    "pendulum",
+    link("base", None),
+    link("bob", 1.5, xyz="0.1 0.2 0.3"),
+    joint("swing", "base", "bob", "continuous", '<origin xyz="0 0.1 0.5" rpy="0.4 0.3 -1.1"/><axis xyz="0 1 0"/>'),
+)
+
+
 @pytest.fixture
 def small_arm(tmp_path):
     path = tmp_path / "small.urdf"
@@ -82,10 +90,18 @@ def small_arm(tmp_path):
 
 
 @pytest.fixture
-def second_arm(tmp_path):
+def pendulum(tmp_path):
+    """Where any robot will do: compared in a quarter of the time."""
+    path = tmp_path / "pendulum.urdf"
+    path.write_text(PENDULUM, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def second_pendulum(tmp_path):
     """Another file of the same robot."""
     path = tmp_path / "second.urdf"
-    path.write_text(SMALL_ARM, encoding="utf-8")
+    path.write_text(PENDULUM, encoding="utf-8")
     return path
 
 

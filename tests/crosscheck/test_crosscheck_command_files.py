@@ -64,23 +64,23 @@ class TestJson:
         scale = max(np.abs(reference.tau).max(), np.abs(reference.joint_wrenches).max())
         assert error / scale == pytest.approx(torque["max_relative_error"], rel=REPRODUCED)
 
-    def test_failures(self, program, small_arm, tmp_path):
+    def test_failures(self, program, pendulum, tmp_path):
         path = tmp_path / "result.json"
-        assert program("crosscheck", "ur55", small_arm, "--samples", 1, "--json", path).code == BAD_INPUT
+        assert program("crosscheck", "ur55", pendulum, "--samples", 1, "--json", path).code == BAD_INPUT
         record = json.loads(path.read_text(encoding="utf-8"))
         assert record["agrees"] is False
         (failure,) = record["failures"]
         assert failure["robot"] == "ur55"
         assert "neither a file nor a robot" in failure["message"]
-        assert [robot["robot"] for robot in record["robots"]] == [str(small_arm)]
+        assert [robot["robot"] for robot in record["robots"]] == [str(pendulum)]
 
-    def test_device_as_file(self, program, small_arm):
-        assert program("crosscheck", small_arm, "--samples", 1, "--json", os.devnull).code == AGREED
+    def test_device_as_file(self, program, pendulum):
+        assert program("crosscheck", pendulum, "--samples", 1, "--json", os.devnull).code == AGREED
 
-    def test_infinite_error_is_null(self, program, small_arm, plant, tmp_path):
+    def test_infinite_error_is_null(self, program, pendulum, plant, tmp_path):
         plant.referee_torque("nonLinearEffects", lambda _: np.nan)
         path = tmp_path / "result.json"
-        assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == DISAGREED
+        assert program("crosscheck", pendulum, "--samples", 1, "--json", path).code == DISAGREED
         result = json.loads(path.read_text(encoding="utf-8"))["robots"][0]["quantities"]["bias_torque"]
         assert result["max_relative_error"] is None
         assert result["agrees"] is False
@@ -120,37 +120,37 @@ class TestJson:
         assert done.code == BAD_INPUT
         assert "no permission to write there" in done.err
 
-    def test_a_full_disk_leaves_nothing_and_is_no_disagreement(self, program, small_arm, tmp_path, full_disk):
+    def test_a_full_disk_leaves_nothing_and_is_no_disagreement(self, program, pendulum, tmp_path, full_disk):
         folder = tmp_path / "results"
         folder.mkdir()
-        done = program("crosscheck", small_arm, "--samples", 1, "--json", folder / "result.json")
+        done = program("crosscheck", pendulum, "--samples", 1, "--json", folder / "result.json")
         assert done.code == BAD_INPUT
         assert re.fullmatch(r"error: .*No space left on device.*result\.json.*\n", done.err)
         assert list(folder.iterdir()) == []
 
-    def test_an_old_file_survives_a_failure(self, program, small_arm, tmp_path, full_disk):
+    def test_an_old_file_survives_a_failure(self, program, pendulum, tmp_path, full_disk):
         path = tmp_path / "result.json"
         path.write_text("precious", encoding="utf-8")
-        assert program("crosscheck", small_arm, "--samples", 1, "--json", path).code == BAD_INPUT
+        assert program("crosscheck", pendulum, "--samples", 1, "--json", path).code == BAD_INPUT
         assert path.read_text(encoding="utf-8") == "precious"
 
 
 class TestHtml:
-    def test_beside_json(self, program, small_arm, tmp_path, wrong_torque):
+    def test_beside_json(self, program, pendulum, tmp_path, wrong_torque):
         page, record = tmp_path / "r.html", tmp_path / "r.json"
-        done = program("crosscheck", small_arm, "ur55", "--samples", 1, "--html", page, "--json", record)
+        done = program("crosscheck", pendulum, "ur55", "--samples", 1, "--html", page, "--json", record)
         assert done.code == BAD_INPUT
         html = page.read_text(encoding="utf-8")
-        assert "small.urdf" in html
+        assert "pendulum.urdf" in html
         assert "DISAGREES" in html
         assert "is neither a file nor a robot" in html
         assert json.loads(record.read_text(encoding="utf-8"))["agrees"] is False
 
     @pytest.mark.parametrize("command", [("crosscheck", "--samples", 1), ("show",)], ids=lambda command: command[0])
-    def test_a_full_disk_leaves_nothing(self, program, small_arm, tmp_path, full_disk, command):
+    def test_a_full_disk_leaves_nothing(self, program, pendulum, tmp_path, full_disk, command):
         folder = tmp_path / "results"
         folder.mkdir()
-        done = program(*command, small_arm, "--html", folder / "r.html")
+        done = program(*command, pendulum, "--html", folder / "r.html")
         assert done.code == BAD_INPUT
         assert re.fullmatch(r"error: .*No space left on device.*r\.html.*\n", done.err)
         assert list(folder.iterdir()) == []

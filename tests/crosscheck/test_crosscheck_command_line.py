@@ -45,15 +45,15 @@ class TestExitCodes:
         for name in BY_NAME:
             assert name in done.out
 
-    def test_disagreement(self, program, small_arm, wrong_torque):
-        done = program("crosscheck", small_arm, "--samples", 2)
+    def test_disagreement(self, program, pendulum, wrong_torque):
+        done = program("crosscheck", pendulum, "--samples", 2)
         assert done.code == DISAGREED == 1
         rows = [line for line in done.out.splitlines() if line.startswith("│") and "DISAGREES" in line]
         assert [row.split("│")[1].strip() for row in rows] == ["torque", "torque_recursive"]
 
-    def test_one_of_several_disagrees(self, program, small_arm, second_arm, wrong_torque):
+    def test_one_of_several_disagrees(self, program, pendulum, second_pendulum, wrong_torque):
         """The plant strikes the first robot only; the verdict is of all."""
-        done = program("crosscheck", small_arm, second_arm, "--samples", 2)
+        done = program("crosscheck", pendulum, second_pendulum, "--samples", 2)
         assert done.code == DISAGREED
         assert re.search(r"│ verdict +│ +│ +DISAGREES │ +agrees │", done.out)
         for name, row in zip(
@@ -61,17 +61,17 @@ class TestExitCodes:
         ):
             assert re.fullmatch(rf"│ {name} +│ +[\d.e-]+ │ +[\d.e-]+ ✗ │ +[\d.e-]+ │", row)
 
-    def test_bad_file_is_one_line_and_the_others_go_on(self, program, small_arm, tmp_path):
+    def test_bad_file_is_one_line_and_the_others_go_on(self, program, pendulum, tmp_path):
         broken = tmp_path / "broken.urdf"
         broken.write_text("<robot name='x'>\n", encoding="utf-8")
-        done = program("crosscheck", broken, small_arm, "--samples", 2)
+        done = program("crosscheck", broken, pendulum, "--samples", 2)
         assert done.code == BAD_INPUT == 2
         assert done.err.startswith(f"error: {broken}:")
         assert done.err.count("\n") == 1
         assert "Traceback" not in done.err + done.out
-        assert f"\n{small_arm.name}: agrees" in done.out
+        assert f"\n{pendulum.name}: agrees" in done.out
 
-    def test_one_unreadable_robot_leaves_the_others_their_result(self, program, small_arm, monkeypatch):
+    def test_one_unreadable_robot_leaves_the_others_their_result(self, program, pendulum, monkeypatch):
         original = comparing.compare
 
         def compare(robot, *arguments, **options):
@@ -80,13 +80,13 @@ class TestExitCodes:
             return original(robot, *arguments, **options)
 
         monkeypatch.setattr(comparing, "compare", compare)
-        done = program("crosscheck", "gone.urdf", small_arm, "--samples", 1)
+        done = program("crosscheck", "gone.urdf", pendulum, "--samples", 1)
         assert done.code == BAD_INPUT
         assert re.fullmatch(r"error: .*Permission denied.*gone\.urdf.*\n", done.err)
-        assert f"\n{small_arm.name}: agrees" in done.out
+        assert f"\n{pendulum.name}: agrees" in done.out
 
-    def test_bad_file_outweighs_disagreement(self, program, small_arm, wrong_torque):
-        assert program("crosscheck", small_arm, "no_such_robot", "--samples", 2).code == BAD_INPUT
+    def test_bad_file_outweighs_disagreement(self, program, pendulum, wrong_torque):
+        assert program("crosscheck", pendulum, "no_such_robot", "--samples", 2).code == BAD_INPUT
 
     def test_unknown_name(self, program):
         done = program("crosscheck", "ur55")
@@ -256,16 +256,16 @@ class TestProgress:
         assert re.search(rf"kr500.* {states}/{states} ", done.err)
         assert "(1 of" not in done.err
 
-    def test_several(self, program, small_arm, second_arm):
-        done = program("crosscheck", second_arm, small_arm, "ur55", "--samples", 1)
+    def test_several(self, program, pendulum, second_pendulum):
+        done = program("crosscheck", second_pendulum, pendulum, "ur55", "--samples", 1)
         assert done.code == BAD_INPUT
         assert "second.urdf (1 of 3)" in done.err
         assert "(2 of 3)" in done.err
         assert "'ur55' is neither" in done.err
 
-    def test_warnings_once(self, program, small_arm):
-        small_arm.write_text(small_arm.read_text().replace('xyz="0 1 0"', 'xyz="0 2 0"'))
-        done = program("crosscheck", small_arm, "--samples", 1)
+    def test_warnings_once(self, program, pendulum):
+        pendulum.write_text(pendulum.read_text().replace('xyz="0 1 0"', 'xyz="0 2 0"'))
+        done = program("crosscheck", pendulum, "--samples", 1)
         assert done.err.count("warning: ") == 1
 
     def test_errata(self, program):
@@ -307,9 +307,9 @@ class TestDefaults:
         assert program("crosscheck").code == AGREED
         assert seen == [(name, dict(lock) or None) for name, lock in DEFAULT_ROBOTS]
 
-    def test_seed_and_samples_arrive(self, program, small_arm, tmp_path):
+    def test_seed_and_samples_arrive(self, program, pendulum, tmp_path):
         record = tmp_path / "r.json"
-        program("crosscheck", small_arm, "--samples", 3, "--seed", 11, "--json", record)
+        program("crosscheck", pendulum, "--samples", 3, "--seed", 11, "--json", record)
         (robot,) = json.loads(record.read_text(encoding="utf-8"))["robots"]
         assert (robot["samples"], robot["seed"]) == (3, 11)
 
@@ -367,22 +367,22 @@ class TestOtherCommands:
 
 
 class TestOutput:
-    def test_no_progress_where_nobody_watches(self, program, small_arm):
+    def test_no_progress_where_nobody_watches(self, program, pendulum):
         """A bar in a log file is noise: standard error stays empty, standard output has no control characters."""
-        done = program("crosscheck", small_arm, "--samples", 2)
+        done = program("crosscheck", pendulum, "--samples", 2)
         assert done.err == ""
         assert "\x1b" not in done.out
 
-    def test_names_are_not_markup(self, program, small_arm, tmp_path):
+    def test_names_are_not_markup(self, program, pendulum, tmp_path):
         """Brackets in a path are brackets, not rich's markup."""
         folder = tmp_path / "[bold]x["
         (folder / "y]").mkdir(parents=True)
         path = folder / "y]" / "[red]arm.urdf"
-        shutil.copy(small_arm, path)
+        shutil.copy(pendulum, path)
         done = program("crosscheck", path, "--samples", 1)
         assert done.code == AGREED
         assert str(path) in done.out.replace("\n", "")
-        several = program("crosscheck", path, small_arm, "--samples", 1)
+        several = program("crosscheck", path, pendulum, "--samples", 1)
         assert several.code == AGREED
         assert str(path) in several.out.replace("\n", "")
 
@@ -396,11 +396,11 @@ class TestOutput:
 
 
 class TestInstalledScript:
-    def test_agreement(self, script, small_arm, tmp_path):
+    def test_agreement(self, script, pendulum, tmp_path):
         record = tmp_path / "r.json"
-        done = script("crosscheck", small_arm, "--samples", 2, "--json", record)
+        done = script("crosscheck", pendulum, "--samples", 2, "--json", record)
         assert done.code == AGREED
-        progress = re.compile(rf"{re.escape(str(small_arm))}: \d+ after \d+ s, .*")  # where the machine is slow
+        progress = re.compile(rf"{re.escape(str(pendulum))}: \d+ after \d+ s, .*")  # where the machine is slow
         assert [line for line in done.err.splitlines() if not progress.fullmatch(line)] == []
         assert json.loads(record.read_text(encoding="utf-8"))["command"][:2] == ["graphdyn", "crosscheck"]
 

@@ -154,8 +154,8 @@ class TestSpellings:
             message = refuses("judge", "ur5", "--mass-matrix", f"{module}:M", "--json", f"package/{name}")
             assert "--mass-matrix reads this file" in message
 
-    def test_in_a_folder_that_is_read(self, refuses, small_arm):
-        message = refuses("crosscheck", small_arm.parent, "--json", small_arm)
+    def test_in_a_folder_that_is_read(self, refuses, pendulum):
+        message = refuses("crosscheck", pendulum.parent, "--json", pendulum)
         assert "there is a .urdf file of this name, which would be lost; name another" in message
 
     @pytest.mark.parametrize("number", [1, 2])
@@ -211,21 +211,21 @@ class TestStandardOutput:
         assert json.loads(program("robots", "--json", "-").out)["robots"]
         assert list(tmp_path.iterdir()) == []
 
-    def test_errors_go_elsewhere(self, program, small_arm):
-        done = program("crosscheck", "ur55", small_arm, "--samples", 1, "--json", "-")
+    def test_errors_go_elsewhere(self, program, pendulum):
+        done = program("crosscheck", "ur55", pendulum, "--samples", 1, "--json", "-")
         assert done.code == BAD_INPUT
         assert json.loads(done.out)["failures"]
         assert "'ur55' is neither" in done.err
 
     @pytest.mark.parametrize("target", ["-", "/dev/stdout", "pipe"])
-    def test_a_sweep_writes_once(self, program, small_arm, tmp_path, target, monkeypatch):
+    def test_a_sweep_writes_once(self, program, pendulum, tmp_path, target, monkeypatch):
         """A file is written after each robot, which in a pipe would be one JSON after another."""
         if os.name != "posix" and target != "-":
             pytest.skip("POSIX names")
         folder = tmp_path / "robots"
         folder.mkdir()
-        for k in range(3):
-            (folder / f"{k}.urdf").write_text(small_arm.read_text(encoding="utf-8"), encoding="utf-8")
+        for k in range(2):
+            (folder / f"{k}.urdf").write_text(pendulum.read_text(encoding="utf-8"), encoding="utf-8")
         if target != "pipe":
             said = program("crosscheck", folder, "--samples", 1, "--jobs", 1, "--json", target).out
         else:
@@ -236,10 +236,10 @@ class TestStandardOutput:
             program("crosscheck", folder, "--samples", 1, "--jobs", 1, "--json", tmp_path / "pipe")
             reader.join()
             (said,) = read
-        assert len(json.loads(said)["robots"]) == 3
+        assert len(json.loads(said)["robots"]) == 2
 
-    def test_nothing_to_resume_from(self, program, small_arm):
-        done = program("crosscheck", small_arm.parent, "--json", "-", "--resume")
+    def test_nothing_to_resume_from(self, program, pendulum):
+        done = program("crosscheck", pendulum.parent, "--json", "-", "--resume")
         assert done.code == BAD_INPUT
         assert "--resume needs --json FILE" in done.err
 

@@ -167,21 +167,21 @@ class TestCrosscheck:
         assert code == 0
         check(record)
 
-    def test_failures(self, written, small_arm):
-        record, code = written("crosscheck", small_arm, "ur55", "--samples", 1)
+    def test_failures(self, written, pendulum):
+        record, code = written("crosscheck", pendulum, "ur55", "--samples", 1)
         assert code == 2
         assert record["failures"]
         check(record)
 
-    def test_disagreement(self, written, small_arm, plant):
+    def test_disagreement(self, written, pendulum, plant):
         plant.referee_value("tau", lambda x: x * (1 + PLANTED))
-        record, code = written("crosscheck", small_arm, "--samples", 1)
+        record, code = written("crosscheck", pendulum, "--samples", 1)
         assert code == 1
         check(record)
 
-    def test_not_finite(self, written, small_arm, plant):
+    def test_not_finite(self, written, pendulum, plant):
         plant.referee_value("tau", lambda _: math.nan)
-        record, code = written("crosscheck", small_arm, "--samples", 1)
+        record, code = written("crosscheck", pendulum, "--samples", 1)
         assert code == 1
         assert record["robots"][0]["quantities"]["torque"]["max_relative_error"] is None
         check(record)
