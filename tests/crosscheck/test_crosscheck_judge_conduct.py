@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from long_check import LONG
 from single_precision import single_precision
 
 import crosscheck
@@ -221,7 +222,7 @@ class TestRegions:
     @pytest.mark.parametrize(
         ("within", "where"),
         [
-            (lambda m, q, v, a: q[ELBOW] > 2, "q of joint 'elbow_joint' > 2 rad"),
+            pytest.param(lambda m, q, v, a: q[ELBOW] > 2, "q of joint 'elbow_joint' > 2 rad", marks=LONG),
             (lambda m, q, v, a: q[ELBOW] < -1.5, "q of joint 'elbow_joint' < -1.5 rad"),
             (
                 lambda m, q, v, a: abs(v[LIFT]) > 0.8 * m.joints[LIFT].limits.velocity,
