@@ -283,7 +283,8 @@ class RobotModel:
         a limit beyond 1e6 is absurd. Limits of joints that others drive are not looked at.
 
         With chords the states are closed: reached from closed_pose by moving towards such a draw, and therefore neither
-        uniform nor always within limits. Raises InconsistentState where the loops cannot be closed.
+        uniform nor always within limits; drawn again where a pose is as good as singular.
+        Raises InconsistentState where the loops cannot be closed.
         """
         shape: Sequence[int] = (int(size),) if isinstance(size, Integral) else tuple(size)  # type: ignore[arg-type]
         if self.chords:
