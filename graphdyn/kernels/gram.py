@@ -42,11 +42,11 @@ Seen = dict[Watch, float]
 
 class GramBackend(Protocol):
     def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
-        """run(first, last): the sums over these rows of C-contiguous arrays (N, width), one after the other."""
+        """run(first, last): the sums over these rows of C-contiguous arrays (N, width), and what was watched."""
         ...
 
     def matrices(self, sums: Array) -> list[Array]:
-        """The Gram matrix of every group."""
+        """The Gram matrix of every group, from the sums of all rows: those of parts may be added."""
         ...
 
 
@@ -161,7 +161,7 @@ class CompiledGram:
             sums, seen = self._whole(first, whole, addresses)
             if whole < last:
                 more, seen_there = rest(whole, last)
-                sums = sums + self._spread_out(self._rest.matrices(more))[tuple(self._products.T)]
+                sums[:, 0] += self._spread_out(self._rest.matrices(more))[tuple(self._products.T)]
                 seen = {kind: merged(kind, [seen[kind], seen_there[kind]]) for kind in seen}
             return sums, seen
 
@@ -171,7 +171,7 @@ class CompiledGram:
         width = sum(self._groups)
         everything = np.zeros((width, width))
         left, right = self._products.T
-        everything[left, right] = everything[right, left] = sums
+        everything[left, right] = everything[right, left] = sums.sum(axis=1)
         return [everything[block, block] for block in self._blocks]
 
     def _spread_out(self, matrices: Sequence[Array]) -> Array:
@@ -183,9 +183,9 @@ class CompiledGram:
         return everything
 
     def _whole(self, first: int, last: int, addresses: Sequence[int]) -> tuple[Array, Seen]:
-        """Over rows first … last - 1, a multiple of the lanes."""
+        """Over rows first … last - 1, a multiple of the lanes: the sums of each lane (products, lanes)."""
         watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
         if first < last:
             scratch = aligned((sum(self._groups), STRIDE * self.lanes))
             self._gram(first, last, address(scratch), *addresses, address(sums), address(watched))
-        return sums.sum(axis=1), watches(self._program, watched)
+        return sums, watches(self._program, watched)

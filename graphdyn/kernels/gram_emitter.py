@@ -53,9 +53,13 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
         for column in places[number]:
             code.store(f"{code.vector} {values[number]}", block, column * STRIDE * lanes)
 
-    values = code.values(
-        program, lambda name: code.columns_of(_rows(code, name, program.inputs[name]), program.inputs[name]), store
-    )
+    def columns(name: str) -> list[str]:
+        width = program.inputs[name]
+        rows = code.let(f"getelementptr double, ptr %in.{name}, i64 {code.let(f'mul i64 %row, {width}')}")
+        code.fetch_ahead(rows, width)
+        return code.columns_of(rows, width)
+
+    values = code.values(program, columns, store)
     seen = [code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCHES]
     inputs = [f"ptr noalias %in.{name}" for name in program.inputs]
     shared = ", ".join(["i64 %first", "i64 %last", "ptr noalias %scratch", *inputs])
@@ -67,10 +71,6 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
             *_drive(shared, [argument.replace("noalias ", "") for argument in inputs], lanes),
         ]
     )
-
-
-def _rows(code: VectorCode, array: str, width: int) -> str:
-    return code.let(f"getelementptr double, ptr %in.{array}, i64 {code.let(f'mul i64 %row, {width}')}")
 
 
 def _sum_up(groups: Sequence[int], lanes: int) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from graphdyn.kernels.stepping_layout import Columns, StepCode, everywhere, select
-from graphdyn.kernels.vector_code import VectorCode
+from graphdyn.kernels.vector_code import ALIGNED_STACK, VectorCode
 
 
 def rates_function(what: StepCode, lanes: int) -> list[str]:
@@ -57,7 +57,7 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
         "ptr noalias %constants",
         "ptr %ground",
     )
-    header = f"define internal void @rates({', '.join(arguments)}) noinline {{"
+    header = f"define internal void @rates({', '.join(arguments)}) noinline {ALIGNED_STACK} {{"
     return [header, *code.lines, "  ret void", "}"]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Sequence
 
+from graphdyn.kernels.aligned import LINE
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.sines import COSINE, HALF_PI, QUARTER_TURNS, ROUND, SINE
 
@@ -12,6 +13,14 @@ WATCHES: tuple[Watch, ...] = ("finite", "squares", "minimum")
 """Order in which code keeps what it watches: one vector each."""
 
 WATCH_STARTS = (0.0, 0.0, float("inf"))
+
+AHEAD = 4
+"""Turns of a loop by which memory is asked for before it is read, where other traffic leaves the processor's own
+guesses too late."""
+
+ALIGNED_STACK = '"frame-pointer"="all"'
+"""What lets LLVM align the stack of a function to whole vectors: otherwise most registers that are set aside lie
+across two cache lines."""
 
 _ROUNDED = "contract nsz"
 """A product and a sum may round once together. Nothing else is rearranged: NaN and infinity stay what they are."""
@@ -34,8 +43,11 @@ class VectorCode:
     def declarations(self) -> list[str]:
         functions = {"fabs": 1, "fma": 3}
         return [
-            f"declare {self.vector} @llvm.{name}.v{self.lanes}f64({', '.join([self.vector] * count)})"
-            for name, count in functions.items()
+            "declare void @llvm.prefetch.p0(ptr, i32, i32, i32)",
+            *(
+                f"declare {self.vector} @llvm.{name}.v{self.lanes}f64({', '.join([self.vector] * count)})"
+                for name, count in functions.items()
+            ),
         ]
 
     def let(self, code: str) -> str:
@@ -188,6 +200,13 @@ class VectorCode:
                     value = self.let(f"extractelement {self.vector} {columns[column]}, i64 {lane}")
                     self.store(f"double {value}", block, lane * width + column)
 
+    def fetch_ahead(self, block: str, width: int) -> None:
+        """Ask for the rows of AHEAD turns of the loop later, which may lie beyond the array."""
+        rows = self.lanes * width
+        for first in range(0, rows, LINE // 8):
+            address = self.element(block, AHEAD * rows + first)
+            self.do(f"call void @llvm.prefetch.p0(ptr {address}, i32 0, i32 3, i32 1)")
+
     def _joined(self, parts: list[str]) -> str:
         """Short vectors one after the other."""
         size = 2
@@ -222,7 +241,7 @@ def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str]) -> list[s
         phis.append(f"  %watch.{kind} = phi {code.vector} [ %start.{kind}, %entry ], [ {value}, %loop ]")
         stores.append(f"  store {code.vector} {value}, ptr %place.{kind}, align 8")
     return [
-        f"{header} {{",
+        f"{header} {ALIGNED_STACK} {{",
         "entry:",
         *entry,
         f"  %final = sub i64 %last, {code.lanes}",
