@@ -110,7 +110,7 @@ def emit(program: Program, lanes: int) -> str:
             *code.declarations,
             _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1, lanes=lanes),
             *loop_over_rows(code, header, seen),
-            *_with_table(lanes, 2 + len(arrays)),
+            *with_table(lanes, 2 + len(arrays)),
         ]
     )
 
@@ -130,7 +130,7 @@ def _rows(code: VectorCode, array: str, width: int) -> str:
     return code.let(f"getelementptr double, ptr %{array}, i64 {code.let(f'mul i64 %row, {width}')}")
 
 
-def _with_table(lanes: int, count: int) -> list[str]:
+def with_table(lanes: int, count: int) -> list[str]:
     """The same functions for callers to whom every argument costs time."""
     loads = [
         line

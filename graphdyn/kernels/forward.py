@@ -115,23 +115,31 @@ def forward_dynamics(
     moving, transmitted = [], []
     gained: list[tuple[Scalars, Scalars]] = []
     for j, (link, place, motion) in enumerate(zip(links, at, at_rest, strict=True)):
-        leaf = seen[j]
-        a_i, alpha_i = gained[link.inside] if link.inside >= 0 else (zeros(3), zeros(3))
-        linear = place.outwards(a_i + cross(alpha_i, place.translation))
-        angular = place.outwards(alpha_i)
-        a_j = leaf.D_inverse * (leaf.u - (leaf.U[0] @ linear + leaf.U[1] @ angular))
-        wrench = added(leaf.inertia.times(linear, angular), leaf.bias)
+        inside = gained[link.inside] if link.inside >= 0 else (zeros(3), zeros(3))
+        a_j, (linear, angular), wrench = accelerated(link, place, seen[j], inside)
         required.append(wrench[0 if link.prismatic else 1][2] + rotor[j] * a_j)
         transmitted.append(wrench)
-        if link.prismatic:
-            linear = linear + E_Z * a_j
-        else:
-            angular = angular + E_Z * a_j
         accelerations.append(a_j)
         gained.append((linear, angular))
         moving.append(Motion(motion.omega, motion.alpha + angular, motion.compensated + linear))
     reactions = answers(links, at, root, moving, transmitted)
     return {"a": accelerations, "pivots": pivots, "required": required, **reactions}
+
+
+def accelerated(
+    link: Link, place: Place, leaf: SeenThroughJoint, inside: tuple[Scalars, Scalars]
+) -> tuple[Any, tuple[Scalars, Scalars], Wrench]:
+    """Acceleration of joint j, those of O_j and ω̇ of body j beyond a = 0, and what the joint transmits.
+
+    inside: accelerations of the inside body beyond a = 0
+    """
+    linear = place.outwards(inside[0] + cross(inside[1], place.translation))
+    angular = place.outwards(inside[1])
+    a_j = leaf.D_inverse * (leaf.u - (leaf.U[0] @ linear + leaf.U[1] @ angular))
+    wrench = added(leaf.inertia.times(linear, angular), leaf.bias)
+    if link.prismatic:
+        return a_j, (linear + E_Z * a_j, angular), wrench
+    return a_j, (linear, angular + E_Z * a_j), wrench
 
 
 def seen_through_joint(

@@ -15,9 +15,11 @@ import numpy as np
 
 from graphdyn.kernels.aligned import aligned
 from graphdyn.kernels.array_layout import address
+from graphdyn.kernels.body_by_body_code import emit_long, long_scratch
 from graphdyn.kernels.emitter import emit, scratch
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.interpreter import Run, merged
+from graphdyn.kernels.long_program import LongProgram
 from graphdyn.kernels.vector_code import WATCH_STARTS, WATCHES
 from graphdyn.layout import Array
 
@@ -44,11 +46,14 @@ class RowCall:
 class CompiledProgram:
     """Machine code of a program. Calls release the interpreter lock; any number of threads may run it at once."""
 
-    def __init__(self, program: Program, lanes: int | None = None) -> None:
+    def __init__(self, program: Program | LongProgram, lanes: int | None = None) -> None:
         self._program = program
         self.lanes = host_lanes() if lanes is None else lanes
-        self._code = MachineCode(emit(program, self.lanes))
-        self._scratch = scratch(program, self.lanes)
+        if isinstance(program, Program):
+            code, self._scratch = emit(program, self.lanes), scratch(program, self.lanes)
+        else:
+            code, self._scratch = emit_long(program, self.lanes), long_scratch(program, self.lanes)
+        self._code = MachineCode(code)
         self._table = ctypes.c_void_p * (2 + len(program.inputs) + len(program.outputs))
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p)
         self._batch = self._code.function("batch", prototype)
@@ -119,7 +124,7 @@ def _watch_starts(lanes: int) -> Array:
     return np.repeat(np.array(WATCH_STARTS)[:, None], lanes, axis=1)
 
 
-def watches(program: Program, watched: Array) -> dict[Watch, float]:
+def watches(program: Program | LongProgram, watched: Array) -> dict[Watch, float]:
     """What compiled code has seen, all lanes together."""
     rows = dict(zip(WATCHES, watched.tolist(), strict=True))
     return {kind: merged(kind, rows[kind]) for kind in program.watches}

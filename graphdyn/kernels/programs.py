@@ -128,18 +128,17 @@ class Sample:
 
     def __init__(self, model: RobotModel, request: Request) -> None:
         self.model = model
-        self.links: tuple[Link, ...] = links(model)
-        self.joints_only = JOINT_ARRAYS.issuperset(request.outputs) and not model.chords  # these hold bodies
-        if self.joints_only:
-            for reduced in REDUCTIONS:
-                self.links = reduced(self.links)
+        self.joints_only = for_joints_only(model, request)
+        self.links: tuple[Link, ...] = reduced_links(model) if self.joints_only else links(model)
         self.recorder = Recorder()
         self.given: list[Any] = []
         self.n, self.freedoms = model.n_freedoms, model.freedoms
         self.zeros = [0.0] * model.n_bodies
         self._held = dict[Expression, Any]()
         self.q = self.of_joints("q")
-        self.root = self._moving_root(model) if request.moving_base else _fixed_root(model)
+        self.root = (
+            moving_root(model, self.input("ground", GROUND_COLUMNS)) if request.moving_base else fixed_root(model)
+        )
         if request.frame is not None:
             self.frame = fixed_frame(model, self.links, request.frame)
         self.external: list[Wrench] | None = None
@@ -182,18 +181,32 @@ class Sample:
         self.given += columns
         return columns
 
-    def _moving_root(self, model: RobotModel) -> Root:
-        columns, fields, first = self.input("ground", GROUND_COLUMNS), {}, 0
-        for name, shape in GROUND.items():
-            last = first + int(np.prod(shape))
-            fields[name] = np.array(columns[first:last], dtype=object).reshape(shape)
-            first = last
-        gravity = scalars(model.gravity)
-        acceleration = fields["compensated"] + fields["rotation"].T @ gravity
-        return Root(gravity=gravity, acceleration=acceleration, **fields)
+
+def for_joints_only(model: RobotModel, request: Request) -> bool:
+    """Whether nothing but answers for the joints is asked for, of a robot whose bodies no chords hold."""
+    return JOINT_ARRAYS.issuperset(request.outputs) and not model.chords
 
 
-def _fixed_root(model: RobotModel) -> Root:
+def reduced_links(model: RobotModel) -> tuple[Link, ...]:
+    reduced = links(model)
+    for reduction in REDUCTIONS:
+        reduced = reduction(reduced)
+    return reduced
+
+
+def moving_root(model: RobotModel, ground: Sequence[Any]) -> Root:
+    """The ground of a base that moves. ground: the columns of GROUND"""
+    fields, first = {}, 0
+    for name, shape in GROUND.items():
+        last = first + int(np.prod(shape))
+        fields[name] = np.array(ground[first:last], dtype=object).reshape(shape)
+        first = last
+    gravity = scalars(model.gravity)
+    acceleration = fields["compensated"] + fields["rotation"].T @ gravity
+    return Root(gravity=gravity, acceleration=acceleration, **fields)
+
+
+def fixed_root(model: RobotModel) -> Root:
     return Root(
         rotation=scalars(model.base.rotation),
         position=scalars(model.base.translation),

@@ -9,7 +9,7 @@ import numpy as np
 
 from graphdyn.kernels.mechanism import Link
 from graphdyn.kernels.motion import Motion, Place, Root, rotations, stacked
-from graphdyn.kernels.vectors import Scalars, cross, scalars, turn
+from graphdyn.kernels.vectors import Scalars, cross, turn
 
 Wrench = tuple[Scalars, Scalars]
 """Force, and moment about O_j, in joint axes of body j."""
@@ -103,5 +103,5 @@ def in_joint_axes(links: Sequence[Link], external: Scalars) -> list[Wrench]:
     wrenches = []
     for link, wrench in zip(links, np.asarray(external), strict=True):
         force, moment = link.link_axes.T @ wrench[:3], link.link_axes.T @ wrench[3:]
-        wrenches.append((force, moment - cross(scalars([0, 0, link.slide]), force)))
+        wrenches.append((force, moment - cross(np.array([0.0, 0.0, link.slide], dtype=object), force)))
     return wrenches

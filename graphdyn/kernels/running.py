@@ -17,8 +17,10 @@ import numpy as np
 
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel
+from graphdyn.kernels.body_by_body import is_long, record_long
 from graphdyn.kernels.expressions import Program, Watch
 from graphdyn.kernels.interpreter import Interpreter, Run, merged
+from graphdyn.kernels.long_program import LongProgram
 from graphdyn.kernels.native import CompiledProgram, compiling, try_out
 from graphdyn.kernels.programs import Request, record
 from graphdyn.kernels.sines import FARTHEST
@@ -50,7 +52,7 @@ class Backend(Protocol):
 class Prepared:
     """A recorded program and what runs it."""
 
-    def __init__(self, program: Program, backend: str) -> None:
+    def __init__(self, program: Program | LongProgram, backend: str) -> None:
         self.program = program
         self.backend = _backend(program, backend)
 
@@ -65,7 +67,8 @@ def prepared(model: RobotModel, request: Request) -> Prepared:
     with compiling:
         programs = _prepared.setdefault(model, {})
         if key not in programs:
-            programs[key] = Prepared(record(model, request), key[1])
+            long = key[1] == "llvm" and is_long(model, request)
+            programs[key] = Prepared((record_long if long else record)(model, request), key[1])
         return programs[key]
 
 
@@ -160,8 +163,8 @@ def _can_compile() -> bool:
     return True
 
 
-def _backend(program: Program, choice: str) -> Backend:
-    if choice == "numpy" or program.length > LONGEST:
+def _backend(program: Program | LongProgram, choice: str) -> Backend:
+    if isinstance(program, Program) and (choice == "numpy" or program.length > LONGEST):
         return Interpreter(program)
     return CompiledProgram(program)
 

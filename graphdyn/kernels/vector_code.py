@@ -80,6 +80,13 @@ class VectorCode:
     def load(self, kind: str, array: str, index: int) -> str:
         return self.let(f"load {kind}, ptr {self.element(array, index)}, align 8")
 
+    def broadcast(self, array: str, index: int) -> str:
+        """A number in all lanes."""
+        one = self.let(f"insertelement {self.vector} poison, double {self.load('double', array, index)}, i64 0")
+        return self.let(
+            f"shufflevector {self.vector} {one}, {self.vector} poison, <{self.lanes} x i32> zeroinitializer"
+        )
+
     def store(self, typed_value: str, array: str, index: int) -> None:
         self.do(f"store {typed_value}, ptr {self.element(array, index)}, align 8")
 
@@ -165,17 +172,18 @@ class VectorCode:
     # Rows and columns: rows of an array lie one after the other, lanes want columns. Columns are read and written two
     # at a time, so that half of the transposition is done by the load and store units.
 
-    def columns_of(self, block: str, width: int) -> list[str]:
-        """The columns of as many rows as lanes, which begin at block."""
+    def columns_of(self, block: str, width: int, step: int | None = None) -> list[str]:
+        """The columns of as many rows as lanes, which begin at block, one row a step after the other."""
+        step = width if step is None else step
         columns: list[str] = []
         for column in range(0, width - 1, 2):
-            pairs = [self.load("<2 x double>", block, lane * width + column) for lane in range(self.lanes)]
+            pairs = [self.load("<2 x double>", block, lane * step + column) for lane in range(self.lanes)]
             even, odd = self._joined(pairs[0::2]), self._joined(pairs[1::2])
             columns += [self._interleaved(even, odd, half) for half in (0, 1)]
         if width % 2:
             vector = "poison"
             for lane in range(self.lanes):
-                value = self.load("double", block, lane * width + width - 1)
+                value = self.load("double", block, lane * step + width - 1)
                 vector = self.let(f"insertelement {self.vector} {vector}, double {value}, i64 {lane}")
             columns.append(vector)
         return columns
@@ -230,10 +238,11 @@ class VectorCode:
 def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str]) -> list[str]:
     """A function whose body, the lines of the code, is done for %row from %first on, as many rows at a time as lanes.
 
-    It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of WATCHES.
+    It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of WATCHES,
+    or none if the lines do that themselves.
     """
     entry, phis, stores = [], [], []
-    for place, (kind, value) in enumerate(zip(WATCHES, seen, strict=True)):
+    for place, (kind, value) in enumerate(zip(WATCHES if seen else (), seen, strict=True)):
         entry += [
             f"  %place.{kind} = getelementptr double, ptr %watched, i64 {place * code.lanes}",
             f"  %start.{kind} = load {code.vector}, ptr %place.{kind}, align 8",

@@ -7,15 +7,17 @@ from unittest import mock
 import pytest
 from long_check import LONG
 
-from graphdyn.kernels import gram, native, running
+from graphdyn.kernels import body_by_body, gram, native, running
 
 COMPILED = ("host", "2 lanes", pytest.param("4 lanes", marks=LONG))
 BACK_ENDS = ("numpy", *COMPILED)
+LONG_ROBOTS = "body by body"
 
 
 @contextmanager
 def on(back_end):
-    """Inside, the recursive method runs on this back end: NumPy, code for the host's vectors, or for shorter ones.
+    """Inside, the recursive method runs on this back end: NumPy, code for the host's vectors, or for shorter ones, or
+    for all robots the code of long ones.
 
     Programs recorded before are forgotten meanwhile: they belong to another back end.
     """
@@ -25,4 +27,6 @@ def on(back_end):
         if back_end in ("2 lanes", "4 lanes"):
             for module in (native, gram):
                 stack.enter_context(mock.patch.object(module, "host_lanes", return_value=int(back_end[0])))
+        if back_end == LONG_ROBOTS:
+            stack.enter_context(mock.patch.object(body_by_body, "UNROLLED", 0))
         yield

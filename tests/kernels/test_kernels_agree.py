@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from back_ends import BACK_ENDS, COMPILED, on
+from back_ends import BACK_ENDS, COMPILED, LONG_ROBOTS, on
 from examples import examples
 from hypothesis import given
 from random_trees import (
@@ -141,7 +141,7 @@ def parts(answer):
     return [answer] if isinstance(answer, np.ndarray) else list(vars(answer).values())
 
 
-@pytest.mark.parametrize("back_end", COMPILED)
+@pytest.mark.parametrize("back_end", [*COMPILED, LONG_ROBOTS])
 @few
 @given(robots(max_bodies=4), SEEDS)
 def test_compiled_code_agrees_with_the_equations(back_end, model, seed):

@@ -5,7 +5,7 @@ import threading
 
 import numpy as np
 import pytest
-from back_ends import BACK_ENDS, COMPILED, on
+from back_ends import BACK_ENDS, COMPILED, LONG_ROBOTS, on
 from random_trees import NAMED, random_base_motion, random_state, random_wrenches
 
 import graphdyn
@@ -17,6 +17,7 @@ MODEL = NAMED["mixed_chain"]
 """Four joints, one of them prismatic."""
 
 back_ends = pytest.mark.parametrize("back_end", BACK_ENDS)
+with_long_robots = pytest.mark.parametrize("back_end", [*BACK_ENDS, LONG_ROBOTS])
 
 
 def states(count, seed=0):
@@ -39,7 +40,7 @@ def assert_same(one, other):
         assert np.array_equal(value, other[name], equal_nan=True), name
 
 
-@back_ends
+@with_long_robots
 def test_a_sample_does_not_depend_on_the_samples_beside_it(back_end):
     """Below, at and above the numbers of lanes, no multiples of them; every sample in the place of every lane."""
     arrays = states(37)
@@ -50,7 +51,7 @@ def test_a_sample_does_not_depend_on_the_samples_beside_it(back_end):
             assert_same(part, {name: value[first:last] for name, value in together.items()})
 
 
-@back_ends
+@with_long_robots
 def test_the_number_of_threads_changes_nothing(back_end, monkeypatch):
     """With work handed out sample by sample, more threads than samples included."""
     arrays = states(61)

@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from back_ends import BACK_ENDS, on
+from back_ends import BACK_ENDS, LONG_ROBOTS, on
 from random_trees import NAMED, random_base_motion, random_state, random_wrenches
 
 import graphdyn
@@ -24,6 +24,7 @@ ROBOT = NAMED["mixed_chain"]
 
 N = 9
 back_ends = pytest.mark.parametrize("back_end", BACK_ENDS)
+with_long_robots = pytest.mark.parametrize("back_end", [*BACK_ENDS, LONG_ROBOTS])
 
 
 @pytest.fixture(autouse=True)
@@ -243,7 +244,7 @@ def test_what_is_not_finite_is_refused_with_its_row_or_stays_in_it(back_end):
                 graphdyn.maximal_state(ROBOT, clean[0], v, method="recursive")
 
 
-@back_ends
+@with_long_robots
 def test_rows_that_are_not_finite_are_named_before_broadcasting(back_end):
     q, v, tau, wrenches = arguments(6)
     q, tau = q.reshape(2, 3, 4), tau[0]
@@ -278,7 +279,7 @@ def pair(tip, axis=(0.0, 0.0, 1.0)):
     return RobotModel("pair", (SOLID, tip), joints)
 
 
-@back_ends
+@with_long_robots
 def test_a_body_without_inertia_is_refused(back_end):
     nothing = pair(Body("ghost", 0.0, np.zeros(3), np.zeros((3, 3))))
     x = np.zeros((2, 3, 2))
@@ -300,7 +301,7 @@ def gimbal():
     return RobotModel("gimbal", bodies, tuple(joints))
 
 
-@back_ends
+@with_long_robots
 def test_the_row_with_a_singular_mass_matrix_is_named(back_end):
     """The row before it has a small pivot but is regular, and is solved by projection."""
     q = np.full((2, 4, 2), 0.7)

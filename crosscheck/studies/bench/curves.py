@@ -17,8 +17,8 @@ from crosscheck.studies.bench.floor import REQUESTS
 from crosscheck.studies.bench.states import States, random_states
 from crosscheck.studies.bench.timing import Times, in_turns
 from crosscheck.studies.bench.works import OURS, PINOCCHIO
-from graphdyn.kernels.programs import record
-from graphdyn.kernels.running import LONGEST, cores
+from graphdyn.kernels.body_by_body import is_long
+from graphdyn.kernels.running import cores
 from graphdyn.layout import Array
 
 CHAIN_SAMPLES = 2000
@@ -95,26 +95,19 @@ def chain_lengths(
     """Times of all accelerations and multipliers of chains, and of the first call for each."""
     rows: dict[tuple[str, int], list[tuple[int, Times]]] = {}
     first: list[tuple[int, Times]] = []
-    interpreted = []
     for n in lengths:
         done(f"{n} bodies")
         states = random_states(chain(n), CHAIN_SAMPLES, 0)
-        too_long = record(states.model, REQUESTS["everything"]).arithmetic > LONGEST
-        if too_long:
-            interpreted.append(n)
         first.append((n, Times(tuple(_first_call(n) for _ in range(first_calls)))))
-        contenders = tuple(
-            replace(c, errors=None)
-            for c in _forms(states, "everything", (1,))
-            if not (too_long and c.name == graphdyn_forms.COMPILED)
-        )
+        contenders = tuple(replace(c, errors=None) for c in _forms(states, "everything", (1,)))
         for entry in measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries:
             rows.setdefault((entry.name, entry.threads), []).append((n, entry.times))
     lines = tuple(
         Line(name, threads, tuple(n for n, _ in row), tuple(times for _, times in row))
         for (name, threads), row in rows.items()
     )
-    notes = tuple(f"from {n} bodies on, the program is too long to compile" for n in interpreted[:1])
+    long = next((n for n in lengths if is_long(chain(n), REQUESTS["everything"])), None)
+    notes = (f"from {long} bodies on, code for one body after the other",) if long else ()
     call = Line(FIRST_CALL, 1, tuple(n for n, _ in first), tuple(times for _, times in first))
     return [
         ScalingCurve(
