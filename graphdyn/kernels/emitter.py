@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from graphdyn.kernels.expressions import Program
+from graphdyn.kernels.turns_ahead import turns_ahead
 from graphdyn.kernels.vector_code import WATCHES, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 
@@ -87,13 +88,17 @@ def emit(program: Program, lanes: int) -> str:
     single(table) for as many rows as lanes.
     """
     code = VectorCode(lanes)
-    values = code.values(
-        program, lambda name: code.columns_of(_rows(code, f"in.{name}", program.inputs[name]), program.inputs[name])
-    )
+    ahead = turns_ahead(program, lanes)
+
+    def columns(name: str) -> list[str]:
+        width = program.inputs[name]
+        return ahead.columns.get(name) or code.columns_of(code.rows_of(f"in.{name}", width), width)
+
+    values = code.values(program, columns, known_turns=ahead.turns)
     first = 0
     for name, numbers in program.outputs.items():
         width = len(numbers)
-        to = _rows(code, f"out.{name}", width)
+        to = code.rows_of(f"out.{name}", width)
         if width < WIDE:
             code.write_columns(to, width, {column: values[k] for column, k in enumerate(numbers)})
         else:
@@ -109,7 +114,7 @@ def emit(program: Program, lanes: int) -> str:
         [
             *code.declarations,
             _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1, lanes=lanes),
-            *loop_over_rows(code, header, seen),
+            *loop_over_rows(code, header, seen, ahead.carried),
             *with_table(lanes, 2 + len(arrays)),
         ]
     )
@@ -123,11 +128,6 @@ def scratch(program: Program, lanes: int) -> Array:
         if len(numbers) >= WIDE
     ]
     return np.concatenate([np.empty(0), *rows])
-
-
-def _rows(code: VectorCode, array: str, width: int) -> str:
-    """Where the rows of this turn of the loop begin."""
-    return code.let(f"getelementptr double, ptr %{array}, i64 {code.let(f'mul i64 %row, {width}')}")
 
 
 def with_table(lanes: int, count: int) -> list[str]:

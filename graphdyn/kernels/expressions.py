@@ -100,20 +100,7 @@ class Recorder:
         """What it takes to compute these outputs and watches, and nothing else."""
         wanted = {name: [self.number(scalar) for scalar in scalars] for name, scalars in outputs.items()}
         watched = {kind: [self.number(scalar) for scalar in scalars] for kind, scalars in watches.items()}
-        needed, pending = set(), [k for numbers in (*wanted.values(), *watched.values()) for k in numbers]
-        while pending:
-            number = pending.pop()
-            if number not in needed:
-                needed.add(number)
-                pending += operands(self.operations[number])
-        order = sorted(needed)
-        new = {number: position for position, number in enumerate(order)}
-        return Program(
-            operations=tuple(_renumbered(self.operations[number], new) for number in order),
-            inputs=dict(self._inputs),
-            outputs={name: tuple(new[number] for number in numbers) for name, numbers in wanted.items()},
-            watches={kind: tuple(new[number] for number in numbers) for kind, numbers in watched.items()},
-        )
+        return program_of(self.operations, self._inputs, wanted, watched)
 
 
 class Expression:
@@ -236,6 +223,29 @@ class Expression:
     def _commuting(self, kind: Operation, other: object) -> Expression:
         first, second = self.number, self.recorder.number(other)
         return self.recorder.operation(kind, min(first, second), max(first, second))
+
+
+def program_of(
+    operations: Sequence[Recorded],
+    inputs: Mapping[str, int],
+    outputs: Mapping[str, Sequence[int]],
+    watches: Mapping[Watch, Sequence[int]],
+) -> Program:
+    """Those operations that it takes to compute these outputs and watches."""
+    needed, pending = set(), [k for numbers in (*outputs.values(), *watches.values()) for k in numbers]
+    while pending:
+        number = pending.pop()
+        if number not in needed:
+            needed.add(number)
+            pending += operands(operations[number])
+    order = sorted(needed)
+    new = {number: position for position, number in enumerate(order)}
+    return Program(
+        operations=tuple(_renumbered(operations[number], new) for number in order),
+        inputs=dict(inputs),
+        outputs={name: tuple(new[number] for number in numbers) for name, numbers in outputs.items()},
+        watches={kind: tuple(new[number] for number in numbers) for kind, numbers in watches.items()},
+    )
 
 
 def operands(operation: Recorded) -> tuple[int, ...]:

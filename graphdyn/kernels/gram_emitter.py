@@ -55,7 +55,7 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
 
     def columns(name: str) -> list[str]:
         width = program.inputs[name]
-        rows = code.let(f"getelementptr double, ptr %in.{name}, i64 {code.let(f'mul i64 %row, {width}')}")
+        rows = code.rows_of(f"in.{name}", width)
         code.fetch_ahead(rows, width)
         return code.columns_of(rows, width)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from graphdyn.kernels.aligned import LINE
 from graphdyn.kernels.expressions import Program, Watch
@@ -97,14 +98,16 @@ class VectorCode:
         program: Program,
         columns: Callable[[str], Sequence[str]],
         computed: Callable[[int, Sequence[str]], None] = lambda number, values: None,
+        known_turns: Mapping[int, tuple[str, str]] | None = None,
     ) -> list[str]:
         """The value of every operation; columns gives those of an input array.
 
+        known_turns: sine and cosine of angles, by number
         computed: called with the number of each operation and all values so far: what is stored at once need not be
         kept in registers
         """
         values: list[str] = []
-        turns: dict[int, tuple[str, str]] = {}
+        turns = dict(known_turns or {})
         rows: dict[str, Sequence[str]] = {}
         for number, (kind, *arguments) in enumerate(program.operations):
             if kind == "constant":
@@ -172,6 +175,10 @@ class VectorCode:
     # Rows and columns: rows of an array lie one after the other, lanes want columns. Columns are read and written two
     # at a time, so that half of the transposition is done by the load and store units.
 
+    def rows_of(self, array: str, width: int, row: str = "%row") -> str:
+        """Where rows of an array begin: those of this turn of the loop, or from another one on."""
+        return self.let(f"getelementptr double, ptr %{array}, i64 {self.let(f'mul i64 {row}, {width}')}")
+
     def columns_of(self, block: str, width: int, step: int | None = None) -> list[str]:
         """The columns of as many rows as lanes, which begin at block, one row a step after the other."""
         step = width if step is None else step
@@ -235,12 +242,25 @@ class VectorCode:
         return self.let(f"shufflevector <{size} x double> {x}, <{size} x double> {y}, <{len(order)} x i32> <{indices}>")
 
 
-def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str]) -> list[str]:
+@dataclass(frozen=True)
+class Carried:
+    """Values of rows that are computed one turn of the loop before.
+
+    names: by which the lines of the loop know them; first, following: code for %first and %next, and its values
+    """
+
+    names: list[str]
+    first: tuple[VectorCode, list[str]]
+    following: tuple[VectorCode, list[str]]
+
+
+def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: Carried | None = None) -> list[str]:
     """A function whose body, the lines of the code, is done for %row from %first on, as many rows at a time as lanes.
 
     It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of WATCHES,
     or none if the lines do that themselves.
     """
+    before, after = (carried.first[0].lines, carried.following[0].lines) if carried else ([], [])
     entry, phis, stores = [], [], []
     for place, (kind, value) in enumerate(zip(WATCHES if seen else (), seen, strict=True)):
         entry += [
@@ -249,19 +269,24 @@ def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str]) -> list[s
         ]
         phis.append(f"  %watch.{kind} = phi {code.vector} [ %start.{kind}, %entry ], [ {value}, %loop ]")
         stores.append(f"  store {code.vector} {value}, ptr %place.{kind}, align 8")
+    if carried:
+        for name, one, other in zip(carried.names, carried.first[1], carried.following[1], strict=True):
+            phis.append(f"  {name} = phi {code.vector} [ {one}, %entry ], [ {other}, %loop ]")
     return [
         f"{header} {ALIGNED_STACK} {{",
         "entry:",
         *entry,
+        *before,
         f"  %final = sub i64 %last, {code.lanes}",
         "  br label %loop",
         "loop:",
         "  %row = phi i64 [ %first, %entry ], [ %next, %loop ]",
         *phis,
-        *code.lines,
         f"  %after = add i64 %row, {code.lanes}",
         "  %short = icmp sgt i64 %after, %final",
         "  %next = select i1 %short, i64 %final, i64 %after",
+        *code.lines,
+        *after,
         "  %more = icmp slt i64 %after, %last",
         "  br i1 %more, label %loop, label %exit",
         "exit:",
