@@ -88,13 +88,13 @@ def emit(program: Program, lanes: int) -> str:
     single(table) for as many rows as lanes.
     """
     code = VectorCode(lanes)
-    ahead = turns_ahead(program, lanes)
+    turns, carried = turns_ahead(program, lanes)
 
     def columns(name: str) -> list[str]:
         width = program.inputs[name]
-        return ahead.columns.get(name) or code.columns_of(code.rows_of(f"in.{name}", width), width)
+        return code.columns_of(code.rows_of(f"in.{name}", width), width)
 
-    values = code.values(program, columns, known_turns=ahead.turns)
+    values = code.values(program, columns, known_turns=turns)
     first = 0
     for name, numbers in program.outputs.items():
         width = len(numbers)
@@ -114,7 +114,7 @@ def emit(program: Program, lanes: int) -> str:
         [
             *code.declarations,
             _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1, lanes=lanes),
-            *loop_over_rows(code, header, seen, ahead.carried),
+            *loop_over_rows(code, header, seen, carried),
             *with_table(lanes, 2 + len(arrays)),
         ]
     )

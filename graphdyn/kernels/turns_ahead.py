@@ -6,52 +6,30 @@ processor waits for other results of these rows.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-
 from graphdyn.kernels.expressions import Program, program_of
 from graphdyn.kernels.vector_code import Carried, VectorCode
 
-_ANGLES = "angles"
+Turns = dict[int, tuple[str, str]]
+"""Names of sine and cosine of angles, by the number of the angle."""
 
 
-@dataclass(frozen=True)
-class TurnsAhead:
-    """What the lines of a loop know of its rows from the turn before.
-
-    columns: those of arrays from which angles follow, by name; turns: sine and cosine of every angle, by its number
-    carried: how they get there
-    """
-
-    columns: dict[str, list[str]]
-    turns: dict[int, tuple[str, str]]
-    carried: Carried
-
-
-def turns_ahead(program: Program, lanes: int) -> TurnsAhead:
+def turns_ahead(program: Program, lanes: int) -> tuple[Turns, Carried]:
+    """All sines and cosines as the lines of the loop know them, and what computes them a turn before."""
     angles = sorted({given[0] for kind, *given in program.operations if kind in ("sine", "cosine")})
-    part = program_of(program.operations, program.inputs, {_ANGLES: angles}, {})
-    arrays = sorted({given[0] for kind, *given in part.operations if kind == "input"})
-    columns = {name: [f"%ahead.{name}{k}" for k in range(program.inputs[name])] for name in arrays}
+    part = program_of(program.operations, program.inputs, {"angles": angles}, {})
     turns = {angle: (f"%sine{angle}", f"%cosine{angle}") for angle in angles}
-    first, following = VectorCode(lanes, "f"), VectorCode(lanes, "n")
-    carried = Carried(
-        names=_flat(columns.values(), turns.values()),
-        first=(first, _turns(part, arrays, first, "%first")),
-        following=(following, _turns(part, arrays, following, "%next")),
+    names = [name for pair in turns.values() for name in pair]
+    return turns, Carried(
+        names, _turns(part, VectorCode(lanes, "f"), "%first"), _turns(part, VectorCode(lanes, "n"), "%next")
     )
-    return TurnsAhead(columns, turns, carried)
 
 
-def _turns(part: Program, arrays: list[str], code: VectorCode, row: str) -> list[str]:
-    """Code for the rows from this one on, and its values in the order of the names."""
-    columns = {}
-    for name in arrays:
+def _turns(part: Program, code: VectorCode, row: str) -> tuple[VectorCode, list[str]]:
+    """Code for the rows from this one on, and sine and cosine of its angles in turn."""
+
+    def columns(name: str) -> list[str]:
         width = part.inputs[name]
-        columns[name] = code.columns_of(code.rows_of(f"in.{name}", width, row), width)
-    values = code.values(part, columns.__getitem__)
-    return _flat(columns.values(), (code.sine_and_cosine(values[k]) for k in part.outputs[_ANGLES]))
+        return code.columns_of(code.rows_of(f"in.{name}", width, row), width)
 
-
-def _flat(columns: Iterable[list[str]], turns: Iterable[tuple[str, str]]) -> list[str]:
-    return [*(name for each in columns for name in each), *(name for pair in turns for name in pair)]
+    values = code.values(part, columns)
+    return code, [name for k in part.outputs["angles"] for name in code.sine_and_cosine(values[k])]

@@ -244,9 +244,9 @@ class VectorCode:
 
 @dataclass(frozen=True)
 class Carried:
-    """Values of rows that are computed one turn of the loop before.
+    """Values that are computed one turn of the loop before they are used.
 
-    names: by which the lines of the loop know them; first, following: code for %first and %next, and its values
+    names: by which the lines of the loop know them; first, following: code for the rows %first and %next, its values
     """
 
     names: list[str]

@@ -9,7 +9,7 @@ from back_ends import BACK_ENDS, COMPILED, LONG_ROBOTS, on
 from random_trees import NAMED, random_base_motion, random_state, random_wrenches
 
 import graphdyn
-from graphdyn.kernels import interpreter, running
+from graphdyn.kernels import emitter, interpreter, running
 from graphdyn.kernels.gram import PORTION, torque_gram
 from graphdyn.kernels.native import CACHE, host_lanes
 
@@ -155,6 +155,18 @@ def test_many_threads_at_once_get_the_same(back_end, monkeypatch):
     assert len(results) == 6
     for result in results:
         assert_same(expected, result)
+
+
+def test_sines_one_turn_ahead_are_those_of_the_rows(monkeypatch):
+    """With one turn of the loop, and with a last turn that starts at rows that were done before."""
+    several = states(19)
+    one = [x[: host_lanes()] for x in several]
+    with on("host"):
+        ahead = verbs(*one), verbs(*several)
+    monkeypatch.setattr(emitter, "turns_ahead", lambda program, lanes: ({}, None))
+    with on("host"):
+        assert_same(ahead[0], verbs(*one))
+        assert_same(ahead[1], verbs(*several))
 
 
 # Gram matrices
