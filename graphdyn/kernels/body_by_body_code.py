@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from graphdyn.kernels.aligned import LINE
 from graphdyn.kernels.emitter import with_table
 from graphdyn.kernels.expressions import Program
-from graphdyn.kernels.long_program import CONSTANTS, INSIDE, OWN, BodyProgram, LongProgram
+from graphdyn.kernels.long_program import CONSTANTS, GROUND_ARRAY, INSIDE, OWN, BodyProgram, LongProgram
 from graphdyn.kernels.vector_code import ALIGNED_STACK, WATCHES, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 
@@ -16,37 +18,42 @@ def emit_long(program: LongProgram, lanes: int) -> str:
     """Code of batch and single, as graphdyn.kernels.emitter.emit gives; scratch: a copy of long_scratch."""
     widths = {**program.inputs, **{name: len(columns) for name, columns in program.outputs.items()}}
     functions, code = [], VectorCode(lanes)
-    memory = code.element("%scratch", _table(program).size)
     for number, (outwards, steps) in enumerate(program.passes):
         names = {kind: f"step_{number}_{place}" for place, kind in enumerate(steps)}
         functions += [line for kind, name in names.items() for line in _step(steps[kind], name, program, widths, lanes)]
-        bodies = list(enumerate(zip(program.kinds, program.inside, strict=True)))
-        for body, (kind, inside) in bodies if outwards else reversed(bodies):
-            places = [
-                code.element("%scratch", body * _table(program).shape[1]),
-                code.element(memory, body * program.memory * lanes),
-                code.element(memory, max(inside, 0) * program.memory * lanes),
-            ]
-            for name in _arrays(steps[kind].program, program):
-                row = code.let(f"mul i64 %row, {widths[name]}")
-                column = code.let(f"add i64 {row}, {body * _share(name, program, widths) % widths[name]}")
-                places.append(code.let(f"getelementptr double, ptr %{name}, i64 {column}"))
-            code.do(f"call void @{names[kind]}({', '.join(f'ptr {place}' for place in places)}, ptr %watched)")
+        bodies = range(len(program.kinds))
+        for body in bodies if outwards else reversed(bodies):
+            kind = program.kinds[body]
+            places = ", ".join(f"ptr {place}" for place in _places(code, program, body, steps[kind].program, widths))
+            code.do(f"call void @{names[kind]}({places}, ptr %watched)")
     pointers = ", ".join(f"ptr %{name}" for name in ("scratch", *widths, "watched"))
     header = f"define internal void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})"
     rows = loop_over_rows(code, header, [])
     return "\n".join([*code.declarations, *functions, *rows, *with_table(lanes, 2 + len(widths))])
 
 
+def _places(code: VectorCode, program: LongProgram, body: int, step: Program, widths: dict[str, int]) -> Iterator[str]:
+    """Where the constants of a body are, its memory, that of its inside body, and its columns of the arrays."""
+    row, memory = _row(program), program.memory * code.lanes
+    first = row * len(program.kinds)
+    yield code.element("%scratch", body * row)
+    yield code.element("%scratch", first + body * memory)
+    yield code.element("%scratch", first + max(program.inside[body], 0) * memory)  # unused beside the ground
+    for name in _arrays(step, program):
+        column = 0 if name == GROUND_ARRAY else body * _share(name, program, widths)
+        yield code.element(code.rows_of(name, widths[name]), column)
+
+
 def long_scratch(program: LongProgram, lanes: int) -> Array:
     """The table, and memory of the bodies."""
-    return np.concatenate([_table(program).ravel(), np.zeros(len(program.kinds) * program.memory * lanes)])
+    table = np.pad(program.table, ((0, 0), (0, _row(program) - program.table.shape[1])))
+    return np.concatenate([table.ravel(), np.zeros(len(program.kinds) * program.memory * lanes)])
 
 
-def _table(program: LongProgram) -> Array:
-    """Constants of each body from the beginning of a line of memory on."""
-    width = program.table.shape[1]
-    return np.pad(program.table, ((0, 0), (0, -width % (LINE // 8))))
+def _row(program: LongProgram) -> int:
+    """Constants of a body, with as many behind them as fill lines of memory."""
+    width: int = program.table.shape[1]
+    return width + -width % (LINE // 8)
 
 
 def _arrays(step: Program, program: LongProgram) -> list[str]:
@@ -56,20 +63,15 @@ def _arrays(step: Program, program: LongProgram) -> list[str]:
 
 def _share(name: str, program: LongProgram, widths: dict[str, int]) -> int:
     """Columns of an array that belong to one body."""
-    return widths[name] if name == "ground" else widths[name] // len(program.kinds)
+    return widths[name] if name == GROUND_ARRAY else widths[name] // len(program.kinds)
 
 
 def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, int], lanes: int) -> list[str]:
     code = VectorCode(lanes)
 
     def columns(array: str) -> list[str]:
-        used = {
-            column
-            for kind, *given in step.program.operations
-            if kind == "input"
-            for source, column in [given]
-            if source == array
-        }
+        inputs = [given for kind, *given in step.program.operations if kind == "input"]
+        used = {column for name, column in inputs if name == array}
         if array == CONSTANTS:
             return [code.broadcast("%constants", k) if k in used else "" for k in range(max(used) + 1)]
         if array in (OWN, INSIDE):

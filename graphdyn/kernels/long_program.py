@@ -12,6 +12,9 @@ from graphdyn.layout import Array
 OWN, INSIDE, CONSTANTS = "own", "inside", "constants"
 """Arrays of a step beside those of the robot: memory of the body and of its inside body, its row of the table."""
 
+GROUND_ARRAY = "ground"
+"""The array of the robot that belongs to no body."""
+
 
 @dataclass(frozen=True)
 class Kind:
