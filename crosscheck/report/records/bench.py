@@ -123,6 +123,8 @@ class WorkRecord:
         "forward_call_100",
         "forward_call_1000",
         "forward_call_1000_cold",
+        "inverse_call_whole",
+        "forward_call_whole",
         "single_inverse",
         "single_forward",
     ]
