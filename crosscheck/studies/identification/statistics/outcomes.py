@@ -1,0 +1,162 @@
+"""The tables of a study as arrays: what every method made of every record.
+
+A record is one run of one scenario; all methods have identified from the same one. Where a method has failed its
+errors are infinite, and its parameters NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+Measures = Literal["torques", "wrenches"]
+
+ERRORS = ("parameter_error", "torque_error", "trajectory_error")
+"""Columns of results.parquet by which methods are compared, the smaller the better."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """measures: what it needs of every joint: its torque, or all six components of its wrench"""
+
+    name: str
+    measures: Measures
+
+
+@dataclass(frozen=True, eq=False)
+class ScenarioOutcomes:
+    """R runs of one scenario by M methods, with b base parameters.
+
+    axes: the values of the study's grid, by the name of the axis
+    truth: the true base parameters                                             (b,)
+    runs: their numbers                                                         (R,)
+    found: whether the method has an answer                                     (R, M)
+    errors: by the names of ERRORS; infinite where there is none                (R, M)
+    base, sigma: what was found, and its standard deviation as stated; NaN      (R, M, b)
+    consistent: 1 for real bodies in all links, 0 for others; NaN where unknown (R, M)
+    iterations, simulations, seconds: NaN where there is none                   (R, M)  [1, 1, s]
+    reasons: why a method failed, by (row, column)
+    """
+
+    name: str
+    axes: Mapping[str, Any]
+    base_names: tuple[str, ...]
+    base_units: tuple[str, ...]
+    truth: Array
+    runs: NDArray[np.int64]
+    found: NDArray[np.bool_]
+    errors: Mapping[str, Array]
+    base: Array
+    sigma: Array
+    consistent: Array
+    iterations: Array
+    simulations: Array
+    seconds: Array
+    reasons: Mapping[tuple[int, int], str]
+
+
+@dataclass(frozen=True, eq=False)
+class StudyOutcomes:
+    """methods: in the order of the columns of all scenarios"""
+
+    methods: tuple[Method, ...]
+    scenarios: tuple[ScenarioOutcomes, ...]
+
+    def columns(self, measures: Measures) -> list[int]:
+        """Numbers of the methods that measure this."""
+        return [k for k, method in enumerate(self.methods) if method.measures == measures]
+
+
+def read_outcomes(folder: Path) -> StudyOutcomes:
+    """Read results.parquet, scenarios.parquet and times.parquet of a study.
+
+    Raises InvalidInput where a record has no row of a method that others have, OSError where a file is missing.
+    """
+    from pyarrow.parquet import read_table
+
+    results, scenarios, times = (
+        read_table(folder / f"{name}.parquet").to_pylist() for name in ("results", "scenarios", "times")
+    )
+    return outcomes(results, scenarios, times)
+
+
+def outcomes(
+    results: Sequence[Mapping[str, Any]], scenarios: Sequence[Mapping[str, Any]], times: Sequence[Mapping[str, Any]]
+) -> StudyOutcomes:
+    """The same from the rows of the three tables."""
+    methods = tuple(Method(*both) for both in dict.fromkeys((row["method"], row["measures"]) for row in results))
+    seconds = {(row["scenario"], row["run"], row["method"]): row["processor_seconds"] for row in times}
+    of: dict[str, dict[tuple[int, str], Mapping[str, Any]]] = {row["scenario"]: {} for row in scenarios}
+    for row in results:
+        if row["scenario"] not in of:
+            raise InvalidInput(f"results.parquet has scenario '{row['scenario']}', scenarios.parquet has not")
+        of[row["scenario"]][row["run"], row["method"]] = row
+    found = tuple(_scenario(row, of[row["scenario"]], methods, seconds) for row in scenarios if of[row["scenario"]])
+    if not found:
+        raise InvalidInput("results.parquet has no rows: the study has no run to report")
+    return StudyOutcomes(methods, found)
+
+
+_OWN = ("scenario", "base_names", "base_units", "truth")
+"""Columns of scenarios.parquet that are no axes of the grid."""
+
+
+def _scenario(
+    scenario: Mapping[str, Any],
+    rows: Mapping[tuple[int, str], Mapping[str, Any]],
+    methods: Sequence[Method],
+    seconds: Mapping[tuple[str, int, str], float],
+) -> ScenarioOutcomes:
+    name, size = scenario["scenario"], len(scenario["base_names"])
+    runs = sorted({run for run, _ in rows})
+    for run in runs:
+        for method in methods:
+            if (run, method.name) not in rows:
+                raise InvalidInput(f"results.parquet has no row of '{method.name}' for run {run} of scenario '{name}'")
+    table = [[rows[run, method.name] for method in methods] for run in runs]
+
+    def numbers(column: str, missing: float) -> Array:
+        return np.array([[missing if row[column] is None else row[column] for row in line] for line in table], float)
+
+    def vectors(column: str) -> Array:
+        return np.array([[_whole(row, column, size) for row in line] for line in table])
+
+    errors = {column: numbers(column, np.inf) for column in ERRORS}
+    timed = [[seconds.get((name, run, method.name), np.nan) for method in methods] for run in runs]
+    return ScenarioOutcomes(
+        name,
+        {axis: value for axis, value in scenario.items() if axis not in _OWN},
+        tuple(scenario["base_names"]),
+        tuple(scenario["base_units"]),
+        np.array(scenario["truth"], float),
+        np.array(runs),
+        np.array([[row["status"] == "found" for row in line] for line in table]),
+        {column: np.where(np.isnan(values), np.inf, values) for column, values in errors.items()},
+        vectors("base"),
+        vectors("sigma"),
+        numbers("consistent", np.nan),
+        numbers("iterations", np.nan),
+        numbers("simulations", np.nan),
+        np.array(timed, float),
+        {(i, j): row["reason"] for i, line in enumerate(table) for j, row in enumerate(line) if row["reason"]},
+    )
+
+
+def _whole(row: Mapping[str, Any], column: str, size: int) -> Array:
+    if row[column] is None:
+        return np.full(size, np.nan)
+    values = np.array([np.nan if value is None else value for value in row[column]], float)
+    if len(values) != size:
+        raise InvalidInput(
+            f"results.parquet: '{column}' of '{row['method']}', run {row['run']} of scenario '{row['scenario']}' has "
+            f"{len(values)} values, scenarios.parquet names {size} base parameters"
+        )
+    return values

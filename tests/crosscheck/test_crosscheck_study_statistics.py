@@ -1,0 +1,225 @@
+"""Statistics of a study against closed forms, scipy, and published tables."""
+
+from itertools import permutations, product
+
+import numpy as np
+import pytest
+import scipy.stats
+from study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
+
+from crosscheck.studies.identification.statistics.bootstrap import drawn_means, ends
+from crosscheck.studies.identification.statistics.intervals import deviations, means, median, share
+from crosscheck.studies.identification.statistics.outcomes import outcomes, read_outcomes
+from crosscheck.studies.identification.statistics.ranking import critical_distance, friedman, record_ranks
+from crosscheck.studies.identification.statistics.summary import summarised
+from graphdyn import InvalidInput
+
+# Demšar 2006, Table 6: ranks of C4.5 and three variants on 14 data sets
+DEMSAR = np.array(
+    [
+        [4, 3, 2, 1], [1, 2, 3, 4], [4, 1, 2, 3], [4, 1, 3, 2], [4, 2, 3, 1], [1, 2.5, 4, 2.5], [3, 2, 4, 1],
+        [2.5, 2.5, 4, 1], [4, 3, 2, 1], [2.5, 2.5, 2.5, 2.5], [4, 2.5, 1, 2.5], [3, 2, 4, 1], [4, 1, 2, 3],
+        [3, 1, 4, 2],
+    ]
+)  # fmt: skip
+
+RUNS = 6
+
+
+@pytest.fixture(scope="module")
+def study():
+    return summarised(outcomes(*study_tables(RUNS)))
+
+
+@pytest.mark.parametrize(("count", "trials"), [(0, 5), (1, 5), (5, 5), (3, 25), (81, 263)])
+def test_share(count, trials):
+    wilson = scipy.stats.binomtest(count, trials).proportion_ci(0.95, "wilson")
+    found = share(count, trials)
+    assert (found.value, found.low, found.high) == pytest.approx((count / trials, wilson.low, wilson.high), abs=1e-12)
+
+
+def test_share_published():
+    """Newcombe, Statistics in Medicine 17, 1998, Table I, method 3."""
+    for count, trials, low, high in [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611)]:
+        found = share(count, trials)
+        assert (round(found.low, 4), round(found.high, 4)) == (low, high)
+
+
+@pytest.mark.parametrize("count", [6, 9, 25, 60])
+def test_median(count):
+    values = np.random.default_rng(count).lognormal(size=count)
+    known = scipy.stats.quantile_test(values, p=0.5).confidence_interval(0.95)
+    found = median(values)
+    assert (found.value, found.low, found.high) == (np.median(values), known.low, known.high)
+
+
+def test_median_with_failures():
+    """Few values: all of them; failures are the largest, and half of them leave no finite median."""
+    assert vars(median(np.array([3.0, 1.0, 2.0]))) == {"value": 2.0, "low": 1.0, "high": 3.0}
+    found = median(np.array([1.0, 2.0, np.inf, np.inf, np.inf]))
+    assert (found.value, found.low, found.high) == (np.inf, 1.0, np.inf)
+    assert median(np.array([1.0, 2.0, np.inf, np.inf])).value == np.inf
+
+
+def test_means_and_deviations():
+    values = np.random.default_rng(1).normal([1.0, -2.0], [0.3, 5.0], size=(7, 2))
+    for k, column in enumerate(values.T):
+        known = scipy.stats.ttest_1samp(column, 0).confidence_interval(0.95)
+        assert [x[k] for x in means(values)[1:]] == pytest.approx([known.low, known.high])
+        _, low, high = (x[k] for x in deviations(values))
+        for end, tail in ((low, scipy.stats.chi2.sf), (high, scipy.stats.chi2.cdf)):
+            assert tail(6 * column.var(ddof=1) / end**2, 6) == pytest.approx(0.025)
+
+
+@pytest.mark.parametrize("scenarios", [1, 2])
+def test_bootstrap_covers_the_mean(scenarios):
+    """Intervals of five runs of each scenario cover in 95 of 100 cases: 400 cases, 4 standard deviations."""
+    values = np.random.default_rng(2).normal(size=(scenarios, 5, 400))
+    drawn = np.mean([drawn_means(part, str(k)) for k, part in enumerate(values)], axis=0)
+    low, high = ends(drawn, [5] * scenarios)
+    assert np.mean((low < 0) & (high > 0)) == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / 400))
+
+
+def test_percentiles_alone_are_too_narrow():
+    values = np.random.default_rng(2).normal(size=(5, 400))
+    low, high = np.quantile(drawn_means(values, "0"), [0.025, 0.975], axis=0)
+    assert np.mean((low < 0) & (high > 0)) < 0.88
+
+
+def test_bootstrap_follows_from_the_name_alone():
+    values = np.random.default_rng(3).normal(size=(5, 2))
+    assert np.array_equal(drawn_means(values, "a", 50), drawn_means(values, "a", 50))
+    assert not np.array_equal(drawn_means(values, "a", 50), drawn_means(values, "b", 50))
+
+
+def test_ranks():
+    """Equal up to rounding share their ranks; so do failures, which come last."""
+    errors = np.array([[0.2, 0.1, 0.1 * (1 + 1e-9), np.inf, np.inf, 0.3], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])
+    assert record_ranks(errors).tolist() == [[3, 1.5, 1.5, 5.5, 5.5, 4], [1, 2, 3, 4, 5, 6]]
+
+
+def test_published_ranks():
+    """Demšar's critical distances 1.25 and 1.12, and q of 2 … 10 methods (Table 5 a)."""
+    assert DEMSAR.mean(axis=0).round(3).tolist() == [3.143, 2.0, 2.893, 1.964]
+    assert round(critical_distance(4, 14), 2) == 1.25
+    assert round(critical_distance(4, 14, 0.90), 2) == 1.12
+    q = [1.960, 2.343, 2.569, 2.728, 2.850, 2.949, 3.031, 3.102, 3.164]
+    for k, known in enumerate(q, start=2):
+        assert critical_distance(k, 1) / np.sqrt(k * (k + 1) / 6) == pytest.approx(known, abs=1.1e-3)
+
+
+def test_friedman_of_many_records():
+    ranks = record_ranks(np.random.default_rng(4).normal([0, 0.2, 0.4, 0.4], 1.0, size=(40, 4)).round(1))
+    known = scipy.stats.friedmanchisquare(*ranks.T).pvalue
+    assert friedman(ranks) == pytest.approx(known, rel=1e-12)
+
+
+def exact_probability(ranks):
+    """Share of all permutations of the ranks within records whose rank sums differ as much."""
+    count, methods = ranks.shape
+
+    def squares(rows):
+        return sum((sum(column) - count * (methods + 1) / 2) ** 2 for column in zip(*rows, strict=True))
+
+    every = [list(permutations(row)) for row in ranks.tolist()]
+    reached = [squares(rows) >= squares(ranks.tolist()) - 1e-9 for rows in product(*every)]
+    return np.mean(reached)
+
+
+@pytest.mark.parametrize(
+    "ranks",
+    [
+        [[1, 2]] * 5,  # the test of signs: 2 / 32
+        [[1, 2, 3]] * 3,  # Friedman 1937, Table V: 0.028
+        [[1, 2, 3], [1, 2.5, 2.5], [1, 3, 2], [2, 1, 3]],
+    ],
+)
+def test_friedman_of_few_records(ranks):
+    ranks = np.array(ranks, float)
+    assert friedman(ranks) == pytest.approx(exact_probability(ranks), abs=0.01)
+
+
+def test_friedman_needs_two():
+    assert friedman(np.array([[1.0, 2.0]])) is None
+    assert friedman(np.array([[1.0], [1.0]])) is None
+    assert friedman(np.full((5, 3), 2.0)) == 1.0
+
+
+def test_ranking(study):
+    """Methods differ only beyond the critical distance; failures are last; the classes are apart."""
+    assert {measures for measures, _ in study.rankings} == {"torques"}, "one method with wrenches has nothing beside it"
+    found = study.rankings["torques", "parameter_error"]
+    assert found.records == RUNS * 2 * len(NOISES)
+    assert found.leaders == ("didim", "cloe", "iv")
+    assert found.alike == [(0, 2), (3, 4)]
+    assert dict(zip(found.methods, found.failures, strict=True))["cloe"] == 8
+    assert found.better(0, 3)
+    assert not found.better(0, 2)
+    assert not found.better(3, 0)
+    assert np.all(found.low <= found.mean)
+    assert np.all(found.mean <= found.high)
+    iv = found.methods.index("iv")
+    assert found.ratio[iv] == pytest.approx(0.7 / 0.6), "where both have an answer their errors are in this ratio"
+    assert found.ratio_low[iv] == pytest.approx(0.7 / 0.6)
+
+
+def test_few_records_tell_little(study):
+    """With six runs no neighbours differ."""
+    found = study.scenarios[0].rankings["torques", "torque_error"]
+    assert found.records == RUNS
+    assert found.distance == pytest.approx(2.850 * np.sqrt(6 * 7 / (6 * RUNS)), abs=2e-3)
+    assert not any(found.better(k, k + 1) for k in range(5))
+    assert found.better(0, 5)
+
+
+def test_one_run_has_no_interval():
+    found = summarised(outcomes(*study_tables(1, motions=("Fourier",))))
+    ranking = found.rankings["torques", "torque_error"]
+    assert np.isnan(ranking.low).all()
+    assert found.scenarios[0].rankings["torques", "torque_error"].probability is None
+    assert not found.scenarios[0].rankings["torques", "torque_error"].differ
+
+
+def test_summary(study):
+    """Bias and spread are those that were planted, of the answers alone; shares count failures."""
+    scenario = study.scenarios[-2]
+    names = [method.method.name for method in scenario.methods]
+    ols, cloe = (scenario.methods[names.index(name)] for name in ("ols", "cloe"))
+    spread = ols.parameters
+    planted = NOISES[-1] * METHODS["ols"][1] * TRUTH
+    assert np.all(np.abs(spread.bias - planted) < 4 * spread.stated / np.sqrt(RUNS))
+    assert spread.stated == pytest.approx(NOISES[-1] * np.abs(TRUTH))
+    assert spread.biased == len(NAMES)
+    assert (cloe.runs, cloe.found, cloe.reasons) == (6, 2, {"no convergence after 50 iterations": 4})
+    assert cloe.failed.value == pytest.approx(4 / 6)
+    assert cloe.consistent.value == 1.0
+    assert cloe.errors["torque_error"].value == np.inf
+    assert ols.consistent.value == pytest.approx(4 / 6)
+    assert (cloe.iterations, ols.iterations[0]) == ((4.5, 5.0), pytest.approx(np.nan, nan_ok=True))
+
+
+def test_read(tmp_path, study):
+    import pyarrow
+    from pyarrow.parquet import write_table
+
+    for name, rows in zip(("results", "scenarios", "times"), study_tables(RUNS), strict=True):
+        write_table(pyarrow.Table.from_pylist(rows), tmp_path / f"{name}.parquet")
+    read = read_outcomes(tmp_path)
+    assert read.methods == study.outcomes.methods
+    for one, other in zip(read.scenarios, study.outcomes.scenarios, strict=True):
+        assert (one.name, one.axes, one.reasons) == (other.name, other.axes, other.reasons)
+        assert np.array_equal(one.base, other.base, equal_nan=True)
+
+
+def test_tables_that_do_not_fit():
+    results, scenarios, times = study_tables(2, motions=("Fourier",))
+    name = scenarios[0]["scenario"]
+    with pytest.raises(InvalidInput, match=f"no row of 'graph' for run 0 of scenario '{name}'"):
+        outcomes([row for k, row in enumerate(results) if k != len(METHODS) - 1], scenarios, times)
+    with pytest.raises(InvalidInput, match=f"has scenario '{name}', scenarios.parquet has not"):
+        outcomes(results, scenarios[1:], times)
+    with pytest.raises(InvalidInput, match="has no rows"):
+        outcomes([], scenarios, times)
+    results[0]["base"] = [1.0]
+    with pytest.raises(InvalidInput, match=r"'base' of 'ols', run 0 of .* has 1 values, .* names 6 base parameters"):
+        outcomes(results, scenarios, times)
