@@ -55,6 +55,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         robots,
         show,
         simulate,
+        study,
         vectors,
     )
 
@@ -72,6 +73,7 @@ def schemas() -> dict[str, dict[str, Any]]:
         robots.RobotsRecord,
         show.ShowRecord,
         simulate.SimulateRecord,
+        study.StudyRecord,
         vectors.VectorsRecord,
     )
     return {f"{_name(record)}.schema.json": schema(record) for record in formats}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from collections.abc import Callable, MutableMapping
+from collections.abc import Callable, Mapping, MutableMapping
 from typing import TYPE_CHECKING, cast
 
 from lxml import etree
@@ -28,11 +28,18 @@ _UNWANTED = (f"{_SVG}metadata", f"{_SVG}style")
 """Dates and addresses; a style sheet that would apply to the whole page."""
 
 
-def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axes], None]) -> Markup:
+def picture(
+    key: str,
+    label: str,
+    size: tuple[float, float],
+    draw: Callable[[Axes], None],
+    hovers: Mapping[str, str] | None = None,
+) -> Markup:
     """What draw puts on empty axes that fill the picture, as an <svg> that scales with its container.
 
     key: a prefix that keeps its ids apart from those of other pictures; label: what a screen reader says
     size: width, height; text has its natural size at this width                 [inches]
+    hovers: what links of the picture say where a pointer rests on them, by their address, such as "#run-1"
     """
     import matplotlib  # a third of a second that only pages need
     from matplotlib.figure import Figure
@@ -54,6 +61,7 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
         assert parent is not None
         parent.remove(element)
     _separate_ids(root, key)
+    _say(root, hovers or {})
     for name in ("width", "height", "version"):
         root.attrib.pop(name)
     _follow_the_page(root)
@@ -61,6 +69,12 @@ def picture(key: str, label: str, size: tuple[float, float], draw: Callable[[Axe
     root.attrib.update({"class": "picture", "role": "img", "aria-label": printable(label)})
     etree.cleanup_namespaces(root)
     return Markup(etree.tostring(root, encoding="unicode", with_tail=False))
+
+
+def _say(root: etree._Element, hovers: Mapping[str, str]) -> None:
+    for link in root.iter(f"{_SVG}a"):
+        if said := hovers.get(link.get("href", "")):
+            etree.SubElement(link, f"{_SVG}title").text = printable(said)
 
 
 def _follow_the_page(root: etree._Element) -> None:
@@ -93,8 +107,12 @@ def _shorten(root: etree._Element) -> None:
 
 
 def _separate_ids(root: etree._Element, key: str) -> None:
-    """Drop the ids that nothing refers to; the others, and the references, get a prefix."""
+    """Drop the ids that nothing refers to; the others, and the references, get a prefix.
+
+    A link to what is not in the picture is one to the page.
+    """
     text = etree.tostring(root, encoding="unicode")
+    own_ids = {element.get("id") for element in root.iter()}
     used = set(re.findall(r"""(?:url\(#|href="#)([^)"]+)""", text))
     for element in root.iter():
         attributes = cast("MutableMapping[str, str]", element.attrib)
@@ -103,6 +121,8 @@ def _separate_ids(root: etree._Element, key: str) -> None:
             attributes["id"] = f"{key}-{own}"
         target = attributes.pop(f"{_XLINK}href", None)
         if target is not None:
-            attributes["href"] = f"#{key}-{target.removeprefix('#')}"
+            attributes.pop("target", None)  # a page of its own
+            name = target.removeprefix("#")
+            attributes["href"] = f"#{key}-{name}" if name in own_ids else target
         for name, value in attributes.items():
             attributes[name] = value.replace("url(#", f"url(#{key}-")
