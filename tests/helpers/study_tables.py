@@ -7,7 +7,7 @@ import numpy as np
 NAMES = ("ZZ_1 + M_2", "XX_2", "XY_2", "MX_2", "Fv_1", "Fc_1")
 UNITS = ("kg m²", "kg m²", "kg m²", "kg m", "N m s", "N m")
 TRUTH = np.array([4.0, 1.0, -0.2, 6.0, 10.0, 5.0])
-NOISES = (1e-4, 1e-3, 1e-2)
+NOISES = (1e-3, 1e-2)
 
 METHODS = {  # name: (measures, bias / noise, spread / noise, share that fails at the largest noise, seconds)
     "ols": ("torques", 6.0, 1.0, 0.0, 0.02),
@@ -21,7 +21,7 @@ METHODS = {  # name: (measures, bias / noise, spread / noise, share that fails a
 
 
 def study_tables(runs=6, seed=0, motions=("Fourier", "paper")):
-    """Rows of results, scenarios and times, as in the Parquet files."""
+    """Rows of results, scenarios and times, as in the Parquet files; wrenches are measured in Fourier motions alone."""
     results, scenarios, times = [], [], []
     for noise, motion in product(NOISES, motions):
         name = f"position_noise={noise:g},motion={motion}"
@@ -30,7 +30,8 @@ def study_tables(runs=6, seed=0, motions=("Fourier", "paper")):
         scenarios.append({"scenario": name, **grid, **named})
         for run in range(runs):
             shared = np.random.default_rng([seed, len(scenarios), run]).normal(size=len(TRUTH))
-            rows = [_row(name, run, method, noise * (5 if motion == "paper" else 1), shared) for method in METHODS]
+            methods = [method for method in METHODS if motion == "Fourier" or METHODS[method][0] == "torques"]
+            rows = [_row(name, run, method, noise * (5 if motion == "paper" else 1), shared) for method in methods]
             results += rows
             times += [
                 {key: row[key] for key in ("scenario", "run", "method")}

@@ -29,7 +29,7 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
-from crosscheck.studies.identification.statistics.grid import Grid, grid_of, with_unit
+from crosscheck.studies.identification.statistics.grid import Grid, grid_of
 from crosscheck.studies.identification.statistics.intervals import LEVEL, median, order_of_median, share
 from crosscheck.studies.identification.statistics.outcomes import Measures, read_outcomes
 from crosscheck.studies.identification.statistics.ranking import Ranking
@@ -40,9 +40,11 @@ Repeat = Callable[[str, int], Sequence[str]]
 
 HOW_RANKED = (
     "On every record the method with the smallest error has rank 1; errors that are equal up to rounding share a rank, "
-    "and methods that failed, or whose error is not finite, share the last one. Bars: {level:.0%} intervals of the "
-    "mean rank by bootstrap over runs. Thick lines join methods that are not told apart: their mean ranks are closer "
-    "than Nemenyi's critical distance, or Friedman's test finds no difference at all. Blue: none is better than these."
+    "and methods that failed, or whose error is not finite, share the last one; records on which all did are left out. "
+    "Bars: {level:.0%} intervals of the mean rank by bootstrap over runs. Thick lines join methods that are not told "
+    "apart: their mean ranks are closer than Nemenyi's critical distance, or Friedman's test finds no difference at "
+    "all. Blue: none is better than these. Every scenario weighs the same, and failures count, so that the order by "
+    "ranks can differ from that by mean errors, which are those of records that both methods have an answer for."
 )
 HOW_TRADED = (
     "Geometric mean of the error relative to the first of the ranking, over the records that both have an answer for, "
@@ -92,12 +94,11 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
     runs = sorted({len(scenario.runs) for scenario in scenarios})
     count = f"{len(scenarios)} scenario{'' if len(scenarios) == 1 else 's'}"
     differing = ", ".join(axis.replace("_", " ") for axis in grid.varying)
-    usual = ", ".join(f"{axis.replace('_', ' ')} {with_unit(axis, grid.standard[axis])}" for axis in grid.varying[1:])
     seconds = sum(float(np.nansum(scenario.seconds)) for scenario in scenarios)
     items = [
         *facts,
         ("grid", f"{count}{f' of {differing}' if differing else ''}; {_range(runs)} runs of each"),
-        *([("usual setting", usual)] if usual else []),
+        *([("usual setting", grid.usual)] if grid.usual else []),
         ("confidence", f"{LEVEL:.0%} intervals and tests"),
         ("methods' time", f"{time_text(seconds)} of processor time"),
     ]
@@ -140,13 +141,14 @@ def _class_sections(found: StudySummary, grid: Grid, measures: Measures, on_page
     columns = found.methods(measures)
     if not columns:
         return
-    title = CLASSES[measures][0]
+    measured = f"({CLASSES[measures][1]} measured)"
     rankings = {error: ranking for (of, error), ranking in found.rankings.items() if of == measures}
+    if rankings:
+        yield Section(f"ranks-{measures}", f"Ranks {measured}", tuple(_ranks(rankings)))
     yield errors_section(found, grid, measures, on_page)
     if rankings:
-        yield Section(f"ranks-{measures}", f"{title}: ranks", tuple(_ranks(rankings)))
-        yield Section(f"time-{measures}", f"{title}: accuracy and time", tuple(_trades(found, rankings)))
-    yield Section(f"answers-{measures}", f"{title}: answers", (_answers(found, columns),))
+        yield Section(f"time-{measures}", f"Accuracy and time {measured}", tuple(_trades(found, rankings)))
+    yield Section(f"answers-{measures}", f"Answers {measured}", (_answers(found, columns),))
 
 
 def _ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
@@ -163,7 +165,7 @@ def _ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
             k = of[error][name]
             cells += [
                 interval_text(ranking.mean[k], ranking.low[k], ranking.high[k], ".2f"),
-                interval_text(ranking.ratio[k], ranking.ratio_low[k], ranking.ratio_high[k], ".3g"),
+                interval_text(ranking.ratio[k], ranking.ratio_low[k], ranking.ratio_high[k], ".3g") if k else "1",
             ]
         rows.append(Row((*cells, first.failures[first.methods.index(name)] or None)))
     columns = [
@@ -199,7 +201,7 @@ def _trades(found: StudySummary, rankings: dict[str, Ranking]) -> Iterator[Block
         if drawn:
             what, best = ERRORS_IN_WORDS[error], ranking.methods[0]
             draw = partial(study_pareto, trades=drawn, what=what, best=best)
-            yield Picture(draw, title=f"By {what}", on=("page",))
+            yield Picture(draw, title=f"By {what}", on=("page",), folded=error != HEADLINE)
     yield Prose(HOW_TRADED.format(level=LEVEL), soft=True, on=("page",))
 
 

@@ -35,7 +35,7 @@ def errors_section(found: StudySummary, grid: Grid, measures: Measures, on_page:
             for view in grid.views():
                 blocks += _pictures(found, grid, view, columns, error, on_page)
             blocks.append(_medians(found, grid, columns, error))
-    return Section(f"errors-{measures}", f"{CLASSES[measures][0]}: errors", tuple(blocks))
+    return Section(f"errors-{measures}", f"Errors ({CLASSES[measures][1]} measured)", tuple(blocks))
 
 
 def _pictures(
@@ -47,7 +47,8 @@ def _pictures(
         f"#{key}": f"run {run}, {grid.words(found.outcomes.scenarios[number])}: all methods"
         for number, run, key in on_page.every(found)
     }
-    lines = [_line(found, name, scenarios, columns, error, on_page) for name, scenarios in view.lines]
+    lines = [_line(found, view, k, columns, error, on_page) for k in range(len(view.lines))]
+    lines = [line for line in lines if line.places]
     if len(lines) == 1:
         lines = [replace(lines[0], name="")]
     parts = [lines[k : k + MOST_LINES] for k in range(0, len(lines), MOST_LINES)]
@@ -66,14 +67,14 @@ def _pictures(
 
 
 def _line(
-    found: StudySummary,
-    name: str,
-    numbers: Sequence[int | None],
-    columns: Sequence[int],
-    error: str,
-    on_page: ShownRuns,
+    found: StudySummary, view: View, number: int, columns: Sequence[int], error: str, on_page: ShownRuns
 ) -> ErrorLine:
-    there = [(place, number) for place, number in enumerate(numbers) if number is not None]
+    name, numbers = view.lines[number]
+    there = [
+        (place, number)
+        for place, number in enumerate(numbers)
+        if number is not None and found.outcomes.scenarios[number].taken[columns].all()
+    ]
     intervals = [[found.scenarios[number].methods[k].errors[error] for k in columns] for _, number in there]
     shown = [found.outcomes.scenarios[number].errors[error][: on_page.each][:, columns] for _, number in there]
     middle, low, high = (
@@ -90,6 +91,7 @@ def _line(
             [f"#{on_page.key(number, k)}" for k in range(len(errors))]
             for (_, number), errors in zip(there, shown, strict=True)
         ],
+        joined=view.numeric,
     )
 
 

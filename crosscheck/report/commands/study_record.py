@@ -76,7 +76,7 @@ def _scenario(found: ScenarioSummary) -> StudyScenarioRecord:
         base_names=outcomes.base_names,
         base_units=outcomes.base_units,
         truth=list(outcomes.truth),
-        results=[_result(method) for method in found.methods],
+        results=[_result(method) for method in found.methods if method.runs],
         rankings=_rankings(found.rankings),
     )
 

@@ -72,7 +72,8 @@ def _axes(outcomes: ScenarioOutcomes) -> Facts:
 
 def _results(scenario: ScenarioSummary) -> Table:
     rows, before = [], None
-    for one in sorted(scenario.methods, key=lambda one: list(CLASSES).index(one.method.measures)):
+    taken = [one for one in scenario.methods if one.runs]
+    for one in sorted(taken, key=lambda one: list(CLASSES).index(one.method.measures)):
         cells = (
             one.method.name,
             CLASSES[one.method.measures][1],
@@ -164,12 +165,12 @@ def _runs(
     methods = [(method.name, method.measures) for method in found.outcomes.methods]
     ranks: dict[int, Array] = {}
     for measures in CLASSES:
-        columns = found.methods(measures)
+        columns = [k for k in found.methods(measures) if outcomes.taken[k]]
         ranks |= dict(zip(columns, record_ranks(outcomes.errors["torque_error"][:, columns]).T, strict=True))
     groups: list[Block] = []
     for row, run in enumerate(outcomes.runs[: on_page.each]):
         table = _run_table(outcomes, row, methods, {k: of[row] for k, of in ranks.items()})
-        failed = int((~outcomes.found[row]).sum())
+        failed = int((outcomes.taken & ~outcomes.found[row]).sum())
         title = f"run {run}{f': {failed} failed' if failed else ''}"
         command = Code(shlex.join(repeat(outcomes.name, int(run))))
         groups.append(Group((table, command), title=title, folded=True, key=on_page.key(number, row) or ""))
@@ -182,7 +183,8 @@ def _run_table(
     outcomes: ScenarioOutcomes, row: int, methods: Sequence[tuple[str, str]], ranks: dict[int, float]
 ) -> Table:
     rows = []
-    for k, (name, measures) in enumerate(methods):
+    for k in ranks:
+        name, measures = methods[k]
         numbers: list[Array] = [outcomes.errors[error] for error in ERRORS]
         errors = [100 * float(values[row, k]) if outcomes.found[row, k] else None for values in numbers]
         real = outcomes.consistent[row, k]

@@ -37,4 +37,5 @@ def percent_text(found: Interval, form: str = ".2g") -> str:
 
 
 def _text(value: float, form: str) -> str:
-    return "∞" if np.isinf(value) else format(value, form)
+    """Without exponents for whole percents, such as 100."""
+    return "∞" if np.isinf(value) else f"{value:.0f}" if 99 < abs(value) < 1e5 else format(value, form)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
@@ -16,7 +16,7 @@ from graphdyn.layout import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-WIDTH, PANEL, TITLE, LEFT = 7.6, 1.25, 0.3, 0.5
+WIDTH, PANEL, TITLE, LEFT = 7.6, 1.25, 0.26, 0.5
 """Of the picture, height of a panel, of what is above it, room for the numbers on the left [inches]."""
 
 ACROSS = 5
@@ -24,6 +24,9 @@ ACROSS = 5
 
 KEY, BELOW = 0.3, 0.55
 """Room above for the key, and below for the axis [inches]."""
+
+BEST = (0, (3, 2))
+"""Dashes of the smallest median."""
 
 APART = 0.6
 """Part of the distance of two places over which the runs at one are spread."""
@@ -37,6 +40,7 @@ class ErrorLine:
     errors: [%] of every place, runs by methods; infinite for failures      P times (R, M)
     middle, low, high: medians and the ends of their intervals [%]              (P, M)
     links: of every place and run, to the page; "" without
+    joined: whether the medians are joined by a line
     """
 
     name: str
@@ -46,6 +50,7 @@ class ErrorLine:
     low: Array
     high: Array
     links: Sequence[Sequence[str]]
+    joined: bool
 
 
 def study_errors(
@@ -114,16 +119,24 @@ def _draw_line(panel: Axes, line: ErrorLine, method: int, aside: float, color: i
     shade = CURVES[color % len(CURVES)]
     x = np.array(line.places) + APART * aside
     best = np.where(np.isfinite(line.middle), line.middle, np.inf).min(axis=1)
-    panel.plot(x, np.where(np.isfinite(best), best, np.nan), color=MIDDLE, linewidth=0.7, linestyle=(0, (3, 2)))
+    _draw_medians(panel, x, best, line.joined, color=MIDDLE, linewidth=0.7, linestyle=BEST)
     low, middle, high = (part[:, method] for part in (line.low, line.middle, line.high))
-    panel.plot(x, np.where(np.isfinite(middle), middle, np.nan), color=shade, linewidth=1.2)
+    _draw_medians(panel, x, middle, line.joined, color=shade, linewidth=1.2)
     panel.vlines(x, low, np.minimum(high, 10 * top), color=shade, linewidth=3, alpha=0.3)
     for at, errors, links in zip(x, line.errors, line.links, strict=True):
         _draw_runs(panel, at, errors[:, method], links, shade, top)
 
 
+def _draw_medians(panel: Axes, x: Array, y: Array, joined: bool, **style: Any) -> None:
+    y = np.where(np.isfinite(y), y, np.nan)
+    if joined:
+        panel.plot(x, y, **style)
+    else:
+        panel.hlines(y, x - APART / 2, x + APART / 2, **style)
+
+
 def _draw_runs(panel: Axes, at: float, errors: Array, links: Sequence[str], color: str, top: float) -> None:
-    """Dots, crosses at the top for failures; each leads to its run."""
+    """Dots, crosses at the top for what is infinite; each leads to its run."""
     count = len(errors)
     x = at + APART * 0.5 * (np.arange(count) - (count - 1) / 2) / max(1, count)
     for which, marker, size, shade in (
@@ -146,8 +159,10 @@ def _draw_key(axes: Axes, lines: Sequence[ErrorLine], height: float) -> None:
         if line.name
     ]
     handles += [
-        axes.plot([], [], color=MIDDLE, linewidth=0.7, linestyle=(0, (3, 2)), label="smallest median of all")[0],
-        axes.plot([], [], color=INK, linestyle="", marker="x", markersize=4, label="failed")[0],
+        axes.plot([], [], color=MIDDLE, linewidth=0.7, linestyle=(0, (3, 2)), label="smallest median of all methods")[
+            0
+        ],
+        axes.plot([], [], color=INK, linestyle="", marker="x", markersize=4, label="failed, or not finite")[0],
     ]
     axes.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(0.02, 1.0), ncols=min(6, 2 + len(named)), fontsize=8,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
@@ -88,13 +88,11 @@ def _name(axes: Axes, trades: Sequence[Trade], line: Sequence[Trade]) -> None:
         x, y = at[trade.name]
         wide = 0.0125 * len(trade.name)
         beside = [other for other in placed if other[0] < x + 0.015 + wide and x < other[0] + other[2]]
-        height = y
+        height = y + 0.6 * ABOVE
         while any(abs(other[1] - height) < ABOVE for other in beside):
             height += ABOVE / 4
         placed.append((x, height, 0.015 + wide))
-        color = INK if trade in line else MIDDLE
-        if height - y > ABOVE / 2:
-            axes.plot([x, x + 0.012], [y, height], color=MIDDLE, linewidth=0.5, transform=axes.transAxes, zorder=0)
-        axes.text(
-            x + 0.014, height, trade.name, fontsize=7.5, color=color, va="center", transform=axes.transAxes,
-        )  # fmt: skip
+        style: dict[str, Any] = {"color": INK if trade in line else MIDDLE, "transform": axes.transAxes}
+        if height - y > ABOVE:
+            axes.plot([x, x + 0.006], [y, height], **style | {"color": MIDDLE}, linewidth=0.5, zorder=0)
+        axes.text(x + 0.008, height, trade.name, fontsize=7.5, va="center", **style)

@@ -35,7 +35,7 @@ def study_ranks(key: str, ranking: Ranking, what: str) -> Markup:
 
 def _draw(axes: Axes, ranking: Ranking, height: float) -> None:
     count = len(ranking.methods)
-    columns = _columns(ranking.alike)
+    columns = bar_columns(ranking.alike)
     right = 0.12 + GROUP * (1 + max(columns, default=0))
     axes.set_position((0.34, 0.36 / height, 1 - 0.34 - right / WIDTH, ROW * count / height))
     axes.set_facecolor("none")
@@ -69,7 +69,7 @@ def _draw(axes: Axes, ranking: Ranking, height: float) -> None:
         axes.text(0.5, at, "Friedman: no difference", fontsize=7.5, color=INK, transform=axes.get_xaxis_transform())
 
 
-def _columns(groups: list[tuple[int, int]]) -> list[int]:
+def bar_columns(groups: list[tuple[int, int]]) -> list[int]:
     """A column for the bar of each group, none of them over another."""
     taken: list[int] = []
     columns = []

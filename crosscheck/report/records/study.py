@@ -66,7 +66,7 @@ class StudyRankingRecord:
     """By which they are ranked."""
 
     records: Count
-    """Common records on which they were ranked."""
+    """Common records on which they were ranked: those for which some method has an answer."""
 
     friedman: Number
     """Probability of ranks as different as these if all methods were alike; null where nothing can be compared."""
@@ -166,7 +166,7 @@ class StudyScenarioRecord:
     """Their true values."""
 
     results: Sequence[StudyResultRecord]
-    """Of all methods."""
+    """Of all methods that take part: those that need wrenches do where they are measured."""
 
     rankings: Sequence[StudyRankingRecord]
     """Of every class that has two methods or more, by every error."""

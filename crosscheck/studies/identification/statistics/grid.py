@@ -21,6 +21,9 @@ UNITS = {
 }
 """Of the axes of the grid that have one; of sliding joints m, N and m/s."""
 
+SMALL = 1e-3
+"""Numbers below are written as powers of ten."""
+
 
 @dataclass(frozen=True)
 class View:
@@ -30,11 +33,13 @@ class View:
     places: values on the axis in words, in order
     lines: what tells each line from the others, and its scenarios' numbers in the order of the places, None where
         the study has none there
+    numeric: whether the places are numbers, between which lines make sense
     """
 
     along: tuple[str, ...]
     places: tuple[str, ...]
     lines: tuple[tuple[str, tuple[int | None, ...]], ...]
+    numeric: bool
 
     @property
     def title(self) -> str:
@@ -59,7 +64,13 @@ class Grid:
             return "the only scenario"
         first, *others = self.varying
         said = [f"{_spaced(first)} {with_unit(first, scenario.axes[first])}"]
-        return ", ".join([*said, *self._unusual(scenario, others)])
+        return ", ".join([*said, *self._unusual(scenario, [axis for axis in others if not self._follows(axis, first)])])
+
+    @property
+    def usual(self) -> str:
+        """The usual values of the axes but the first, in words."""
+        others = [axis for axis in self.varying[1:] if not self._follows(axis, self.varying[0])]
+        return ", ".join(f"{_spaced(axis)} {with_unit(axis, self.standard[axis])}" for axis in others)
 
     def _unusual(self, scenario: ScenarioOutcomes, axes: Sequence[str]) -> list[str]:
         return [
@@ -73,7 +84,11 @@ class Grid:
 
         def key(number: int) -> tuple[bool, list[Any], list[Any]]:
             axes = self.scenarios[number].axes
-            others = [axis for axis in self.varying[1:] if axes[axis] != self.standard[axis]]
+            others = [
+                axis
+                for axis in self.varying[1:]
+                if axes[axis] != self.standard[axis] and not self._follows(axis, self.varying[0])
+            ]
             return (
                 bool(others),
                 [(self.varying.index(axis), _order(axes[axis])) for axis in others],
@@ -97,6 +112,9 @@ class Grid:
         along = (axis, *(other for other in self.varying if other != axis and self._follows(other, axis)))
         others = [other for other in self.varying if other not in along]
         values = sorted({one.axes[axis] for one in self.scenarios}, key=_order)
+        numeric = all(isinstance(value, int | float) for value in values)
+        if not numeric:
+            values.sort(key=lambda value: value != self.standard[axis])
         lines: dict[tuple[Any, ...], list[int | None]] = {}
         for number in self.order():
             axes = self.scenarios[number].axes
@@ -115,6 +133,7 @@ class Grid:
             along,
             tuple(_number(values[k]) for k in used),
             tuple((name, tuple(line[k] for k in used)) for name, line in kept),
+            numeric,
         )
 
     def _follows(self, axis: str, first: str) -> bool:
@@ -142,11 +161,13 @@ def with_unit(axis: str, value: Any) -> str:
 
 
 def _number(value: Any) -> str:
-    """1.7e-5 for 1.745e-05."""
+    """1.75e-4 for 0.000175."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return "none" if value is None else str(value)
-    digits, e, power = f"{value:.3g}".partition("e")
-    return f"{digits}e{int(power)}" if e else digits
+    if 0 < abs(value) < SMALL:
+        digits, _, power = f"{value:.2e}".partition("e")
+        return f"{float(digits):g}e{int(power)}"
+    return f"{value:.6g}"
 
 
 def _spaced(axis: str) -> str:

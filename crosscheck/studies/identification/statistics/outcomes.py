@@ -6,6 +6,7 @@ errors are infinite, and its parameters NaN.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,11 +34,12 @@ class Method:
 
 @dataclass(frozen=True, eq=False)
 class ScenarioOutcomes:
-    """R runs of one scenario by M methods, with b base parameters.
+    """R runs of one scenario by M methods, with b base parameters; NaN for methods that take no part.
 
     axes: the values of the study's grid, by the name of the axis
     truth: the true base parameters                                             (b,)
     runs: their numbers                                                         (R,)
+    taken: whether the method takes part: where no wrenches are measured, those that need them do not      (M,)
     found: whether the method has an answer                                     (R, M)
     errors: by the names of ERRORS; infinite where there is none                (R, M)
     base, sigma: what was found, and its standard deviation as stated; NaN      (R, M, b)
@@ -52,6 +54,7 @@ class ScenarioOutcomes:
     base_units: tuple[str, ...]
     truth: Array
     runs: NDArray[np.int64]
+    taken: NDArray[np.bool_]
     found: NDArray[np.bool_]
     errors: Mapping[str, Array]
     base: Array
@@ -109,6 +112,10 @@ _OWN = ("scenario", "base_names", "base_units", "truth")
 """Columns of scenarios.parquet that are no axes of the grid."""
 
 
+_NO_PART: Mapping[str, Any] = defaultdict(lambda: None)
+"""The row of a method that takes no part."""
+
+
 def _scenario(
     scenario: Mapping[str, Any],
     rows: Mapping[tuple[int, str], Mapping[str, Any]],
@@ -116,12 +123,12 @@ def _scenario(
     seconds: Mapping[tuple[str, int, str], float],
 ) -> ScenarioOutcomes:
     name, size = scenario["scenario"], len(scenario["base_names"])
-    runs = sorted({run for run, _ in rows})
+    runs, taken = sorted({run for run, _ in rows}), {method for _, method in rows}
     for run in runs:
         for method in methods:
-            if (run, method.name) not in rows:
+            if method.name in taken and (run, method.name) not in rows:
                 raise InvalidInput(f"results.parquet has no row of '{method.name}' for run {run} of scenario '{name}'")
-    table = [[rows[run, method.name] for method in methods] for run in runs]
+    table = [[rows.get((run, method.name), _NO_PART) for method in methods] for run in runs]
 
     def numbers(column: str, missing: float) -> Array:
         return np.array([[missing if row[column] is None else row[column] for row in line] for line in table], float)
@@ -129,6 +136,7 @@ def _scenario(
     def vectors(column: str) -> Array:
         return np.array([[_whole(row, column, size) for row in line] for line in table])
 
+    part = np.array([method.name in taken for method in methods])
     errors = {column: numbers(column, np.inf) for column in ERRORS}
     timed = [[seconds.get((name, run, method.name), np.nan) for method in methods] for run in runs]
     return ScenarioOutcomes(
@@ -138,8 +146,9 @@ def _scenario(
         tuple(scenario["base_units"]),
         np.array(scenario["truth"], float),
         np.array(runs),
+        part,
         np.array([[row["status"] == "found" for row in line] for line in table]),
-        {column: np.where(np.isnan(values), np.inf, values) for column, values in errors.items()},
+        {column: np.where(part, np.where(np.isnan(found), np.inf, found), np.nan) for column, found in errors.items()},
         vectors("base"),
         vectors("sigma"),
         numbers("consistent", np.nan),

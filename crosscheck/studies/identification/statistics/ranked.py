@@ -15,9 +15,9 @@ from graphdyn.layout import Array
 def ranked(names: Sequence[str], columns: Sequence[int], scenarios: Sequence[ScenarioOutcomes], error: str) -> Ranking:
     """The ranking of methods over one scenario or several, all of the same weight.
 
-    names: of the methods; columns: where they are in the outcomes; error: one of ERRORS
+    names: of the methods; columns: where they are in the outcomes; error: one of ERRORS, of which one is finite
     """
-    errors = [scenario.errors[error][:, columns] for scenario in scenarios]
+    errors, scenarios = _with_answers([(one.errors[error][:, columns], one) for one in scenarios])
     failures = sum(np.isinf(of_scenario).sum(axis=0) for of_scenario in errors)
     ranks = [record_ranks(of_scenario) for of_scenario in errors]
     mean = np.mean([of_scenario.mean(axis=0) for of_scenario in ranks], axis=0)
@@ -41,6 +41,15 @@ def ranked(names: Sequence[str], columns: Sequence[int], scenarios: Sequence[Sce
         distance=critical_distance(len(order), len(together)),
         failures=[int(failures[k]) for k in order],
     )
+
+
+def _with_answers(
+    found: Sequence[tuple[Array, ScenarioOutcomes]],
+) -> tuple[list[Array], list[ScenarioOutcomes]]:
+    """Without the records on which no method has an answer, of which nothing can be learned."""
+    kept = [(errors[np.isfinite(errors).any(axis=1)], scenario) for errors, scenario in found]
+    kept = [(errors, scenario) for errors, scenario in kept if len(errors)]
+    return [errors for errors, _ in kept], [scenario for _, scenario in kept]
 
 
 def _drawn(values: Sequence[Array], scenarios: Sequence[ScenarioOutcomes]) -> Array:

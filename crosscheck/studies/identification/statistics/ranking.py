@@ -91,7 +91,7 @@ class Ranking:
     methods: best first
     mean: mean ranks, rising; low, high: ends of their intervals        (k,)
     ratio: geometric mean of error / error of the first, over records that both have; with its ends      (k,)
-    records: N
+    records: N, those for which some method has an answer
     probability: Friedman's; None where there is nothing to compare
     distance: Nemenyi's critical one
     failures: records on which each failed, ranked last                 (k,)

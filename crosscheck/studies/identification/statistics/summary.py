@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.studies.identification.statistics.intervals import Interval, deviations, means, median, share
+from crosscheck.studies.identification.statistics.intervals import NOT_KNOWN, Interval, deviations, means, median, share
 from crosscheck.studies.identification.statistics.outcomes import (
     ERRORS,
     Measures,
@@ -45,7 +45,7 @@ class ParameterSpread:
 
 @dataclass(frozen=True, eq=False)
 class MethodSummary:
-    """One method in one scenario.
+    """One method in one scenario; no runs where it takes no part.
 
     runs, found: how many there were, and how many gave an answer
     errors: median by the names of ERRORS, with failures as infinite
@@ -86,8 +86,12 @@ class StudySummary:
     rankings: Mapping[tuple[Measures, str], Ranking]
 
     def methods(self, measures: Measures) -> list[int]:
-        """Numbers of the methods that measure this."""
-        return self.outcomes.columns(measures)
+        """Numbers of the methods that measure this, the best by torque error first."""
+        columns = self.outcomes.columns(measures)
+        ranking = self.rankings.get((measures, "torque_error"))
+        if ranking is None:
+            return columns
+        return sorted(columns, key=lambda k: ranking.methods.index(self.outcomes.methods[k].name))
 
 
 def summarised(found: StudyOutcomes) -> StudySummary:
@@ -99,19 +103,23 @@ def summarised(found: StudyOutcomes) -> StudySummary:
     return StudySummary(found, tuple(scenarios), _rankings(found, found.scenarios))
 
 
-def _rankings(found: StudyOutcomes, scenarios: tuple[ScenarioOutcomes, ...]) -> dict[tuple[Measures, str], Ranking]:
+def _rankings(found: StudyOutcomes, scenarios: Sequence[ScenarioOutcomes]) -> dict[tuple[Measures, str], Ranking]:
+    """Of the scenarios in which all methods of a class take part."""
+    rankings: dict[tuple[Measures, str], Ranking] = {}
     classes: tuple[Measures, Measures] = ("torques", "wrenches")
-    columns = {measures: found.columns(measures) for measures in classes}
-    names = [method.name for method in found.methods]
-    return {
-        (measures, error): ranked([names[k] for k in columns[measures]], columns[measures], scenarios, error)
-        for measures in classes
-        for error in ERRORS
-        if len(columns[measures]) > 1 and any(np.isfinite(one.errors[error]).any() for one in scenarios)
-    }
+    for measures in classes:
+        columns = found.columns(measures)
+        names = [found.methods[k].name for k in columns]
+        complete = [one for one in scenarios if one.taken[columns].all()]
+        for error in ERRORS:
+            if len(columns) > 1 and any(np.isfinite(one.errors[error][:, columns]).any() for one in complete):
+                rankings[measures, error] = ranked(names, columns, complete, error)
+    return rankings
 
 
 def _method(scenario: ScenarioOutcomes, method: Method, k: int) -> MethodSummary:
+    if not scenario.taken[k]:
+        return _no_part(method, len(scenario.truth))
     answered = scenario.found[:, k]
     known = scenario.consistent[answered, k]
     known = known[~np.isnan(known)]
@@ -130,6 +138,12 @@ def _method(scenario: ScenarioOutcomes, method: Method, k: int) -> MethodSummary
         _spread(scenario.base[answered, k], scenario.sigma[answered, k], scenario.truth),
         dict(Counter(reason for (_, j), reason in sorted(scenario.reasons.items()) if j == k).most_common()),
     )
+
+
+def _no_part(method: Method, parameters: int) -> MethodSummary:
+    errors, nothing = dict.fromkeys(ERRORS, NOT_KNOWN), (np.nan, np.nan)
+    spread = _spread(np.empty((0, parameters)), np.empty((0, parameters)), np.zeros(parameters))
+    return MethodSummary(method, 0, 0, errors, NOT_KNOWN, NOT_KNOWN, nothing, nothing, NOT_KNOWN, spread, {})
 
 
 def _spread(base: Array, sigma: Array, truth: Array) -> ParameterSpread:
