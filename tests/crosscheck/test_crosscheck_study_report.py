@@ -106,7 +106,7 @@ def test_failures_say_why(shown):
     """A failed run is marked, with the reason, and the table of failures leads to it."""
     (table,) = shown.xpath("//section[@id='failures']//table")
     rows = [[cell.text_content().strip() for cell in row] for row in table.xpath(".//tbody/tr")]
-    assert ["cloe", "position noise 0.01 rad", "4", "no convergence after 50 iterations"] in rows
+    assert ["run 0", "position noise 0.01 rad", "didim 1, cloe 4", "no convergence after 50 iterations"] in rows
     link = table.xpath(".//a/@href")[0]
     marked = shown.get_element_by_id(link[1:]).xpath(".//tr[contains(@class, 'disagrees')]")
     assert "no convergence after 50 iterations" in marked[0].text_content()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -34,6 +36,9 @@ from crosscheck.studies.identification.statistics.intervals import LEVEL, median
 from crosscheck.studies.identification.statistics.outcomes import Measures, read_outcomes
 from crosscheck.studies.identification.statistics.ranking import Ranking
 from crosscheck.studies.identification.statistics.summary import StudySummary, summarised
+
+NUMBER = re.compile(r"\d[\d.e+-]*")
+"""In a reason."""
 
 Repeat = Callable[[str, int], Sequence[str]]
 """The arguments that repeat one run with all methods, from the names of scenario and run."""
@@ -254,18 +259,24 @@ def _answers(found: StudySummary, columns: Sequence[int]) -> Table:
 def _failures(found: StudySummary, grid: Grid, on_page: ShownRuns) -> Iterator[Section]:
     """Who failed where, and why; one click from it to the first such run."""
     rows = []
-    for k, method in enumerate(found.outcomes.methods):
-        for number, scenario in enumerate(found.scenarios):
-            for reason, count in scenario.methods[k].reasons.items():
-                said = scenario.outcomes.reasons
-                first = min(i for (i, j), words in said.items() if j == k and words == reason)
-                link = on_page.key(number, first)
-                rows.append(Row((method.name, grid.words(scenario.outcomes), count, reason), link=link))
+    for number in grid.order():
+        outcomes = found.outcomes.scenarios[number]
+        alike: dict[str, list[tuple[int, int]]] = defaultdict(list)
+        for place, reason in sorted(outcomes.reasons.items()):
+            alike[NUMBER.sub("0", reason)].append(place)
+        for places in alike.values():
+            times = Counter(found.outcomes.methods[k].name for _, k in places)
+            methods = ", ".join(f"{name} {count}" for name, count in times.items())
+            if len(times) == outcomes.taken.sum() and len(set(times.values())) == 1:
+                methods = f"all methods {len(places) // len(times)}"
+            row, k = places[0]
+            cells = (f"run {outcomes.runs[row]}", grid.words(outcomes), methods, outcomes.reasons[row, k])
+            rows.append(Row(cells, link=on_page.key(number, row)))
     if rows:
         table = Table(
-            (Column("method", "name"), Column("scenario"), Column("runs", "number"), Column("reason")),
+            (Column("first", "name"), Column("scenario"), Column("runs"), Column("reason")),
             tuple(rows),
-            caption="The name of a method leads to the first of these runs. Failures rank last.",
+            caption="Methods with the number of their runs; reasons that differ in numbers alone are one.",
             failures_first=False,
         )
         yield Section("failures", "Failures", (table,))
