@@ -17,11 +17,14 @@ from crosscheck.studies.identification.statistics.grid import Grid, with_unit
 from crosscheck.studies.identification.statistics.intervals import LEVEL
 from crosscheck.studies.identification.statistics.outcomes import ERRORS, ScenarioOutcomes
 from crosscheck.studies.identification.statistics.ranking import record_ranks
-from crosscheck.studies.identification.statistics.summary import MethodSummary, ScenarioSummary, StudySummary
+from crosscheck.studies.identification.statistics.summary import MethodSummary, StudySummary
 from graphdyn.layout import Array
 
 MOST_RUNS, MOST_DETAILED = 200, 12
 """Runs that a page has one by one, in all; scenarios of which it has the parameters."""
+
+ROUNDING = 1e-12
+"""True values below this are zeros that were rounded [kg, m, N, s]."""
 
 HOW_BIASED = (
     "Dots: mean of found minus true, with its {level:.0%} interval; red where zero is outside, which happens to one "
@@ -58,9 +61,10 @@ def scenario_sections(
     for place, number in enumerate(grid.order()):
         scenario = found.scenarios[number]
         outcomes = scenario.outcomes
-        blocks: list[Block] = [_axes(outcomes), _results(scenario)]
+        in_order = [scenario.methods[k] for measures in CLASSES for k in found.methods(measures) if outcomes.taken[k]]
+        blocks: list[Block] = [_axes(outcomes), _results(outcomes, in_order)]
         if place < MOST_DETAILED:
-            blocks += _parameters(scenario)
+            blocks += _parameters(outcomes, in_order)
         blocks.append(_runs(number, outcomes, found, on_page, repeat))
         yield Section(f"scenario-{number + 1}", f"Scenario: {grid.words(outcomes)}", tuple(blocks))
 
@@ -70,15 +74,14 @@ def _axes(outcomes: ScenarioOutcomes) -> Facts:
     return Facts((*said, ("name", outcomes.name)), title="Settings", folded=True, on=("page",))
 
 
-def _results(scenario: ScenarioSummary) -> Table:
+def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Table:
     rows, before = [], None
-    taken = [one for one in scenario.methods if one.runs]
-    for one in sorted(taken, key=lambda one: list(CLASSES).index(one.method.measures)):
+    for one in methods:
         cells = (
             one.method.name,
             CLASSES[one.method.measures][1],
             *(percent_text(one.errors[error]) for error in ERRORS),
-            f"{one.parameters.biased} of {len(scenario.outcomes.truth)}" if one.found > 1 else None,
+            f"{one.parameters.biased} of {len(outcomes.truth)}" if one.found > 1 else None,
             _honesty(one),
             percent_text(one.consistent),
             percent_text(one.failed),
@@ -102,7 +105,7 @@ def _results(scenario: ScenarioSummary) -> Table:
             Column("time", "number", form=time_text, meaning="median of the processor time"),
         ),
         tuple(rows),
-        caption=f"{len(scenario.outcomes.runs)} runs; medians and shares with {LEVEL:.0%} intervals",
+        caption=f"{len(outcomes.runs)} runs; medians and shares with {LEVEL:.0%} intervals",
         failures_first=False,
         on=("page",),
     )
@@ -115,8 +118,8 @@ def _honesty(one: MethodSummary) -> float | None:
     return float(np.median(ratios)) if len(ratios) else None
 
 
-def _parameters(scenario: ScenarioSummary) -> Iterator[Block]:
-    answered = [one for one in scenario.methods if one.found > 1]
+def _parameters(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Iterator[Block]:
+    answered = [one for one in methods if one.found > 1]
     if not answered:
         return
     usual = np.median([one.parameters.spread for one in answered], axis=0)
@@ -125,9 +128,10 @@ def _parameters(scenario: ScenarioSummary) -> Iterator[Block]:
         of_class = [one for one in answered if one.method.measures == measures]
         if of_class:
             draw = partial(study_parameters, methods=of_class, scale=usual, unit="parts of the usual spread")
-            yield Picture(draw, title=f"{title}: bias and spread of the parameters", on=("page",))
-    tables = tuple(_parameter_table(scenario.outcomes, answered, what) for what in ("bias", "spread"))
-    yield Group((Prose(HOW_BIASED.format(level=LEVEL), soft=True), *tables), title="Numbers", folded=True, on=("page",))
+            caption = HOW_BIASED.format(level=LEVEL)
+            yield Picture(draw, caption, title=f"{title}: bias and spread of the parameters", on=("page",))
+    tables = tuple(_parameter_table(outcomes, answered, what) for what in ("bias", "spread"))
+    yield Group(tables, title="Bias and spread in numbers", folded=True, on=("page",))
 
 
 def _parameter_table(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary], what: str) -> Table:
@@ -144,7 +148,7 @@ def _parameter_table(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary
         (
             Column("base parameter", "name"),
             Column("unit"),
-            Column("true", "number", form=".4g"),
+            Column("true", "number", form=lambda value: f"{value:.4g}" if abs(value) > ROUNDING else "0"),
             *(Column(one.method.name, "number", form=".2g") for one in methods),
         ),
         tuple(rows),

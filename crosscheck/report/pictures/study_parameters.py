@@ -59,7 +59,7 @@ def _frame(panel: Axes, one: MethodSummary, count: int, reach: float, *, numbers
     panel.spines["left"].set_color(MIDDLE)
     panel.set_yscale("symlog", linthresh=LINEAR, linscale=1.0)
     panel.set(xlim=(0, count + 1), ylim=(-reach, reach))
-    title = f"{one.method.name}: {one.parameters.biased} of {count} biased" if one.found > 1 else one.method.name
+    title = f"{one.method.name}: {one.parameters.biased} biased"
     panel.set_title(title, fontsize=8, color=INK, loc="left", pad=3)
     decades = [10.0**k for k in range(int(np.floor(np.log10(reach))) + 1)]
     ticks = [*(-y for y in reversed(decades)), 0.0, *decades]
