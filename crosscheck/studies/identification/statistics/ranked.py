@@ -46,9 +46,13 @@ def ranked(names: Sequence[str], columns: Sequence[int], scenarios: Sequence[Sce
 def _with_answers(
     found: Sequence[tuple[Array, ScenarioOutcomes]],
 ) -> tuple[list[Array], list[ScenarioOutcomes]]:
-    """Without the records on which no method has an answer, of which nothing can be learned."""
-    kept = [(errors[np.isfinite(errors).any(axis=1)], scenario) for errors, scenario in found]
-    kept = [(errors, scenario) for errors, scenario in kept if len(errors)]
+    """Without the records on which no method has an answer, of which nothing can be learned.
+
+    Scenarios where one record is left, which says nothing of its scatter, go too, unless all are like that.
+    """
+    answered = [(errors[np.isfinite(errors).any(axis=1)], scenario) for errors, scenario in found]
+    several = [both for both in answered if len(both[0]) > 1]
+    kept = several or [both for both in answered if len(both[0])]
     return [errors for errors, _ in kept], [scenario for _, scenario in kept]
 
 

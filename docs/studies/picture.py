@@ -1,0 +1,19 @@
+"""A picture of a study's page as a file of its own: python docs/studies/picture.py OUT TITLE FILE.svg."""
+
+import sys
+from pathlib import Path
+
+from crosscheck.report.commands.study import study_report
+
+
+def picture(folder, title):
+    """The first one of this title, on white."""
+    report = study_report(folder, [], lambda scenario, run: [])
+    blocks = [block for section in report.sections for block in section.blocks]
+    drawn = next(block for block in blocks if block.title == title).draw("p")
+    return str(drawn).replace('class="picture"', 'style="background: #ffffff; font-family: sans-serif"', 1)
+
+
+if __name__ == "__main__":
+    study, wanted, file = sys.argv[1:]
+    Path(file).write_text(picture(Path(study), wanted), encoding="utf-8")
