@@ -1,7 +1,8 @@
 """All methods on the recordings of three arms, as one table: python tests/helpers/recordings_run.py FOLDER.
 
 The commands are those of docs/identification.md with --methods all, but that every arm is fitted once and the rest of
-its recording predicted. FOLDER keeps what they write; an arm whose file is there is not identified again. Some minutes.
+its recording predicted: ‖e‖ / ‖τ‖ in percent over moving rows, mean over the joints, in brackets where bodies cannot be
+real. FOLDER keeps what they write; an arm whose file is there is not identified again. Some minutes.
 """
 
 import json
@@ -76,9 +77,6 @@ def cell(result):
 def main(folder):
     folder.mkdir(parents=True, exist_ok=True)
     arms = {arm: results(identified(folder, arm)) for arm in COMMANDS}
-    print(
-        "‖e‖ / ‖τ‖ [%] over moving rows that were not fitted, mean over the joints; in brackets: bodies that cannot be real"
-    )
     print(f"| method | {' | '.join(TITLES[arm] for arm in arms)} |")
     print("|---|" + "---|" * len(arms))
     for method in next(iter(arms.values())):
