@@ -25,13 +25,15 @@ NO_LOOP = "needs the controller of the loop in which the recording was made, wit
 class SimulatedLoop:
     """The stretches of a problem's recording, to be simulated with any parameters.
 
+    simulations: of the whole recording so far
+
     Raises EstimationFailed without a loop, without times, for a base that moves, and for times that are not even.
     """
 
     def __init__(self, problem: Problem, loop: ClosedLoop | None) -> None:
         if loop is None:
             raise EstimationFailed(NO_LOOP)
-        self.problem, self.loop = problem, loop
+        self.problem, self.loop, self.simulations = problem, loop, 0
         pieces = [problem.data] if isinstance(problem.data, Samples) else list(problem.data)
         self._stretches = [Stretch(problem, loop, stretch) for stretch in _uninterrupted(pieces)]
 
@@ -44,6 +46,7 @@ class SimulatedLoop:
 
     def runs(self, parameters: Array) -> Iterator[list[Samples]]:
         """Stretch by stretch, the motions with R rows of parameters (R, p). Raises EstimationFailed likewise."""
+        self.simulations += len(parameters)
         robots = self._robots(parameters)
         for stretch in self._stretches:
             yield stretch.samples(robots)

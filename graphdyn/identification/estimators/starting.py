@@ -35,7 +35,7 @@ def starts(problem: Problem, beginning: Beginning) -> list[Start]:
 
 
 def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position"] = "torque") -> Estimate:
-    """The estimate, with the test of exogeneity."""
+    """The estimate, with the test of exogeneity, and how often the loop was simulated."""
     problem, last = loop.problem, end.last
     test = exogeneity(loop, last.x, end.simulated)
     joints = problem.torque_model.model.independent_joints
@@ -46,6 +46,6 @@ def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position
         last.noise if output == "torque" else None,
         block_covariance=last.block_covariance,
         iterations=end.iterations,
-        settings={"last step": end.moved, EXOGENEITY: test.together},
+        settings={"simulations": float(loop.simulations), "last step": end.moved, EXOGENEITY: test.together},
         remarks=(*end.remarks, test.in_words(joints)),
     )
