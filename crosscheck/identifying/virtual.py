@@ -101,7 +101,7 @@ def virtual_robot(
         _measured(true_model, truth, motion, rng, f"simulated motion {number} of {given.model.name}")
         for number, motion in enumerate(motions, start=1)
     ]
-    wrong = replace(given, model=_as_in_cad(given.model, rng))
+    wrong = replace(given, model=as_in_cad(given.model, rng))
     return VirtualRobot(wrong, TorqueModel(wrong.model, true_model.terms), truth, *recordings)
 
 
@@ -158,12 +158,15 @@ def _measured(
     )
 
 
-def _as_in_cad(model: RobotModel, rng: np.random.Generator) -> RobotModel:
-    """The model with wrong but physically consistent bodies: other masses, centers of mass moved."""
+def as_in_cad(model: RobotModel, rng: np.random.Generator, error: float = CAD_ERROR) -> RobotModel:
+    """The model with wrong but physically consistent bodies: other masses, centers of mass moved.
+
+    error: largest relative one, below 1, of the masses, and of the centers of mass relative to their distance
+    """
     bodies = []
     for body in model.bodies:
-        factor = rng.uniform(1 - CAD_ERROR, 1 + CAD_ERROR)
-        shift = CAD_ERROR * np.linalg.norm(body.center_of_mass) * rng.uniform(-1, 1, 3) / np.sqrt(3)
+        factor = rng.uniform(1 - error, 1 + error)
+        shift = error * np.linalg.norm(body.center_of_mass) * rng.uniform(-1, 1, 3) / np.sqrt(3)
         center = body.center_of_mass + shift
         bodies.append(replace(body, mass=factor * body.mass, center_of_mass=center, inertia=factor * body.inertia))
     return replace(model, bodies=tuple(bodies))

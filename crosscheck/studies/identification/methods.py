@@ -1,0 +1,67 @@
+"""The methods of a study, by name or as FILE.py:NAME, given what they need of a record."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from crosscheck.identifying import method_named
+from crosscheck.identifying.loop_methods import in_loop
+from crosscheck.studies.identification.configuration import takes_wrenches
+from crosscheck.studies.identification.records import Record
+from crosscheck.studies.identification.scenarios import Scenario
+from graphdyn.identification import Estimator
+
+TORQUES, WRENCHES = "torques", "wrenches"
+"""What a method takes for measured."""
+
+
+def estimator_of(method: str) -> Estimator:
+    """A new one. Raises whatever a file of one's own raises."""
+    where, colon, name = method.rpartition(":")
+    if not colon:
+        return method_named(method)
+    made: Estimator = getattr(_module(where), name)()
+    return made
+
+
+def shown_name(method: str) -> str:
+    """For tables: as in METHODS; of an own one FILE:NAME without its folder."""
+    where, colon, name = method.rpartition(":")
+    return f"{Path(where).stem}:{name}" if colon else method
+
+
+def measures(estimator: Estimator) -> str:
+    """In one of these words."""
+    return WRENCHES if takes_wrenches(estimator) else TORQUES
+
+
+def ready(estimator: Estimator, record: Record, scenario: Scenario) -> Estimator:
+    """The estimator with the loop, the start of its iteration, and the recording, as far as it has a use for them."""
+    (known,) = in_loop([estimator], record.loop)
+    given: dict[str, Any] = {}
+    if hasattr(known, "start"):
+        error = scenario.start_error
+        given["start"] = scenario.start if error is None else (1 - error) * record.truth
+    if takes_wrenches(known):
+        given["recording"] = record.recording
+    fitted: Estimator = replace(known, **given) if given else known  # type: ignore[type-var]
+    return fitted
+
+
+@cache
+def _module(path: str) -> Any:
+    """The module of a file, which can import others of its folder."""
+    file = Path(path)
+    sys.path.insert(0, str(file.parent))
+    spec = importlib.util.spec_from_file_location(file.stem, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[file.stem] = module
+    spec.loader.exec_module(module)
+    return module
