@@ -21,6 +21,7 @@ from crosscheck.cli import (
     robots,
     show,
     simulate,
+    study,
     vectors,
     view,
 )
@@ -40,6 +41,7 @@ COMMANDS = (
     (identify.run, "identify", identify.EPILOG),
     (simulate.run, "simulate", simulate.EPILOG),
     (excite.run, "excite", excite.EPILOG),
+    (study.run, "study", study.EPILOG),
     (paper.run, "paper", paper.EPILOG),
     (bench.run, "bench", bench.EPILOG),
     (robots.run, "robots", robots.EPILOG),

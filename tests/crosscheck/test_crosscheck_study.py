@@ -1,0 +1,310 @@
+"""`graphdyn study`: configuration, tables that are the same however they come about, interruptions and failures."""
+
+import json
+import os
+import shutil
+import signal
+import warnings
+from contextlib import suppress
+from pathlib import Path
+
+import pyarrow.parquet as parquet
+import pytest
+import small_study as small
+from small_study import ARM, InThisProcess, backwards, small_study, study_of
+
+from crosscheck.cli import own_process
+from crosscheck.cli.exits import AGREED, BAD_INPUT
+from crosscheck.distributing import LocalProcesses
+from crosscheck.studies.identification import tasks as computing
+from crosscheck.studies.identification.configuration import SHIPPED, read_configuration
+from crosscheck.studies.identification.database import opened
+from crosscheck.studies.identification.running import DATABASE, DIED, Remaining, run_study, tasks_of
+from crosscheck.studies.identification.scenarios import AXES, Scenario
+from crosscheck.studies.identification.settings import BadConfiguration
+from crosscheck.studies.identification.tables import RESULTS, SCENARIOS, TIMES
+from graphdyn import InvalidInput
+
+INTERRUPTED = 130
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """With the robot of the small study."""
+    path = tmp_path_factory.mktemp("study")
+    (path / "small.urdf").write_text(ARM, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def complete(folder):
+    """The small study, one task after the other in this process."""
+    out = folder / "complete"
+    run_study(small_study(folder), out, InThisProcess())
+    return out
+
+
+@pytest.fixture
+def begun(folder, complete, tmp_path):
+    """A copy of the small study."""
+    return Path(shutil.copytree(complete, tmp_path / "begun"))
+
+
+def tables(out):
+    return {name: (out / name).read_bytes() for name in (RESULTS, SCENARIOS)}
+
+
+def rows(out, name=RESULTS):
+    return parquet.read_table(out / name).to_pylist()
+
+
+def test_every_method_has_a_row_for_every_run(folder, complete):
+    study = small_study(folder)
+    found = rows(complete)
+    keys = [(row["scenario"], row["run"], row["method"]) for row in found]
+    assert keys == sorted(keys)
+    assert len(set(keys)) == 2 * 2 * 3
+    assert [(row["scenario"], row["run"], row["method"]) for row in rows(complete, TIMES)] == keys
+    assert {row["scenario"] for row in rows(complete, SCENARIOS)} == {one.name for one in study.scenarios}
+    assert all(row["status"] == "found" and row["measures"] == "torques" for row in found)
+    sizes = {len(row[name]) for row in found for name in ("base", "sigma")}
+    assert sizes == {len(row["truth"]) for row in rows(complete, SCENARIOS)}
+    assert all(0 < row["parameter_error"] < 0.1 and 0 < row["torque_error"] < 0.1 for row in found)
+    assert {row["simulations"] > 0 for row in found if row["method"] == "iv"} == {True}
+
+
+def killed(study, out, answers):
+    """The study in another process, which kills itself after so many answers, as a power cut would."""
+    with warnings.catch_warnings(action="ignore"):  # that threads do not survive a fork: none is needed
+        child = os.fork()
+    if not child:
+        with suppress(KeyboardInterrupt):
+            run_study(study, out, InThisProcess(ends=answers))
+        os.kill(os.getpid(), signal.SIGKILL)
+    assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGKILL
+
+
+def test_killed_and_resumed_by_others_it_is_the_same_to_the_last_bit(folder, complete, tmp_path):
+    """Killed after the first of four tasks, interrupted after another one, ended by two processes."""
+    study, out, told = small_study(folder), tmp_path / "out", []
+    killed(study, out, 1)
+    assert not (out / RESULTS).exists()
+    with pytest.raises(KeyboardInterrupt):
+        run_study(study, out, InThisProcess(backwards, ends=1), resume=True)
+    run_study(study, out, LocalProcesses(2), resume=True, progress=told.append)
+    assert [one.done for one in told] == [2, 3, 4]
+    assert tables(out) == tables(complete)
+
+
+def test_one_more_scenario_changes_no_other(folder, complete, tmp_path):
+    run_study(small_study(folder, small.FURTHER), tmp_path / "out", InThisProcess())
+    known = {row["scenario"] for row in rows(complete)}
+    assert [row for row in rows(tmp_path / "out") if row["scenario"] in known] == rows(complete)
+    assert len(rows(tmp_path / "out")) == len(rows(complete)) + 2 * 3
+
+
+def test_a_method_that_kills_its_process_fails_alone(folder, complete, tmp_path):
+    told = []
+    workers = InThisProcess(lost=lambda task: "ols" in task.methods)
+    run_study(small_study(folder), tmp_path / "out", workers, tell=told.append)
+    found = {(row["scenario"], row["run"], row["method"]): row for row in rows(tmp_path / "out")}
+    assert {row["reason"] for (*_, method), row in found.items() if method == "ols"} == {DIED}
+    same = [row for row in rows(complete) if row["method"] != "ols"]
+    assert [found[row["scenario"], row["run"], row["method"]] for row in same] == same
+    assert len(told) == 2 * 4
+    assert "its process died with code -9" in told[0]
+
+
+def test_whatever_a_method_raises_is_its_result(folder, tmp_path):
+    (folder / "own.py").write_text(OWN, encoding="utf-8")
+    methods = '["ols", "own.py:Raises", "own.py:Wrong", "graph"]'
+    study = small_study(folder, study=f"[study]\nruns = 1\nmethods = {methods}\n")
+    run_study(study, tmp_path / "out", InThisProcess(lambda tasks: range(1), ends=1))
+    reasons = {row["method"]: row["reason"] for row in rows(tmp_path / "out")}
+    assert reasons["ols"] is None
+    assert reasons["own:Raises"] == "ZeroDivisionError: division by zero"
+    assert reasons["own:Wrong"] == "the method answers parameters of shape (3,); 26 finite numbers needed"
+    assert "the recording has torques about the joint axes alone" in reasons["graph"]
+
+
+OWN = """
+from dataclasses import dataclass
+import numpy as np
+from graphdyn.identification import Estimate, OrdinaryLeastSquares
+
+class Raises(OrdinaryLeastSquares):
+    def estimate(self, problem):
+        return 1 / 0
+
+class Wrong(OrdinaryLeastSquares):
+    def estimate(self, problem):
+        return Estimate(np.zeros(3))
+"""
+
+
+def test_a_robot_that_runs_away_is_a_failure_of_all_methods(folder):
+    soft = small.ROBOT + "position_gain = 0\nvelocity_gain = -5\n"
+    with pytest.raises(BadConfiguration, match=r"velocity_gain in \[robot\] is -5; give a number from 0 on"):
+        study_of(folder, small.STUDY, soft, small.SCENARIO, small.GRID)
+    stiff = small.ROBOT + "position_gain = 1e9\nvelocity_gain = 1e7\n"
+    study = study_of(folder, small.STUDY, stiff, small.SCENARIO, small.GRID)
+    outcome = computing.compute(study, tasks_of(study)[0])
+    assert {result.reason for result in outcome.results} == {
+        "no record: the controller does not hold the robot: it runs away; give other gains, or a higher rate"
+    }
+
+
+def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path):
+    study = small_study(folder)
+    with pytest.raises(InvalidInput, match="holds a study already; go on with it by --resume, or name a new folder"):
+        run_study(study, begun, InThisProcess())
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "letter.txt").write_text("")
+    with pytest.raises(InvalidInput, match=r"other holds other files, such as letter\.txt; name a new folder"):
+        run_study(study, tmp_path / "other", InThisProcess(), resume=True)
+    with pytest.raises(InvalidInput, match=r"letter\.txt is no folder; name a new one"):
+        run_study(study, tmp_path / "other" / "letter.txt", InThisProcess())
+    with (
+        opened(begun / DATABASE),
+        pytest.raises(InvalidInput, match="is in use: a study writes there; wait for it, or name another folder"),
+    ):
+        run_study(study, begun, InThisProcess(), resume=True)
+    (begun / DATABASE).write_bytes(b"no database" * 100)
+    with pytest.raises(InvalidInput, match=r"study\.sqlite is damaged: .*; remove it, or name another folder"):
+        run_study(study, begun, InThisProcess(), resume=True)
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        ({"study": "[study]\nruns = 3\nmethods = ['wls', 'ols', 'iv']\n"}, r"study\.runs was 2, is 3;"),
+        ({"study": "[study]\nruns = 2\nmethods = ['wls', 'ols']\n"}, r'study\.methods was \["wls", "ols", "iv"\], is'),
+        ({"further": small.FURTHER}, r"grid was \[\{.*\}\], is \[\{.*steps.*\}\];"),
+        ({"further": "torque_noise = 1\n"}, r"grid 1\.torque_noise was missing, is 1;"),
+        ({"versions": {"numpy": "1.0"}}, r"numpy was None, is 1\.0;"),
+    ],
+)
+def test_another_configuration_is_not_resumed(folder, begun, change, what):
+    study = small_study(folder, change.get("further", ""), study=change.get("study", small.STUDY))
+    with pytest.raises(InvalidInput, match=rf"holds a study with another configuration than study\.toml: .*{what}"):
+        run_study(study, begun, InThisProcess(), resume=True, versions=change.get("versions"))
+
+
+def test_another_robot_in_the_same_file_is_not_resumed(folder, begun, tmp_path):
+    run_study(small_study(folder, "# a comment changes nothing\n"), begun, InThisProcess(), resume=True)
+    (tmp_path / "small.urdf").write_text(ARM + "\n", encoding="utf-8")
+    with pytest.raises(InvalidInput, match=r"small\.urdf has changed"):
+        run_study(small_study(tmp_path), begun, InThisProcess(), resume=True)
+
+
+BAD = {
+    "[study": r"study\.toml: is no TOML: Expected ']'",
+    "[study]\n[extra]\n": r"\[extra\] is no table of a study; it has: study, robot, errors, scenario, grid",
+    "[study]\nrunz = 5\n": r"runz in \[study\] is no setting of this table; did you mean runs\?",
+    "[study]\nruns = 0\n": r"runs in \[study\] is 0; give a whole number from 1 on",
+    "[study]\nseed = 1.5\n": r"seed in \[study\] is 1\.5; give a whole number from 0 on",
+    "[study]\nmethods = ['best']\n": r"methods in \[study\] is \['best'\]; there is no method 'best'; use ols, wls,",
+    "[study]\nmethods = []\n": r'methods in \[study\] is \[\]; give methods, or "all"',
+    "[study]\nmethods = ['none.py:M']\n": r"there is no file .*none\.py",
+    "study = 3\n": r"study\.toml: study is 3; it must be a table, \[study\]",
+    "[robot]\nviscous = 1\n": r"name in \[robot\] is missing; give a robot of `graphdyn robots`, or a file",
+    "[robot]\nname = 'ur5'\nviscous = [1, 'x']\n": r"viscous in \[robot\] is \[1, 'x'\]; give a number from 0 on",
+    "[robot]\nname = 'ur5'\nposition_gain = 9\n": r"position_gain in \[robot\] and velocity_gain belong together; give",
+    "[errors]\npayload_center = [1, 2]\n": r"payload_center in \[errors\] is \[1, 2\]; give three numbers",
+    "[grid]\nmotion = 'steps'\n": r"\[grid\] must be \[\[grid\]\], which can be given several times",
+    "[scenario]\nmotion = 'slow'\n": r"motion in \[scenario\] is 'slow'; use one of random, excited, steps, paper",
+    "[[grid]]\nposition_noise = []\n": r"position_noise in \[grid\] is \[\]; give one value, or a list of them",
+    "[[grid]]\n[[grid]]\ncutoff = -1\n": r'cutoff in \[grid 2\] is -1; give a number above 0, or "none"',
+    "[[grid]]\ncutoff = 600\n": r"cutoff in \[grid\] is 600 Hz with a sampling_rate of 1000 Hz; it must be below half",
+    "[[grid]]\ncontrol_rate = 300\n": r"control_rate in \[grid\] is 300 Hz .* one must be a multiple of the other",
+    "[[grid]]\nstart = 'near'\n": r"start in \[grid\] is 'near'; give \"wls\", \"cad\", or a number",
+    "[[grid]]\ncad_error = 1\n": r"cad_error in \[grid\] is 1; give a number from 0 to below 1",
+    "[[grid]]\nmotion = 'paper'\n": r'duration in \[grid\] is 10 s; the motion "paper" lasts 2 s: give no more',
+    "[[grid]]\nduration = 1e-3\n": r"duration in \[grid\] is 0\.001 s; give ten samples and control periods or more",
+    "[[grid]]\nmodel_error = 'friction'\n": r'coulomb in \[robot\] is zero, and the model error "friction" forgets it',
+    "[[grid]]\nmodel_error = 'flexible'\n": r"rotor_inertia in \[robot\] must be above zero in all joints",
+}
+
+
+@pytest.mark.parametrize("text", BAD)
+def test_bad_configurations(text, folder):
+    robot = "" if "[robot]" in text else "[robot]\nname = 'ur5'\n"
+    with pytest.raises(BadConfiguration, match=BAD[text]):
+        study_of(folder, text, robot)
+
+
+def test_what_only_the_robot_shows(folder):
+    many = small.ROBOT.replace("viscous = 0.5", "viscous = [1, 2, 3]")
+    study = study_of(folder, small.STUDY, many, small.SCENARIO, small.GRID)
+    with pytest.raises(BadConfiguration, match=r"study\.toml: viscous in \[robot\] has 3 .* has 2 joints: sh"):
+        run_study(study, folder / "never", InThisProcess())
+    with pytest.raises(BadConfiguration, match=r"'panda' has joints that drive others, .*; lock them"):
+        run_study(study_of(folder, "[robot]\nname = 'panda'\n"), folder / "never", InThisProcess())
+    assert not (folder / "never").exists()
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_configurations(name):
+    study = read_configuration(name)
+    assert len(study.scenarios) == 5
+    assert "graph" in study.methods
+    assert {(one.torque_noise, one.start) for one in study.scenarios} == {(0.05, "0.15"), (0.1, "0.15")}
+
+
+def test_axes_and_columns_are_those_of_a_scenario():
+    assert list(AXES) == list(Scenario.__dataclass_fields__)
+
+
+def test_time_that_is_left(folder):
+    """Ten times as long for the second scenario: known from its first run on, guessed before."""
+    tasks, now = tasks_of(small_study(folder)), [0.0]
+    left = Remaining(tasks, lambda: now[0])
+    assert left.seconds() is None
+    now[0] = 1.0
+    left.count(tasks[0], 2.0)  # two processor seconds a second: two processes
+    assert left.seconds() == pytest.approx(3.0)
+    now[0] = 11.0
+    left.count(tasks[1], 20.0)
+    assert left.seconds() == pytest.approx(11.0)
+
+
+def test_the_command(program, words, folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(LocalProcesses, "each", lambda _self, *given: InThisProcess().each(*given))
+    config, out = folder / "study.toml", tmp_path / "out"
+    config.write_text(small.STUDY + small.ROBOT + small.SCENARIO + small.GRID)
+    done = program("study", "--config", config, "--out", out)
+    assert (done.code, "3 methods on 4 records" in words(done.out)) == (AGREED, True)
+    assert json.loads((out / "study.json").read_text())["facts"]["robot"] == str(folder / "small.urdf")
+    assert f"--config {config} --only {rows(out)[0]['scenario']}:0" in (out / "study.html").read_text()
+    assert len(rows(out)) == 12
+    again = program("study", "--config", config, "--out", out)
+    assert (again.code, "go on with it by --resume" in words(again.err)) == (BAD_INPUT, True)
+    name = rows(out)[0]["scenario"]
+    shown = program("study", "--config", config, "--only", f"{name}:1")
+    assert (shown.code, "3 of 3 methods have an answer" in words(shown.out)) == (AGREED, True)
+    refused = {
+        ("--only", f"{name}:7"): "has no such run; it has",
+        ("--only", f"{name}:1", "--resume"): "omit the other options beside --config",
+        ("--jobs", 2, "--scheduler", "tcp://x:1"): "exclude each other",
+    }
+    for options, message in refused.items():
+        found = program("study", "--config", config, *options)
+        assert (found.code, message in words(found.err)) == (BAD_INPUT, True), options
+    monkeypatch.setattr(LocalProcesses, "each", lambda _self, *given: InThisProcess(ends=1).each(*given))
+    ended = program("study", "--config", config, "--out", tmp_path / "second")
+    assert ended.code == INTERRUPTED
+    assert "interrupted: 1 of 4 runs are kept in" in words(ended.err)
+
+
+def test_an_own_method_that_is_none(program, words, tmp_path, monkeypatch):
+    monkeypatch.setattr(own_process, "tell", lambda what: None)  # this one is
+    (tmp_path / "mine.py").write_text("class Empty: pass\n")
+    (tmp_path / "study.toml").write_text("[study]\nmethods = ['mine.py:Empty']\n[robot]\nname = 'ur5'\n")
+    found = program("study", "--config", tmp_path / "study.toml")
+    assert found.code == BAD_INPUT
+    assert "mine.py:Empty: what it makes has no name, reference, assumptions, needs, estimate" in words(found.err)
+
+
+def test_unknown_file():
+    with pytest.raises(BadConfiguration, match=r"there is no file nowhere; name a configuration, or one of small"):
+        read_configuration("nowhere")
