@@ -1,0 +1,176 @@
+"""What a study simulates and measures: references, noise, errors of the model, and how errors are measured."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import small_study as small
+from small_study import ARM, study_of
+
+from crosscheck.studies.identification import records
+from crosscheck.studies.identification.configuration import ErrorSettings
+from crosscheck.studies.identification.mechanisms import flexible
+from crosscheck.studies.identification.motions import PAPER_ACCELERATION, reference
+from crosscheck.studies.identification.plants import plant_of, torque_model_of
+from crosscheck.studies.identification.records import known_model, simulated
+from crosscheck.studies.identification.scenarios import Scenario
+from crosscheck.studies.identification.yardsticks import yardstick
+from graphdyn import PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
+from graphdyn.identification import Samples
+from graphdyn.identification.terms import Coulomb, PayloadMass
+
+EXACT = Scenario(
+    position_noise=0.0, torque_noise=0.0, force_noise=0.0, sampling_rate=500.0, cutoff=None, duration=4.0, min_speed=0.0
+)
+ROUNDING = 1e-10
+STANDSTILL = 1e-3
+"""[rad/s] Dry friction holds a joint at rest with less than its Coulomb friction."""
+
+BETWEEN = 1.01
+"""Random motions are scaled at 240 points, and exceed limits by so much in between."""
+
+DIFFERENCES = 1e-5
+"""Of central differences with the step 1e-6 beside the derivative, relative to its largest value."""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recordings")
+    (folder / "small.urdf").write_text(ARM, encoding="utf-8")
+    return study_of(folder, small.STUDY, small.ROBOT + "velocity_noise = 0\n")
+
+
+@pytest.fixture
+def raw(monkeypatch):
+    """raw(study, scenario): what the robot did, and its recording before the preparation."""
+    kept = {}
+
+    def keeping(name):
+        original = getattr(records, name)
+
+        def kept_too(*given):
+            kept[name] = original(*given)
+            return kept[name]
+
+        monkeypatch.setattr(records, name, kept_too)
+
+    keeping("_motion")
+    keeping("_recorded")
+
+    def both(study, scenario):
+        simulated(study, scenario, 0)
+        return kept["_motion"], kept["_recorded"]
+
+    return both
+
+
+@pytest.mark.parametrize("kind", ["random", "excited", "steps", "paper"])
+def test_references(study, kind):
+    """From rest, within the limits, with the derivatives that they state; the same each time, another by number."""
+    plant, duration = plant_of(study.robot), 2.0 if kind == "paper" else 4.0
+    laws = reference(study.robot, 0, kind, 0, duration)
+    times = np.linspace(1e-3, duration - 1e-3, 801)
+    q, v, a = np.moveaxis(np.array([law(times) for law in laws]), 0, -1)
+    ahead, behind = (np.moveaxis(np.array([law(times + h) for law in laws]), 0, -1) for h in (1e-6, -1e-6))
+    for k, derivative in ((0, v), (1, a)):
+        difference = (ahead[k] - behind[k]) / 2e-6
+        assert np.abs(difference - derivative).max() < DIFFERENCES * np.abs(derivative).max()
+    assert np.array([law(np.zeros(1))[1] for law in laws]) == pytest.approx(0.0, abs=1e-12)
+    if kind == "paper":
+        assert a[7].tolist() == [PAPER_ACCELERATION, -PAPER_ACCELERATION]
+        return
+    assert np.all(np.abs(v).max(axis=0) <= plant.limits.velocity * BETWEEN)
+    assert np.all(np.abs(a).max(axis=0) <= plant.limits.acceleration * BETWEEN)
+    again = reference.__wrapped__(study.robot, 0, kind, 0, duration)
+    other = reference(study.robot, 0, kind, 1, duration)
+    assert np.array_equal([law(times)[0] for law in again], q.T)
+    assert np.abs(other[0](times)[0] - q[:, 0]).max() > 0.01
+
+
+def test_a_recording_without_noise_is_the_robot(study, raw):
+    """Torques and wrenches are those of the equations of motion, from the exact motion of the simulation."""
+    (motion, recording), plant = raw(study, EXACT), plant_of(study.robot)
+    exact = Samples(*motion.links, motion.tau)
+    model = plant.known_exactly
+    moving = np.all(np.abs(exact.v) > STANDSTILL, axis=1)
+    torque = model.torque(exact, plant.truth(model))[moving]
+    assert np.abs(torque - recording.tau[moving]).max() < ROUNDING * np.abs(torque).max()
+    assert np.array_equal(recording.q, motion.links[0])
+    assert np.array_equal(recording.joint_wrenches, inverse_dynamics(plant.model, *motion.links).joint_wrenches)
+
+
+@pytest.mark.parametrize(("sampling", "control"), [(200.0, 1000.0), (500.0, 500.0), (1000.0, 200.0)])
+def test_the_controller_sees_the_noise_of_the_recording(study, raw, sampling, control):
+    """At its ticks the recorded torque is that of the gains, the recorded position and the reference."""
+    scenario = replace(EXACT, position_noise=1e-3, sampling_rate=sampling, control_rate=control, duration=1.0)
+    (motion, recording), plant = raw(study, scenario), plant_of(study.robot)
+    ticks = slice(None, None, max(1, round(sampling / control)))
+    laws = reference(study.robot, 0, "random", 0, 1.0)
+    q_d, v_d, _ = np.moveaxis(np.array([law(recording.t[ticks]) for law in laws]), 0, -1)
+    expected = plant.position_gain * (q_d - recording.q[ticks]) + plant.velocity_gain * (v_d - motion.links[1][ticks])
+    assert np.abs(expected - recording.tau[ticks]).max() < ROUNDING * np.abs(expected).max()
+    noise = recording.q - motion.links[0]
+    assert np.std(noise) == pytest.approx(1e-3, rel=0.15)
+    assert abs(np.corrcoef(noise[1:, 0], noise[:-1, 0])[0, 1]) < 0.25
+
+
+def test_errors_of_the_model(study, raw):
+    """Each is in the recording or in the torque model, and nowhere else."""
+    errors = replace(study, errors=ErrorSettings(torque_factor=(1.1, 1.0), payload_mass=0.5))
+    short = replace(EXACT, duration=1.0)
+    none, gear, payload = (raw(errors, replace(short, model_error=error)) for error in ("none", "gear", "payload"))
+    assert np.array_equal(gear[1].q, none[1].q)
+    assert np.array_equal(gear[1].tau, none[1].tau * [1.1, 1.0])
+    load, plant = PayloadMass((0.0, 0.0, 0.1)), plant_of(errors.robot)
+    heavier = plant.model.with_inertial_parameters(
+        plant.model.inertial_parameters + load.inertial_parameters(plant.model, np.array([0.5]))
+    )
+    rigid = joint_torques(heavier, *payload[0].links) - joint_torques(plant.model, *payload[0].links)
+    model = plant.known_exactly
+    known = model.torque(Samples(*payload[0].links, payload[0].tau), plant.truth(model))
+    moving = np.all(np.abs(payload[0].links[1]) > STANDSTILL, axis=1)
+    assert np.abs(known + rigid - payload[1].tau)[moving].max() < ROUNDING * np.abs(known).max()
+    forgets = known_model(errors, replace(EXACT, model_error="friction"))
+    assert not any(isinstance(term, Coulomb) for term in forgets.terms)
+    assert len(forgets.columns) == len(known_model(errors, EXACT).columns) - 2
+
+
+def test_springs_hang_by_what_gravity_asks(study):
+    """Held at a pose, a spring of stiffness k is bent by τ / k, and the motors carry what the rigid robot asks."""
+    plant, errors = plant_of(study.robot), ErrorSettings(joint_stiffness=(300.0, 200.0), joint_damping=0.5)
+    mechanism, q = flexible(plant, errors), np.array([0.4, -0.7])
+    hold = mechanism.controlled(PDControl(plant.position_gain * 50, plant.velocity_gain * 5, q, period=1e-3))
+    hold = replace(hold, target=mechanism.of_motors(q))
+    run = rollout(
+        mechanism.model, mechanism.of_motors(q), np.zeros(4), hold, step=5e-4, duration=8.0,
+        parameters=mechanism.parameters(plant.model.inertial_parameters), rotor_inertia=mechanism.rotors,
+        limits=mechanism.springs, every=100,
+    )  # fmt: skip
+    end = run.q[0, -1:]
+    gravity = gravity_torque(plant.model, mechanism.links(end))[0]
+    assert end[0, 1::2] == pytest.approx(-gravity / np.array([300.0, 200.0]), rel=1e-4)
+    assert mechanism.motors(run.tau[0, -1:])[0] == pytest.approx(gravity, rel=1e-4)
+
+
+def test_yardstick(study):
+    """Zero at the truth; a tenth in all parameters is a tenth in parameters and torque; nonsense runs away."""
+    torque_model = torque_model_of(study.robot, study.seed, 0.15, True)
+    measure = yardstick(study.robot, study.seed, torque_model)
+    assert [measure.parameter_error(measure.truth), measure.torque_error(measure.truth)] == pytest.approx(
+        [0, 0], abs=1e-12
+    )
+    assert measure.trajectory_error(measure.truth) == pytest.approx(0, abs=1e-9)
+    wrong = 1.1 * measure.truth
+    assert measure.parameter_error(wrong) == pytest.approx(0.1)
+    assert measure.torque_error(wrong) == pytest.approx(0.1)
+    assert 1e-6 < measure.trajectory_error(wrong) < 0.1
+    assert measure.trajectory_error(-measure.truth) is None
+
+
+def test_dry_friction_that_is_forgotten_is_an_error_of_the_torque(study):
+    """The robot has it all the same."""
+    measure = yardstick(study.robot, study.seed, torque_model_of(study.robot, study.seed, 0.0, False))
+    everything = yardstick(study.robot, study.seed, torque_model_of(study.robot, study.seed, 0.0, True))
+    assert np.array_equal(measure.torque, everything.torque)
+    assert measure.parameter_error(measure.truth) == 0.0
+    assert measure.torque_error(measure.truth) > 0.01
