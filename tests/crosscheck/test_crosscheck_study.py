@@ -5,12 +5,12 @@ import os
 import shutil
 import signal
 import warnings
-from contextlib import suppress
 from pathlib import Path
 
 import pyarrow.parquet as parquet
 import pytest
 import small_study as small
+from long_check import few
 from small_study import ARM, InThisProcess, backwards, small_study, study_of
 
 from crosscheck.cli import own_process
@@ -78,22 +78,30 @@ def killed(study, out, answers):
     with warnings.catch_warnings(action="ignore"):  # that threads do not survive a fork: none is needed
         child = os.fork()
     if not child:
-        with suppress(KeyboardInterrupt):
-            run_study(study, out, InThisProcess(ends=answers))
-        os.kill(os.getpid(), signal.SIGKILL)
+        try:
+            run_study(study, out, InThisProcess(ends=answers), resume=True)
+        finally:
+            os.kill(os.getpid(), signal.SIGKILL)
     assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGKILL
 
 
-def test_killed_and_resumed_by_others_it_is_the_same_to_the_last_bit(folder, complete, tmp_path):
-    """Killed after the first of four tasks, interrupted after another one, ended by two processes."""
-    study, out, told = small_study(folder), tmp_path / "out", []
-    killed(study, out, 1)
+@pytest.mark.parametrize(("kills", "processes"), few([(1, 1), (3, 2), (3, 4)], (1, 1)))
+def test_killed_and_resumed_by_others_it_is_the_same_to_the_last_bit(kills, processes, folder, complete, tmp_path):
+    """Killed after a task, as often as asked; interrupted after another one, from behind; ended by processes."""
+    out, told = tmp_path / "out", []
+    study = small_study(folder, study=small.STUDY.replace("runs = 2", f"runs = {kills + 1}"))
+    for _ in range(kills):
+        killed(study, out, 1)
     assert not (out / RESULTS).exists()
     with pytest.raises(KeyboardInterrupt):
         run_study(study, out, InThisProcess(backwards, ends=1), resume=True)
-    run_study(study, out, LocalProcesses(2), resume=True, progress=told.append)
-    assert [one.done for one in told] == [2, 3, 4]
-    assert tables(out) == tables(complete)
+    run_study(study, out, LocalProcesses(processes), resume=True, progress=told.append)
+    assert [one.done for one in told] == list(range(kills + 1, 2 * (kills + 1) + 1))
+    whole = complete
+    if kills > 1:
+        run_study(study, tmp_path / "whole", InThisProcess())
+        whole = tmp_path / "whole"
+    assert tables(out) == tables(whole)
 
 
 def test_one_more_scenario_changes_no_other(folder, complete, tmp_path):
@@ -105,13 +113,14 @@ def test_one_more_scenario_changes_no_other(folder, complete, tmp_path):
 
 def test_a_method_that_kills_its_process_fails_alone(folder, complete, tmp_path):
     told = []
+    study = small_study(folder, study=small.STUDY.replace("runs = 2", "runs = 1"))
     workers = InThisProcess(lost=lambda task: "ols" in task.methods)
-    run_study(small_study(folder), tmp_path / "out", workers, tell=told.append)
+    run_study(study, tmp_path / "out", workers, tell=told.append)
     found = {(row["scenario"], row["run"], row["method"]): row for row in rows(tmp_path / "out")}
     assert {row["reason"] for (*_, method), row in found.items() if method == "ols"} == {DIED}
-    same = [row for row in rows(complete) if row["method"] != "ols"]
+    same = [row for row in rows(complete) if row["method"] != "ols" and row["run"] == 0]
     assert [found[row["scenario"], row["run"], row["method"]] for row in same] == same
-    assert len(told) == 2 * 4
+    assert len(told) == 2 * 2
     assert "its process died with code -9" in told[0]
 
 
@@ -140,18 +149,6 @@ class Wrong(OrdinaryLeastSquares):
     def estimate(self, problem):
         return Estimate(np.zeros(3))
 """
-
-
-def test_a_robot_that_runs_away_is_a_failure_of_all_methods(folder):
-    soft = small.ROBOT + "position_gain = 0\nvelocity_gain = -5\n"
-    with pytest.raises(BadConfiguration, match=r"velocity_gain in \[robot\] is -5; give a number from 0 on"):
-        study_of(folder, small.STUDY, soft, small.SCENARIO, small.GRID)
-    stiff = small.ROBOT + "position_gain = 1e9\nvelocity_gain = 1e7\n"
-    study = study_of(folder, small.STUDY, stiff, small.SCENARIO, small.GRID)
-    outcome = computing.compute(study, tasks_of(study)[0])
-    assert {result.reason for result in outcome.results} == {
-        "no record: the controller does not hold the robot: it runs away; give other gains, or a higher rate"
-    }
 
 
 def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path):
@@ -308,3 +305,15 @@ def test_an_own_method_that_is_none(program, words, tmp_path, monkeypatch):
 def test_unknown_file():
     with pytest.raises(BadConfiguration, match=r"there is no file nowhere; name a configuration, or one of small"):
         read_configuration("nowhere")
+
+
+def test_a_robot_that_runs_away_is_a_failure_of_all_methods(folder):
+    soft = small.ROBOT + "position_gain = 0\nvelocity_gain = -5\n"
+    with pytest.raises(BadConfiguration, match=r"velocity_gain in \[robot\] is -5; give a number from 0 on"):
+        study_of(folder, small.STUDY, soft, small.SCENARIO, small.GRID)
+    stiff = small.ROBOT + "position_gain = 1e9\nvelocity_gain = 1e7\n"
+    study = study_of(folder, small.STUDY, stiff, small.SCENARIO, small.GRID)
+    outcome = computing.compute(study, tasks_of(study)[0])
+    assert {result.reason for result in outcome.results} == {
+        "no record: the controller does not hold the robot: it runs away; give other gains, or a higher rate"
+    }
