@@ -136,7 +136,7 @@ def exact_probability(ranks):
 )
 def test_friedman_of_few_records(ranks):
     ranks = np.array(ranks, float)
-    assert friedman(ranks) == pytest.approx(exact_probability(ranks), abs=0.01)
+    assert friedman(ranks) == pytest.approx(exact_probability(ranks), abs=0.02)
 
 
 def test_friedman_needs_two():

@@ -36,6 +36,9 @@ from crosscheck.studies.identification.statistics.summary import StudySummary, s
 NUMBER = re.compile(r"\d[\d.e+-]*")
 """In a reason."""
 
+HOUR = 3600.0
+"""[s]"""
+
 Repeat = Callable[[str, int], Sequence[str]]
 """The arguments that repeat one run with all methods, from the names of scenario and run."""
 
@@ -87,13 +90,17 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
         ("grid", f"{count}{f' of {differing}' if differing else ''}; {_range(runs)} runs of each"),
         *([("usual setting", grid.usual)] if grid.usual else []),
         ("confidence", f"{LEVEL:.0%} intervals and tests"),
-        ("methods' time", f"{time_text(seconds)} of processor time"),
+        ("methods' time", f"{_long(seconds)} of processor time"),
     ]
     yield Facts(tuple(items))
     few, reached = min(runs), order_of_median(min(runs))[1]
     if reached < LEVEL:
         said = f"intervals of medians reach from the smallest to the largest of {few} runs, which has {reached:.1%}"
         yield Notes((Note(said),))
+
+
+def _long(seconds: float) -> str:
+    return f"{seconds / HOUR:.1f} h" if seconds > HOUR else time_text(seconds)
 
 
 def _range(numbers: Sequence[int]) -> str:

@@ -20,7 +20,7 @@ from crosscheck.studies.identification.statistics.ranking import record_ranks
 from crosscheck.studies.identification.statistics.summary import MethodSummary, StudySummary
 from graphdyn.layout import Array
 
-MOST_RUNS, MOST_DETAILED = 200, 12
+MOST_RUNS, MOST_DETAILED = 120, 8
 """Runs that a page has one by one, in all; scenarios of which it has the parameters."""
 
 ROUNDING = 1e-12

@@ -22,7 +22,7 @@ from graphdyn.layout import Array
 SAME = 1e-6
 """Errors closer than this part of them are equal: what solvers of the same equations differ by is rounding."""
 
-MANY, PERMUTATIONS = 30, 10_000
+MANY, PERMUTATIONS = 30, 2000
 """Records from which the χ² distribution holds for Friedman's statistic; permutations that are drawn below."""
 
 
