@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from crosscheck.identifying.holding_out import Division
 from crosscheck.identifying.pooling import pooled
 from crosscheck.identifying.preparation import Preparation
+from crosscheck.identifying.trial_problems import problems_of
 from graphdyn import RobotModel
 from graphdyn.identification import ResidualStatistics, TorqueModel, WeightedLeastSquares, residual_statistics
 from graphdyn.identification.terms import Offset
@@ -25,9 +26,9 @@ class Baselines:
 
 def constant_errors(robot: RobotModel, preparation: Preparation, division: Division) -> ResidualStatistics:
     """Of the mean torque of the fitted rows."""
-    torque_model, parts = TorqueModel(robot, (Offset(),)), []
+    fit, parts = preparation.problem(TorqueModel(robot, (Offset(),)), division.fit), []
     for trial in division.trials:
-        train, test = (preparation.problem(torque_model, recording) for recording in (trial.train, trial.test))
+        train, test, _ = problems_of(trial, fit, division.fit, preparation)
         x = WeightedLeastSquares().estimate(train).parameters
         parts.extend(residual_statistics(test, x[None]))
     return pooled(parts)

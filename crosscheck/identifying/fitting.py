@@ -16,6 +16,7 @@ from crosscheck.identifying.methods import method_named
 from crosscheck.identifying.pinocchio_method import WithPinocchio
 from crosscheck.identifying.pooling import pooled
 from crosscheck.identifying.preparation import Preparation
+from crosscheck.identifying.trial_problems import problems_of
 from crosscheck.identifying.wrench_method import FromWrenches
 from crosscheck.recordings import Recording
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
@@ -25,8 +26,8 @@ from graphdyn.identification import (
     Estimator,
     MethodComparison,
     MethodResult,
+    Problem,
     ResidualStatistics,
-    TorqueModel,
     compare_methods,
     residual_statistics,
 )
@@ -63,16 +64,16 @@ def identified_model(
     comparison = compare_methods(fit, _fitted_to(estimators, division.fit), poses=poses, progress=say)
     comparison = with_exogeneity(comparison, fit, loop)
     if all(trial.train is division.fit for trial in division.trials):
-        trials = [_predicted(trial, torque_model, preparation, comparison) for trial in division.trials]
+        trials = [_predicted(trial, fit, division.fit, preparation, comparison) for trial in division.trials]
     else:
-        trials = [_tried(trial, torque_model, preparation, estimators, say) for trial in division.trials]
+        trials = [_tried(trial, fit, division.fit, preparation, estimators, say) for trial in division.trials]
     comparison = replace(comparison, results=tuple(_with_trials(result, trials) for result in comparison.results))
     return IdentifiedModel(
         subject=subject,
         torque_model=torque_model,
         fit=HeldOutPrediction(fit, preparation.times(division.fit), *_fitted(comparison)),
         trials=tuple(prediction for prediction, _ in trials),
-        aside=tuple(_predicted(trial, torque_model, preparation, comparison)[0] for trial in division.aside),
+        aside=tuple(_predicted(trial, fit, division.fit, preparation, comparison)[0] for trial in division.aside),
         comparison=comparison,
         name=candidate.name,
         cad_of=candidate.cad_of,
@@ -93,28 +94,28 @@ def _fitted(comparison: MethodComparison) -> tuple[dict[str, Array], dict[str, R
 
 
 def _predicted(
-    trial: Trial, torque_model: TorqueModel, preparation: Preparation, comparison: MethodComparison
+    trial: Trial, fit: Problem, recording: Recording, preparation: Preparation, comparison: MethodComparison
 ) -> Tried:
     """The rows of a trial, predicted by results that are there already."""
-    problem = preparation.problem(torque_model, trial.test)
+    _, problem, times = problems_of(trial, fit, recording, preparation)
     parameters, _ = _fitted(comparison)
     statistics = residual_statistics(problem, np.array(list(parameters.values()))) if parameters else []
     by_method = dict(zip(parameters, statistics, strict=True))
-    times = preparation.times(trial.test)
     return HeldOutPrediction(problem, times, parameters, by_method, trial.name), comparison
 
 
 def _tried(
     trial: Trial,
-    torque_model: TorqueModel,
+    fit: Problem,
+    recording: Recording,
     preparation: Preparation,
     estimators: Sequence[Estimator],
     say: Callable[[str], None],
 ) -> Tried:
     """The rows of a trial, predicted by results from its own rows."""
-    train = preparation.problem(torque_model, trial.train)
+    train, *_ = problems_of(trial, fit, recording, preparation)
     found = compare_methods(train, _fitted_to(estimators, trial.train), poses=TRIAL_POSES, progress=say)
-    return _predicted(trial, torque_model, preparation, found)
+    return _predicted(trial, fit, recording, preparation, found)
 
 
 def _with_trials(result: MethodResult, trials: Sequence[Tried]) -> MethodResult:

@@ -8,14 +8,19 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosscheck.recordings import Recording, Split, concatenated, split_by_rows, split_by_time, time_folds
-from crosscheck.recordings.splits import Interval
+from crosscheck.recordings.filtering import settling_time
+from crosscheck.recordings.splits import Interval, fold_rows
 from graphdyn import InvalidInput
 
 GUARD = 0.25
 """Time left out between fit and prediction where the program chooses the border [s]: noise and filter correlate
 neighbouring rows."""
+
+FORGOTTEN = 1e-2
+"""Part of a predicted torque that the filter may still carry into the fit across the guard."""
 
 NANOSECONDS = 9
 """Decimal places of the start time, computed with rounding from the rows that the filter cut off."""
@@ -25,12 +30,15 @@ class Trial(NamedTuple):
     """Rows that are fitted, and rows that are predicted from them.
 
     name: of the rows that are predicted; own_recording: whether they are all of a recording that is not fitted
+    fold: where both are parts of Division.fit, which rows of it; these are filtered together, so that the filter has
+        settled at their borders
     """
 
     name: str
     train: Recording
     test: Recording
     own_recording: bool = False
+    fold: tuple[NDArray[np.bool_], NDArray[np.bool_]] | None = None
 
 
 class Division(NamedTuple):
@@ -151,8 +159,9 @@ class Folds:
             others = self.aside.divide(recordings)
             recording, kept = others.fit, tuple(others.trials)
             words += f"; kept aside: {others.words}"
-        folds = time_folds(recording, self.folds, GUARD)
-        trials = [Trial(f"fold {number}", *split) for number, split in enumerate(folds, start=1)]
+        guard = max(GUARD, settling_time(float(recording.torque_cutoff.min()), FORGOTTEN))
+        folds = zip(time_folds(recording, self.folds, guard), fold_rows(recording, self.folds, guard), strict=True)
+        trials = [Trial(f"fold {number}", *split, fold=rows) for number, (split, rows) in enumerate(folds, start=1)]
         return Division(recording, trials, words, kept)
 
 

@@ -8,7 +8,7 @@ from math import prod
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.recordings import Recording, differentiated, samples_of, sampling_rate
 from crosscheck.recordings.derivatives import Cutoff, Differentiation
@@ -49,6 +49,13 @@ class Preparation:
     def problem(self, torque_model: TorqueModel, recording: Recording) -> Problem:
         """The problem of a recording that has v and a. Raises InvalidInput where every block is too short."""
         return Problem(torque_model, samples_of(recording, self.decimate), min_speed=self.min_speed)
+
+    def part(self, problem: Problem, recording: Recording, rows: NDArray[np.bool_]) -> tuple[Problem, list[Array]]:
+        """The problem of some rows (N,) of a recording from that of all, filtered as a whole, and their times."""
+        blocks = filtered_blocks(recording, self.decimate)
+        used = [rows[block][:: prod(self.decimate)] for block in blocks]
+        times = [t[here] for t, here in zip(self.times(recording), used, strict=True) if here.any()]
+        return problem.part(np.concatenate(used)), times
 
     def pieces(self, recording: Recording) -> tuple[list[Piece], list[Array]]:
         """Uninterrupted pieces of a recording as it was read, q, v, a and tau low-passed alike, not decimated.

@@ -49,9 +49,13 @@ def padding(order: int = ORDER) -> int:
 
 
 def border(rate: float, cutoff: float, order: int = ORDER) -> int:
-    """Number of rows at each end that still depend on how the data were extended beyond it.
+    """Number of rows at each end that still depend on how the data were extended beyond it."""
+    return int(np.ceil(settling_time(cutoff, BORDER_DECAY, order) * rate))
+
+
+def settling_time(cutoff: float, left: float, order: int = ORDER) -> float:
+    """Time [s] in which the slowest mode of the filter decays to this part; the cutoff [Hz] may be infinite.
 
     The slowest pair of poles of a Butterworth filter decays at 2π cutoff sin(π / 2 order).
     """
-    slowest = 2 * np.pi * cutoff * np.sin(np.pi / (2 * order))
-    return int(np.ceil(-np.log(BORDER_DECAY) / slowest * rate))
+    return float(-np.log(left) / (2 * np.pi * cutoff * np.sin(np.pi / (2 * order))))

@@ -64,10 +64,19 @@ def time_folds(recording: Recording, folds: int, guard: float = 0.0) -> list[Spl
     guard: time [s] before and after the test that is not fitted either; longer than noise and filter are correlated
     Raises InvalidInput where the guard leaves nothing to fit.
     """
+    splits = []
+    for fold, (train, test) in enumerate(fold_rows(recording, folds, guard), start=1):
+        name = f"fold {fold} of {folds}"
+        splits.append(Split(_pieces(recording, train, f"for the fit: all but {name}"), _pieces(recording, test, name)))
+    return splits
+
+
+def fold_rows(recording: Recording, folds: int, guard: float) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
+    """Of every fold of time_folds, which rows are fitted and which predicted (N,). Raises as time_folds."""
     if not guard >= 0:
         raise InvalidInput(f"guard is {guard!r}; give a time in s, zero or more")
     numbers = fold_numbers(recording, folds)
-    splits = []
+    found = []
     for fold in range(folds):
         test = numbers == fold
         first, last = np.flatnonzero(test)[[0, -1]]
@@ -84,9 +93,8 @@ def time_folds(recording: Recording, folds: int, guard: float = 0.0) -> list[Spl
         train = ~test & ~same
         if not train.any():
             raise InvalidInput(f"a guard of {guard:g} s leaves nothing to fit; choose a shorter one, or fewer folds")
-        name = f"fold {fold + 1} of {folds}"
-        splits.append(Split(_pieces(recording, train, f"for the fit: all but {name}"), _pieces(recording, test, name)))
-    return splits
+        found.append((train, test))
+    return found
 
 
 def _split(recording: Recording, values: NDArray[Any], train: Interval, test: Interval, what: str, unit: str) -> Split:

@@ -67,6 +67,8 @@ class Problem:
     min_speed: equations of joint j with |v_j| below it are left out of the fit, one for all or (n,) [rad/s or m/s]
     compression: "qr", or "gram" for well-conditioned data
     rank_tolerance: smallest |R_kk| / |R_11| of the recording that counts as determined
+    used: which rows count, of those that the filter leaves; all if left out. The filter runs over all of them, so that
+        it has settled where a part begins   (N,)
     progress: called with the number of samples of every chunk read
     """
 
@@ -77,6 +79,7 @@ class Problem:
     min_speed: ArrayLike = 0.0
     compression: Compression = "qr"
     rank_tolerance: float = RANK
+    used: NDArray[np.bool_] | None = None
     progress: Callable[[int], None] | None = None
     _memory: list[Rows] = field(default_factory=list, init=False, repr=False)
 
@@ -110,7 +113,7 @@ class Problem:
         blocks: dict[int, Accumulator] = defaultdict(self.accumulator)
         if self.compression == "gram":
             sums = DirectSums(self.torque_model, self.structure)
-            for part, block in self._cut(self._equations_or_samples()):
+            for part, block in self._cut(self._counted(self._equations_or_samples())):
                 if isinstance(part, Samples):
                     kept = np.abs(part.v) >= self.min_speed
                     blocks[block].add_gram(sums(part, kept), kept.sum(axis=0))
@@ -178,6 +181,17 @@ class Problem:
         r, z = self.equations.weighted(noise)
         return r @ self.base.matrix, z
 
+    def part(self, used: NDArray[np.bool_]) -> Problem:
+        """The same problem with some of its rows (N,) alone, filtered as before."""
+        found = replace(self, used=used)
+        if self.used is None and self._memory:
+            found._memory.extend(replace(rows, block=block) for rows, block in found._cut(found._counted(self._memory)))
+        return found
+
+    def chosen(self, values: Array) -> Array:
+        """Of one value for each row that the filter leaves (N, …), those that count."""
+        return values if self.used is None else values[self.used]
+
     def reduced(self, rows: Rows) -> Array:
         """W (N, n, r) of the base parameters of the recording."""
         return rows.matrix[..., self.inner.independent]
@@ -188,7 +202,7 @@ class Problem:
             yield from self._memory
             return
         size, few = 0, list[Rows]()
-        for part, block in self._cut(self._equations()):
+        for part, block in self._cut(self._counted(self._equations())):
             rows = replace(part, block=block)
             size += rows.matrix.nbytes
             few = [*few, rows] if size <= REMEMBERED else []
@@ -207,6 +221,23 @@ class Problem:
                 cut = part[start : start + self._block_samples - within]
                 yield cut, block
                 start, position = start + len(cut), position + len(cut)
+
+    def _counted(self, parts: Iterable[P]) -> Iterator[P]:
+        """The rows that count. After a gap a run of the recording starts anew."""
+        if self.used is None:
+            yield from parts
+            return
+        position = 0
+        for part in parts:
+            here = np.concatenate([[False], self.used[position : position + len(part)], [False]])
+            borders = np.flatnonzero(np.diff(here)).tolist()
+            for start, stop in zip(borders[::2], borders[1::2], strict=True):
+                cut = part[start:stop]
+                gap = start > 0 or (position > 0 and not self.used[position - 1])
+                yield replace(cut, first=True) if gap and isinstance(cut, Rows) else cut
+            position += len(part)
+        if position != len(self.used):
+            raise InvalidInput(f"used is given for {len(self.used)} rows; the filter leaves {position}")
 
     def _equations(self) -> Iterator[Rows]:
         for run in self._runs():
@@ -259,6 +290,8 @@ class Problem:
         """Rows per time block."""
         if self.block_samples is not None:
             return self.block_samples
+        if self.used is not None:
+            return max(1, -(-int(np.count_nonzero(self.used)) // self.n_blocks))
         return max(1, -(-sum(run.filtered_length() for run in self._runs()) // self.n_blocks))
 
 

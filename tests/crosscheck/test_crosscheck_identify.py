@@ -172,6 +172,12 @@ class TestHoldingOut:
         for split in splits:
             distance = np.abs(split.train.t[:, None] - split.test.t[[0, -1]]).min()
             assert 0.25 <= distance < 0.26  # [s] neither fitted nor predicted
+            assert [recording.take(rows).t.tolist() for rows in split.fold] == [
+                split.train.t.tolist(),
+                split.test.t.tolist(),
+            ]
+        slow = Folds(2).divide([replace(recording, torque_cutoff=np.full(len(recording.t), 2.0))]).trials[0]
+        assert slow.train.t[0] - slow.test.t[-1] == pytest.approx(0.96, abs=0.01)  # e^(-2π 2 sin(π/8) t) = 0.01
 
     def test_several_recordings_have_no_common_time(self, recording):
         with pytest.raises(

@@ -21,7 +21,8 @@ from graphdyn.identification import (
     WeightedLeastSquares,
 )
 from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
-from graphdyn.identification.closed_loop.sensitivities import sensitivities
+from graphdyn.identification.closed_loop.beside import beside
+from graphdyn.identification.closed_loop.sensitivities import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, RigidBodies
 
 EXACT = 1e-7
@@ -29,6 +30,9 @@ EXACT = 1e-7
 
 STICKING = 1e-9
 """[rad/s] A joint that dry friction holds is at rest exactly, and says nothing about that friction."""
+
+SENSITIVITY = 1e-6
+"""Of central differences whose steps differ, because they are made to the size of the rows."""
 
 NOISE = {"position": 2e-4, "velocity": 1e-3, "torque": 1.0}
 SECONDS = 4.0
@@ -69,6 +73,28 @@ def test_exact_data(method, exact):
     error = size * (values(problem, estimate) - true)
     assert np.abs(error).max() <= EXACT * np.abs(size * true).max()
     assert 1 < estimate.iterations <= 8
+
+
+def test_parts_have_the_rows_of_the_whole(noisy):
+    """What is simulated stands beside the same rows, whether or not all of them count."""
+    run, problem, loop = noisy
+    used = np.isin(np.arange(sum(map(len, problem.rows()))), [*range(300, 700), *range(1100, 1900)])
+    whole, part = (SimulatedLoop(some, loop) for some in (problem, problem.part(used)))
+    simulated = whole.samples(run.truth)
+
+    def rows_of(parts):
+        parts = list(parts)
+        return [np.concatenate([getattr(here, name) for here in parts]) for name in ("regressor", "output")]
+
+    x = problem.base.values(run.truth)
+    for rows in (
+        lambda some: beside(some.problem, simulated),
+        lambda some: outputs(some, x, simulated, "position"),
+        lambda some: outputs(some, x, simulated, "torque"),
+    ):
+        (regressor, output), (own_regressor, own_output) = (rows_of(rows(some)) for some in (whole, part))
+        assert np.array_equal(output[used], own_output)
+        assert np.abs(regressor[used] - own_regressor).max() <= SENSITIVITY * np.abs(regressor).max()
 
 
 def test_simulates_the_recording(exact):

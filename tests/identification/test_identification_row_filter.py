@@ -71,6 +71,23 @@ class TestRowFilter:
             assert cut[name] == pytest.approx(values, abs=ROUNDING), name
         assert [part.first for part in parts] == [True] + [False] * (len(parts) - 1)
 
+    @pytest.mark.parametrize("remembered", [True, False])
+    def test_a_part_is_filtered_with_all(self, remembered, samples):
+        whole = Problem(MODEL, [self.filtered(samples[:299]), self.filtered(samples[299:])], n_blocks=4)
+        everything = list(whole.rows())
+        used = np.isin(np.arange(201), [*range(20, 70), *range(120, 190)])
+        part = (whole if remembered else Problem(MODEL, whole.data, n_blocks=4)).part(used)
+        for name in ("matrix", "right", "velocity"):
+            expected = np.concatenate([getattr(rows, name) for rows in everything])[used]
+            assert np.array_equal(np.concatenate([getattr(rows, name) for rows in part.rows()]), expected)
+        rows = list(part.rows())
+        starts = np.cumsum([0, *map(len, rows)])[[k for k, here in enumerate(rows) if here.first]]
+        assert starts.tolist() == [0, 50]
+        assert [sum(len(here) for here in rows if here.block == k) for k in range(4)] == [30] * 4
+        assert part.equations.counts.tolist() == [120] * 6
+        with pytest.raises(InvalidInput, match="used is given for 7 rows; the filter leaves 201"):
+            list(whole.part(np.ones(7, bool)).rows())
+
     def test_nothing_is_filtered_across_a_gap(self, samples):
         here, there = self.filtered(samples[:299]), self.filtered(samples[299:])
         both, parts = self.rows(here, there)

@@ -37,7 +37,7 @@ class Beside:
 
 def beside(problem: Problem, simulated: list[Samples]) -> Iterator[Beside]:
     """All equations of a problem, chunk by chunk, with the stretches that were simulated for it."""
-    motion = _decimated(simulated)
+    motion = _decimated(problem, simulated)
     position, first, window = 0, 0, np.empty((0, problem.n_joints, problem.base.rank))
     for rows in problem.rows():
         end = position + len(rows)
@@ -49,12 +49,12 @@ def beside(problem: Problem, simulated: list[Samples]) -> Iterator[Beside]:
         position = end
 
 
-def _decimated(stretches: list[Samples]) -> Samples:
-    """One after the other: torques filtered, of the rest the rows that the filter leaves."""
+def _decimated(problem: Problem, stretches: list[Samples]) -> Samples:
+    """The rows that count, one after the other: torques filtered, of the rest those that the filter leaves."""
     parts: list[tuple[Array, ...]] = []
     for samples in stretches:
         chosen = slice(None, None, 1 if samples.row_filter is None else samples.row_filter.factor)
         tau = samples.tau if samples.row_filter is None else samples.row_filter(samples.tau)
         parts.append((samples.q[chosen], samples.v[chosen], samples.a[chosen], tau))
-    q, v, a, tau = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    q, v, a, tau = (problem.chosen(np.concatenate(columns)) for columns in zip(*parts, strict=True))
     return Samples(q, v, a, tau)

@@ -39,8 +39,8 @@ def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: Outpu
     """
     problem = loop.problem
     sensitivity = sensitivities(loop, x, name)
-    modelled = np.concatenate([_output(loop, samples, name) for samples in simulated])
-    measured = loop.measured_positions() if name == "position" else None
+    modelled = problem.chosen(np.concatenate([_output(loop, samples, name) for samples in simulated]))
+    measured = problem.chosen(loop.measured_positions()) if name == "position" else None
     position = 0
     for rows in problem.rows():
         here = slice(position, position + len(rows))
@@ -55,7 +55,7 @@ def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:
     equations, prior = problem.equations, model_prior(problem.torque_model)
     length = np.linalg.norm(equations.factors[..., :-1], axis=(0, 1))
     steps = STEP * np.sqrt(equations.measured_squares.sum()) / length
-    count, n, r = sum(map(len, problem.rows())), problem.n_joints, len(x)
+    count, n, r = len(loop.measured_positions()), problem.n_joints, len(x)
     if 8.0 * count * n * r > LARGEST:
         raise EstimationFailed(
             f"the sensitivities of {count} rows take {8e-9 * count * n * r:.1f} GB; decimate the recording"
@@ -71,7 +71,7 @@ def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:
             columns = np.stack(changes, axis=-1) / (2 * steps[chosen])
             found[position : position + len(columns), :, chosen] = columns
             position += len(columns)
-    return found
+    return problem.chosen(found)
 
 
 def _output(loop: SimulatedLoop, samples: Samples, name: OutputName) -> Array:

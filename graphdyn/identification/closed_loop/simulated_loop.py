@@ -61,7 +61,7 @@ class SimulatedLoop:
         return replace(self.problem, data=pieces, progress=None)
 
     def measured_positions(self) -> Array:
-        """In the rows of the problem's equations (N, n)."""
+        """In the rows that the filter leaves (N, n)."""
         return np.concatenate([stretch.positions() for stretch in self._stretches])
 
     def _robots(self, parameters: Array) -> DrivenRobot:
