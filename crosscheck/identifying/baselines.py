@@ -9,7 +9,7 @@ from crosscheck.identifying.pooling import pooled
 from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.trial_problems import problems_of
 from graphdyn import RobotModel
-from graphdyn.identification import ResidualStatistics, TorqueModel, WeightedLeastSquares, residual_statistics
+from graphdyn.identification import OrdinaryLeastSquares, ResidualStatistics, TorqueModel, residual_statistics
 from graphdyn.identification.terms import Offset
 
 
@@ -29,6 +29,6 @@ def constant_errors(robot: RobotModel, preparation: Preparation, division: Divis
     fit, parts = preparation.problem(TorqueModel(robot, (Offset(),)), division.fit), []
     for trial in division.trials:
         train, test, _ = problems_of(trial, fit, division.fit, preparation)
-        x = WeightedLeastSquares().estimate(train).parameters
+        x = OrdinaryLeastSquares().estimate(train).parameters
         parts.extend(residual_statistics(test, x[None]))
     return pooled(parts)
