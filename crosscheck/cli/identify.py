@@ -68,6 +68,7 @@ def run(
     models: options.ModelsOption = None,
     width: options.WidthOption = None,
     stribeck_velocity: options.StribeckOption = None,
+    stribeck_exponent: options.StribeckExponentOption = None,
     term: options.TermOption = None,
     known_torque: options.KnownTorqueOption = None,
     scaled_torque: options.ScaledTorqueOption = None,
@@ -143,9 +144,16 @@ def run(
         (*known_torques(known_torque), *known_load),
     )
     if models is None:
-        compared = candidate_models(terms, width, stribeck_velocity, term, ways, load, known, known_bodies)
+        stribeck = (stribeck_velocity, stribeck_exponent)
+        compared = candidate_models(terms, width, stribeck, term, ways, load, known, known_bodies)
     else:
-        options.refuse_beside_models(terms=terms, width=width, stribeck_velocity=stribeck_velocity, term=term)
+        options.refuse_beside_models(
+            terms=terms,
+            width=width,
+            stribeck_velocity=stribeck_velocity,
+            stribeck_exponent=stribeck_exponent,
+            term=term,
+        )
         compared = models_of(models, ways, load, known, known_bodies)
     preparation = prepared_as(cutoff, derive_velocity, decimate, min_speed, torque_hold)
     loop = loop_options.loop_of(controller, control_rate)

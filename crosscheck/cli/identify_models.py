@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from itertools import chain
+from typing import TYPE_CHECKING, Any, Literal
 
 import typer
 
@@ -23,7 +24,7 @@ OF_A_METHOD = ("name", "reference", "assumptions", "needs", "estimate")
 def candidate_models(
     terms: Sequence[str] | None,
     width: str | None,
-    stribeck: str | None,
+    stribeck: tuple[str | None, str | None],
     further: Sequence[str] | None,
     methods: Sequence[str | Estimator],
     load: Sequence[Term],
@@ -44,37 +45,42 @@ def candidate_models(
 
 
 def drives_of(
-    terms: Sequence[str], width: str | None, stribeck: str | None, further: Sequence[str] | None
+    terms: Sequence[str], width: str | None, stribeck: tuple[str | None, str | None], further: Sequence[str] | None
 ) -> list[tuple[Term, ...]]:
-    """What the drives add, for every --terms. Width and Stribeck velocity go to the terms that have them.
+    """What the drives add, for every --terms. Width, Stribeck velocity and exponent go to the terms that have them.
 
     Raises InvalidInput for unknown names, and where no model has a use for a number; typer.BadParameter for a wrong
     FILE.py:NAME.
     """
     from crosscheck.identifying import friction_terms
-    from crosscheck.identifying.torque_terms import WITH_VELOCITY, WITH_WIDTH
+    from crosscheck.identifying.torque_terms import settings_of
 
     named = [[] if text == "none" else [name.strip() for name in text.split(",")] for text in terms]
     own = tuple(made("--term", text, "columns", "rows") for text in further or ())
+    velocity, exponent = stribeck
     numbers = {
-        "width": (_one_or_several("--width", width), WITH_WIDTH),
-        "stribeck_velocity": (_one_or_several("--stribeck-velocity", stribeck), WITH_VELOCITY),
+        "width": ("width", _one_or_several("--width", width)),
+        "stribeck_velocity": ("velocity", _one_or_several("--stribeck-velocity", velocity)),
+        "stribeck_exponent": ("exponent", _one_or_several("--stribeck-exponent", exponent)),
     }
-    everywhere = {name for names in named for name in names}
+
+    def used(setting: str, names: Iterable[str]) -> bool:
+        return any(setting in settings_of(name) for name in names)
+
     found = []
     for names in named:
         wanted = {
             option: value
-            for option, (value, users) in numbers.items()
-            if set(names) & set(users) or not everywhere & set(users)
+            for option, (setting, value) in numbers.items()
+            if used(setting, names) or not used(setting, chain(*named))
         }
         found.append(friction_terms(names, **wanted) + own)
     return found
 
 
-def _one_or_several(option: str, text: str | None) -> float | list[float] | None:
-    if text is None:
-        return None
+def _one_or_several(option: str, text: str | None) -> float | list[float] | Literal["fit"] | None:
+    if text is None or text == "fit":
+        return text  # type: ignore[return-value]
     values = options.numbers(option, text)
     return values if len(values) > 1 else values[0]
 

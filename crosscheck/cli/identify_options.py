@@ -55,8 +55,8 @@ TermsOption = Annotated[
     typer.Option(
         metavar="NAME,…",
         help="What the drives add: viscous, coulomb, stribeck, load, smooth-coulomb, offset, rotor, "
-        "asymmetric-viscous, asymmetric-coulomb, coupled-wrist; none. Repeatable: torque models to compare. "
-        "viscous,coulomb,offset if left out.",
+        "asymmetric-viscous, asymmetric-coulomb, coupled-wrist, slip, spring; NAME*time and NAME*temperature for what "
+        "drifts; none. Repeatable: torque models to compare. viscous,coulomb,offset if left out.",
     ),
 ]
 ModelsOption = Annotated[
@@ -70,6 +70,9 @@ WidthOption = Annotated[
 StribeckOption = Annotated[
     str | None,
     typer.Option(metavar="X|X,X,…", help="Speed at which Stribeck friction fades [rad/s or m/s], 0.1 if left out."),
+]
+StribeckExponentOption = Annotated[
+    str | None, typer.Option(metavar="X|X,X,…", help="How Stribeck friction fades: exp(-|v / V|^X), 2 if left out.")
 ]
 TermOption = Annotated[
     list[str] | None,

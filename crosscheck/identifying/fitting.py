@@ -30,6 +30,7 @@ from graphdyn.identification import (
     ResidualStatistics,
     compare_methods,
     residual_statistics,
+    tuned,
 )
 from graphdyn.layout import Array
 
@@ -61,6 +62,9 @@ def identified_model(
         progress(f"{candidate.name}: {what}" if candidate.name else what)
 
     fit = preparation.problem(torque_model, division.fit)
+    torque_model, settings = tuned(fit)
+    if settings:
+        fit = preparation.problem(torque_model, division.fit)
     comparison = compare_methods(fit, _fitted_to(estimators, division.fit), poses=poses, progress=say)
     comparison = with_exogeneity(comparison, fit, loop)
     if all(trial.train is division.fit for trial in division.trials):
@@ -77,6 +81,7 @@ def identified_model(
         comparison=comparison,
         name=candidate.name,
         cad_of=candidate.cad_of,
+        settings=settings,
     )
 
 

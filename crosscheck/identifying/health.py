@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,10 +13,11 @@ from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.remedies import mapping_lines, recorded_columns
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
-from graphdyn.identification import TorqueModel
+from graphdyn.identification import TorqueModel, Tunable
 from graphdyn.identification.health import Change, Fault, RecordingHealth, TooShort, recording_health
 from graphdyn.identification.health.halves import contradictions
 from graphdyn.identification.health.searching import RIGHT_RATE
+from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
 CLIPPED = 0.01
 """Share of clipped rows that is told."""
@@ -77,7 +78,7 @@ def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparati
         return None
     try:
         found = recording_health(
-            torque_model,
+            _row_by_row(torque_model),
             [piece for pieces, _ in parts for piece in pieces],
             torques=[tau for _, torques in parts for tau in torques],
             columns=recorded_columns(recordings[0]),
@@ -89,6 +90,18 @@ def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparati
     if not any(finding.severity == "fault" for finding in said):  # else gains and fits suffer from it
         said += _of_fits(found) or _of_units(found)
     return Health(found, tuple(said), _unseen(found))
+
+
+def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
+    """With Coulomb friction in place of friction with memory, and without drifts: each row stands for itself.
+
+    Settings that are to be found are as where the search starts.
+    """
+    terms = [term.make(**term.start) if isinstance(term, Tunable) else term for term in torque_model.terms]
+    terms = [term for term in terms if not isinstance(term, Drift) and not getattr(term, "has_memory", False)]
+    if torque_model.has_memory and not any(isinstance(term, Coulomb | AsymmetricCoulomb) for term in terms):
+        terms.append(Coulomb())
+    return replace(torque_model, terms=terms)
 
 
 def _faults(found: RecordingHealth, recording: Recording) -> list[HealthFinding]:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from crosscheck.referee.subject import Subject
-from graphdyn.identification import MethodComparison, MethodResult, Problem, ResidualStatistics, TorqueModel
+from graphdyn.identification import MethodComparison, MethodResult, Problem, ResidualStatistics, TorqueModel, Tuned
 from graphdyn.identification.partitions import Partitioned
 from graphdyn.identification.problem import own_rows
 from graphdyn.identification.residual_statistics import MOVING
@@ -115,6 +115,7 @@ class IdentifiedModel:
     name: of the torque model, empty where there is only one
     cad_of: name of the torque model whose links are unknown where these are those of CAD, with the same drives; None
         for a model that was asked for
+    settings: of its terms that were found together with the parameters, from all fitted rows
     """
 
     subject: Subject
@@ -125,6 +126,7 @@ class IdentifiedModel:
     aside: tuple[HeldOutPrediction, ...] = ()
     name: str = ""
     cad_of: str | None = None
+    settings: tuple[Tuned, ...] = ()
 
     @property
     def problem(self) -> Problem:

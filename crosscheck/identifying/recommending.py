@@ -91,8 +91,13 @@ def recommendation(candidates: Sequence[Candidate]) -> Recommendation:
 
 
 def simplicity(candidate: Candidate) -> tuple[int, float, float]:
-    """Small for a simple result: few base parameters, then a strong prior, then a small error."""
-    return (candidate.model.problem.base.rank, -prior_strength(candidate), mean_error(candidate.result))
+    """Small for a simple result: few base parameters and settings, then a strong prior, then a small error."""
+    return (numbers_of(candidate), -prior_strength(candidate), mean_error(candidate.result))
+
+
+def numbers_of(candidate: Candidate) -> int:
+    """Base parameters and settings that were found."""
+    return candidate.model.problem.base.rank + sum(len(setting.values) for setting in candidate.model.settings)
 
 
 def prior_strength(candidate: Candidate) -> float:
@@ -111,7 +116,7 @@ def _as_good(candidate: Candidate, best: Candidate) -> bool:
 
 def _more(one: Candidate, other: Candidate) -> str:
     """What the first result has more of."""
-    ranks = [candidate.model.problem.base.rank for candidate in (one, other)]
+    ranks = [numbers_of(candidate) for candidate in (one, other)]
     return "more parameters" if ranks[0] > ranks[1] else "the weaker prior"
 
 

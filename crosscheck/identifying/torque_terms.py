@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
 from graphdyn import InvalidInput
+from graphdyn.identification import Tunable
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,
     Coulomb,
     CoupledWrist,
+    Drift,
     LoadFriction,
+    MaxwellSlip,
     Offset,
     RotorInertia,
     SmoothCoulomb,
+    Spring,
     Stribeck,
     Term,
     Viscous,
 )
+from graphdyn.identification.terms.maxwell_slip import DEFLECTION
 
 STRIBECK_VELOCITY = 0.1
 """Default Stribeck velocity of a gear [rad/s or m/s]."""
@@ -36,57 +41,101 @@ TERMS: dict[str, Callable[..., Term]] = {
     "stribeck": lambda velocity=STRIBECK_VELOCITY, exponent=2.0, width=None: Stribeck(velocity, exponent, width),
     "load": LoadFriction,
     "smooth-coulomb": SmoothCoulomb,
+    "slip": lambda deflection=None, deflections=(DEFLECTION,): MaxwellSlip(
+        deflections if deflection is None else (deflection,)
+    ),
     "offset": Offset,
     "rotor": RotorInertia,
+    "spring": Spring,
     "coupled-wrist": CoupledWrist,
 }
 """By name: a function that returns the term; its keywords are the settings of the term."""
 
+FIT = "fit"
+"""In place of a setting: to be found, one number for each joint."""
+
+STARTS = {"width": 0.05, "velocity": STRIBECK_VELOCITY, "exponent": 2.0, "deflection": DEFLECTION}
+"""Settings that can be found, and where the search starts."""
+
+OVER = ("time", "temperature")
+"""What a term may drift with: viscous*temperature."""
+
+
+Setting = ArrayLike | Literal["fit"] | None
+
 
 def settings_of(name: str) -> tuple[str, ...]:
     """The settings of the term with this name. Raises InvalidInput for an unknown name."""
-    if name not in TERMS:
-        raise InvalidInput(f"there is no term '{name}'; known: {', '.join(TERMS)}")
-    return tuple(inspect.signature(TERMS[name]).parameters)
+    own, star, over = name.partition("*")
+    if own not in TERMS or (star and over not in OVER):
+        drifts = " and ".join(f"NAME*{over}" for over in OVER)
+        raise InvalidInput(f"there is no term '{name}'; known: {', '.join(TERMS)}, and {drifts} of these")
+    return (*inspect.signature(TERMS[own]).parameters, *(("reference",) if star else ()))
 
 
-WITH_WIDTH, WITH_VELOCITY = (
-    tuple(name for name in TERMS if setting in settings_of(name)) for setting in ("width", "velocity")
-)
-"""Terms with a sign of v, and with a Stribeck velocity."""
+def with_setting(setting: str) -> tuple[str, ...]:
+    """The terms that have this setting."""
+    return tuple(name for name in TERMS if setting in settings_of(name))
 
 
 def term_with(term: str, **settings: Any) -> Term:
-    """The term of this name (TERMS) with settings. Raises InvalidInput for a name or a setting that does not exist."""
+    """The term of this name (TERMS) with settings, of which some may be "fit": a Tunable then.
+
+    Raises InvalidInput for a name or a setting that does not exist, or that cannot be found.
+    """
     known = settings_of(term)
     for setting in settings:
         if setting not in known:
             raise InvalidInput(f"the term '{term}' has no setting '{setting}'; it has: {', '.join(known) or 'none'}")
-    return TERMS[term](**settings)
+    searched = [setting for setting, value in settings.items() if isinstance(value, str) and value == FIT]
+    if searched:
+        return _tunable(term, searched, {name: value for name, value in settings.items() if name not in searched})
+    own, star, over = term.partition("*")
+    if not star:
+        return TERMS[own](**settings)
+    reference = settings.pop("reference", 0.0)
+    return Drift(TERMS[own](**settings), "time" if over == "time" else "temperature", reference)
+
+
+def _tunable(term: str, searched: Sequence[str], given: Mapping[str, Any]) -> Tunable:
+    for setting in searched:
+        if setting not in STARTS:
+            raise InvalidInput(f"the setting '{setting}' cannot be found by a fit; these can: {', '.join(STARTS)}")
+    start = {setting: STARTS[setting] for setting in searched}
+    return Tunable(term, lambda **found: term_with(term, **given, **found), start)
 
 
 def friction_terms(
-    names: Sequence[str], *, width: ArrayLike | None = None, stribeck_velocity: ArrayLike | None = None
+    names: Sequence[str],
+    *,
+    width: Setting = None,
+    stribeck_velocity: Setting = None,
+    stribeck_exponent: Setting = None,
 ) -> tuple[Term, ...]:
     """The terms with these names (TERMS), in their order.
 
+    Each of the settings may be "fit", to be found together with the parameters (graphdyn.identification.tuned).
+
     width: sign(v) becomes tanh(v / width), one for all joints or one each [rad/s or m/s]
     stribeck_velocity: speed at which Stribeck friction fades, STRIBECK_VELOCITY unless given [rad/s or m/s]
+    stribeck_exponent: how it fades, 2 unless given
 
-    Raises InvalidInput for an unknown or a repeated name, and for a width or a velocity that none of the terms has.
+    Raises InvalidInput for an unknown or a repeated name, and for a setting that none of the terms has.
     """
     for k, name in enumerate(names):
         settings_of(name)
         if name in names[:k]:
             raise InvalidInput(f"the term '{name}' is given twice; give each once")
-    given = {"width": (width, WITH_WIDTH, "width"), "velocity": (stribeck_velocity, WITH_VELOCITY, "Stribeck velocity")}
-    for value, users, what in given.values():
-        if value is not None and not set(names) & set(users):
+    given = {"width": width, "velocity": stribeck_velocity, "exponent": stribeck_exponent}
+    settings = {setting: value for setting, value in given.items() if value is not None}
+    for setting in settings:
+        if not any(setting in settings_of(name) for name in names):
+            what = setting if setting == "width" else f"Stribeck {setting}"
             raise InvalidInput(
                 f"a {what} is given, but none of the terms ({', '.join(names) or 'none'}) has one; "
-                f"leave it out, or take one of: {', '.join(users)}"
+                f"leave it out, or take one of: {', '.join(with_setting(setting))}"
             )
-    settings = {key: (value, users) for key, (value, users, _) in given.items() if value is not None}
     return tuple(
-        term_with(name, **{key: value for key, (value, users) in settings.items() if name in users}) for name in names
+        term_with(name, **{setting: value for setting, value in settings.items() if setting in settings_of(name)})
+        for name in names
     )

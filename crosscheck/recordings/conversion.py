@@ -29,7 +29,7 @@ class RecordedColumn:
 
 
 def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> dict[str, list[RecordedColumn]]:
-    """The columns of q, v, a, tau, and of time where there is one. Raises BadMapping, BadRecordingFile."""
+    """The columns of q, v, a, tau, temperature, and of time where there is one. Raises BadMapping, BadRecordingFile."""
     wanted = {name: (channel.file, channel.columns) for name, channel in mapping.channels.items()}
     if mapping.time is not None:
         wanted["time"] = (mapping.time.file, mapping.time.columns)
@@ -60,7 +60,7 @@ def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> d
 
 
 def joint_channels(columns: Mapping[str, Sequence[RecordedColumn]], mapping: ColumnMapping) -> dict[str, Array]:
-    """q, v, a, tau (N, n) of the joints in SI units; NaN in a row stays NaN."""
+    """q, v, a, tau, temperature (N, n) of the joints in SI units; NaN in a row stays NaN."""
     result = {}
     for name, channel in mapping.channels.items():
         values = np.column_stack([column.values for column in columns[name]]) * channel.factor

@@ -20,12 +20,14 @@ TURNING = {
     "v": Limit(1e3, "ten times the fastest direct drive, 9500 turns a minute behind the gears"),
     "a": Limit(1e6, "standstill to 1000 rad/s in a millisecond"),
     "tau": Limit(1e6, "ten times what the main axes of the largest industrial arms hold"),
+    "temperature": Limit(1e3, "copper melts"),
 }
 SLIDING = {
     "q": Limit(1e3, "a kilometre of rail"),
     "v": Limit(1e2, "ten times the fastest linear axis"),
     "a": Limit(1e5, "ten thousand times gravity"),
     "tau": Limit(1e7, "the weight of a thousand tonnes"),
+    "temperature": TURNING["temperature"],
 }
 
 MANY_TURNS = 40.0

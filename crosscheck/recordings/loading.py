@@ -20,7 +20,7 @@ from crosscheck.recordings.findings import DROPPABLE, DROPPED_UNASKED, Recording
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.readers import read_table
-from crosscheck.recordings.recording import Provenance, Recording
+from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.stamps import Origin, times
 from crosscheck.recordings.table import in_words
 from graphdyn import InvalidInput
@@ -174,9 +174,7 @@ def reordered(recording: Recording, joints: Sequence[str]) -> Recording:
     if order == list(range(recording.n_joints)):
         return recording
     moved = {
-        name: getattr(recording, name)[:, order]
-        for name in ("q", "v", "a", "tau")
-        if getattr(recording, name) is not None
+        name: getattr(recording, name)[:, order] for name in JOINT_CHANNELS if getattr(recording, name) is not None
     }
     slides = tuple(recording.prismatic[j] for j in order)
     step = f"joints in the order {', '.join(joints)}"

@@ -19,6 +19,8 @@ gain = [0.11, 0.11]                    # [tau] only: torque in SI per unit of th
 delay = 0.02                           # [tau] only: by how many seconds it was recorded late, or one per joint
 offset = [0, 90]                       # [q] only: added to the joint coordinate
 offset_unit = "deg"
+[temperature]                          # of motors or gears, for drifting friction: unit = "degC"
+columns = "motor_temp_{number}"        # or the name of one column, for all joints
 [transmission]
 ratio = [100, -80]                     # q_motor = diag(ratio) q; or with coupled joints
 matrix = [[100, 0], [20, -80]]         # q_motor = R q: q = R^-1 q_motor, and tau = R_tau tau_motor
@@ -50,16 +52,23 @@ from crosscheck.recordings.units import Unit, known_unit
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
-QUANTITIES = ("q", "v", "a", "tau")
-SI_UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s^2", "tau": "N m"}
+QUANTITIES = ("q", "v", "a", "tau", "temperature")
+SI_UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s^2", "tau": "N m", "temperature": "degC"}
 _TOP = ("joints", "rate", "prismatic", "delimiter", "topic", "time", *QUANTITIES, "transmission")
-_CHANNEL = ("columns", "unit", "file", "side", "sign")
-_ONLY_IN = {"q": ("offset", "offset_unit"), "tau": ("gain", "delay")}
+_MOVING = ("side", "sign")
+_CHANNEL = ("columns", "unit", "file")
+_ONLY_IN = {
+    "q": (*_MOVING, "offset", "offset_unit"),
+    "v": _MOVING,
+    "a": _MOVING,
+    "tau": (*_MOVING, "gain", "delay"),
+    "temperature": (),
+}
 
 
 @dataclass(frozen=True)
 class Channel:
-    """The columns of q, v, a or tau, in the order of the joints: names, or numbers from 1.
+    """The columns of q, v, a, tau or temperature, in the order of the joints: names, or numbers from 1.
 
     file: pattern of the name of the file that has them; motor: in front of the transmission
     factor: SI value per number in the column: unit, sign and gain    (n,)
@@ -192,10 +201,10 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
 
 
 def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where: str) -> Channel:
-    refuse_unknown(table, (*_CHANNEL, *_ONLY_IN.get(name, ())), where)
+    refuse_unknown(table, (*_CHANNEL, *_ONLY_IN[name]), where)
     n = len(joints)
     columns = table.get("columns")
-    if isinstance(columns, str) and ("{number}" in columns or "{joint}" in columns):
+    if isinstance(columns, str) and (name == "temperature" or "{number}" in columns or "{joint}" in columns):
         columns = [
             columns.replace("{number}", str(number)).replace("{joint}", joint)
             for number, joint in enumerate(joints, start=1)

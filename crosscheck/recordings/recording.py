@@ -16,7 +16,8 @@ from graphdyn import InvalidInput
 from graphdyn._virtual_recording import VirtualRecording
 from graphdyn.layout import Array
 
-JOINT_CHANNELS = ("q", "v", "a", "tau")
+MOTION_CHANNELS = ("q", "v", "a", "tau")
+JOINT_CHANNELS = (*MOTION_CHANNELS, "temperature")
 OPTIONAL_CHANNELS = {"joint_wrenches": 6, "body_accelerations": 6}
 """Further channels, with their numbers per joint."""
 
@@ -44,6 +45,7 @@ class Recording:
     joint_names, prismatic: names, and which joints slide         (n,)
     t: time, increasing inside a block                            (N,)       [s]
     q, v, a, tau: of the joints, None where not recorded          (N, n)     [rad or m, …/s, …/s², N m or N]
+    temperature: of their drives, likewise                        (N, n)     [°C]
     joint_wrenches: force, then moment, of the inside body on body j, at O_j, link axes of j   (N, n, 6) [N, N m]
     body_accelerations: r̈ of the center of mass in world axes, then ω̇ in body axes            (N, n, 6)
     block: number of the uninterrupted piece of time, not decreasing   (N,); nothing is filtered across two of them
@@ -62,6 +64,7 @@ class Recording:
     v: Array | None = None
     a: Array | None = None
     tau: Array | None = None
+    temperature: Array | None = None
     joint_wrenches: Array | None = None
     body_accelerations: Array | None = None
     prismatic: tuple[bool, ...] = ()
@@ -164,7 +167,7 @@ def recording_of(recording: VirtualRecording) -> Recording:
         joint_names=recording.joint_names,
         prismatic=recording.prismatic,
         t=recording.time,
-        **{name: getattr(recording, name) for name in JOINT_CHANNELS},
+        **{name: getattr(recording, name) for name in MOTION_CHANNELS},
         joint_wrenches=wrenches,
         body_accelerations=accelerations,
         provenance=Provenance((recording.robot,), "virtual experiment"),

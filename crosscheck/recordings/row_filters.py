@@ -112,7 +112,7 @@ def filtered_blocks(recording: Recording, decimate: tuple[int, ...] = ()) -> lis
 
 def _samples(block: Recording, decimate: tuple[int, ...]) -> Samples:
     q, v, a, tau = (block.channel(name) for name in ("q", "v", "a", "tau"))
-    return Samples(q, v, a, tau, row_filter=torque_filter(block, decimate), time=block.t)
+    return Samples(q, v, a, tau, row_filter=torque_filter(block, decimate), time=block.t, temperature=block.temperature)
 
 
 def torque_filter(block: Recording, decimate: tuple[int, ...] = ()) -> RowFilter | None:

@@ -105,4 +105,5 @@ def _samples(done: Recording, row_filter: RowFilter | None, before: int, after: 
     """The recording without these numbers of rows at its beginning and end; one without rows before is the first."""
     own = slice(before, len(done.t) - after)
     q, v, a, tau = (done.channel(name)[own] for name in ("q", "v", "a", "tau"))
-    return Samples(q, v, a, tau, row_filter=row_filter, continues=before > 0, time=done.t[own])
+    temperature = None if done.temperature is None else done.temperature[own]
+    return Samples(q, v, a, tau, row_filter=row_filter, continues=before > 0, time=done.t[own], temperature=temperature)

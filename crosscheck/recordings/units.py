@@ -13,6 +13,9 @@ _DEGREE = np.pi / 180
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
 
+JOINTLESS_UNITS = {"time": TIME_UNITS, "temperature": {"degC": 1.0}}
+"""Of what is the same for joints that turn and joints that slide."""
+
 TURNING_UNITS = {
     "q": {"rad": 1.0, "mrad": 1e-3, "deg": _DEGREE, "rev": _TURN},
     "v": {"rad/s": 1.0, "deg/s": _DEGREE, "rev/s": _TURN, "rpm": _TURN / 60},
@@ -45,10 +48,10 @@ def _spelling(unit: str) -> str:
 
 
 def unit_of(quantity: str, name: str) -> Unit | None:
-    """The unit of this name, or None where the quantity (q, v, a, tau, time) has no such unit."""
+    """The unit of this name, or None where the quantity (q, v, a, tau, temperature, time) has no such unit."""
     tables: list[tuple[dict[str, float], bool | None, bool]]
-    if quantity == "time":
-        tables = [(TIME_UNITS, None, False)]
+    if quantity in JOINTLESS_UNITS:
+        tables = [(JOINTLESS_UNITS[quantity], None, False)]
     else:
         tables = [(TURNING_UNITS[quantity], False, False), (SLIDING_UNITS[quantity], True, False)]
         if quantity == "tau":
@@ -64,8 +67,8 @@ def known_unit(quantity: str, name: str, where: str) -> Unit:
     """The unit of this name. Raises BadMapping, listing the units of the quantity."""
     unit = unit_of(quantity, name)
     if unit is None:
-        if quantity == "time":
-            names = [*TIME_UNITS]
+        if quantity in JOINTLESS_UNITS:
+            names = [*JOINTLESS_UNITS[quantity]]
         else:
             names = [*TURNING_UNITS[quantity], *SLIDING_UNITS[quantity], *(DRIVE_UNITS if quantity == "tau" else ())]
         raise BadMapping(f"{where}: {name!r} is not a unit of {quantity}; use one of: {', '.join(names)}")

@@ -54,6 +54,7 @@ from graphdyn.identification.residual_statistics import ResidualSizes, ResidualS
 from graphdyn.identification.row_filter import RowFilter
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.identification.tuning import Tunable, Tuned, tuned
 
 __all__ = [
     "PRINCIPAL_PARAMETER_NAMES",
@@ -92,6 +93,8 @@ __all__ = [
     "Samples",
     "TorqueModel",
     "TotalLeastSquares",
+    "Tunable",
+    "Tuned",
     "WeightedLeastSquares",
     "WrenchData",
     "base_parameters",
@@ -111,4 +114,5 @@ __all__ = [
     "plausibility",
     "principal_regressor",
     "residual_statistics",
+    "tuned",
 ]

@@ -6,6 +6,7 @@ block, so that cross-validation is merging all but one; only methods that look a
 
 from __future__ import annotations
 
+import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -246,13 +247,13 @@ class Problem:
     def _equations_or_samples(self) -> Iterator[Rows | Samples]:
         """The samples where no filter stands between them and their sums, the filtered equations elsewhere."""
         for run in self._runs():
-            if run.row_filter is None:
+            if run.row_filter is None and not self.torque_model.has_memory:
                 yield from map(self._told, run.pieces(SUMMED))
             else:
                 yield from self._equations_of(run)
 
     def _equations_of(self, run: Run) -> Iterator[Rows]:
-        chunks = map(self._unfiltered, run.pieces(CHUNK))
+        chunks = map(self._unfiltered, run.pieces(sys.maxsize if self.torque_model.has_memory else CHUNK))
         if run.row_filter is not None:
             yield from filtered(chunks, run.row_filter, self.structure.support, self.min_speed)
             return
@@ -278,6 +279,8 @@ class Problem:
     def _checked(self, piece: Samples) -> Samples:
         if not isinstance(piece, Samples):
             raise InvalidInput(f"the data hold a {type(piece).__name__}; every piece must be Samples(q, v, a, tau)")
+        if piece.continues and self.torque_model.has_memory:
+            raise InvalidInput("friction with memory needs each run of the recording as one piece; read it as a whole")
         if piece.q.shape[1] != self.n_joints:
             raise InvalidInput(
                 f"the samples have {piece.q.shape[1]} joints, robot '{self.torque_model.model.name}' has "

@@ -25,7 +25,8 @@ class Samples:
     row_filter: through which the torque and every column of the regressor still have to go; tau is as measured then
     continues: whether the first sample follows the last one of the piece before, one period later; filters and
         correlations in time do not stop between them
-    time: of every sample, for methods that simulate the motion   (N,)  [s]
+    time: of every sample, for methods that simulate the motion and for drifts   (N,)  [s]
+    temperature: of the drives, for drifts                  (N, n)  [°C]
 
     Memory maps are kept as they are and read piece by piece. Raises InvalidInput where the shapes differ.
     """
@@ -38,9 +39,11 @@ class Samples:
     row_filter: RowFilter | None = None
     continues: bool = False
     time: Array | None = None
+    temperature: Array | None = None
 
     def __post_init__(self) -> None:
-        arrays = {name: _two_dimensional(name, getattr(self, name)) for name in ("q", "v", "a", "tau")}
+        names = ("q", "v", "a", "tau", *(("temperature",) if self.temperature is not None else ()))
+        arrays = {name: _two_dimensional(name, getattr(self, name)) for name in names}
         if len({array.shape for array in arrays.values()}) > 1:
             shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
             raise InvalidInput(f"the arrays of the samples differ in shape: {shapes}; all must be (N, n)")
@@ -56,9 +59,9 @@ class Samples:
 
     def __getitem__(self, rows: slice) -> Samples:
         parts = {name: getattr(self, name)[rows] for name in ("q", "v", "a", "tau")}
-        time = None if self.time is None else self.time[rows]
+        parts |= {name: None if (x := getattr(self, name)) is None else x[rows] for name in ("time", "temperature")}
         continues = self.continues and not rows.start
-        return dataclasses.replace(self, **parts, base=_base_rows(self.base, rows), time=time, continues=continues)
+        return dataclasses.replace(self, **parts, base=_base_rows(self.base, rows), continues=continues)
 
     def pieces(self, length: int) -> Iterator[Samples]:
         """Consecutive pieces of this length; the last one may be shorter."""

@@ -46,11 +46,12 @@ def structure(torque_model: TorqueModel, seed: int = 0) -> ParameterStructure:
 
 
 def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
-    """Random states within the limits of the robot, torques zero."""
+    """Random states within the limits of the robot, torques zero; times and temperatures random too."""
     rng = np.random.default_rng(seed)
     q, v = torque_model.model.random_state(rng, size)
     v = np.clip(v, -SPEED, SPEED)
     a = rng.uniform(-ACCELERATION, ACCELERATION, q.shape)
     if torque_model.model.chords:
         q, v, a = assemble(torque_model.model, q, v, a)
-    return Samples(q, v, a, np.zeros_like(q))
+    time, temperature = rng.normal(size=size), rng.normal(size=q.shape)
+    return Samples(q, v, a, np.zeros_like(q), time=time, temperature=temperature)

@@ -75,6 +75,11 @@ class TorqueModel:
         """(N, n): W x + known."""
         return self.rows(samples) @ x + self.known_torque(samples)
 
+    @cached_property
+    def has_memory(self) -> bool:
+        """Whether a term needs all samples of an uninterrupted run at once."""
+        return any(getattr(term, "has_memory", False) for term in self.terms)
+
     def slice_of(self, kind: type) -> slice | None:
         """The columns of the first term of this class, None without one."""
         return next((columns for term, columns in self._parts if isinstance(term, kind)), None)

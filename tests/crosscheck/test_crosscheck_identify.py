@@ -32,10 +32,11 @@ from crosscheck.identifying import (
     recommendation,
     virtual_robot,
 )
+from crosscheck.identifying.baselines import constant_errors
 from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
 from crosscheck.identifying.pooling import pooled_sizes
 from crosscheck.identifying.result_errors import joint_errors, mean_error
-from crosscheck.identifying.torque_terms import WITH_VELOCITY, WITH_WIDTH
+from crosscheck.identifying.torque_terms import with_setting
 from crosscheck.recordings import Recording, concatenated
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.report.json import plain
@@ -121,6 +122,13 @@ class TestBaselines:
         found = identified_from(bare, ["graph", "wls"])
         assert "the method needs all six components" in found.comparison.of("graph method").failure
         assert found.comparison.of("WLS").failure is None
+
+    def test_a_channel_that_is_zero(self):
+        recording = CUTOFF.differentiated(virtual().fitted)
+        dead = replace(recording, tau=recording.tau * [0, 1, 1])
+        found = constant_errors(virtual().subject.model, CUTOFF, LastPart().divide([dead]))
+        assert found.everything.rms[0] == 0
+        assert np.all(found.everything.rms[1:] > 1)
 
     def test_known_bodies_leave_nothing_to_exchange(self):
         found = identified(["graph", "wls-pinocchio", "wls"], terms=(Viscous(), Offset()), known=(KnownBodies(),))
@@ -445,7 +453,7 @@ class TestNames:
         with pytest.raises(InvalidInput, match="the term 'offset' is given twice"):
             friction_terms(["offset", "offset"])
 
-    @pytest.mark.parametrize("option", ["width", "stribeck_velocity"])
+    @pytest.mark.parametrize("option", ["width", "stribeck_velocity", "stribeck_exponent"])
     def test_no_term_ignores_an_option(self, option):
         """A term either changes with it, or it is refused."""
         model = graphdyn.kr500()
@@ -453,7 +461,7 @@ class TestNames:
         samples = Samples(q, v, np.ones_like(q), np.zeros_like(q))
         for name in TERMS:
             (plain,) = friction_terms([name])
-            if name in {"width": WITH_WIDTH, "stribeck_velocity": WITH_VELOCITY}[option]:
+            if name in with_setting(option.removeprefix("stribeck_")):
                 (other,) = friction_terms([name], **{option: 0.7})
                 assert not np.array_equal(plain.rows(model, samples), other.rows(model, samples)), name
             else:

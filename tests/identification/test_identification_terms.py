@@ -1,11 +1,13 @@
 """What the torque is made of: every term against its formula, names, units, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torque_data
 
 import graphdyn
-from graphdyn import InvalidInput, Joint, Placement, RobotModel
+from graphdyn import BaseMotion, Body, Coupling, InvalidInput, Joint, Placement, RobotModel
 from graphdyn._inertia import parameters_from_inertia
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.motion import Motion
@@ -14,10 +16,12 @@ from graphdyn.identification.terms import (
     AsymmetricViscous,
     Coulomb,
     CoupledWrist,
+    Drift,
     KnownBodies,
     KnownPayload,
     KnownTorque,
     LoadFriction,
+    MaxwellSlip,
     Offset,
     Payload,
     PayloadMass,
@@ -25,6 +29,7 @@ from graphdyn.identification.terms import (
     RotorInertia,
     ScaledTorque,
     SmoothCoulomb,
+    Spring,
     Stribeck,
     UserColumns,
     Viscous,
@@ -41,7 +46,8 @@ def samples():
     rng = np.random.default_rng(0)
     q, v = MODEL.random_state(rng, 20)
     v[0] = 0.0
-    return Samples(q, v, rng.normal(size=q.shape), np.zeros_like(q))
+    a, time, temperature = rng.normal(size=q.shape), np.linspace(0, 1, 20), 30 + rng.normal(size=q.shape)
+    return Samples(q, v, a, np.zeros_like(q), time=time, temperature=temperature)
 
 
 def diagonal(values):
@@ -86,6 +92,28 @@ PER_JOINT = {
         "1",
     ),
     "offset": (Offset(), lambda s: np.ones_like(s.v), "O2 offset", "OFF_2", "N m"),
+    "exponents": (
+        Stribeck(velocity=0.5, exponent=np.arange(1.0, 7.0)),
+        lambda s: np.sign(s.v) * np.exp(-(np.abs(s.v / 0.5) ** np.arange(1.0, 7.0))),
+        "O2 Stribeck friction",
+        "FS_2",
+        "N m",
+    ),
+    "spring": (Spring(), lambda s: s.q, "O2 spring", "K_2", "N m/rad"),
+    "drift in time": (
+        Drift(Offset(), "time", 4.0),
+        lambda s: np.ones_like(s.v) * (s.time[:, None] - 4.0),
+        "O2 offset per time",
+        "OFF_2/s",
+        "N m/s",
+    ),
+    "drift with temperature": (
+        Drift(Viscous(), "temperature", 30.0),
+        lambda s: s.v * (s.temperature - 30.0),
+        "O2 viscous friction per temperature",
+        "FV_2/K",
+        "N m s/rad/K",
+    ),
     "rotor": (RotorInertia(), lambda s: s.a, "O2 rotor inertia", "IA_2", "kg m²"),
 }
 
@@ -110,6 +138,56 @@ def test_several_widths(samples):
     assert named[7] == ("O2 Coulomb friction of width 2", "FC2_2")
     with pytest.raises(InvalidInput, match=r"width is 0\.; give one positive number, or 6"):
         SmoothCoulomb([0.0]).columns(MODEL)
+
+
+def test_drifts_need_their_channel(samples):
+    with pytest.raises(
+        InvalidInput, match="a drift over temperature, which the samples lack; map its column, or leave"
+    ):
+        Drift(Viscous(), "temperature").rows(MODEL, replace(samples, temperature=None))
+    with pytest.raises(InvalidInput, match="a drift is over 'load'; use time or temperature"):
+        Drift(Viscous(), "load").columns(MODEL)
+
+
+class TestMaxwellSlip:
+    def still(self, q):
+        q = np.outer(q, np.ones(6))
+        return Samples(q, np.zeros_like(q), np.zeros_like(q), np.zeros_like(q))
+
+    def test_one_element(self):
+        """Forth by more than its deflection, back by a part of it, back by more."""
+        term = MaxwellSlip([np.arange(1.0, 7.0)])
+        rows = term.rows(MODEL, self.still([0.0, 0.5, 5.0, 4.0, 4.0, -9.0, -8.5]))
+        assert rows[:, 1, 1] == pytest.approx([0, 0.25, 1, 0.5, 0.5, -1, -0.75])
+        assert rows[:, 0, 0] == pytest.approx([0, 0.5, 1, 0, 0, -1, -0.5])
+        assert not rows[:, 0, 1:].any()
+        with pytest.raises(InvalidInput, match=r"deflection is 0\.; give one positive number, or 6"):
+            MaxwellSlip([0.0]).rows(MODEL, self.still([0.0]))
+
+    def test_many_elements_are_masing_s_rule(self):
+        """A branch after a reversal is the first branch, stretched by two (Masing 1926)."""
+        term = MaxwellSlip([0.1, 0.3, 0.7])
+        strength = np.repeat([2.0, 3.0, 5.0], 6)
+        forth, back = np.linspace(0, 1, 101), np.linspace(1, -1, 101)
+        torque = (term.rows(MODEL, self.still([*forth, *back[1:]])) @ strength)[:, 0]
+        first, branch = torque[:101], torque[100:]
+        assert branch == pytest.approx(first[-1] - 2 * first, abs=1e-12)
+        named = [(column.name, column.symbol) for column in term.columns(MODEL)[6:8]]
+        assert named == [("O1 Maxwell-slip friction 2", "FM2_1"), ("O2 Maxwell-slip friction 2", "FM2_2")]
+
+    def test_remembers_beyond_a_chunk(self, monkeypatch):
+        monkeypatch.setattr("graphdyn.identification.problem.CHUNK", 7)
+        samples = self.still(np.cumsum(np.random.default_rng(0).normal(size=40)))
+        model = TorqueModel(MODEL, [MaxwellSlip([2.0])])
+        for compression in ("qr", "gram"):
+            problem = Problem(model, samples, compression=compression)
+            rows = MaxwellSlip([2.0]).rows(MODEL, samples)
+            assert problem.equations.counts.tolist() == [40] * 6
+            lengths = np.linalg.norm(problem.equations.factors[..., :-1], axis=1)
+            assert lengths == pytest.approx(np.linalg.norm(rows, axis=0), abs=1e-12)
+        pieces = [samples[:20], replace(samples[20:], continues=True)]
+        with pytest.raises(InvalidInput, match="friction with memory needs each run of the recording as one piece"):
+            Problem(model, pieces).equations  # noqa: B018
 
 
 def test_scaled_torque(samples):
@@ -175,6 +253,50 @@ def test_coupled_wrist(samples):
     smooth = CoupledWrist(("O3", "O6"), width=0.1).rows(MODEL, samples)[:, 2, 2]
     assert close(smooth, np.tanh((samples.v[:, 2] + samples.v[:, 5]) / 0.1))
     assert [column.symbol for column in CoupledWrist().columns(MODEL)] == ["IAM_6", "FVM_6", "FCM_6"]
+
+
+class TestRotors:
+    GEARS = np.array([100.0, -80.0, 60.0, 5.0, -4.0, 3.0])
+    INERTIA = np.array([3e-3, 4e-3, 2e-3, 0.3, 0.2, 0.5])
+    AXES = np.array([[0, 0, 1], [1, 0, 0], [0, 0.6, 0.8], [0, 0, 1], [0.6, -0.8, 0], [0, 1, 0]])
+
+    def rotor(self, j):
+        """About its center: INERTIA about the axis, 0.01 across."""
+        across = 0.01 * (np.eye(3) - np.outer(self.AXES[j], self.AXES[j]))
+        return 2.0, np.array([0.1, -0.2, 0.3]), self.INERTIA[j] * np.outer(self.AXES[j], self.AXES[j]) + across
+
+    def test_gyroscopic_coupling(self, samples):
+        """Against rotors that are bodies of their own, coupled to the joints, less the same rotors held still."""
+        bodies, joints, couplings = list(MODEL.bodies), list(MODEL.joints), []
+        held = MODEL.inertial_parameters.reshape(-1, 10).copy()
+        for j, joint in enumerate(MODEL.joints):
+            mass, center, inertia = self.rotor(j)
+            bodies.append(Body(f"rotor {j}", mass, np.zeros(3), inertia))
+            joints.append(Joint(f"R{j}", "revolute", joint.inside, Placement(np.eye(3), center), self.AXES[j]))
+            couplings.append(Coupling(f"R{j}", {joint.name: self.GEARS[j]}))
+            if joint.inside:
+                held[joint.inside - 1] += parameters_from_inertia(mass, center, inertia)
+        spinning = RobotModel("spinning", tuple(bodies), tuple(joints), couplings=tuple(couplings))
+        still = MODEL.with_inertial_parameters(held.ravel())
+        expected, without = (
+            graphdyn.joint_torques(robot, samples.q, samples.v, samples.a) for robot in (spinning, still)
+        )
+        term = RotorInertia(self.GEARS, self.AXES)
+        found = term.rows(MODEL, samples) @ (self.GEARS**2 * self.INERTIA)
+        assert np.abs(found - (expected - without)).max() <= SAME * np.abs(expected).max()
+        plain = RotorInertia().rows(MODEL, samples) @ (self.GEARS**2 * self.INERTIA)
+        assert np.abs(found - plain).max() > 0.01 * np.abs(plain).max()
+
+    def test_refusals(self, samples):
+        with pytest.raises(
+            InvalidInput, match=r"gears of the rotors are \[1\. 2\.\]; give 6 numbers that are not zero"
+        ):
+            RotorInertia([1.0, 2.0]).rows(MODEL, samples)
+        with pytest.raises(InvalidInput, match=r"axes of the rotors have shape \(6, 3\); give 6 vectors of length 1"):
+            RotorInertia(self.GEARS, 2 * self.AXES).rows(MODEL, samples)
+        moving = replace(samples, base=BaseMotion())
+        with pytest.raises(InvalidInput, match="rotors with gears need a base at rest; leave the gears out"):
+            RotorInertia(self.GEARS).rows(MODEL, moving)
 
 
 class TestPayload:

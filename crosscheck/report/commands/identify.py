@@ -94,8 +94,24 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
                 "condition number",
                 f"{comparison.condition_number:.3g}, joints weighted by their torque, columns at unit length",
             ),
+            *_settings(_model(found, shown)),
             *_correlation(found, shown),
         )
+    )
+
+
+def _settings(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:
+    """Of the terms, where they were found: per joint, in brackets where the recording does not say."""
+    return tuple(
+        (
+            setting.name,
+            " ".join(
+                f"({value:.2g})" if end else f"{value:.2g}"
+                for value, end in zip(setting.values, setting.at_end, strict=True)
+            )
+            + ", fitted per joint; in brackets at the end of its range",
+        )
+        for setting in model.settings
     )
 
 

@@ -307,6 +307,20 @@ class CandidateRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SettingRecord:
+    """A setting of a torque model's term that was found together with the parameters."""
+
+    name: str
+    """Of term and setting, such as coulomb width."""
+
+    values: Sequence[float]
+    """One per joint."""
+
+    at_end: Sequence[bool]
+    """Per joint, whether it is at the end of the range of the search, because the recording does not say."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ModelRecord:
     """A further torque model."""
 
@@ -333,6 +347,9 @@ class ModelRecord:
 
     base_matrix: Sequence[Sequence[float]]
     """B with base parameters = B · parameters, one row per base parameter."""
+
+    settings: Sequence[SettingRecord]
+    """Those that were found together with the parameters."""
 
     methods: Sequence[MethodRecord]
     """Every method, in the order asked for."""
@@ -411,6 +428,9 @@ class IdentifyRecord:
     base_matrix: Sequence[Sequence[float]]
     """B with base parameters = B · parameters, one row per base parameter."""
 
+    settings: Sequence[SettingRecord]
+    """Those that were found together with the parameters."""
+
     undetermined: Sequence[str]
     """Standard parameters that are determined in combinations only, or not at all."""
 
@@ -466,6 +486,7 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         parameters=[taken(ParameterRecord, column) for column in found.torque_model.columns],
         base_parameters=_base_parameters(comparison),
         base_matrix=found.problem.base.matrix.tolist(),
+        settings=[taken(SettingRecord, setting) for setting in found.settings],
         methods=[_method(found, result) for result in comparison.results],
         model=found.name,
         other_models=[_model(model) for model in found.others],
@@ -492,6 +513,7 @@ def _model(model: IdentifiedModel) -> ModelRecord:
         parameters=[taken(ParameterRecord, column) for column in model.torque_model.columns],
         base_parameters=_base_parameters(model.comparison),
         base_matrix=model.problem.base.matrix.tolist(),
+        settings=[taken(SettingRecord, setting) for setting in model.settings],
         methods=[_method(model, result) for result in model.comparison.results],
     )
 

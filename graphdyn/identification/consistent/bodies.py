@@ -14,6 +14,7 @@ from graphdyn.identification.terms import (
     AsymmetricViscous,
     Coulomb,
     LoadFriction,
+    MaxwellSlip,
     Payload,
     PayloadMass,
     RigidBodies,
@@ -23,7 +24,10 @@ from graphdyn.identification.terms import (
 from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 
-NOT_NEGATIVE = (Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, LoadFriction, RotorInertia, PayloadMass)
+NOT_NEGATIVE = (
+    *(Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, LoadFriction, MaxwellSlip),
+    *(RotorInertia, PayloadMass),
+)
 """Dissipation takes energy, a rotor has mass. Stribeck friction may fall below zero: it comes on top of Coulomb's."""
 
 

@@ -1,15 +1,18 @@
 """What actuator torques are made of: one class per physical effect, each linear in its parameters."""
 
+from graphdyn.identification.terms.drift import Drift
 from graphdyn.identification.terms.drives import CoupledWrist, RotorInertia
 from graphdyn.identification.terms.friction import (
     AsymmetricCoulomb,
     AsymmetricViscous,
     Coulomb,
     Offset,
+    Spring,
     Stribeck,
     Viscous,
 )
 from graphdyn.identification.terms.load_friction import LoadFriction, SmoothCoulomb
+from graphdyn.identification.terms.maxwell_slip import MaxwellSlip
 from graphdyn.identification.terms.payload import KnownPayload, Payload, PayloadMass
 from graphdyn.identification.terms.rigid_bodies import KnownBodies, RigidBodies
 from graphdyn.identification.terms.term import Column, KnownTerm, Term
@@ -21,11 +24,13 @@ __all__ = [
     "Column",
     "Coulomb",
     "CoupledWrist",
+    "Drift",
     "KnownBodies",
     "KnownPayload",
     "KnownTerm",
     "KnownTorque",
     "LoadFriction",
+    "MaxwellSlip",
     "Offset",
     "Payload",
     "PayloadMass",
@@ -33,6 +38,7 @@ __all__ = [
     "RotorInertia",
     "ScaledTorque",
     "SmoothCoulomb",
+    "Spring",
     "Stribeck",
     "Term",
     "UserColumns",

@@ -5,24 +5,76 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
+from graphdyn._kinematics import maximal_state, null_space
 from graphdyn._model import RobotModel
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms.friction import smooth_sign
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
-from graphdyn.layout import Array
+from graphdyn.layout import ANGULAR, Array
+
+UNIT = 1e-6
+"""Deviation of the length of an axis from 1 that rounding in a file explains."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RotorInertia:
-    """I_a a per joint: inertia of rotor and gear as seen at the joint, without gyroscopic effects."""
+    """I_a a per joint: inertia of rotor and gear as seen at the joint.
+
+    With gears, gyroscopic coupling too. Rotor j turns with s = G_j v_j about an axis n that is fixed in the body that
+    carries it, the inside body of joint j, with inertia I = I_a / G_j² about n. Of its kinetic energy I (s + n·ω)² / 2
+    the term has what contains s; the rest is inertia of the carrier:
+
+        I_a a_j + I_a / G_j n·ω̇            on joint j
+        I_a / G_j Jᵀ (n a_j + ω × n v_j)   on all joints that turn the carrier, J its angular Jacobian
+
+    Siciliano, Sciavicco, Villani and Oriolo, Robotics: Modelling, Planning and Control, 2009, section 7.1.1, with the
+    terms that it neglects for large G.
+
+    gears: G_j, signed: turns of the rotor per turn of the joint      (n,)   [1, rad/m]
+    axes: n_j, of length 1, in axes of the inside link; that of the joint if left out      (n, 3)
+    """
+
+    gears: ArrayLike | None = None
+    axes: ArrayLike | None = None
 
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
         return per_joint_columns(model, "rotor inertia", "IA", "kg m²", "kg")
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        return per_joint_rows(samples.a)
+        rows = per_joint_rows(samples.a)
+        if self.gears is None:
+            return rows
+        gears, axes = self._rotors(model)
+        state = maximal_state(model, samples.q, samples.v, samples.a, base=samples.base)
+        assert state.acceleration is not None
+        jacobian = null_space(state).reshape(*samples.q.shape[:1], model.n_bodies, 6, -1)[:, :, ANGULAR]
+        for j, number in enumerate(model.freedoms.independent):
+            carrier = model.joints[number].inside - 1
+            if carrier < 0:  # a rotor in the base
+                if samples.base is not None:
+                    raise InvalidInput("rotors with gears need a base at rest; leave the gears out")
+                continue
+            omega = state.velocity[:, carrier, ANGULAR]
+            change = axes[j] * samples.a[:, [j]] + np.cross(omega, axes[j]) * samples.v[:, [j]]
+            rows[:, :, j] += np.einsum("tak,ta->tk", jacobian[:, carrier], change) / gears[j]
+            rows[:, j, j] += state.acceleration[:, carrier, ANGULAR] @ axes[j] / gears[j]
+        return rows
+
+    def _rotors(self, model: RobotModel) -> tuple[Array, Array]:
+        n = model.n_freedoms
+        gears = as_floats("gears of the rotors", self.gears)
+        if gears.shape != (n,) or not np.all(np.isfinite(gears)) or not np.all(gears):
+            raise InvalidInput(f"gears of the rotors are {np.array2string(gears)}; give {n} numbers that are not zero")
+        joints = [model.joints[number] for number in model.freedoms.independent]
+        own = [joint.placement.rotation @ joint.axis for joint in joints]
+        axes = as_floats("axes of the rotors", own if self.axes is None else self.axes)
+        if axes.shape != (n, 3) or not np.all(np.abs(np.linalg.norm(axes, axis=-1) - 1) <= UNIT):
+            raise InvalidInput(f"axes of the rotors have shape {axes.shape}; give {n} vectors of length 1")
+        return gears, axes
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Friction and offset of every joint.
+"""Friction, offset and spring of every joint.
 
 sign(v), or tanh(v / width) where a smooth change is wanted. Sources: Armstrong-Hélouvry, Dupont and Canudas de Wit, "A
 survey of models, analysis tools and compensation methods for the control of machines with friction", Automatica
@@ -51,12 +51,12 @@ class Coulomb:
 class Stribeck:
     """F_s sign(v) exp(-|v / velocity|^exponent): what is added at low speed. Take it together with Coulomb.
 
-    velocity: Stribeck velocity, one for all or one per joint [rad/s or m/s]; it is given, not identified
+    velocity, exponent: one for all or one per joint [rad/s or m/s, 1]; they are given, not identified
     width: as in Coulomb
     """
 
     velocity: ArrayLike
-    exponent: float = 2.0
+    exponent: ArrayLike = 2.0
     width: ArrayLike | None = None
 
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
@@ -64,7 +64,7 @@ class Stribeck:
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         v_s = positive("Stribeck velocity", self.velocity, model.n_freedoms)
-        falling = np.exp(-(np.abs(samples.v / v_s) ** float(positive("exponent", self.exponent, 1)[0])))
+        falling = np.exp(-(np.abs(samples.v / v_s) ** positive("exponent", self.exponent, model.n_freedoms)))
         return per_joint_rows(smooth_sign(samples.v, self.width) * falling)
 
 
@@ -106,6 +106,17 @@ class Offset:
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         return per_joint_rows(np.ones(samples.v.shape))
+
+
+@dataclass(frozen=True)
+class Spring:
+    """K q per joint; beside Offset, a linear spring with any rest position."""
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return per_joint_columns(model, "spring", "K", "N m/rad", "N/m")
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return per_joint_rows(samples.q)
 
 
 def smooth_sign(v: Array, width: ArrayLike | None) -> Array:

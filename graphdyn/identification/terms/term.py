@@ -27,7 +27,10 @@ class Column:
 
 
 class Term(Protocol):
-    """A part of the torque with unknown parameters. Any class with these two methods is one."""
+    """A part of the torque with unknown parameters. Any class with these two methods is one.
+
+    A term whose rows depend on earlier samples has an attribute has_memory = True; it is given whole runs.
+    """
 
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
         """The k parameters of this part."""

@@ -1,0 +1,57 @@
+"""Parameters that drift with time or temperature.
+
+Friction of gears changes by a factor of two while their grease warms up: Simoni, Beschi, Legnani and Visioli, "Friction
+modeling with temperature effects for industrial robot manipulators", IEEE/RSJ IROS 2015.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from graphdyn._errors import InvalidInput
+from graphdyn._model import RobotModel
+from graphdyn.identification.samples import Samples
+from graphdyn.identification.terms.term import Column, Term
+from graphdyn.layout import Array
+
+UNITS = {"time": "s", "temperature": "K"}
+
+
+@dataclass(frozen=True, eq=False)
+class Drift:
+    """What is added to a term, in proportion to time or temperature: its torque W x' (s - reference) beside W x.
+
+    Take it together with the term itself, whose parameters are then those at the reference.
+    term: with one column per joint, such as Viscous()
+    over: what drifts: samples.time [s], or samples.temperature of each joint [°C]
+    reference: [s or °C]
+    """
+
+    term: Term
+    over: Literal["time", "temperature"] = "time"
+    reference: float = 0.0
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        if self.over not in UNITS:
+            raise InvalidInput(f"a drift is over '{self.over}'; use {' or '.join(UNITS)}")
+        return tuple(
+            Column(
+                f"{column.name} per {self.over}",
+                f"{column.symbol}/{UNITS[self.over]}",
+                f"{column.unit}/{UNITS[self.over]}",
+            )
+            for column in self.term.columns(model)
+        )
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        values = samples.time if self.over == "time" else samples.temperature
+        if values is None:
+            raise InvalidInput(
+                f"the torque model has a drift over {self.over}, which the samples lack; map its column, or leave the "
+                "drift out"
+            )
+        factor = values - self.reference
+        if factor.ndim == 1:
+            factor = factor[:, None]
+        return self.term.rows(model, samples) * factor[:, :, None]
