@@ -8,6 +8,8 @@ from crosscheck.recordings import (
     AmbiguousColumns,
     BadMapping,
     BadRecordingFile,
+    concatenated,
+    differentiated,
     inspect_recording,
     load_mapping,
     load_recording,
@@ -16,6 +18,7 @@ from crosscheck.recordings import (
     save_virtual_recording,
 )
 from crosscheck.recordings.column_names import meaning
+from crosscheck.recordings.loading import reordered
 from crosscheck.recordings.units import DRIVE_UNITS, SLIDING_UNITS, TIME_UNITS, TURNING_UNITS, unit_of
 from graphdyn import InvalidInput
 
@@ -34,6 +37,26 @@ def written(folder, names, name="r.csv", rows=ROWS, clock=True):
 
 def columns(folder, names, **options):
     return written(folder, names, rows=ROWS[:, : len(names)], **options)
+
+
+TWO_AXES = {"joints": ["A", "B"], "rate": 100, "q": {"columns": ["q1", "q2"]}}
+
+
+class TestTemperature:
+    @pytest.mark.parametrize(("names", "expected"), [("T_{number}", [2, 3]), ("T_2", [3, 3]), (["T_2", "T_1"], [3, 2])])
+    def test_of_each_joint_or_of_all(self, names, expected, tmp_path):
+        path = columns(tmp_path, ["q1", "q2", "T_1", "T_2"], clock=False)
+        recording = load_recording(path, mapping_of(TWO_AXES | {"temperature": {"columns": names}}, "m.toml"))
+        assert np.array_equal(recording.temperature, ROWS[:, expected])
+        assert np.array_equal(differentiated(recording, None).temperature, ROWS[4:-4, expected])
+        assert np.array_equal(reordered(recording, ["B", "A"]).temperature, ROWS[:, expected[::-1]])
+        assert len(concatenated([recording, recording]).temperature) == 60
+
+    def test_refusals(self):
+        wrong = (({"sign": 1}, r"\[temperature\]: unknown key 'sign'"), ({"unit": "F"}, "use one of: degC"))
+        for entry, message in wrong:
+            with pytest.raises(BadMapping, match=message):
+                mapping_of(TWO_AXES | {"temperature": {"columns": "T", **entry}}, "m.toml")
 
 
 @pytest.mark.parametrize(
