@@ -6,6 +6,8 @@
     known_torques = ["drives.py:counterbalance"]
     scaled_torques = ["drives.py:spring"]
     known_bodies = false
+    expected = {IA_3 = [764, 80]}
+    noise = [40, 60, 60, 10, 10, 8]
 
 Files are looked up beside the TOML file.
 """
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from graphdyn.identification import Estimator
     from graphdyn.identification.terms import KnownTerm, Term
 
-KEYS = ("terms", "methods", "known_torques", "scaled_torques", "known_bodies")
+KEYS = ("terms", "methods", "known_torques", "scaled_torques", "known_bodies", "expected", "noise")
 
 
 def models_of(
@@ -60,7 +62,8 @@ def models_of(
         chosen = [_method(where, file, entry) for entry in _entries(where, table, "methods")] or methods
         subtracted = (*known_links, *known, *known_torques(own))
         terms = (*bodies, *load, *drives, *scaled_torques(scaled))
-        found.append(CandidateModel(name, terms, subtracted, chosen))
+        expected = _expected(f"{where} expected", table.get("expected", {}))
+        found.append(CandidateModel(name, terms, subtracted, chosen, expected=expected, noise=table.get("noise")))
     return found
 
 
@@ -78,6 +81,17 @@ def _flag(where: str, value: object) -> bool:
     if not isinstance(value, bool):
         raise typer.BadParameter(f"{where} is {value!r}; give true or false")
     return value
+
+
+def _expected(where: str, table: object) -> dict[str, tuple[float, float]]:
+    """Value and standard deviation by symbol."""
+    if not isinstance(table, dict):
+        raise typer.BadParameter(f"{where} is {table!r}; give SYMBOL = [value, standard deviation]")
+    for symbol, pair in table.items():
+        numbers = isinstance(pair, list) and len(pair) == 2 and all(type(x) in (int, float) for x in pair)
+        if not numbers:
+            raise typer.BadParameter(f"{where} {symbol} is {pair!r}; give [value, standard deviation]")
+    return {symbol: (float(value), float(deviation)) for symbol, (value, deviation) in table.items()}
 
 
 def _entries(where: str, table: Mapping[str, Any], key: str) -> list[str | dict[str, Any]]:

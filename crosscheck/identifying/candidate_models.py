@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from numpy.typing import ArrayLike
 
 from crosscheck.identifying.methods import STANDARD_METHODS
 from graphdyn import InvalidInput, RobotModel
@@ -22,6 +24,7 @@ class CandidateModel:
     terms: unknown parts of the torque; known: known parts, which are subtracted
     methods: names (METHODS) or estimators
     cad_of: as in IdentifiedModel
+    expected, noise: as in TorqueModel
     """
 
     name: str
@@ -29,10 +32,16 @@ class CandidateModel:
     known: Sequence[KnownTerm] = ()
     methods: Sequence[str | Estimator] = STANDARD_METHODS
     cad_of: str | None = None
+    expected: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    noise: ArrayLike | None = None
 
     def of(self, robot: RobotModel) -> TorqueModel:
         """The torque model of a robot."""
-        return TorqueModel(robot, self.terms, self.known)
+        expected = self.expected
+        if self.cad_of is not None:  # of the drives; the links are known
+            symbols = {column.symbol for column in TorqueModel(robot, self.terms).columns}
+            expected = {symbol: value for symbol, value in expected.items() if symbol in symbols}
+        return TorqueModel(robot, self.terms, self.known, expected, self.noise)
 
 
 def with_links_of_cad(models: Sequence[CandidateModel]) -> list[CandidateModel]:
@@ -56,4 +65,11 @@ def with_links_of_cad(models: Sequence[CandidateModel]) -> list[CandidateModel]:
 def _links_of_cad(model: CandidateModel) -> CandidateModel:
     drives = tuple(term for term in model.terms if not isinstance(term, CarriesBodies)) or (Offset(),)
     name = f"{model.name}, {CAD}" if model.name else CAD
-    return CandidateModel(name, drives, (KnownBodies(), *model.known), (WeightedLeastSquares(),), model.name)
+    return replace(
+        model,
+        name=name,
+        terms=drives,
+        known=(KnownBodies(), *model.known),
+        methods=(WeightedLeastSquares(),),
+        cad_of=model.name,
+    )

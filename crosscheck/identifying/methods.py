@@ -113,6 +113,10 @@ class Labelled:
     def needs(self) -> str:
         return self.estimator.needs
 
+    @property
+    def takes_expected(self) -> bool:
+        return getattr(self.estimator, "takes_expected", False)
+
     def estimate(self, problem: Problem) -> Estimate:
         """As the estimator."""
         return self.estimator.estimate(problem)

@@ -25,11 +25,12 @@ correlation in time."""
 class BaseRow:
     """One base parameter; NaN for numbers that do not exist.
 
-    name: in standard parameters; error: of the value against the truth
+    name: in standard parameters; symbol: as Khalil writes it; error: of the value against the truth
     deviation: for white noise; block_deviation: allowing for correlation in time; relative_deviation: of that one [%]
     """
 
     name: str
+    symbol: str
     unit: str
     cad: float
     value: float
@@ -110,7 +111,8 @@ def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
     for k, x in enumerate(result.base_values):
         relative = 100 * blocks[k] / abs(x) if x else float("inf")
         numbers = (cad[k], x, deviations[k], blocks[k], relative, truth[k], x - truth[k])
-        rows.append(BaseRow(comparison.base_names[k], comparison.base_units[k], *map(float, numbers)))
+        names = (comparison.base_names[k], comparison.base_symbols[k], comparison.base_units[k])
+        rows.append(BaseRow(*names, *map(float, numbers)))
     return rows
 
 

@@ -85,6 +85,19 @@ class BaseParameters:
         b = self._clean_matrix()
         return tuple(sum_in_words(row, names, first=int(k)) for k, row in zip(self.independent, b, strict=True))
 
+    def symbols(self, symbols: Sequence[str]) -> tuple[str, ...]:
+        """Every base parameter as Khalil writes it: XX_2, or XXR_2 where others are regrouped into it.
+
+        symbols: of the standard parameters (Khalil and Dombre, Modeling, Identification and Control of Robots, 2002,
+            section 9.4.2)
+        """
+        alone = set(self.alone.tolist())
+        found = []
+        for k in self.independent.tolist():
+            letters, underscore, number = symbols[k].partition("_")
+            found.append(symbols[k] if k in alone else f"{letters}R{underscore}{number}")
+        return tuple(found)
+
     @property
     def alone(self) -> Indices:
         """Columns that are determined by themselves: nothing folds into them."""

@@ -21,6 +21,9 @@ ENOUGH = 80
 100 cases, as `python tests/helpers/coverage_run.py` shows."""
 
 
+TAKES_NONE = "the method takes no expected values; use one that does (WLS, ridge, consistent, …), or expect none"
+
+
 @dataclass(frozen=True, eq=False)
 class MethodResult:
     """One method: its answer and how good it is, or why there is none.
@@ -62,6 +65,7 @@ class MethodComparison:
     """What the recording determines, whatever the method, and the methods in the order given.
 
     names, units: of the p parameters of the torque model; base_names, base_units: of the r base parameters
+    base_symbols: short names of these, as Khalil writes them, such as XXR_2
     rank: r; structural_rank: what any motion could determine; gap: smallest accepted and largest rejected pivot
     condition_number: of the regressor, joints weighted by their measured torque and columns at unit length
     undetermined: parameters that do not stand alone: they show in combinations, or not at all
@@ -72,6 +76,7 @@ class MethodComparison:
     units: tuple[str, ...]
     base_names: tuple[str, ...]
     base_units: tuple[str, ...]
+    base_symbols: tuple[str, ...]
     rank: int
     structural_rank: int
     gap: tuple[float, float]
@@ -140,6 +145,8 @@ def _estimated(problem: Problem, estimator: Estimator, progress: Callable[[str],
     blank = MethodResult(estimator.name, estimator.reference, estimator.assumptions, estimator.needs)
     start = time.perf_counter()
     try:
+        if problem.torque_model.expected and not getattr(estimator, "takes_expected", False):
+            raise EstimationFailed(TAKES_NONE)
         estimate = estimator.estimate(problem)
         _check(problem, estimate)
     except EstimationFailed as failure:
@@ -178,6 +185,7 @@ def _described(problem: Problem, results: tuple[MethodResult, ...]) -> MethodCom
         units=tuple(column.unit for column in columns),
         base_names=base.names(symbols),
         base_units=tuple(columns[k].unit for k in base.independent),
+        base_symbols=base.symbols(symbols),
         rank=base.rank,
         structural_rank=structural.rank,
         gap=base.gap,

@@ -22,10 +22,14 @@ class CompressedEquations:
 
     factors: F                                              (g, b + 1, b + 1)
     counts: equations of each group                         (g,)
+    expected: what is known beforehand, as further equations in units of their deviation   (k, b + 1), None: nothing
+    noise: standard deviation of each group, None where it is to be estimated   (g,)
     """
 
     factors: Array
     counts: NDArray[np.int64]
+    expected: Array | None = None
+    noise: Array | None = None
 
     @property
     def n_groups(self) -> int:
@@ -51,13 +55,22 @@ class CompressedEquations:
 
     def selected(self, columns: NDArray[np.int64]) -> CompressedEquations:
         """With these columns of W alone."""
-        reduced = self.factors[..., np.append(columns, self.n_columns)]
-        return CompressedEquations(triangle(reduced), self.counts)
+        chosen = np.append(columns, self.n_columns)
+        expected = None if self.expected is None else self.expected[:, chosen]
+        return CompressedEquations(triangle(self.factors[..., chosen]), self.counts, expected, self.noise)
 
     def weighted(self, deviations: Array) -> tuple[Array, Array]:
         """R (b + 1, b), z (b + 1,): ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / deviations_g², all of it, residual included."""
         scaled = self.factors / np.asarray(deviations, dtype=float)[:, None, None]
         f = triangle(scaled.reshape(-1, scaled.shape[-1]))
+        return f[:, :-1], f[:, -1]
+
+    def informed(self, deviations: Array) -> tuple[Array, Array]:
+        """R, z as weighted, together with what is expected; the deviations are those of the noise."""
+        r, z = self.weighted(deviations)
+        if self.expected is None:
+            return r, z
+        f = triangle(np.concatenate([np.column_stack([r, z]), self.expected]))
         return f[:, :-1], f[:, -1]
 
 
@@ -67,4 +80,4 @@ def merged(parts: Sequence[CompressedEquations]) -> CompressedEquations:
         raise InvalidInput("there are no equations to merge; the recording has no sample that counts")
     factors = np.concatenate([part.factors for part in parts], axis=-2)
     counts = np.sum([part.counts for part in parts], axis=0)
-    return CompressedEquations(triangle(factors), counts)
+    return CompressedEquations(triangle(factors), counts, parts[0].expected, parts[0].noise)

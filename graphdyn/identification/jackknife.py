@@ -31,7 +31,7 @@ def jackknife_covariance(blocks: Sequence[CompressedEquations], x: Array, deviat
 
     if len(blocks) < 2:
         return None
-    r = merged(blocks).weighted(deviations)[0][: len(x)]
+    r = merged(blocks).informed(deviations)[0][: len(x)]
     scale = np.linalg.norm(r, axis=0)
     inverse = solve_triangular(r / scale, np.eye(len(x)))  # columns at unit length; R x = y has the covariance of y
     changes, alone = [], np.zeros(len(x), dtype=bool)

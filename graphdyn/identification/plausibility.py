@@ -54,13 +54,14 @@ def plausibility(
 def mass_matrices(torque_model: TorqueModel, q: Array, parameters: Array) -> Array:
     """M (N, m, n, n) at q (N, n) for parameters (m, p): how the torque of all terms changes with a, rotors included."""
     n = q.shape[1]
-    still = Samples(q, np.zeros_like(q), np.zeros_like(q), np.zeros_like(q))
+    rest = np.zeros_like(q)
+    still = Samples(q, rest, rest, rest, time=rest[:, 0], temperature=rest)  # drifts do not change with a
     rows, known = torque_model.rows(still), torque_model.known_torque(still)
     columns = []
     for j in range(n):
         a = np.zeros_like(q)
         a[:, j] = 1.0
-        moved = Samples(q, still.v, a, still.tau)
+        moved = replace(still, a=a)
         change = (torque_model.rows(moved) - rows) @ parameters.T
         columns.append(change + (torque_model.known_torque(moved) - known)[..., None])
     m = np.moveaxis(np.stack(columns, axis=-2), -1, 1)

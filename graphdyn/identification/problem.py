@@ -29,6 +29,7 @@ from graphdyn.identification.rows import Rows
 from graphdyn.identification.runs import Run, runs
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.structure import ParameterStructure, structure
+from graphdyn.identification.terms.friction import positive
 from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.layout import Array
 
@@ -153,7 +154,31 @@ class Problem:
     @cached_property
     def blocks(self) -> tuple[CompressedEquations, ...]:
         """Factors of every time block, in the base parameters of the recording."""
-        return tuple(part.selected(self.inner.independent) for part in self.recorded)
+        parts = (part.selected(self.inner.independent) for part in self.recorded)
+        given = self.torque_model.noise
+        noise = None if given is None else positive("noise of the torques", given, self.n_joints)
+        expected = self._expected
+        return tuple(replace(part, expected=expected, noise=noise) for part in parts)
+
+    @property
+    def _expected(self) -> Array | None:
+        """Equations x_k / deviation = value / deviation (k, r + 1) of parameters that stand alone among the base's."""
+        columns, values, deviations = self.torque_model.expectations()
+        alone = np.isin(columns, self.base.alone)
+        if not alone.any():
+            return None
+        rows = np.column_stack([self.base.matrix.T[columns], values])[alone]
+        return np.asarray(rows / deviations[alone, None])
+
+    @property
+    def without_effect(self) -> tuple[str, ...]:
+        """Symbols of parameters that are expected, but that the recording shows in sums alone, if at all."""
+        columns, *_ = self.torque_model.expectations()
+        return tuple(
+            symbol
+            for symbol, alone in zip(self.torque_model.expected, np.isin(columns, self.base.alone), strict=True)
+            if not alone
+        )
 
     @cached_property
     def equations(self) -> CompressedEquations:

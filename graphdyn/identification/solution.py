@@ -31,7 +31,7 @@ class Solution:
 
 def solve(equations: CompressedEquations, deviations: Array) -> Solution:
     """By singular values of the factor; columns at unit length. Raises EstimationFailed where they are dependent."""
-    r, z = equations.weighted(deviations)
+    r, z = equations.informed(deviations)
     return solve_triangle(r, z)
 
 

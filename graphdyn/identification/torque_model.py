@@ -5,18 +5,19 @@ tau = W x + known,     W = [W_1 … W_k] from the terms
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel, check_model
 from graphdyn.identification.motion import Motion
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.terms import Column, Coulomb, KnownTerm, Offset, RigidBodies, Term, Viscous
+from graphdyn.identification.terms.friction import positive
 from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
 
@@ -30,6 +31,9 @@ class TorqueModel:
     terms: with unknown parameters, in the order of the columns; rigid bodies, viscous and Coulomb friction and offset
         if left out
     known: without; subtracted from the measured torque
+    expected: value and standard deviation of parameters that are known beforehand, from a data sheet for instance, by
+        symbol: {"IA_3": (764.0, 80.0)}. Methods with takes_expected = True weigh them against the recording
+    noise: standard deviation of the torque of each joint, as methods weigh with it (n,); estimated if left out
 
     Raises InvalidInput without a term, and where two columns have the same name.
     """
@@ -37,6 +41,8 @@ class TorqueModel:
     model: RobotModel
     terms: Sequence[Term] = STANDARD_TERMS
     known: Sequence[KnownTerm] = ()
+    expected: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    noise: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         check_model(self.model)
@@ -46,6 +52,18 @@ class TorqueModel:
         repeated = [name for name in names if names.count(name) > 1]
         if repeated:
             raise InvalidInput(f"two parameters of the torque model are called '{repeated[0]}'; give each term once")
+        if self.noise is not None:
+            positive("noise of the torques", self.noise, self.model.n_freedoms)
+        symbols = [column.symbol for column in self.columns]
+        for symbol, (value, deviation) in self.expected.items():
+            if symbol not in symbols:
+                raise InvalidInput(
+                    f"'{symbol}' is expected, but there is no such parameter; known: {', '.join(symbols)}"
+                )
+            if not (np.isfinite(value) and 0 < deviation < np.inf):
+                raise InvalidInput(
+                    f"'{symbol}' is expected to be {value:g} ± {deviation:g}; give a deviation above zero"
+                )
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
@@ -94,6 +112,12 @@ class TorqueModel:
             if isinstance(known, CarriesKnownBodies):
                 total += known.known_inertial_parameters(self.model)
         return total
+
+    def expectations(self) -> tuple[NDArray[np.int64], Array, Array]:
+        """Which columns have an expected value, these values, and their standard deviations (k,)."""
+        symbols = [column.symbol for column in self.columns]
+        pairs = np.array(list(self.expected.values())).reshape(-1, 2)
+        return np.array([symbols.index(symbol) for symbol in self.expected], dtype=np.int64), pairs[:, 0], pairs[:, 1]
 
     def prior(self) -> Array:
         """(p,): the inertial parameters of the model for RigidBodies, zero for the rest."""

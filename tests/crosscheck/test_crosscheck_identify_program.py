@@ -200,7 +200,9 @@ terms = ["viscous", {term = "coulomb", width = 0.05}]
 methods = ["wls", {method = "pullback", strength = 10}, {method = "pullback", strength = 1e7, name = "strong"}]
 
 [known]
-terms = ["viscous", "own.py:offset"]
+terms = ["viscous", "own.py:offset", {term = "coulomb", width = "fit"}, "viscous*time"]
+expected = {FC_1 = [10, 100]}
+noise = [2, 1, 1]
 known_torques = ["own.py:nothing"]
 known_bodies = true
 """
@@ -231,7 +233,12 @@ class TestModels:
         errors = [rows[f"plain{name}"]["mean_error"] for name in (": WLS", ": strong", ", CAD links: WLS")]
         assert errors == sorted(errors)
         (plain, cad, known) = (written["base_matrix"], *(model["base_matrix"] for model in written["other_models"]))
-        assert [len(matrix) for matrix in (plain, cad, known)] == [written["rank"], 6, 6]
+        assert [len(matrix) for matrix in (plain, cad, known)] == [written["rank"], 6, 12]
+        (width,) = written["other_models"][1]["settings"]
+        assert (width["name"], len(width["values"]), written["settings"]) == ("coulomb width", 3, [])
+        symbols = {parameter["symbol"] for parameter in written["base_parameters"]}
+        assert any("R_" in symbol for symbol in symbols)
+        assert "FV_1" in symbols
         assert "Errors, held out, one by one" in said
         assert "Errors, kept aside: pos_two.csv" in said
 
@@ -257,6 +264,13 @@ class TestModels:
             ("[a]\nterms = [{term = 'offset', width = 1}]", "the term 'offset' has no setting 'width'; it has: none"),
             ("[a]\nterms = []\nmethods = [{method = 'wls', strength = 1}]", "'wls' has no setting 'strength'"),
             ("[a]\nterms = []\nmethods = ['magic']", "there is no method 'magic'"),
+            ("[a]\nterms = []\nexpected = 3", "[a] expected is 3; give SYMBOL = [value, standard deviation]"),
+            ("[a]\nterms = []\nexpected = {FC_1 = 3}", "[a] expected FC_1 is 3; give [value, standard deviation]"),
+            (
+                "[a]\nterms = [{term = 'rotor', gears = 'fit'}]",
+                "the setting 'gears' cannot be found by a fit; these can",
+            ),
+            ("[a]\nterms = ['offset*load']", "there is no term 'offset*load'; known: viscous"),
             ("[a]\nterms = []\nknown_bodies = 1", "known_bodies is 1; give true or false"),
         ],
     )

@@ -207,7 +207,7 @@ class TestPictures:
         """Value 3 ± 0.25, CAD 2, truth 2.5 of a parameter that makes 2 N m at 1: a bar of 2 σ to either side."""
         nothing = {field.name: np.nan for field in dataclasses.fields(BaseRow)}
         numbers = {"value": 3.0, "cad": 2.0, "truth": 2.5, "deviation": 9.0, "block_deviation": 0.25}
-        row = BaseRow(**{**nothing, "name": "m", "unit": "kg", **numbers})
+        row = BaseRow(**{**nothing, "name": "m", "symbol": "M_1", "unit": "kg", **numbers})
         axes = drawn(parameter_bars, "parameter_bars", [row], np.array([2.0]))
         assert curve(axes, "CAD")[0].tolist() == [4.0]
         assert curve(axes, "truth")[0].tolist() == [5.0]

@@ -113,6 +113,7 @@ def parameters_section(found: Identified, shown: MethodResult) -> Section:
 def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> Table:
     """virtual: the truth is known."""
     columns = {
+        "symbol": Column("symbol", "name", from_width=ROOMY),
         "name": Column("base parameter", "name"),
         "cad": Column("CAD", **NUMBER),
         **({"truth": Column("truth", **NUMBER)} if virtual else {}),
@@ -128,7 +129,7 @@ def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> 
         tuple(Row(tuple(getattr(row, name) for name in columns)) for row in rows),
         title="Base parameters",
         caption=f"{source}; σ white: for white noise, σ blocks: allowing for correlation in time; CAD: the robot as "
-        "given, drives zero",
+        "given, drives zero; symbol: Khalil's, with R where others are regrouped into it",
     )
 
 

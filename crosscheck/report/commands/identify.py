@@ -95,9 +95,16 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
                 f"{comparison.condition_number:.3g}, joints weighted by their torque, columns at unit length",
             ),
             *_settings(_model(found, shown)),
+            *_without_effect(_model(found, shown)),
             *_correlation(found, shown),
         )
     )
+
+
+def _without_effect(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:
+    """Expected values that change nothing."""
+    names = ", ".join(model.problem.without_effect)
+    return (("no effect", f"expected values of {names}: the recording shows them in sums alone"),) if names else ()
 
 
 def _settings(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:

@@ -57,6 +57,9 @@ class BaseParameterRecord:
     name: str
     """In standard parameters."""
 
+    symbol: str
+    """As Khalil writes it: XX_2, or XXR_2 where others are regrouped into it."""
+
     unit: str
     """Of the parameter."""
 
@@ -499,8 +502,10 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
 
 def _base_parameters(comparison: MethodComparison) -> list[BaseParameterRecord]:
     return [
-        BaseParameterRecord(name=name, unit=unit)
-        for name, unit in zip(comparison.base_names, comparison.base_units, strict=True)
+        BaseParameterRecord(name=name, symbol=symbol, unit=unit)
+        for name, symbol, unit in zip(
+            comparison.base_names, comparison.base_symbols, comparison.base_units, strict=True
+        )
     ]
 
 

@@ -17,6 +17,7 @@ Robotics and Automation Letters 3(1), 2018.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from graphdyn.identification.consistent.bodies import unknown_bodies
 from graphdyn.identification.consistent.coordinates import prior_coordinates
@@ -45,12 +46,13 @@ class ConsistentLeastSquares:
     reference: str = "Sousa and Cortesão 2014; Wensing, Kim and Slotine 2018"
     assumptions: str = "as WLS; every body is a real one with at least a small part of the prior's inertia"
     needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
+    takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
         """Raises EstimationFailed, InvalidInput for limits that make no sense."""
         bodies = unknown_bodies(problem.torque_model, self.prior)
         limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
         noise = joint_noise(problem.equations)
-        coordinates = prior_coordinates(problem.base, *problem.equations.weighted(noise), bodies.prior, bodies.columns)
+        coordinates = prior_coordinates(problem.base, *problem.equations.informed(noise), bodies.prior, bodies.columns)
         fit = ConsistentProblem(coordinates, limits, metric="pullback", margin=self.margin).solve()
         return consistent_estimate(coordinates, fit, noise, bodies.remarks)

@@ -18,6 +18,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from graphdyn._errors import InvalidInput
 from graphdyn.identification.compressed import CompressedEquations
@@ -57,6 +58,7 @@ class ConsistentWithPrior:
     reference: str = "Lee, Wensing and Park 2020"
     assumptions: str = "as WLS; every body is a real one, and about as likely to be lighter as heavier than the prior"
     needs: str = "q, v, a and actuator torques; a prior (CAD); cvxpy and Clarabel"
+    takes_expected: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         tried = list(self.strengths if self.strength is None else (self.strength,))
@@ -76,7 +78,7 @@ class ConsistentWithPrior:
         noise = joint_noise(problem.equations)
 
         def prepared(equations: CompressedEquations) -> tuple[PriorCoordinates, ConsistentProblem]:
-            coordinates = prior_coordinates(problem.base, *equations.weighted(noise), bodies.prior, bodies.columns)
+            coordinates = prior_coordinates(problem.base, *equations.informed(noise), bodies.prior, bodies.columns)
             return coordinates, ConsistentProblem(coordinates, limits, metric=self.metric, margin=self.margin)
 
         def trained(equations: CompressedEquations) -> Trained:

@@ -9,6 +9,7 @@ by more than `increase` of itself. Khalil and Dombre, Modeling, Identification a
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ class EssentialParameters:
     reference: str = "Pham and Gautier, Essential parameters of robots, IEEE CDC 1991"
     assumptions: str = "as WLS, and parameters that cannot be told from zero are zero"
     needs: str = "q, v, a and actuator torques"
+    takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
         full, noise = weighted_solution(problem.equations)

@@ -55,7 +55,7 @@ class LogCholesky:
         """Raises EstimationFailed, InvalidInput without a start or with a strength of 0."""
         bodies = unknown_bodies(problem.torque_model, self.prior)
         noise = joint_noise(problem.equations)
-        coordinates = prior_coordinates(problem.base, *problem.equations.weighted(noise), bodies.prior, bodies.columns)
+        coordinates = prior_coordinates(problem.base, *problem.equations.informed(noise), bodies.prior, bodies.columns)
         nonnegative = np.array([name in bodies.nonnegative for name in bodies.further], dtype=bool)
         try:
             fit = log_cholesky_fit(

@@ -10,6 +10,7 @@ neighbouring samples are correlated: Roberts et al., Ecography 40(8), 2017.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -41,6 +42,7 @@ class Ridge:
     reference: str = "Hoerl and Kennard, Technometrics 12(1), 1970"
     assumptions: str = "as WLS, and a prior that is right up to its scale; the estimate is biased towards it"
     needs: str = "q, v, a, actuator torques, and masses, centers and tensors from CAD"
+    takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
         prior = model_prior(problem.torque_model) if self.prior is None else self.prior
@@ -50,14 +52,14 @@ class Ridge:
         strength, solutions = self.strength, 1
 
         def trained(equations: CompressedEquations) -> Trained:
-            return RidgePath.of(*equations.weighted(noise), problem.base.matrix, prior).at
+            return RidgePath.of(*equations.informed(noise), problem.base.matrix, prior).at
 
         if strength is None:
             choice = cross_validation(problem, noise, self.strengths, trained)
             strength, remarks, solutions = choice.best, choice.remarks, 1 + len(problem.folds)
             error = choice.errors.sum(axis=0).min() / problem.equations.counts.sum()
             settings["validation error"] = float(np.sqrt(error))
-        path = RidgePath.of(*problem.equations.weighted(noise), problem.base.matrix, prior)
+        path = RidgePath.of(*problem.equations.informed(noise), problem.base.matrix, prior)
         spread = problem.base.matrix @ path.response(strength)
         settings["strength"] = strength
         return Estimate(path.at(strength), spread @ spread.T, None, noise, solutions, settings, remarks)

@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -28,6 +29,7 @@ class WeightedLeastSquares:
     reference: str = "Gautier, Dynamic identification of robots with power model, IEEE ICRA 1997"
     assumptions: str = "white noise of its own size on the torque of each joint; q, v, a without error"
     needs: str = "q, v, a and actuator torques"
+    takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
         solution, noise = weighted_solution(problem.equations)
@@ -42,7 +44,9 @@ def weighted_solution(equations: CompressedEquations) -> tuple[Solution, Array]:
 
 
 def joint_noise(equations: CompressedEquations) -> Array:
-    """σ_g (g,) of the torque of each joint, from its own equations alone."""
+    """σ_g (g,) of the torque of each joint: as given, or from its own equations alone."""
+    if equations.noise is not None:
+        return equations.noise
     squares, used = np.empty(equations.n_groups), np.empty(equations.n_groups)
     for g, factor in enumerate(equations.factors):
         w, right = factor[:, :-1], factor[:, -1]
