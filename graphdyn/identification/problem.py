@@ -21,7 +21,9 @@ from graphdyn._errors import InvalidInput
 from graphdyn.identification.accumulator import Accumulator, Compression
 from graphdyn.identification.base_parameters import RANK, BaseParameters, base_parameters
 from graphdyn.identification.compressed import CompressedEquations, merged
+from graphdyn.identification.counted_rows import counted
 from graphdyn.identification.direct_sums import DirectSums
+from graphdyn.identification.expected_values import expected_equations, without_effect
 from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.parallel_filtering import filtered
 from graphdyn.identification.partitions import Partitioned, merged_in_tree
@@ -115,7 +117,7 @@ class Problem:
         blocks: dict[int, Accumulator] = defaultdict(self.accumulator)
         if self.compression == "gram":
             sums = DirectSums(self.torque_model, self.structure)
-            for part, block in self._cut(self._counted(self._equations_or_samples())):
+            for part, block in self._cut(counted(self._equations_or_samples(), self.used)):
                 if isinstance(part, Samples):
                     kept = np.abs(part.v) >= self.min_speed
                     blocks[block].add_gram(sums(part, kept), kept.sum(axis=0))
@@ -157,28 +159,13 @@ class Problem:
         parts = (part.selected(self.inner.independent) for part in self.recorded)
         given = self.torque_model.noise
         noise = None if given is None else positive("noise of the torques", given, self.n_joints)
-        expected = self._expected
+        expected = expected_equations(self.torque_model, self.base)
         return tuple(replace(part, expected=expected, noise=noise) for part in parts)
-
-    @property
-    def _expected(self) -> Array | None:
-        """Equations x_k / deviation = value / deviation (k, r + 1) of parameters that stand alone among the base's."""
-        columns, values, deviations = self.torque_model.expectations()
-        alone = np.isin(columns, self.base.alone)
-        if not alone.any():
-            return None
-        rows = np.column_stack([self.base.matrix.T[columns], values])[alone]
-        return np.asarray(rows / deviations[alone, None])
 
     @property
     def without_effect(self) -> tuple[str, ...]:
         """Symbols of parameters that are expected, but that the recording shows in sums alone, if at all."""
-        columns, *_ = self.torque_model.expectations()
-        return tuple(
-            symbol
-            for symbol, alone in zip(self.torque_model.expected, np.isin(columns, self.base.alone), strict=True)
-            if not alone
-        )
+        return without_effect(self.torque_model, self.base)
 
     @cached_property
     def equations(self) -> CompressedEquations:
@@ -211,7 +198,7 @@ class Problem:
         """The same problem with some of its rows (N,) alone, filtered as before."""
         found = replace(self, used=used)
         if self.used is None and self._memory:
-            found._memory.extend(replace(rows, block=block) for rows, block in found._cut(found._counted(self._memory)))
+            found._memory.extend(replace(rows, block=block) for rows, block in found._cut(counted(self._memory, used)))
         return found
 
     def chosen(self, values: Array) -> Array:
@@ -228,7 +215,7 @@ class Problem:
             yield from self._memory
             return
         size, few = 0, list[Rows]()
-        for part, block in self._cut(self._counted(self._equations())):
+        for part, block in self._cut(counted(self._equations(), self.used)):
             rows = replace(part, block=block)
             size += rows.matrix.nbytes
             few = [*few, rows] if size <= REMEMBERED else []
@@ -247,23 +234,6 @@ class Problem:
                 cut = part[start : start + self._block_samples - within]
                 yield cut, block
                 start, position = start + len(cut), position + len(cut)
-
-    def _counted(self, parts: Iterable[P]) -> Iterator[P]:
-        """The rows that count. After a gap a run of the recording starts anew."""
-        if self.used is None:
-            yield from parts
-            return
-        position = 0
-        for part in parts:
-            here = np.concatenate([[False], self.used[position : position + len(part)], [False]])
-            borders = np.flatnonzero(np.diff(here)).tolist()
-            for start, stop in zip(borders[::2], borders[1::2], strict=True):
-                cut = part[start:stop]
-                gap = start > 0 or (position > 0 and not self.used[position - 1])
-                yield replace(cut, first=True) if gap and isinstance(cut, Rows) else cut
-            position += len(part)
-        if position != len(self.used):
-            raise InvalidInput(f"used is given for {len(self.used)} rows; the filter leaves {position}")
 
     def _equations(self) -> Iterator[Rows]:
         for run in self._runs():

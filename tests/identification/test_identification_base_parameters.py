@@ -177,6 +177,7 @@ class TestInWords:
         w = joint_torque_regressor(arm, *rng.uniform(-3, 3, (3, 50, 2))).reshape(-1, 20)
         base = base_parameters(w)
         assert base.names([column.symbol for column in columns]) == ("ZZ_1 + 0.16 M_2", "MX_2", "MY_2", "ZZ_2")
+        assert base.symbols([column.symbol for column in columns]) == ("ZZR_1", "MX_2", "MY_2", "ZZ_2")
         assert base.names([column.name for column in columns])[0] == "link I_zz + 0.16 tip m"
         assert [columns[k].symbol for k in base.alone] == ["MX_2", "MY_2", "ZZ_2"]
 

@@ -13,6 +13,7 @@ Rucker and Wensing, "Smooth parameterization of rigid-body inertia", IEEE Roboti
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -50,6 +51,7 @@ class LogCholesky:
     reference: str = "Rucker and Wensing 2022"
     assumptions: str = "as WLS; every body is a real one; one of the starts leads to the lowest minimum"
     needs: str = "q, v, a and actuator torques; a rough prior (CAD); for the fallback cvxpy and Clarabel"
+    takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
         """Raises EstimationFailed, InvalidInput without a start or with a strength of 0."""
