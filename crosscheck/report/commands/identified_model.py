@@ -113,7 +113,6 @@ def parameters_section(found: Identified, shown: MethodResult) -> Section:
 def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> Table:
     """virtual: the truth is known."""
     columns = {
-        "symbol": Column("symbol", "name", from_width=ROOMY),
         "name": Column("base parameter", "name"),
         "cad": Column("CAD", **NUMBER),
         **({"truth": Column("truth", **NUMBER)} if virtual else {}),
@@ -123,6 +122,7 @@ def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> 
         "block_deviation": Column("σ blocks", **DEVIATION),
         "relative_deviation": Column("%σ blocks", **DEVIATION),
         "unit": Column("unit"),
+        "symbol": Column("symbol", from_width=ROOMY),
     }
     return Table(
         tuple(columns.values()),
