@@ -30,6 +30,7 @@ from graphdyn.identification import (
     ReweightedLeastSquares,
     RobustConsistent,
     TorqueModel,
+    Tunable,
     WeightedLeastSquares,
     compare_methods,
     residual_statistics,
@@ -93,6 +94,7 @@ def identify_long(
     candidates = with_links_of_cad(models)
     for candidate in candidates:
         _estimators(candidate)
+        _refuse_terms_of_samples(candidate.of(compared.model))
     fitted = data if validate is not None else replace(data, between=(0.0, 1 - HELD_OUT))
     predicted = replace(data, between=(1 - HELD_OUT, 1.0)) if validate is None else validate
     preparation = Preparation(cutoff=data.cutoff, min_speed=min_speed)
@@ -130,6 +132,14 @@ def _estimators(candidate: CandidateModel) -> list[Estimator]:
                 f"{estimator.name} looks at samples, of which only sums are kept here; use {', '.join(METHODS_OF_SUMS)}"
             )
     return found
+
+
+def _refuse_terms_of_samples(torque_model: TorqueModel) -> None:
+    if torque_model.has_memory or any(isinstance(term, Tunable) for term in torque_model.terms):
+        raise InvalidInput(
+            "friction with memory, and settings that are to be found, need all samples, of which only sums are kept "
+            "here; leave them out, or give numbers"
+        )
 
 
 def _fitted(

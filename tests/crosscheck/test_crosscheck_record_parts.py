@@ -260,6 +260,10 @@ class TestIdentified:
                 ["log.parquet", "--cutoff", "10", "--methods", "huber"],
                 "IRLS Huber looks at samples, of which only sums are kept here; use ols, wls, ridge",
             ),
+            *(
+                (["log.parquet", "--cutoff", "10", *terms], "friction with memory, and settings that are to be found,")
+                for terms in (["--terms", "slip"], ["--terms", "coulomb", "--width", "fit"])
+            ),
             (["none*.parquet", "--cutoff", "10"], "no such file or folder: 'none*.parquet'"),
         ],
     )
