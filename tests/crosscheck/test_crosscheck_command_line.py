@@ -29,10 +29,16 @@ from graphdyn import __version__
 
 COMMANDS = (
     *("crosscheck", "judge", "questions", "show", "view", "export", "vectors", "inspect", "identify", "simulate"),
-    *("excite", "paper", "bench", "robots", "errata"),
+    *("excite", "study", "paper", "bench", "robots", "errata"),
 )
 
-WRITES = {"export": "--to FILE", "view": "--html FILE", "questions": "--out FILE", "vectors": "--out FOLDER"}
+WRITES = {
+    "export": "--to FILE",
+    "view": "--html FILE",
+    "questions": "--out FILE",
+    "vectors": "--out FOLDER",
+    "study": "--out DIR",
+}
 """The option that writes what a program reads, where it is not --json."""
 
 
@@ -234,7 +240,10 @@ class TestExamples:
         monkeypatch.setattr("crosscheck.studies.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
         monkeypatch.setattr("crosscheck.studies.bench.contender.STEADY", 1e-3)
 
-    @pytest.mark.parametrize("command", few(COMMANDS, *(set(COMMANDS) - {"identify", "bench", "excite"})))
+    FAST = tuple(name for name in COMMANDS if name != "study")
+    """A study takes minutes; test_crosscheck_study runs a small one."""
+
+    @pytest.mark.parametrize("command", few(FAST, *(set(FAST) - {"identify", "bench", "excite"})))
     def test_the_first_one_runs(self, program, command, my_code, hurry):
         first = next(arguments for name, arguments in self.EXAMPLES if name == command)
         assert program(command, *first).code == AGREED

@@ -33,6 +33,7 @@ READS = {
     ),
     "excite": (*("--robot", "{robot}", "--motion", "{log}", "--against", "{other}", "--mapping", "{mapping}"),),
     "simulate": ("{robot}", "--torque", "{code}:T"),
+    "study": ("--config", "{log}"),
     "paper": (),
     "bench": ("--robot", "{robot}"),
     "robots": (),
