@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.recordings import Recording, differentiated, samples_of, sampling_rate
 from crosscheck.recordings.derivatives import Cutoff, Differentiation
+from crosscheck.recordings.motion_errors import motion_covariance
 from crosscheck.recordings.resampling import is_even, resampled
 from crosscheck.recordings.row_filters import filtered_blocks
-from graphdyn.identification import Problem, TorqueModel
+from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.closed_loop import held_torque
 from graphdyn.identification.health import Piece
 from graphdyn.layout import Array
@@ -48,7 +49,22 @@ class Preparation:
 
     def problem(self, torque_model: TorqueModel, recording: Recording) -> Problem:
         """The problem of a recording that has v and a. Raises InvalidInput where every block is too short."""
-        return Problem(torque_model, samples_of(recording, self.decimate), min_speed=self.min_speed)
+        return Problem(torque_model, self.samples(recording), min_speed=self.min_speed)
+
+    def samples(self, recording: Recording) -> list[Samples]:
+        """As crosscheck.samples_of, with the errors of the motion. Raises InvalidInput likewise."""
+        blocks = filtered_blocks(recording, self.decimate)
+        pieces = zip(samples_of(recording, self.decimate), map(recording.take, blocks), strict=True)
+        return [replace(samples, motion_covariance=self._errors(block, samples)) for samples, block in pieces]
+
+    def _errors(self, block: Recording, samples: Samples) -> Array | None:
+        """Of q, v and a of one block, where the noise of its positions is known."""
+        if block.q_noise is None or len(block.t) < 2:
+            return None
+        cutoff = float(block.torque_cutoff[0]) if self.cutoff == "residual" else self.cutoff
+        v_noise = None if block.v_noise is None else block.v_noise[0]
+        low = Differentiation.of(block, cutoff, "derived" if v_noise is None else "recorded")
+        return motion_covariance(low, samples.row_filter, sampling_rate(block), block.q_noise[0], v_noise)
 
     def part(self, problem: Problem, recording: Recording, rows: NDArray[np.bool_]) -> tuple[Problem, list[Array]]:
         """The problem of some rows (N,) of a recording from that of all, filtered as a whole, and their times."""

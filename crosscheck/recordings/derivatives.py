@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from crosscheck.recordings.filtering import ORDER, border, check_cutoff, lowpass, padding
-from crosscheck.recordings.noise_floor import residual_analysis
+from crosscheck.recordings.noise_floor import residual_analysis, white_noise
 from crosscheck.recordings.recording import JOINT_CHANNELS, Recording
 from crosscheck.recordings.resampling import is_even, resampled, sampling_rate
 from graphdyn import InvalidInput
@@ -96,18 +96,22 @@ def differentiated(
     now = {name: frequency for name, frequency in cutoffs.items() if name != "tau"}
     cut = max([border(rate, frequency) for frequency in now.values()], default=0) + STENCIL - 1
     needed = max(2 * cut + 1, padding() + 1)
-    parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *JOINT_CHANNELS)}
+    noisy = [name for name in ("q", "v") if name in recorded]
+    parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *JOINT_CHANNELS, "q_noise", "v_noise")}
     short = []
     for rows in recording.block_slices:
         if rows.stop - rows.start < needed:
             short.append(int(recording.block[rows.start]))
             continue
         block = {name: recording.channel(name)[rows] for name in recorded}
+        noise = {f"{name}_noise": white_noise(block[name]) for name in noisy}
         block |= {name: lowpass(block[name], rate, frequency) for name, frequency in now.items()}
         block.setdefault("v", derivative(block["q"], rate))
         block.setdefault("a", derivative(block["v"], rate))
         for name, values in block.items():
             parts[name].append(values[cut:-cut])
+        for name, deviations in noise.items():
+            parts[name].append(np.broadcast_to(deviations, block["q"][cut:-cut].shape))
         parts["rows"].append(np.arange(rows.start + cut, rows.stop - cut))
     if not parts["rows"]:
         longest = max(rows.stop - rows.start for rows in recording.block_slices)

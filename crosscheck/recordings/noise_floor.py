@@ -13,6 +13,7 @@ measures but which are not rigid-body motion. Blocked cross-validation shows whe
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import comb
 
 import numpy as np
 
@@ -29,6 +30,9 @@ GRID = 1024
 LOWEST, NOISE_FROM, HIGHEST = 0.002, 0.5, 0.9
 """Parts of the Nyquist frequency: trial cutoffs range from LOWEST to HIGHEST, above which hardly any noise is removed;
 from NOISE_FROM on, only noise is expected."""
+
+DIFFERENCES = 6
+"""Order of the differences that show white noise alone: of a motion a tenth as fast as the sampling they leave 6 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,3 +79,14 @@ def _removed(cutoff: float, rate: float, order: int) -> float:
 
     _, response = sosfreqz(butter(order, cutoff, fs=rate, output="sos"), GRID, fs=rate)
     return float(np.mean((1 - np.abs(response) ** 2) ** 2))
+
+
+def white_noise(values: Array) -> Array:
+    """Standard deviation of the white noise of columns (N, n) sampled evenly → (n,): that of their sixth differences.
+
+    A difference of order k of white noise has the variance binom(2 k, k) times that of the noise.
+    """
+    if len(values) <= DIFFERENCES:
+        return np.zeros(values.shape[1:])
+    squares = np.mean(np.diff(values, DIFFERENCES, axis=0) ** 2, axis=0)
+    return np.asarray(np.sqrt(squares / comb(2 * DIFFERENCES, DIFFERENCES)))

@@ -20,6 +20,7 @@ MOTION_CHANNELS = ("q", "v", "a", "tau")
 JOINT_CHANNELS = (*MOTION_CHANNELS, "temperature")
 OPTIONAL_CHANNELS = {"joint_wrenches": 6, "body_accelerations": 6}
 """Further channels, with their numbers per joint."""
+NOISE = ("q_noise", "v_noise")
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,8 @@ class Recording:
     file: number of the file in provenance.files                       (N,)
     torque_cutoff: of the low-pass through which tau is still to go, together with every column of the regressor
         (crosscheck.samples_of); infinite where it stays as it is      (N,)       [Hz]
+    q_noise, v_noise: standard deviations of what was measured, before any low-pass; None where that is not known
+                                                             (N, n)     [rad or m, …/s]
 
     Arrays are copied and read-only. Raises InvalidInput, with channel and row, for wrong shapes, NaN or infinity, and
     times that do not increase inside a block.
@@ -72,6 +75,8 @@ class Recording:
     rows: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
     file: NDArray[np.intp] = None  # type: ignore[assignment]  # __post_init__ fills it
     torque_cutoff: Array = None  # type: ignore[assignment]  # __post_init__ fills it
+    q_noise: Array | None = None
+    v_noise: Array | None = None
     provenance: Provenance = Provenance()
     findings: tuple[RecordingFinding, ...] = ()
 
@@ -83,7 +88,7 @@ class Recording:
         count = np.asarray(self.t).size
         if count == 0:
             raise InvalidInput("the recording has no rows; give at least one")
-        shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | dict.fromkeys(JOINT_CHANNELS, (count, n))
+        shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | dict.fromkeys((*JOINT_CHANNELS, *NOISE), (count, n))
         shapes |= {name: (count, n, width) for name, width in OPTIONAL_CHANNELS.items()}
         for name, shape in shapes.items():
             if getattr(self, name) is not None:
@@ -132,7 +137,7 @@ class Recording:
 
     def take(self, rows: Any, step: str | None = None, **changed: Any) -> Recording:
         """The recording of these rows (mask, indices or slice), with other changes; step is added to its provenance."""
-        names = ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "block", "rows", "file", "torque_cutoff")
+        names = ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, *NOISE, "block", "rows", "file", "torque_cutoff")
         taken = {name: getattr(self, name)[rows] for name in names if getattr(self, name) is not None}
         return replace(self, **(taken | changed), provenance=self._after(step))
 
@@ -190,7 +195,7 @@ def concatenated(recordings: Sequence[Recording]) -> Recording:
                 "give recordings of the same joints"
             )
     joined: dict[str, Any] = {}
-    for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, "rows", "torque_cutoff"):
+    for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, *NOISE, "rows", "torque_cutoff"):
         parts = [getattr(recording, name) for recording in recordings]
         joined[name] = np.concatenate(parts) if all(part is not None for part in parts) else None
     block: list[NDArray[np.intp]] = []

@@ -27,6 +27,8 @@ class Samples:
         correlations in time do not stop between them
     time: of every sample, for methods that simulate the motion and for drifts   (N,)  [s]
     temperature: of the drives, for drifts                  (N, n)  [°C]
+    motion_covariance: of the errors of q, v and a of each joint in a row of the equations, after the filter; for
+        methods that allow for them                         (n, 3, 3)
 
     Memory maps are kept as they are and read piece by piece. Raises InvalidInput where the shapes differ.
     """
@@ -40,6 +42,7 @@ class Samples:
     continues: bool = False
     time: Array | None = None
     temperature: Array | None = None
+    motion_covariance: Array | None = None
 
     def __post_init__(self) -> None:
         names = ("q", "v", "a", "tau", *(("temperature",) if self.temperature is not None else ()))
@@ -53,6 +56,10 @@ class Samples:
             object.__setattr__(self, name, array)
         if self.time is not None and np.shape(self.time) != (len(self),):
             raise InvalidInput(f"time of the samples has shape {np.shape(self.time)}, expected ({len(self)},)")
+        expected = (self.q.shape[1], 3, 3)
+        if self.motion_covariance is not None and np.shape(self.motion_covariance) != expected:
+            given = np.shape(self.motion_covariance)
+            raise InvalidInput(f"motion_covariance of the samples has shape {given}, expected {expected}")
 
     def __len__(self) -> int:
         return len(self.q)
