@@ -21,6 +21,7 @@ from graphdyn.identification.estimators import (
     GeneralisedLeastSquares,
     InstrumentalVariables,
     LogCholesky,
+    MaximumLikelihood,
     OrdinaryLeastSquares,
     ReweightedLeastSquares,
     Ridge,
@@ -28,6 +29,7 @@ from graphdyn.identification.estimators import (
     TotalLeastSquares,
     WeightedLeastSquares,
 )
+from graphdyn.identification.extended_kalman import ExtendedKalmanFilter
 from graphdyn.identification.identified_bodies import IdentifiedBodies
 from graphdyn.identification.inertial_parameters import (
     IdentifiedInertia,
@@ -69,12 +71,14 @@ __all__ = [
     "EssentialParameters",
     "Estimate",
     "Estimator",
+    "ExtendedKalmanFilter",
     "GeneralisedLeastSquares",
     "IdentifiedBodies",
     "IdentifiedInertia",
     "InstrumentalVariables",
     "LeastSquares",
     "LogCholesky",
+    "MaximumLikelihood",
     "MethodComparison",
     "MethodResult",
     "OrdinaryLeastSquares",

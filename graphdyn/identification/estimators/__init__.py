@@ -7,6 +7,7 @@ from graphdyn.identification.estimators.essential import EssentialParameters
 from graphdyn.identification.estimators.generalised import GeneralisedLeastSquares
 from graphdyn.identification.estimators.instrumental import InstrumentalVariables
 from graphdyn.identification.estimators.log_cholesky import LogCholesky
+from graphdyn.identification.estimators.maximum_likelihood import MaximumLikelihood
 from graphdyn.identification.estimators.ordinary import OrdinaryLeastSquares
 from graphdyn.identification.estimators.output_error import ClosedLoopOutputError
 from graphdyn.identification.estimators.reweighted import ReweightedLeastSquares
@@ -24,6 +25,7 @@ __all__ = [
     "GeneralisedLeastSquares",
     "InstrumentalVariables",
     "LogCholesky",
+    "MaximumLikelihood",
     "OrdinaryLeastSquares",
     "ReweightedLeastSquares",
     "Ridge",
