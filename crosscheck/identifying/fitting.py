@@ -66,7 +66,7 @@ def identified_model(
     if settings:
         fit = preparation.problem(torque_model, division.fit)
     comparison = compare_methods(fit, _fitted_to(estimators, division.fit), poses=poses, progress=say)
-    comparison = with_exogeneity(comparison, fit, loop)
+    comparison, exogeneity = with_exogeneity(comparison, fit, loop)
     if all(trial.train is division.fit for trial in division.trials):
         trials = [_predicted(trial, fit, division.fit, preparation, comparison) for trial in division.trials]
     else:
@@ -82,6 +82,7 @@ def identified_model(
         name=candidate.name,
         cad_of=candidate.cad_of,
         settings=settings,
+        exogeneity=exogeneity,
     )
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from crosscheck.identifying.loop_methods import NO_LOOP
 from crosscheck.referee.subject import Subject
 from graphdyn.identification import MethodComparison, MethodResult, Problem, ResidualStatistics, TorqueModel, Tuned
 from graphdyn.identification.partitions import Partitioned
@@ -116,6 +117,7 @@ class IdentifiedModel:
     cad_of: name of the torque model whose links are unknown where these are those of CAD, with the same drives; None
         for a model that was asked for
     settings: of its terms that were found together with the parameters, from all fitted rows
+    exogeneity: of the regressor, in words: the result of the Durbin-Wu-Hausman test, or why it is not made
     """
 
     subject: Subject
@@ -127,6 +129,7 @@ class IdentifiedModel:
     name: str = ""
     cad_of: str | None = None
     settings: tuple[Tuned, ...] = ()
+    exogeneity: str = NO_LOOP
 
     @property
     def problem(self) -> Problem:

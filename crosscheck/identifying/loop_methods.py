@@ -38,32 +38,44 @@ def in_loop(estimators: Sequence[Estimator], loop: ClosedLoop | None) -> list[Es
     ]
 
 
-def with_exogeneity(comparison: MethodComparison, problem: Problem, loop: ClosedLoop | None) -> MethodComparison:
-    """The test of the regressor in the settings of every result, with instruments from the first that the loop holds.
+NO_LOOP = "not tested: the test needs the simulated loop of the recording (controller and reference)"
+"""What is said of the exogeneity of the regressor where no loop is known."""
 
-    Without a loop, or where it holds no result, the comparison as it is.
+
+def with_exogeneity(
+    comparison: MethodComparison, problem: Problem, loop: ClosedLoop | None
+) -> tuple[MethodComparison, str]:
+    """The test of the regressor in every result, with instruments from the first that the loop holds; and in words.
+
+    Without a loop the comparison is as it was. Where the loop holds no result, every result says why there is no test.
     """
-    test = None if loop is None else _test(comparison, problem, loop)
-    if test is None:
-        return comparison
+    if loop is None:
+        return comparison, NO_LOOP
+    test = _test(comparison, problem, loop)
+    if isinstance(test, str):
+        words, settings = f"exogeneity of the regressor not tested: {test}", {}
+    else:
+        words = test.in_words(problem.torque_model.model.independent_joints)
+        settings = {EXOGENEITY: test.together}
     results = []
     for result in comparison.results:
         estimate = result.estimate
         if estimate is not None and EXOGENEITY not in estimate.settings:
-            remarks = (*estimate.remarks, test.in_words(problem.torque_model.model.independent_joints))
-            settings = {**estimate.settings, EXOGENEITY: test.together}
-            result = replace(result, estimate=replace(estimate, settings=settings, remarks=remarks))
+            told = replace(estimate, settings={**estimate.settings, **settings}, remarks=(*estimate.remarks, words))
+            result = replace(result, estimate=told)
         results.append(result)
-    return replace(comparison, results=tuple(results))
+    return replace(comparison, results=tuple(results)), words
 
 
-def _test(comparison: MethodComparison, problem: Problem, loop: ClosedLoop) -> Exogeneity | None:
+def _test(comparison: MethodComparison, problem: Problem, loop: ClosedLoop) -> Exogeneity | str:
+    """The test, or why there is none."""
+    reason = "no method has a result"
     for result in comparison.results:
         if result.estimate is None or result.base_values is None:
             continue
         try:
             simulated = SimulatedLoop(problem, loop)
             return exogeneity(simulated, result.base_values, simulated.samples(result.estimate.parameters))
-        except EstimationFailed:  # this result drives the simulated robot away
-            continue
-    return None
+        except EstimationFailed as failure:  # this result drives the simulated robot away
+            reason = f"{result.name}: {failure}"
+    return reason

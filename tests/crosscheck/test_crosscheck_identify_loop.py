@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import closed_loop_data
 import numpy as np
@@ -11,6 +12,8 @@ from typer.testing import CliRunner
 import urdf
 from crosscheck.cli import own_process
 from crosscheck.cli.application import app
+from crosscheck.identifying.loop_methods import with_exogeneity
+from graphdyn.identification import Problem, WeightedLeastSquares, compare_methods
 
 CONTROL = """
 import closed_loop_data
@@ -69,6 +72,8 @@ def test_everything_at_once(program, folder):
     methods = {one["name"]: one for one in found["methods"]}
     assert all(one["failure"] is None for one in methods.values())
     assert all(one["settings"]["exogeneity p"] < 1e-9 for one in methods.values())
+    assert found["exogeneity"].startswith("the regressor is not exogenous at O1, O2 (Durbin-Wu-Hausman, p = ")
+    assert re.search(r"exogeneity the regressor is not exogenous at O1, O2", said)
     place = [one["name"] for one in found["base_parameters"]].index("FC_2")
     error = {name: abs(one["base_values"][place] - TRUE_FRICTION) for name, one in methods.items()}
     assert error["WLS"] > 5
@@ -83,6 +88,7 @@ def test_everything_at_once(program, folder):
             ("--controller", "control.py:nothing"),
             "control.py:nothing makes a int; a PDControl or ComputedTorqueControl",
         ),
+        ((), "exogeneity not tested: the test needs the simulated loop of the recording (controller and reference)"),
         (("--control-rate", "100"), "--control-rate 100: give Hz above zero, and a --controller"),
         (("--torque-hold", "-1"), "--torque-hold -1: give seconds, 0 for none"),
         (("--controller", "control.py:pd", "--control-rate", "700"), "are no multiples of each other"),
@@ -91,6 +97,15 @@ def test_everything_at_once(program, folder):
 def test_messages(program, options, message):
     _, said = program(*options, "--methods", "iv")
     assert message in said
+
+
+def test_why_exogeneity_is_not_tested():
+    """No time, no simulation: every result says so."""
+    run = closed_loop_data.two_axes().record(0.3)
+    problem = Problem(run.torque_model, replace(run.exact, time=None))
+    comparison, words = with_exogeneity(compare_methods(problem, [WeightedLeastSquares()], poses=1), problem, run.loop)
+    assert words == comparison.results[0].estimate.remarks[-1]
+    assert words.startswith("exogeneity of the regressor not tested: WLS: needs the time of every sample")
 
 
 def test_the_simulated_robot_has_no_loop():

@@ -97,6 +97,7 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
             *_settings(_model(found, shown)),
             *_without_effect(_model(found, shown)),
             *_correlation(found, shown),
+            ("exogeneity", _model(found, shown).exogeneity),
         )
     )
 

@@ -345,6 +345,9 @@ class ModelRecord:
     condition_number: float
     """Of the regressor, joints weighted by their torque, columns at unit length."""
 
+    exogeneity: str
+    """Of the regressor, in words: the result of the Durbin-Wu-Hausman test, or why it is not made."""
+
     base_parameters: Sequence[BaseParameterRecord]
     """Base parameters of the recording, in order."""
 
@@ -425,6 +428,9 @@ class IdentifyRecord:
     condition_number: float
     """Of the regressor, joints weighted by their torque, columns at unit length."""
 
+    exogeneity: str
+    """Of the regressor, in words: the result of the Durbin-Wu-Hausman test, or why it is not made."""
+
     base_parameters: Sequence[BaseParameterRecord]
     """Base parameters of the recording, in order."""
 
@@ -490,6 +496,7 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         base_parameters=_base_parameters(comparison),
         base_matrix=found.problem.base.matrix.tolist(),
         settings=[taken(SettingRecord, setting) for setting in found.settings],
+        exogeneity=found.exogeneity,
         methods=[_method(found, result) for result in comparison.results],
         model=found.name,
         other_models=[_model(model) for model in found.others],
@@ -519,6 +526,7 @@ def _model(model: IdentifiedModel) -> ModelRecord:
         base_parameters=_base_parameters(model.comparison),
         base_matrix=model.problem.base.matrix.tolist(),
         settings=[taken(SettingRecord, setting) for setting in model.settings],
+        exogeneity=model.exogeneity,
         methods=[_method(model, result) for result in model.comparison.results],
     )
 
