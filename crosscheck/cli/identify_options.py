@@ -102,7 +102,7 @@ MethodsOption = Annotated[
     typer.Option(
         metavar="NAME,…|all",
         help="ols, wls, wls-pinocchio, gls, huber, tukey, ridge, essential, consistent, entropic, pullback, "
-        "consistent-huber, entropic-huber, pullback-huber, log-cholesky, graph, tls, iv, didim, cloe, clie, or "
+        "consistent-huber, entropic-huber, pullback-huber, log-cholesky, graph, tls, ml, iv, didim, cloe, clie, or "
         f"{FUNCTION} of your own. Without it: one of each kind.",
     ),
 ]

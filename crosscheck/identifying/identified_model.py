@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from crosscheck.identifying.loop_methods import NO_LOOP
 from crosscheck.referee.subject import Subject
 from graphdyn.identification import MethodComparison, MethodResult, Problem, ResidualStatistics, TorqueModel, Tuned
 from graphdyn.identification.partitions import Partitioned
@@ -113,11 +112,11 @@ class IdentifiedModel:
     trials: rows that were predicted, by which results are chosen
     aside: rows that were predicted and choose nothing
     comparison: every method; held-out errors are those of all trials together
+    exogeneity: of the regressor, in words: the result of the Durbin-Wu-Hausman test, or why it is not made
     name: of the torque model, empty where there is only one
     cad_of: name of the torque model whose links are unknown where these are those of CAD, with the same drives; None
         for a model that was asked for
     settings: of its terms that were found together with the parameters, from all fitted rows
-    exogeneity: of the regressor, in words: the result of the Durbin-Wu-Hausman test, or why it is not made
     """
 
     subject: Subject
@@ -125,11 +124,11 @@ class IdentifiedModel:
     fit: HeldOutPrediction
     trials: tuple[HeldOutPrediction, ...]
     comparison: MethodComparison
+    exogeneity: str
     aside: tuple[HeldOutPrediction, ...] = ()
     name: str = ""
     cad_of: str | None = None
     settings: tuple[Tuned, ...] = ()
-    exogeneity: str = NO_LOOP
 
     @property
     def problem(self) -> Problem:

@@ -5,7 +5,7 @@ torques and regressor, starts 15 % beside the truth; noise of positions and torq
 the noise of the positions. Rows slower than 0.05 rad/s are left out, because dry friction holds joints there.
 
 "Parallel" is with the torque and all columns of the regressor through 20 Hz instead: with f the bandwidth of the loop,
-the literature filters positions at 5 f and equations at 2 f (Gautier 1997; Janot, Vandanjon and Gautier 2014).
+the literature filters positions at 5 f and equations at 2 f (Gautier 1997; Janot, Gautier and Brunot 2019).
 
 Printed for each noise: over RUNS recordings, how many base parameters have a smaller bias than with least squares (same
 filter); iterations from 15 % off and how many of them diverge; error of the torque on another motion; processor time.

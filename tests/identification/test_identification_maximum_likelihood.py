@@ -111,8 +111,8 @@ def test_refusals():
     exact = torque_data.small_samples()
     with pytest.raises(EstimationFailed, match=r"needs the errors of q, v and a \(motion_covariance of the samples\)"):
         MaximumLikelihood().estimate(Problem(torque_data.small_arm(), exact))
-    with pytest.raises(InvalidInput, match=r"torque_noise is 0\.0; give positive numbers"):
-        MaximumLikelihood(torque_noise=0.0)
+    with pytest.raises(InvalidInput, match=r"torque_noise is 0\.; give one positive number, or 2"):
+        MaximumLikelihood(torque_noise=0.0).estimate(Problem(torque_data.small_arm(), exact))
     with pytest.raises(InvalidInput, match=r"motion_covariance of the samples has shape \(3, 3\), expected \(2"):
         replace(exact, motion_covariance=np.eye(3))
     noisy = Problem(torque_data.small_arm(), measured(exact, np.random.default_rng(0)))

@@ -27,8 +27,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import EstimationFailed, InvalidInput
+from graphdyn._errors import EstimationFailed
 from graphdyn.identification.accumulator import Accumulator
 from graphdyn.identification.compressed import CompressedEquations, merged
 from graphdyn.identification.errors_in_variables import whitened
@@ -38,6 +37,7 @@ from graphdyn.identification.jackknife import jackknife_covariance
 from graphdyn.identification.measured_motion import measured_motion
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.solution import residual_deviations, solve
+from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
 MOVED = 0.01
@@ -60,8 +60,6 @@ class MaximumLikelihood:
     torque_noise: Σ^½ of the filtered torques, one for all or (n,); if left out, of every joint what the errors of the
         motion do not explain of its residual   [N m or N]
     most: iterations after which an estimate that still moves counts as diverged
-
-    Raises InvalidInput for noise that is not positive.
     """
 
     torque_noise: ArrayLike | None = None
@@ -71,16 +69,15 @@ class MaximumLikelihood:
     assumptions: str = "noise of known size on the positions, white noise on the torques, independent of each other"
     needs: str = "as WLS; the noise of the positions, and how v and a come from them"
 
-    def __post_init__(self) -> None:
-        if self.torque_noise is not None and not np.all(as_floats("torque_noise", self.torque_noise) > 0):
-            raise InvalidInput(f"torque_noise is {self.torque_noise}; give positive numbers, one or one per joint")
-
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed where the errors of the motion are not known, or the iteration diverges."""
+        """Raises EstimationFailed where the errors of the motion are not known, or the iteration diverges.
+
+        Raises InvalidInput for a torque_noise that is not positive.
+        """
         start, noise = weighted_solution(problem.equations)
         x, noise = start.x, self._torque_noise(noise)
         shifts = [np.zeros((len(part.rows), 3 * problem.n_joints)) for part in measured_motion(problem)]
-        ones = np.ones(problem.n_joints)
+        ones, moved = np.ones(problem.n_joints), np.inf
         for iteration in range(1, self.most + 1):
             blocks, squares, explained = _linearised(problem, x, shifts, noise)
             step = solve(merged(blocks), ones)
@@ -94,7 +91,7 @@ class MaximumLikelihood:
                     noise,
                     block_covariance=jackknife_covariance(blocks, step.x, ones),
                     iterations=iteration,
-                    settings={LARGEST_SHARE: float(np.max(explained / squares))},
+                    settings={LARGEST_SHARE: float(np.max(explained / np.maximum(squares, np.finfo(float).tiny)))},
                 )
             left = np.maximum(squares - explained, SMALLEST**2 * squares)
             used = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
@@ -105,11 +102,7 @@ class MaximumLikelihood:
         )
 
     def _torque_noise(self, left: Array) -> Array:
-        return (
-            left
-            if self.torque_noise is None
-            else np.broadcast_to(as_floats("torque_noise", self.torque_noise), left.shape)
-        )
+        return left if self.torque_noise is None else positive("torque_noise", self.torque_noise, len(left))
 
 
 def _linearised(
