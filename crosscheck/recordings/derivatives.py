@@ -96,7 +96,7 @@ def differentiated(
     now = {name: frequency for name, frequency in cutoffs.items() if name != "tau"}
     cut = max([border(rate, frequency) for frequency in now.values()], default=0) + STENCIL - 1
     needed = max(2 * cut + 1, padding() + 1)
-    noisy = [name for name in ("q", "v") if name in recorded]
+    noisy = [] if "a" in recorded else [name for name in ("q", "v") if name in recorded]
     parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *JOINT_CHANNELS, "q_noise", "v_noise")}
     short = []
     for rows in recording.block_slices:
