@@ -25,6 +25,7 @@ from graphdyn import InvalidInput
 from graphdyn.identification import (
     Estimator,
     GeneralisedLeastSquares,
+    MaximumLikelihood,
     Problem,
     ResidualStatistics,
     ReweightedLeastSquares,
@@ -52,8 +53,12 @@ METHODS_OF_SUMS = ("ols", "wls", "ridge", "essential", "consistent", "entropic",
 STANDARD_METHODS_OF_SUMS = ("ols", "wls", "ridge", "consistent", "entropic")
 """The default ones."""
 
+NOT_TESTED = "not tested: the test needs single rows, and recordings of any length are summed up"
+"""What is said of the exogeneity of the regressor."""
+
 OF_SAMPLES = (
     GeneralisedLeastSquares,
+    MaximumLikelihood,
     ReweightedLeastSquares,
     RobustConsistent,
     WithPinocchio,
@@ -174,6 +179,7 @@ def _fitted(
         fit=prediction(fit, division.fit, "training"),
         trials=(prediction(ahead, division.trials[0].test, "held_out"),),
         comparison=comparison,
+        exogeneity=NOT_TESTED,
         name=candidate.name,
         cad_of=candidate.cad_of,
     )
