@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from graphdyn.identification.measured_motion import Measured
 from graphdyn.identification.prior import model_prior
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.samples import Samples
 from graphdyn.identification.torque_slopes import torque_slopes
 from graphdyn.layout import Array
 
@@ -35,7 +34,7 @@ def whitened(problem: Problem, x: Array, part: Measured, shift: Array, noise: Ar
     torque_model, columns = problem.torque_model, problem.base.independent
     measured, kept = part.motion, part.rows.kept[..., None]
     q, v, a = np.split(shift, 3, axis=1)
-    estimated = Samples(measured.q + q, measured.v + v, measured.a + a, measured.tau)
+    estimated = replace(measured, q=measured.q + q, v=measured.v + v, a=measured.a + a)
     steps = np.sqrt(np.diag(part.covariance)).reshape(3, -1)
     standard = model_prior(torque_model).nearest(problem.base, x)
     slopes = torque_slopes(torque_model, standard, estimated, steps) * kept

@@ -12,7 +12,7 @@ from graphdyn._errors import EstimationFailed
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.rows import Rows
 from graphdyn.identification.runs import runs
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.samples import Samples, joined_samples
 from graphdyn.layout import Array
 
 WINDOW = 4096
@@ -40,7 +40,12 @@ class Measured:
 
 
 def measured_motion(problem: Problem) -> Iterator[Measured]:
-    """All equations, window by window. Raises EstimationFailed where the errors are not known, or the base moves."""
+    """All equations, window by window.
+
+    Raises EstimationFailed where the errors are not known, for a base that moves, and for friction with memory.
+    """
+    if problem.torque_model.has_memory:
+        raise EstimationFailed("knows the errors of a row at a time, and friction with memory takes all rows together")
     motion, covariances, run, position = *_motion(problem), 0
     for parts in _windows(problem.rows()):
         names = ("matrix", "right", "measured", "velocity", "kept")
@@ -75,17 +80,17 @@ def joined(covariance: Array) -> Array:
 
 
 def _motion(problem: Problem) -> tuple[Samples, list[Array], NDArray[np.int64]]:
-    """q, v, a of all rows that the filters leave; the covariance of the errors of every run; the run of every row."""
-    parts, covariances = list[tuple[Array, ...]](), list[Array]()
-    for number, run in enumerate(runs([problem.data] if isinstance(problem.data, Samples) else problem.data)):
+    """The rows that count of all that the filters leave; the covariance of the errors of every run; each row's run."""
+    parts, covariances, lengths = list[Samples](), list[Array](), list[int]()
+    for run in runs([problem.data] if isinstance(problem.data, Samples) else problem.data):
         pieces = list(run.samples)
         if any(piece.base is not None for piece in pieces):
             raise EstimationFailed("the base of the recording moves; errors of the motion know a base at rest only")
         if pieces[0].motion_covariance is None:
             raise EstimationFailed(NO_ERRORS)
         covariances.append(joined(pieces[0].motion_covariance))
-        left = slice(None, None, 1 if run.row_filter is None else run.row_filter.factor)
-        q, v, a = (np.concatenate([getattr(piece, name) for piece in pieces])[left] for name in ("q", "v", "a"))
-        parts.append((q, v, a, np.full(len(q), number)))
-    q, v, a, of_run = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    return Samples(q, v, a, np.zeros(q.shape)), covariances, of_run
+        left = joined_samples(pieces, slice(None, None, 1 if run.row_filter is None else run.row_filter.factor))
+        parts.append(left)
+        lengths.append(len(left))
+    of_run = np.repeat(np.arange(len(lengths)), lengths)
+    return joined_samples(parts, problem.chosen(np.arange(len(of_run)))), covariances, problem.chosen(of_run)

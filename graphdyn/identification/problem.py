@@ -56,6 +56,7 @@ NOTHING = (
     "opens its file in __iter__"
 )
 
+Value = TypeVar("Value", bound=np.generic)
 P = TypeVar("P", Rows, Rows | Samples)
 
 
@@ -201,7 +202,7 @@ class Problem:
             found._memory.extend(replace(rows, block=block) for rows, block in found._cut(counted(self._memory, used)))
         return found
 
-    def chosen(self, values: Array) -> Array:
+    def chosen(self, values: NDArray[Value]) -> NDArray[Value]:
         """Of one value for each row that the filter leaves (N, …), those that count."""
         return values if self.used is None else values[self.used]
 

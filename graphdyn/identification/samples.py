@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import InvalidInput
@@ -74,6 +74,17 @@ class Samples:
         """Consecutive pieces of this length; the last one may be shorter."""
         for start in range(0, len(self), length):
             yield self[start : start + length]
+
+
+def joined_samples(pieces: Sequence[Samples], rows: slice | NDArray[np.int64]) -> Samples:
+    """These rows of pieces one after the other, as one piece at a base at rest."""
+
+    def known(name: str) -> Array | None:
+        columns = [getattr(piece, name) for piece in pieces]
+        return None if any(column is None for column in columns) else np.concatenate(columns)[rows]
+
+    q, v, a, tau = (np.concatenate([getattr(piece, name) for piece in pieces])[rows] for name in ("q", "v", "a", "tau"))
+    return Samples(q, v, a, tau, time=known("time"), temperature=known("temperature"))
 
 
 def _two_dimensional(name: str, value: ArrayLike) -> Array:

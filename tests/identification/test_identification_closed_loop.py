@@ -23,7 +23,7 @@ from graphdyn.identification import (
 from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
 from graphdyn.identification.closed_loop.beside import beside
 from graphdyn.identification.closed_loop.sensitivities import outputs, sensitivities
-from graphdyn.identification.terms import Coulomb, RigidBodies
+from graphdyn.identification.terms import Coulomb, Drift, RigidBodies, Viscous
 
 EXACT = 1e-7
 """Relative error of every base parameter from exact data, which the steps of the simulation reproduce."""
@@ -73,6 +73,18 @@ def test_exact_data(method, exact):
     error = size * (values(problem, estimate) - true)
     assert np.abs(error).max() <= EXACT * np.abs(size * true).max()
     assert 1 < estimate.iterations <= 8
+
+
+def test_a_drift_that_is_not_there(exact):
+    """Simulated motions have a time, too; the friction of the recording does not drift."""
+    run, _ = exact
+    model = TorqueModel(run.torque_model.model, (*run.torque_model.terms, Drift(Viscous())))
+    problem = Problem(model, run.exact, min_speed=STICKING)
+    truth = np.concatenate([run.truth, np.zeros(2)])
+    found = values(problem, InstrumentalVariables(loop=run.loop).estimate(problem))
+    size = np.linalg.norm(problem.equations.factors[..., :-1], axis=(0, 1))
+    true = size * problem.base.values(truth)
+    assert np.abs(size * found - true).max() <= EXACT * np.abs(true).max()
 
 
 def test_parts_have_the_rows_of_the_whole(noisy):

@@ -11,7 +11,7 @@ import graphdyn
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import MaximumLikelihood, Problem, Samples, TorqueModel, WeightedLeastSquares
 from graphdyn.identification.measured_motion import joined
-from graphdyn.identification.terms import RigidBodies, Viscous
+from graphdyn.identification.terms import Drift, MaxwellSlip, RigidBodies, Viscous
 from graphdyn.identification.torque_slopes import torque_slopes
 from graphdyn.motion_laws import FourierSeries
 
@@ -107,6 +107,18 @@ def test_no_bias_and_standard_deviations():
     assert np.mean(scores["WLS"]) > 2
 
 
+def test_some_rows_with_a_drift():
+    """As of those rows alone, and the drift moves with its time."""
+    exact = torque_data.small_samples()
+    time = np.linspace(0.0, 10.0, len(exact))
+    samples = replace(measured(exact, np.random.default_rng(3), ERRORS / 100), time=time)
+    model = TorqueModel(torque_data.small_arm().model, (RigidBodies(), Viscous(), Drift(Viscous())))
+    used = np.arange(len(exact)) >= len(exact) // 4
+    found = values(Problem(model, samples).part(used), MaximumLikelihood(torque_noise=NOISE))
+    alone = values(Problem(model, samples[len(exact) // 4 :]), MaximumLikelihood(torque_noise=NOISE))
+    assert found == pytest.approx(alone, rel=1e-6, abs=1e-6 * np.abs(alone).max())
+
+
 def test_refusals():
     exact = torque_data.small_samples()
     with pytest.raises(EstimationFailed, match=r"needs the errors of q, v and a \(motion_covariance of the samples\)"):
@@ -122,3 +134,6 @@ def test_refusals():
     moving = Problem(torque_data.small_arm(), replace(exact, base=base, motion_covariance=ERRORS))
     with pytest.raises(EstimationFailed, match="the base of the recording moves; errors of the motion know a base at"):
         MaximumLikelihood().estimate(moving)
+    slipping = TorqueModel(torque_data.small_arm().model, (RigidBodies(), MaxwellSlip()))
+    with pytest.raises(EstimationFailed, match="friction with memory takes all rows together"):
+        MaximumLikelihood().estimate(Problem(slipping, replace(exact, motion_covariance=ERRORS)))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from graphdyn.identification.motion import Motion
 from graphdyn.identification.problem import Problem
 from graphdyn.identification.rows import Rows
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.samples import Samples, joined_samples
 from graphdyn.layout import Array
 
 WINDOW = 4096
@@ -51,10 +51,9 @@ def beside(problem: Problem, simulated: list[Samples]) -> Iterator[Beside]:
 
 def _decimated(problem: Problem, stretches: list[Samples]) -> Samples:
     """The rows that count, one after the other: torques filtered, of the rest those that the filter leaves."""
-    parts: list[tuple[Array, ...]] = []
+    parts: list[Samples] = []
     for samples in stretches:
-        chosen = slice(None, None, 1 if samples.row_filter is None else samples.row_filter.factor)
+        left = samples[:: 1 if samples.row_filter is None else samples.row_filter.factor]
         tau = samples.tau if samples.row_filter is None else samples.row_filter(samples.tau)
-        parts.append((samples.q[chosen], samples.v[chosen], samples.a[chosen], tau))
-    q, v, a, tau = (problem.chosen(np.concatenate(columns)) for columns in zip(*parts, strict=True))
-    return Samples(q, v, a, tau)
+        parts.append(replace(left, tau=tau))
+    return joined_samples(parts, problem.chosen(np.arange(sum(map(len, parts)))))
