@@ -13,13 +13,15 @@ from crosscheck.cli.console import progress, say, warnings_shown
 from crosscheck.cli.delivery import deliver
 from crosscheck.cli.excite_search import best_of
 from crosscheck.cli.exits import AGREED, DISAGREED
-from crosscheck.cli.identify_options import CutoffOption, DropOption, MappingOption, cutoff_of, recordings
+from crosscheck.cli.identify_options import CutoffOption, DropOption, MappingOption, TermOption, cutoff_of, recordings
 from crosscheck.cli.options import EXAMPLES, HtmlOption, JsonOption, LockOption, locked_joints
 from crosscheck.cli.output_files import OutputFile
+from crosscheck.cli.three_d import ThreeDOption, planned_figures, refuse_without_page
 
 if TYPE_CHECKING:
     from crosscheck.exciting.excited import Excited, PlannedMotion
     from crosscheck.exciting.motion_formats.krl import AxisSettings
+    from crosscheck.exciting.self_collision import SelfCollision
     from crosscheck.recordings import Recording
     from graphdyn import RobotModel
     from graphdyn.excitation import ExcitationProblem
@@ -38,6 +40,7 @@ def run(
     motions: options.MotionsOption = 1,
     criterion: options.CriterionOption = "log-det",
     terms: options.TermsOption = "viscous,coulomb,offset",
+    term: TermOption = None,
     noise: options.NoiseOption = None,
     rate: options.RateOption = 500.0,
     velocity: options.VelocityOption = None,
@@ -49,6 +52,9 @@ def run(
     lower: options.LowerOption = None,
     upper: options.UpperOption = None,
     plane: options.PlaneOption = None,
+    collisions: options.CollisionsOption = True,
+    clearance: options.ClearanceOption = 0.0,
+    srdf: options.SrdfOption = None,
     seeds: options.SeedsOption = 5,
     seed: options.SeedOption = 0,
     jobs: options.JobsOption = None,
@@ -66,29 +72,34 @@ def run(
     lock: LockOption = None,
     json_file: JsonOption = None,
     html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
 ) -> None:
     """Find a motion that shows a robot's parameters.
 
     All joints move at once, start and stop smoothly, and keep the limits of position, velocity, acceleration, jerk and
-    torque at all times, checked at 1 kHz; torques are those of the file's inertials. Before the experiment the plan
-    states the standard deviation that every base parameter will have for the given noise of the torques, beside those
-    of random motions and of your own recordings. Ctrl-C keeps the best motion found so far.
+    torque at all times, checked at 1 kHz; torques are those of the file's inertials. Links do not hit each other where
+    their meshes are found, which is checked on the meshes. Before the experiment the plan states the standard deviation
+    that every base parameter will have for the given noise of the torques, beside those of random motions and of your
+    own recordings. Ctrl-C keeps the best motion found so far.
 
     By default the volume of the ellipsoid of errors is minimised. A small condition number is no aim in itself: it is
     small where all parameters are equally badly determined, and depends on how columns are scaled.
 
-    Exit code 0: the motion keeps all limits; 1: none was found, or that of --motion violates one; 2: bad input.
+    Exit code 0: the motion keeps all limits; 1: none was found, or that of --motion violates one or collides; 2: bad
+    input.
     """
     settings = options.axis_settings(axis_signs, axis_zeros)
     if out is not None:
         options.check_out(out)
     if not (out_rate > 0 and rate > 0):
         raise typer.BadParameter("--rate and --out-rate must be above zero")
+    refuse_without_page(three_d, html_file)
     locked = locked_joints(lock)
     import urdf
     from crosscheck.exciting.excited import Excited, planned, random_plans, recorded_information
     from crosscheck.exciting.motion_formats.motion_file import read_motion
     from crosscheck.report.commands.excite import excite_report
+    from crosscheck.report.report import with_stage
     from graphdyn.excitation import ExcitationProblem, FourierBasis, SplineBasis, excitation_plan
     from graphdyn.identification import TorqueModel
     from graphdyn.identification.terms import RigidBodies
@@ -96,7 +107,7 @@ def run(
 
     with warnings_shown():
         model = urdf.load(robot, lock=locked or None)
-        torque_model = TorqueModel(model, (RigidBodies(), *options.terms_of(terms)))
+        torque_model = TorqueModel(model, (RigidBodies(), *options.terms_of(terms, term)))
         limits = options.limits_of(
             model, plane, velocity=velocity, acceleration=acceleration, jerk=jerk, torque=torque, lower=lower,
             upper=upper, velocity_share=velocity_share, torque_share=torque_share,
@@ -106,6 +117,7 @@ def run(
         problem = ExcitationProblem(
             torque_model, limits, basis, sizes, rate, options.criterion_of(criterion, torque_model)
         )
+        known = options.collisions_of(robot, model, locked, clearance, srdf) if collisions else None
         columns = (mapping, model.independent_joints, drop or [], cutoff)
         earlier = _recordings("--after", after, *columns)
         compared = _recordings("--against", against, *columns)
@@ -113,9 +125,9 @@ def run(
         problem = replace(problem, known=recorded_information(problem, earlier)[0])
     failures: list[str] = []
     if motion is None:
-        made, failures = _searched(problem, motions, range(seed, seed + seeds), jobs or cores())
+        made, failures = _searched(problem, known, motions, range(seed, seed + seeds), jobs or cores())
     else:
-        made = [planned(problem, read_motion(motion, model, settings))]
+        made = [planned(problem, read_motion(motion, model, settings), known)]
     total = problem
     for one in made:
         total = replace(total, known=total.total_information(one.course))
@@ -125,18 +137,21 @@ def run(
         information, rows = recorded_information(problem, compared)
         samples = sum(rate * one.course.duration for one in made)
         recorded = excitation_plan(torque_model, information * (samples / rows))
-    best, median = random_plans(problem, len(made), random) if random else (None, None)
+    best, median = random_plans(problem, len(made), random, known) if random else (None, None)
     found = Excited(
         robot, locked, problem, words, criterion, tuple(made), excitation_plan(torque_model, total.known), random, best,
-        median, recorded, tuple(failures),
+        median, recorded, tuple(failures), known,
     )  # fmt: skip
     written = _write(found, model, out, out_rate, settings) if out is not None else ()
-    deliver(excite_report(found, written), html_file, json_file)
-    raise typer.Exit(DISAGREED if found.violated else AGREED)
+    report = excite_report(found, written)
+    if three_d:
+        report = with_stage(report, planned_figures(found))
+    deliver(report, html_file, json_file)
+    raise typer.Exit(DISAGREED if found.violated or found.hits else AGREED)
 
 
 def _searched(
-    problem: ExcitationProblem, motions: int, seeds: range, processes: int
+    problem: ExcitationProblem, collisions: SelfCollision | None, motions: int, seeds: range, processes: int
 ) -> tuple[list[PlannedMotion], list[str]]:
     """As many motions as asked for, each chosen for what the others do not show. Raises typer.Exit if there is none."""
     from crosscheck.exciting.excited import planned
@@ -146,11 +161,11 @@ def _searched(
     with progress("seeds", motions * len(seeds)) as advance:
         for _ in range(motions):
             trial = replace(problem, known=known)
-            found = best_of(trial, seeds, processes, advance)
+            found = best_of(trial, collisions, seeds, processes, advance)
             failures += found.failures
             if found.best is None:
                 break
-            made.append(planned(problem, found.best.trajectory, found.best.seed))
+            made.append(planned(problem, found.best.trajectory, collisions, found.best.seed))
             known = trial.total_information(found.best.trajectory)
             if found.interrupted:
                 break

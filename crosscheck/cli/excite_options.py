@@ -14,6 +14,7 @@ from crosscheck.cli.output_files import OutputFile
 
 if TYPE_CHECKING:
     from crosscheck.exciting.motion_formats.krl import AxisSettings
+    from crosscheck.exciting.self_collision import SelfCollision
     from graphdyn import RobotModel
     from graphdyn.excitation import MotionLimits, Plane
     from graphdyn.excitation.criteria import Criterion
@@ -86,6 +87,16 @@ PlaneOption = Annotated[
         "Repeatable.",
     ),
 ]
+CollisionsOption = Annotated[
+    bool,
+    typer.Option("--collisions/--no-collisions", help="Keep links from hitting each other, where meshes are found."),
+]
+ClearanceOption = Annotated[
+    float, typer.Option(min=0.0, metavar="M", help="Distance that meshes of different links keep [m].")
+]
+SrdfOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="SRDF file: pairs of links that it disables may touch.")
+]
 SeedsOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random starts; the best motion is kept.")]
 SeedOption = Annotated[int, typer.Option(min=0, metavar="N", help="First seed.")]
 JobsOption = Annotated[int | None, typer.Option(min=1, metavar="N", help="Processes; one per core if left out.")]
@@ -144,6 +155,21 @@ def limits_of(model: RobotModel, planes: list[str] | None, **texts: str | float 
     return MotionLimits.of_model(model, planes=tuple(map(_plane, planes or ())), **given)  # type: ignore[arg-type]
 
 
+def collisions_of(
+    robot: str, model: RobotModel, locked: dict[str, float], margin: float, srdf: Path | None
+) -> SelfCollision:
+    """Raises InvalidInput for a wrong SRDF file, OSError."""
+    from crosscheck.exciting.link_meshes import link_meshes
+    from crosscheck.exciting.self_collision import self_collision
+    from crosscheck.exciting.srdf import disabled_pairs
+
+    meshes, missing = link_meshes(robot, model, locked)
+    if srdf is None:
+        return self_collision(model, meshes, missing, margin)
+    links = {mesh.link for mesh in meshes}.union(missing, model.body_names, (frame.name for frame in model.frames))
+    return self_collision(model, meshes, missing, margin, disabled_pairs(srdf, links))
+
+
 def noise_of(text: str | None, model: RobotModel) -> tuple[Array, str]:
     """Standard deviations, and in words where they come from. Raises typer.BadParameter."""
     from crosscheck.exciting.noise import assumed_noise
@@ -162,11 +188,11 @@ def criterion_of(name: str, torque_model: TorqueModel) -> Criterion:
     return log_det if name == "log-det" else mean_sigma
 
 
-def terms_of(names: str) -> tuple[Term, ...]:
-    """--terms. Raises InvalidInput for unknown names."""
-    from crosscheck.identifying import friction_terms
+def terms_of(names: str, further: list[str] | None) -> tuple[Term, ...]:
+    """--terms and --term. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
+    from crosscheck.cli.identify_models import drives_of
 
-    return friction_terms([] if names == "none" else [name.strip() for name in names.split(",")])
+    return drives_of([names], None, None, further)[0]
 
 
 def axis_settings(signs: str, zeros: str) -> AxisSettings:

@@ -9,12 +9,14 @@ from crosscheck.cli.console import say
 from crosscheck.distributing import LocalProcesses, Lost
 
 if TYPE_CHECKING:
+    from crosscheck.exciting.self_collision import SelfCollision
     from graphdyn.excitation import ExcitationProblem, OptimisedMotion
 
 
 class Task(NamedTuple):
     problem: ExcitationProblem
     seed: int
+    collisions: SelfCollision | None
 
 
 class Found(NamedTuple):
@@ -27,10 +29,13 @@ class Found(NamedTuple):
 
 def search(task: Task) -> OptimisedMotion | str:
     """The motion from one seed, or why there is none."""
+    from crosscheck.exciting.collision_free import collision_free
     from graphdyn.excitation import NoFeasibleMotion, optimised
 
     try:
-        return optimised(*task)
+        if task.collisions is None:
+            return optimised(task.problem, task.seed)
+        return collision_free(task.problem, task.collisions, task.seed)
     except NoFeasibleMotion as error:
         return str(error)
 
@@ -42,10 +47,14 @@ def one_by_one(tasks: list[Task]) -> Generator[tuple[int, OptimisedMotion | str]
 
 
 def best_of(
-    problem: ExcitationProblem, seeds: range, processes_used: int, advance: Callable[[str, int], None]
+    problem: ExcitationProblem,
+    collisions: SelfCollision | None,
+    seeds: range,
+    processes_used: int,
+    advance: Callable[[str, int], None],
 ) -> Found:
     """The best motion from these seeds. Raises KeyboardInterrupt where it comes before the first motion is found."""
-    tasks = [Task(problem, seed) for seed in seeds]
+    tasks = [Task(problem, seed, collisions) for seed in seeds]
     best: OptimisedMotion | None = None
     failures = list[str]()
     answers = LocalProcesses(processes_used).each(search, tasks) if processes_used > 1 else one_by_one(tasks)

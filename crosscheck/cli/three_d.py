@@ -12,6 +12,7 @@ from crosscheck.cli.options import FACES
 from crosscheck.cli.output_files import OutputFile
 
 if TYPE_CHECKING:
+    from crosscheck.exciting.excited import Excited
     from crosscheck.identifying import Identified
     from crosscheck.viewing.figures import Figure
     from graphdyn import RobotModel, Simulation
@@ -54,6 +55,21 @@ def simulated(robot: str, motion: Simulation, locked: Mapping[str, float]) -> Fi
     from crosscheck.viewing.robots import shown_robot
 
     return Figure(Path(robot).name, shown_robot(robot, motion.model, locked, FACES), *simulated_motion(motion))
+
+
+def planned_figures(found: Excited) -> list[Figure]:
+    """The robot in each of the planned motions."""
+    from crosscheck.viewing.figures import Figure
+    from crosscheck.viewing.motions import planned_motion
+    from crosscheck.viewing.robots import shown_robot
+
+    model = found.problem.torque_model.model
+    shown, name = shown_robot(found.robot, model, found.locked, FACES), Path(found.robot).name
+    many = len(found.motions) > 1
+    return [
+        Figure(f"{name}, motion {number}" if many else name, shown, *planned_motion(model, motion.course))
+        for number, motion in enumerate(found.motions, start=1)
+    ]
 
 
 def recorded(found: Identified) -> Figure:

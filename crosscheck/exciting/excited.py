@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from crosscheck.exciting.self_collision import Hit, SelfCollision
 from crosscheck.recordings import Recording
 from graphdyn.excitation import (
     Course,
@@ -30,10 +31,18 @@ PIECE = 1000
 
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
-    """course: the motion; usages: of every limit, at CHECK_RATE; seed: that found it, None for one that was given"""
+    """A motion and what it needs, at CHECK_RATE.
+
+    usages: of every limit
+    hits: links that collide
+    poses: of the robot that were looked at
+    seed: that found the motion, None for one that was given
+    """
 
     course: Course
     usages: tuple[Usage, ...]
+    hits: tuple[Hit, ...]
+    poses: int
     seed: int | None = None
 
 
@@ -48,6 +57,7 @@ class Excited:
         without
     recorded: plan of a recording, for as many samples as the motions have; None without
     failures: why seeds found nothing
+    collisions: what is known of those of the robot with itself; None where they are not looked at
     """
 
     robot: str
@@ -62,6 +72,12 @@ class Excited:
     median_random: ExcitationPlan | None = None
     recorded: ExcitationPlan | None = None
     failures: tuple[str, ...] = ()
+    collisions: SelfCollision | None = None
+
+    @property
+    def hits(self) -> list[Hit]:
+        """Links that collide, in all motions."""
+        return [hit for motion in self.motions for hit in motion.hits]
 
     @property
     def violated(self) -> list[Usage]:
@@ -69,30 +85,42 @@ class Excited:
         return [usage for motion in self.motions for usage in motion.usages if usage.used > 1]
 
 
-def planned(problem: ExcitationProblem, course: Course, seed: int | None = None) -> PlannedMotion:
+def planned(
+    problem: ExcitationProblem, course: Course, collisions: SelfCollision | None, seed: int | None = None
+) -> PlannedMotion:
     motion = course.motion(sample_times(course.duration, CHECK_RATE))
-    return PlannedMotion(course, tuple(problem.usages(motion)), seed)
+    hits = collisions.hits(motion.q) if collisions else ()
+    return PlannedMotion(course, tuple(problem.usages(motion)), hits, len(motion.q), seed)
 
 
-def random_plans(problem: ExcitationProblem, motions: int, count: int) -> tuple[ExcitationPlan, ExcitationPlan]:
-    """Plans of as many random motions as asked for: each time the best of count, and the median, by the criterion."""
+def random_plans(
+    problem: ExcitationProblem, motions: int, count: int, collisions: SelfCollision | None
+) -> tuple[ExcitationPlan, ExcitationPlan]:
+    """Plans of as many random motions as asked for: each time the best of count, and the median, by the criterion.
+
+    The best is the best without collisions. All keep the distances of the balls; where meshes collide all the same in
+    every one of them, the best stands for them.
+    """
+    if collisions is not None:
+        problem = collisions.with_limits(problem)
     with one_thread():
-        first = _from_best_to_worst(problem, count, 0)
-        chosen = [first[0], first[count // 2]]
+        best, median = _best_and_median(problem, count, 0, collisions)
         for number in range(1, motions):
-            for k, place in enumerate((0, count // 2)):
-                chosen[k] = _from_best_to_worst(replace(problem, known=chosen[k]), count, number)[place]
-    return excitation_plan(problem.torque_model, chosen[0]), excitation_plan(problem.torque_model, chosen[1])
+            best = _best_and_median(replace(problem, known=best), count, number, collisions)[0]
+            median = _best_and_median(replace(problem, known=median), count, number, collisions)[1]
+    return excitation_plan(problem.torque_model, best), excitation_plan(problem.torque_model, median)
 
 
-def _from_best_to_worst(problem: ExcitationProblem, count: int, seed: int) -> list[Array]:
+def _best_and_median(
+    problem: ExcitationProblem, count: int, seed: int, collisions: SelfCollision | None
+) -> tuple[Array, Array]:
     """Information matrices of random motions, with what is known."""
-    rng = np.random.default_rng([seed, 2])
-    totals = []
-    for _ in range(count):
-        course = random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
-        totals.append(problem.total_information(course))
-    return sorted(totals, key=lambda total: problem.criterion(total)[0])
+    rng, model = np.random.default_rng([seed, 2]), problem.torque_model.model
+    courses = [random_trajectory(model, problem.limits, problem.watched, problem.basis, rng) for _ in range(count)]
+    totals = [problem.total_information(course) for course in courses]
+    order = sorted(range(count), key=lambda k: problem.criterion(totals[k])[0])
+    free = (k for k in order if collisions is None or not planned(problem, courses[k], collisions).hits)
+    return totals[next(free, order[0])], totals[order[count // 2]]
 
 
 def recorded_information(problem: ExcitationProblem, recordings: Sequence[Recording]) -> tuple[Array, int]:

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from crosscheck.recordings import Recording
 from crosscheck.viewing.figures import Motion
 from graphdyn import GraphDynError, RobotModel, Simulation, inverse_dynamics
+from graphdyn.excitation import Course
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 RATE = 50.0
@@ -37,6 +38,15 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tu
     if pieces > 1:
         notes.append(f"{pieces} uninterrupted pieces, joined by straight lines")
     return motion, tuple(notes)
+
+
+def planned_motion(model: RobotModel, course: Course) -> tuple[Motion, tuple[str, ...]]:
+    """A motion that is not made yet, with the loads of the bodies, and notes on how it is shown."""
+    rate = min(RATE, MOST_INSTANTS / course.duration)
+    times = np.linspace(0.0, course.duration, int(course.duration * rate) + 1)
+    q, v, a, _ = course.motion(times)
+    wrenches, source = _loads(model, q, v, a)
+    return Motion(times, q, wrenches, _along_axes(model, wrenches)), ("as planned", source)
 
 
 def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tuple[Motion, tuple[str, ...]]:

@@ -4,18 +4,19 @@ Public are the names in `__all__`.
 """
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
-from graphdyn.excitation.constraints import Usage
 from graphdyn.excitation.criteria import ConditionNumber, log_det, mean_sigma
-from graphdyn.excitation.limits import MotionLimits, Plane
+from graphdyn.excitation.limits import Clearance, MotionLimits, Plane
 from graphdyn.excitation.optimising import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
+from graphdyn.excitation.signal import Usage
 from graphdyn.excitation.trajectory import Course, JointMotion, TabulatedCourse, Trajectory, sample_times
-from graphdyn.excitation.watched_points import Ball, frame_origins
+from graphdyn.excitation.watched_points import Ball, Poses, frame_origins
 
 __all__ = [
     "Ball",
     "Basis",
+    "Clearance",
     "ConditionNumber",
     "Course",
     "ExcitationPlan",
@@ -26,6 +27,7 @@ __all__ = [
     "NoFeasibleMotion",
     "OptimisedMotion",
     "Plane",
+    "Poses",
     "SplineBasis",
     "TabulatedCourse",
     "Trajectory",

@@ -1,100 +1,50 @@
-"""How much of every limit a motion uses, and how that changes with its coefficients.
-
-A limit of a joint is one number: a smooth maximum over the grid of time and both directions,
-
-    K = m + ln Σ_t exp(ρ (g_t - m)) / ρ,    m = max g_t ≤ K ≤ m + ln(2 N) / ρ,    g_t = |v_t| / v_max and so on
-
-(Kreisselmeier and Steinhauser, 1979): never below the true maximum, and differentiable. A motion keeps the limit
-where K ≤ 1.
-"""
+"""How much of every limit a motion uses, and how that changes with the motion."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from functools import cache
 
 import numpy as np
 
 from graphdyn._derivatives import inverse_dynamics_derivatives
 from graphdyn._dynamics import joint_torques
 from graphdyn._model import RobotModel
-from graphdyn.excitation.limits import MotionLimits
+from graphdyn.excitation.clearances import clearance_signal
+from graphdyn.excitation.limits import MotionLimits, Plane
+from graphdyn.excitation.signal import Signal
 from graphdyn.excitation.trajectory import JointMotion
-from graphdyn.excitation.watched_points import Ball, centers
+from graphdyn.excitation.watched_points import Ball, Poses
 from graphdyn.layout import Array
 
 ENDLESS = 1.0
 """Positions with one limit alone are measured in this [rad or m]; speeds of planes likewise in m."""
 
-
-@dataclass(frozen=True)
-class Usage:
-    """Of one limit.
-
-    kind: "position", "velocity", "acceleration", "jerk", "torque" or "plane"
-    name: of the joint, or of the plane
-    used: largest part of the limit that the motion uses; above 1 it is violated. Of a position or a plane it is 1 at
-        the limit
-    """
-
-    kind: str
-    name: str
-    used: float
+NEGLIGIBLE = 1e-15
+"""Weight in a smooth maximum below which a point does not change its slope."""
 
 
-@dataclass(frozen=True, eq=False)
-class Signal:
-    """Numbers over time that have to stay below 1, and their derivatives by q, v and a.
-
-    values: (N, m), the m of them are one limit together
-    linear: for limits linear in one derivative of the motion: its order, and weights of the joints (m, n)
-    slopes: otherwise the derivatives by q, v and a, (N, m, n) each or None
-    """
-
-    kind: str
-    name: str
-    values: Array
-    order: int | None = None
-    weights: Array | None = None
-    slopes: tuple[Array | None, Array | None, Array | None] = (None, None, None)
-
-
-def signals(
-    model: RobotModel, limits: MotionLimits, balls: Sequence[Ball], motion: JointMotion, slopes: bool = True
-) -> list[Signal]:
-    """Those of all limits, in a fixed order. slopes: whether derivatives are needed."""
-    found = [*_of_positions(model, limits, motion)]
+def signals(model: RobotModel, limits: MotionLimits, balls: Sequence[Ball], motion: JointMotion) -> Iterator[Signal]:
+    """Those of all limits, in a fixed order; those that take longest last."""
+    yield from _of_positions(model, limits, motion)
     matrix = model.freedoms.matrix
     for order, kind in enumerate(("velocity", "acceleration", "jerk"), start=1):
         largest = getattr(limits, kind)
         for j in np.flatnonzero(np.isfinite(largest)):
             rate = motion[order] @ matrix[j] / largest[j]
             weights = np.stack([matrix[j], -matrix[j]]) / largest[j]
-            found.append(Signal(kind, model.joint_names[j], np.stack([rate, -rate], 1), order, weights))
-    found += _of_torques(model, limits, motion, slopes)
-    return found + _of_planes(model, limits, balls, motion)
+            yield _linear(kind, model.joint_names[j], np.stack([rate, -rate], 1), order, weights)
+    yield from _of_torques(model, limits, motion)
+    if limits.planes or limits.clearances:
+        poses = Poses(model, motion.q)
+        yield from _of_planes(limits, balls, poses)
+        for clearance in limits.clearances:
+            yield clearance_signal(clearance, poses)
 
 
-def usage(signal: Signal) -> Usage:
-    """The true maximum over the grid."""
-    return Usage(signal.kind, signal.name, float(signal.values.max()))
-
-
-def smooth_maximum(signal: Signal, phi: Sequence[Array], sharpness: float) -> tuple[float, Array]:
-    """K, and its derivative by the coefficients (n, K_basis). phi: the rows of the basis, of orders 0 … 3."""
-    top = signal.values.max()
-    grown = np.exp(sharpness * (signal.values - top))
-    total = grown.sum()
-    share = grown / total
-    if signal.weights is not None and signal.order is not None:
-        slope = signal.weights.T @ (share.T @ phi[signal.order])
-    else:
-        slope = sum(
-            np.einsum("tm,tmn->nt", share, part) @ phi[order]
-            for order, part in enumerate(signal.slopes)
-            if part is not None
-        )
-    return float(top + np.log(total) / sharpness), np.asarray(slope)
+def _linear(kind: str, name: str, values: Array, order: int, weights: Array) -> Signal:
+    """Of values (N, m) that are linear in one derivative of the motion; weights of the joints (m, n)."""
+    return Signal(kind, name, values, lambda share: {order: share @ weights})
 
 
 def _of_positions(model: RobotModel, limits: MotionLimits, motion: JointMotion) -> list[Signal]:
@@ -108,11 +58,11 @@ def _of_positions(model: RobotModel, limits: MotionLimits, motion: JointMotion) 
         if bounded:
             values = np.stack([1 + (sign * position - limit) / half for sign, limit in bounded], axis=1)
             weights = np.stack([sign * matrix[j] / half for sign, _ in bounded])
-            found.append(Signal("position", model.joint_names[j], values, 0, weights))
+            found.append(_linear("position", model.joint_names[j], values, 0, weights))
     return found
 
 
-def _of_torques(model: RobotModel, limits: MotionLimits, motion: JointMotion, slopes: bool) -> list[Signal]:
+def _of_torques(model: RobotModel, limits: MotionLimits, motion: JointMotion) -> list[Signal]:
     """Of the rigid bodies and the friction that the model states."""
     limited = np.flatnonzero(np.isfinite(limits.torque))
     if not limited.size:
@@ -122,27 +72,41 @@ def _of_torques(model: RobotModel, limits: MotionLimits, motion: JointMotion, sl
     damping = np.array([joint.damping for joint in joints])
     friction = np.array([joint.friction for joint in joints])
     tau = joint_torques(model, q, v, a, method="recursive") + damping * v
-    if slopes:
+
+    @cache
+    def derivatives() -> tuple[Array, Array, Array]:
         by = inverse_dynamics_derivatives(model, q, v, a, method="recursive")
-        by_v = by.dtau_dv + np.diag(damping)
-    found = []
-    for j in limited:
+        return by.dtau_dq, by.dtau_dv + np.diag(damping), by.dtau_da
+
+    def signal(j: int) -> Signal:
         largest = limits.torque[j]
         values = (np.stack([tau[:, j], -tau[:, j]], axis=1) + friction[j]) / largest
-        parts = [np.stack([x[:, j], -x[:, j]], 1) / largest for x in (by.dtau_dq, by_v, by.dtau_da)] if slopes else []
-        found.append(Signal("torque", joints[j].name, values, slopes=(*parts,) if slopes else (None, None, None)))
-    return found
+
+        def slopes(share: Array) -> dict[int, Array]:
+            weight = (share[:, :1] - share[:, 1:]) / largest
+            return {order: weight * part[:, j] for order, part in enumerate(derivatives())}
+
+        return Signal("torque", joints[j].name, values, slopes)
+
+    return [signal(int(j)) for j in limited]
 
 
-def _of_planes(model: RobotModel, limits: MotionLimits, balls: Sequence[Ball], motion: JointMotion) -> list[Signal]:
+def _of_planes(limits: MotionLimits, balls: Sequence[Ball], poses: Poses) -> list[Signal]:
     if not limits.planes:
         return []
-    positions, by_q = centers(model, balls, motion.q)
+    centers = poses.centers(tuple(balls))
     radii = np.array([ball.radius for ball in balls])
-    found = []
-    for number, plane in enumerate(limits.planes, start=1):
+    bodies = np.array([ball.body for ball in balls])
+
+    def signal(number: int, plane: Plane) -> Signal:
         normal = np.asarray(plane.normal, dtype=float)
-        height = positions @ normal - radii - plane.distance
-        slope = -np.einsum("tbxn,x->tbn", by_q, normal) / ENDLESS
-        found.append(Signal("plane", f"plane {number}", 1 - height / ENDLESS, slopes=(slope, None, None)))
-    return found
+        height = centers @ normal - radii - plane.distance
+
+        def slopes(share: Array) -> dict[int, Array]:
+            row, ball = np.nonzero(share > NEGLIGIBLE)
+            forces = -share[row, ball, None] / ENDLESS * normal
+            return {0: poses.joint_forces(row, bodies[ball], centers[row, ball], forces)}
+
+        return Signal("plane", f"plane {number}", 1 - height / ENDLESS, slopes)
+
+    return [signal(number, plane) for number, plane in enumerate(limits.planes, start=1)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel
+from graphdyn.excitation.watched_points import Ball, ball_around
 from graphdyn.layout import Array
 
 KINDS = ("position", "velocity", "acceleration", "jerk", "torque")
@@ -34,6 +36,34 @@ class Plane:
 
 
 @dataclass(frozen=True, eq=False)
+class Clearance:
+    """Every ball of one body stays away from every ball of another, by a distance between surfaces.
+
+    name: of the two, such as "forearm - wrist_2"
+    one, other: balls of one body each
+    distance: below zero, balls may overlap by so much       [m]
+    """
+
+    name: str
+    one: tuple[Ball, ...]
+    other: tuple[Ball, ...]
+    distance: float = 0.0
+
+    def __post_init__(self) -> None:
+        bodies = [{ball.body for ball in balls} for balls in (self.one, self.other)]
+        if any(len(numbers) != 1 for numbers in bodies) or not np.isfinite(self.distance):
+            raise InvalidInput(
+                f"the clearance '{self.name}' has balls of the bodies {bodies[0] or '{}'} and {bodies[1] or '{}'} and "
+                f"the distance {self.distance}; give balls of one body each, and a finite distance"
+            )
+
+    @cached_property
+    def around(self) -> tuple[Ball, Ball]:
+        """A ball around all of one, and of the other."""
+        return ball_around(self.one), ball_around(self.other)
+
+
+@dataclass(frozen=True, eq=False)
 class MotionLimits:
     """Of the n joints of a robot, those that others drive included; infinite where there is none.
 
@@ -41,6 +71,7 @@ class MotionLimits:
     velocity, acceleration, jerk: largest sizes              (n,)  […/s, …/s², …/s³]
     torque: largest sizes, of the joints that no others drive   (n_freedoms,)  [N m or N]
     planes: of the working space
+    clearances: between parts of the robot
     """
 
     lower: Array
@@ -50,6 +81,7 @@ class MotionLimits:
     jerk: Array
     torque: Array
     planes: tuple[Plane, ...] = field(default=())
+    clearances: tuple[Clearance, ...] = field(default=())
 
     @classmethod
     def of_model(

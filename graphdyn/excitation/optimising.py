@@ -7,7 +7,7 @@ and the search goes on from where it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,11 +16,12 @@ import numpy as np
 from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.constraints import Usage, signals, smooth_maximum, usage
+from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.criteria import Criterion, log_det
 from graphdyn.excitation.information import Information
 from graphdyn.excitation.limits import MotionLimits
 from graphdyn.excitation.random_motions import random_trajectory
+from graphdyn.excitation.signal import Signal, Usage, smooth_maximum, smooth_slope, usage
 from graphdyn.excitation.trajectory import Course, JointMotion, Trajectory, sample_times
 from graphdyn.excitation.watched_points import Ball, frame_origins
 from graphdyn.identification.one_thread import one_thread
@@ -46,8 +47,17 @@ ITERATIONS, PRECISION = 200, 1e-5
 MARGIN = 1e-4
 """By so much more than it was violated a limit is tightened."""
 
+CLEARANCE_MARGIN = 0.1
+"""The same of clearances: a millimetre."""
+
 HOPELESS = 1.3
 """A search that ends with more than this part of a limit will not come within it by tightening."""
+
+HOPELESS_CLEARANCE = 3.0
+"""The same of clearances: two centimetres."""
+
+SLACK = 1e-3
+"""Part of a limit by which a motion on the way may violate it, to be one from which the next search goes on."""
 
 TIGHTENINGS = 6
 """Searches with tightened limits at most, before a seed is given up."""
@@ -118,7 +128,7 @@ class ExcitationProblem:
 
     def usages(self, motion: JointMotion) -> list[Usage]:
         """How much of every limit a motion uses."""
-        found = signals(self.torque_model.model, self.limits, self.watched, motion, slopes=False)
+        found = signals(self.torque_model.model, self.limits, self.watched, motion)
         return [usage(signal) for signal in found]
 
     @property
@@ -148,23 +158,29 @@ class NoFeasibleMotion(InvalidInput):
 
 
 def optimised(
-    problem: ExcitationProblem, seed: int = 0, progress: Callable[[float], None] | None = None
+    problem: ExcitationProblem,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+    start: Trajectory | None = None,
 ) -> OptimisedMotion:
-    """The best motion that is found from one random start.
+    """The best motion that is found from one start.
 
     progress: called with the criterion after every iteration
+    start: a random motion, of this seed, if left out
 
     Raises NoFeasibleMotion where no limit-keeping motion is found.
     """
     search = _Search(problem, progress or (lambda value: None))
     rng = np.random.default_rng([seed, 1])
-    trajectory = random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
     with one_thread():
+        trajectory = start or random_trajectory(
+            problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng
+        )
         for number in range(len(SHARPNESS) + TIGHTENINGS):
             trajectory = search.run(trajectory, SHARPNESS[min(number, len(SHARPNESS) - 1)])
             used = problem.usages(trajectory.motion(sample_times(trajectory.duration, CHECK_RATE)))
             worst = max(used, key=lambda one: one.used)
-            if worst.used > HOPELESS:
+            if worst.used > (HOPELESS_CLEARANCE if worst.kind == "clearance" else HOPELESS):
                 break
             if number >= len(SHARPNESS) - 1:
                 if worst.used <= 1:
@@ -193,36 +209,62 @@ class _Search:
     def tighten(self, used: list[Usage]) -> None:
         """Allow less of every limit that was violated."""
         over = np.array([max(one.used, 1.0) for one in used])
+        margin = np.array([CLEARANCE_MARGIN if one.kind == "clearance" else MARGIN for one in used])
         allowed = np.ones(len(used)) if self._allowed is None else self._allowed
-        self._allowed = np.where(over > 1, allowed - (over - 1) - MARGIN, allowed)
+        self._allowed = np.where(over > 1, allowed - (over - 1) - margin, allowed)
 
     def run(self, start: Trajectory, sharpness: float) -> Trajectory:
+        """The end of SLSQP; where that violates limits, the best motion on the way among those that do so least."""
         from scipy.optimize import minimize  # imported where first used: import graphdyn stays light
 
         shape = start.coefficients.shape
-        states: dict[bytes, tuple[Array, Array]] = {}
+        kept: tuple[tuple[float, float], Array] = (np.inf, np.inf), start.coefficients
+        found: dict[bytes, list[Signal]] = {}
 
-        def constraints(x: Array) -> tuple[Array, Array]:
+        def signals_at(x: Array) -> list[Signal]:
             key = x.tobytes()
-            if key not in states:
-                states.clear()
-                states[key] = self._constraints(x.reshape(shape), sharpness)
-            return states[key]
+            if key not in found:
+                found.clear()
+                found[key] = self._signals(x.reshape(shape))
+            return found[key]
+
+        def room(x: Array) -> Array:
+            return self._room([smooth_maximum(signal, sharpness) for signal in signals_at(x)])
+
+        def violation(x: Array) -> float:
+            return max(-float(room(x).min()) - SLACK, 0.0)
+
+        def slopes(x: Array) -> Array:
+            return -np.array([smooth_slope(signal, self._phi, sharpness).ravel() for signal in signals_at(x)])
+
+        def objective(x: Array) -> tuple[float, Array]:
+            nonlocal kept
+            value, gradient = self._objective(x.reshape(shape))
+            rank = violation(x), value
+            if rank < kept[0]:
+                kept = rank, x.copy()
+            return value, gradient
 
         answer = minimize(
-            lambda x: self._objective(x.reshape(shape)),
+            objective,
             start.coefficients.ravel(),
             jac=True,
             method="SLSQP",
-            constraints={
-                "type": "ineq",
-                "fun": lambda x: constraints(x)[0],
-                "jac": lambda x: constraints(x)[1],
-            },
+            constraints={"type": "ineq", "fun": room, "jac": slopes},
             options={"maxiter": ITERATIONS, "ftol": PRECISION},
         )
         self.iterations += int(answer.nit)
-        return replace(start, coefficients=np.asarray(answer.x).reshape(shape))
+        best = answer.x if violation(answer.x) == 0 else kept[1]
+        return replace(start, coefficients=np.asarray(best).reshape(shape))
+
+    def _signals(self, coefficients: Array) -> list[Signal]:
+        problem = self._problem
+        motion = self._motion(coefficients)
+        return [*signals(problem.torque_model.model, problem.limits, problem.watched, motion)]
+
+    def _room(self, maxima: Sequence[float]) -> Array:
+        """What is left of every limit."""
+        return (1.0 if self._allowed is None else self._allowed) - np.array(maxima)
 
     def _motion(self, coefficients: Array) -> JointMotion:
         return JointMotion(*(rows @ coefficients.T for rows in self._phi))
@@ -235,11 +277,3 @@ class _Search:
         gradient = sum(slope.T @ rows for slope, rows in zip(slopes, self._phi[:3], strict=True))
         self._progress(value)
         return value, np.asarray(gradient).ravel()
-
-    def _constraints(self, coefficients: Array, sharpness: float) -> tuple[Array, Array]:
-        problem = self._problem
-        found = signals(problem.torque_model.model, problem.limits, problem.watched, self._motion(coefficients))
-        maxima = [smooth_maximum(signal, self._phi, sharpness) for signal in found]
-        allowed = np.ones(len(found)) if self._allowed is None else self._allowed
-        values = allowed - np.array([value for value, _ in maxima])
-        return values, -np.array([slope.ravel() for _, slope in maxima])

@@ -8,8 +8,9 @@ import numpy as np
 
 from graphdyn._model import RobotModel
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.constraints import signals, usage
+from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.limits import MotionLimits
+from graphdyn.excitation.signal import usage
 from graphdyn.excitation.trajectory import Trajectory
 from graphdyn.excitation.watched_points import Ball
 from graphdyn.layout import Array
@@ -92,8 +93,9 @@ def _largest_scale(
     """In 0 … 1, to a part in 2^HALVINGS; zero where the robot cannot stand still there."""
 
     def kept(scale: float) -> bool:
-        motion = Trajectory(basis, scale * moving + middle[:, None] * basis.middle).motion(times)
-        return all(usage(one).used <= 1 + ROUNDING for one in signals(model, limits, balls, motion, slopes=False))
+        instants = times if scale else times[:1]
+        motion = Trajectory(basis, scale * moving + middle[:, None] * basis.middle).motion(instants)
+        return all(usage(one).used <= 1 + ROUNDING for one in signals(model, limits, balls, motion))
 
     if kept(1.0):
         return 1.0

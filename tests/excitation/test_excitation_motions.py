@@ -27,8 +27,9 @@ from graphdyn.excitation import (
     random_trajectory,
     sample_times,
 )
-from graphdyn.excitation.constraints import signals, smooth_maximum
+from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.information import Information
+from graphdyn.excitation.signal import smooth_maximum, smooth_slope
 from graphdyn.excitation.trajectory import JointMotion
 from graphdyn.identification import OrdinaryLeastSquares, Problem, TorqueModel
 from graphdyn.identification.terms import Coulomb, CoupledWrist, RigidBodies, Viscous
@@ -138,7 +139,12 @@ def test_slopes_of_limits(model):
     def maxima(coefficients):
         motion = JointMotion(*(rows @ coefficients.T for rows in phi))
         return [
-            (signal.kind, *smooth_maximum(signal, phi, 20.0), signal.values.max())
+            (
+                signal.kind,
+                smooth_maximum(signal, 20.0),
+                smooth_slope(signal, phi, 20.0),
+                signal.values.max(),
+            )
             for signal in signals(model, problem.limits, problem.watched, motion)
         ]
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.exciting.excited import Excited, PlannedMotion
+from crosscheck.report.commands.excite_collisions import collision_sections, collisions_text
 from crosscheck.report.commands.excite_record import excite_record
 from crosscheck.report.commands.robot_parts import locked_text, robot_picture
 from crosscheck.report.pictures.sigma_bars import sigma_bars
@@ -56,12 +57,20 @@ def excite_report(found: Excited, written: Sequence[str]) -> Report:
     return Report(
         f"{name}, excited",
         _verdict(found),
-        (Section("plan", "", _overview(found, name, written)), *motions, _parameters(found)),
+        (
+            Section("plan", "", _overview(found, name, written)),
+            *motions,
+            _parameters(found),
+            *collision_sections(found),
+        ),
         record=partial(excite_record, found, written),
     )
 
 
 def _verdict(found: Excited) -> Verdict:
+    if found.hits:
+        most = max(found.hits, key=lambda hit: hit.poses)
+        return Verdict("disagrees", "LINKS COLLIDE", f"{most.name} in {most.poses} of the poses at 1 kHz")
     if found.violated:
         worst = max(found.violated, key=lambda usage: usage.used)
         return Verdict(
@@ -99,6 +108,7 @@ def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block,
         if other is not None:
             facts.append((words, f"geometric mean σ {other.geometric_mean / plan.geometric_mean:.2f} × as large"))
     facts.append(("condition number", _conditions(found)))
+    facts.append(("collisions", collisions_text(found)))
     if written:
         facts.append(("written to", ", ".join(written)))
     start = found.motions[0].course.motion(np.zeros(1)).q[0]

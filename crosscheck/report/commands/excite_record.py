@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, cast
 
-from crosscheck.exciting.excited import Excited, PlannedMotion
+from crosscheck.exciting.excited import CHECK_RATE, Excited, PlannedMotion
+from crosscheck.exciting.self_collision import SelfCollision
 from crosscheck.report.records.excite import (
+    CheckedCollisionsRecord,
+    CollisionRecord,
     ExciteRecord,
     FourierRecord,
     LimitUseRecord,
@@ -39,6 +42,7 @@ def excite_record(found: Excited, written: Sequence[str], command: Sequence[str]
         only_in_sums=plan.only_in_sums,
         without_effect=plan.without_effect,
         failures=found.failures,
+        collisions=_collisions(found.collisions),
         out=written,
     )
 
@@ -50,6 +54,21 @@ def _motion(number: int, motion: PlannedMotion, model: RobotModel) -> PlannedMot
         duration=motion.course.duration,
         limits=[LimitUseRecord(kind=cast(Any, x.kind), name=x.name, used=x.used) for x in motion.usages],
         fourier=_fourier(motion, model),
+        collisions=[
+            CollisionRecord(links=hit.name, poses=hit.poses, first=hit.first / CHECK_RATE) for hit in motion.hits
+        ],
+    )
+
+
+def _collisions(known: SelfCollision | None) -> CheckedCollisionsRecord | None:
+    if known is None:
+        return None
+    return CheckedCollisionsRecord(
+        margin=known.margin,
+        checked=[known.name(pair) for pair in known.pairs],
+        always=known.touching,
+        disabled=known.disabled,
+        missing=known.missing,
     )
 
 

@@ -42,6 +42,40 @@ class FourierRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class CollisionRecord:
+    """Two links whose meshes collide."""
+
+    links: str
+    """Both names."""
+
+    poses: Count
+    """In which they do, of those at 1 kHz."""
+
+    first: float
+    """Time of the first [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckedCollisionsRecord:
+    """Which pairs of links were looked at. Links that a joint connects are in none of these."""
+
+    margin: float
+    """By which meshes must stay apart [m]."""
+
+    checked: Sequence[str]
+    """Pairs that were checked."""
+
+    always: Sequence[str]
+    """Pairs that were left out because they collide in all of many random poses."""
+
+    disabled: Sequence[str]
+    """Pairs that were left out because the SRDF file disables them."""
+
+    missing: Mapping[str, str]
+    """Links whose shapes cannot be read, with the reason."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class PlannedMotionRecord:
     """A motion."""
 
@@ -59,6 +93,9 @@ class PlannedMotionRecord:
 
     fourier: Sequence[FourierRecord] | None
     """In the order of the robot; null for motions that are no Fourier series."""
+
+    collisions: Sequence[CollisionRecord]
+    """Of links with each other."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,6 +198,9 @@ class ExciteRecord:
 
     failures: Sequence[str]
     """Why seeds found no motion."""
+
+    collisions: CheckedCollisionsRecord | None
+    """What is known of the robot's collisions with itself; null where they were not looked at."""
 
     out: Sequence[str]
     """Files of the motions."""

@@ -1,0 +1,35 @@
+"""Exciting motions in which no meshes collide."""
+
+from __future__ import annotations
+
+from crosscheck.exciting.excited import CHECK_RATE
+from crosscheck.exciting.self_collision import SelfCollision
+from graphdyn.excitation import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised, sample_times
+
+TRIES = 6
+"""Searches at most, each with more distance between the balls of links that collided in the one before."""
+
+
+def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) -> OptimisedMotion:
+    """The best motion that is found from one start, free of collisions on the meshes at CHECK_RATE.
+
+    problem: without clearances; usages of the result are with those of the last search
+
+    Raises NoFeasibleMotion where none is found.
+    """
+    times = sample_times(problem.basis.duration, CHECK_RATE)
+    found = optimised(robot.with_limits(problem), seed)
+    for _ in range(TRIES - 1):
+        q = found.trajectory.motion(times).q
+        hits = robot.hits(q)
+        if not hits:
+            return found
+        robot = robot.tightened(q)
+        found = optimised(robot.with_limits(problem), seed, start=found.trajectory)
+    hits = robot.hits(found.trajectory.motion(times).q)
+    if not hits:
+        return found
+    raise NoFeasibleMotion(
+        f"no motion without collisions was found from seed {seed}: in {TRIES} searches with growing distances, "
+        f"{', '.join(hit.name for hit in hits)} still collide; give limits of position that keep them apart"
+    )

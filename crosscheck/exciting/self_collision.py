@@ -1,0 +1,165 @@
+"""Links of a robot that may hit each other: which pairs, how near they may come, and whether they do in a motion.
+
+The search knows balls that contain the meshes, with exact gradients; what it finds is judged on the meshes themselves,
+at all times of the check. Where the balls forbid too many poses in which the meshes are free, because two links always
+pass each other closely, they may overlap as long as none of the random poses in which the meshes collide is allowed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.exciting.ball_cover import ball_cover
+from crosscheck.exciting.link_meshes import LinkMesh
+from crosscheck.exciting.mesh_contacts import MeshContacts, Pair
+from graphdyn import RobotModel
+from graphdyn.excitation import Ball, Clearance, ExcitationProblem, Poses
+from graphdyn.excitation.clearances import smallest_distances
+from graphdyn.layout import Array
+
+POSES = 1000
+"""Random poses in which all pairs are looked at."""
+
+EXCESS = 0.015
+"""Balls stand out of their link by this part of the length of the arm, at most."""
+
+SPARED = 0.1
+"""Balls that forbid more than this part of the poses in which the meshes are free may overlap."""
+
+STEP = 0.002
+"""[m] By so much more than at a collision of the meshes the balls must be apart in the next search."""
+
+
+@dataclass(frozen=True)
+class Hit:
+    """Two links that collide: in how many poses of a motion, and at which first."""
+
+    name: str
+    poses: int
+    first: int
+
+
+@dataclass(frozen=True, eq=False)
+class SelfCollision:
+    """What is known of a robot's collisions with itself.
+
+    pairs: of meshes, that are checked
+    clearances: of the pairs that the search watches, by the name of the pair
+    disabled, touching: names of the pairs that are left out because an SRDF says so, because they always collide
+    missing: why the shapes of a link cannot be read, by link
+    margin: by which meshes stay apart [m]
+    """
+
+    model: RobotModel
+    meshes: tuple[LinkMesh, ...]
+    pairs: tuple[Pair, ...]
+    balls: tuple[tuple[Ball, ...], ...]
+    clearances: Mapping[str, Clearance]
+    disabled: tuple[str, ...]
+    touching: tuple[str, ...]
+    missing: Mapping[str, str]
+    margin: float
+
+    def hits(self, q: Array) -> tuple[Hit, ...]:
+        """The pairs that collide on the meshes at positions q (N, n_freedoms)."""
+        touching = self._contacts.touching(self.pairs, Poses(self.model, q), self.margin)
+        columns = np.flatnonzero(np.any(touching, axis=0)).tolist()
+        return tuple(
+            Hit(self.name(self.pairs[k]), int(touching[:, k].sum()), int(touching[:, k].argmax())) for k in columns
+        )
+
+    def with_limits(self, problem: ExcitationProblem) -> ExcitationProblem:
+        """The problem with these clearances."""
+        return replace(problem, limits=replace(problem.limits, clearances=tuple(self.clearances.values())))
+
+    def tightened(self, q: Array) -> SelfCollision:
+        """Balls of the pairs that collide at q stay farther apart than they are there."""
+        poses = Poses(self.model, q)
+        touching = self._contacts.touching(self.pairs, poses, self.margin)
+        tighter = dict(self.clearances)
+        for k in np.flatnonzero(np.any(touching, axis=0)).tolist():
+            clearance = self._clearance(self.pairs[k], self.margin)
+            most = smallest_distances(clearance, poses)[touching[:, k]].max()
+            tighter[clearance.name] = replace(clearance, distance=min(float(most) + STEP, self.margin))
+        return replace(self, clearances=tighter)
+
+    def name(self, pair: Pair) -> str:
+        return f"{self.meshes[pair[0]].link} - {self.meshes[pair[1]].link}"
+
+    def _clearance(self, pair: Pair, distance: float) -> Clearance:
+        return Clearance(self.name(pair), self.balls[pair[0]], self.balls[pair[1]], distance)
+
+    @cached_property
+    def _contacts(self) -> MeshContacts:
+        return MeshContacts(self.meshes)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without coal's trees."""
+        return {name: value for name, value in vars(self).items() if name != "_contacts"}
+
+
+def self_collision(
+    model: RobotModel,
+    meshes: Sequence[LinkMesh],
+    missing: Mapping[str, str],
+    margin: float,
+    is_disabled: Callable[[str, str], bool] = lambda one, other: False,
+) -> SelfCollision:
+    """Which pairs of links are checked, and how near their balls may come to each other."""
+    all_pairs = [pair for pair in combinations(range(len(meshes)), 2) if not _joined(model, meshes, pair)]
+    links = [mesh.link for mesh in meshes]
+    disabled = [pair for pair in all_pairs if is_disabled(*(links[k] for k in pair))]
+    pairs = [pair for pair in all_pairs if pair not in set(disabled)]
+    balls = tuple(_balls(mesh, EXCESS * _reach(model, meshes)) for mesh in meshes)
+    start = SelfCollision(model, tuple(meshes), tuple(pairs), balls, {}, (), (), missing, margin)
+    q, _ = model.random_state(np.random.default_rng(0), POSES)
+    poses = Poses(model, q)
+    touching = start._contacts.touching(pairs, poses, margin)
+    always = np.all(touching, axis=0)
+    watched = [
+        clearance
+        for k, pair in enumerate(pairs)
+        if not always[k] and (clearance := _watched(start._clearance(pair, margin), poses, touching[:, k]))
+    ]
+    return replace(
+        start,
+        pairs=tuple(pair for k, pair in enumerate(pairs) if not always[k]),
+        clearances={clearance.name: clearance for clearance in watched},
+        disabled=tuple(start.name(pair) for pair in disabled),
+        touching=tuple(start.name(pair) for k, pair in enumerate(pairs) if always[k]),
+    )
+
+
+def _watched(clearance: Clearance, poses: Poses, touching: NDArray[np.bool_]) -> Clearance | None:
+    """With the distance that the search keeps; None where no random pose collides and balls would forbid too many."""
+    distances = smallest_distances(clearance, poses)
+    if np.mean(distances[~touching] < clearance.distance) <= SPARED:
+        return clearance
+    return replace(clearance, distance=float(distances[touching].max())) if touching.any() else None
+
+
+def _joined(model: RobotModel, meshes: Sequence[LinkMesh], pair: Collection[int]) -> bool:
+    """Links of one body, and a body's own link with those of the body that carries it."""
+    one, other = sorted((meshes[k] for k in pair), key=lambda mesh: mesh.body)
+    if one.body == other.body:
+        return True
+    return model.joints[other.body - 1].inside == one.body and other.link == model.body_names[other.body - 1]
+
+
+def _balls(mesh: LinkMesh, excess: float) -> tuple[Ball, ...]:
+    centers, radii = ball_cover(mesh.triangles, excess)
+    return tuple(Ball(mesh.body, center, float(radius)) for center, radius in zip(centers, radii, strict=True))
+
+
+def _reach(model: RobotModel, meshes: Sequence[LinkMesh]) -> float:
+    """Length from the ground to the farthest mesh, along the bodies [m]."""
+    lengths = [0.0]
+    for joint in model.joints:
+        lengths.append(lengths[joint.inside] + float(np.linalg.norm(joint.placement.translation)))
+    return max(lengths[mesh.body] + float(np.linalg.norm(mesh.vertices, axis=1).max()) for mesh in meshes)

@@ -1,0 +1,79 @@
+"""Distances between the balls of two parts of a robot, as a limit of its motion.
+
+Only balls that come nearly as near to each other as the nearest two are looked at: what is farther apart has no weight
+in the smooth maximum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from graphdyn.excitation.limits import Clearance
+from graphdyn.excitation.signal import Signal
+from graphdyn.excitation.watched_points import Ball, Numbers, Poses
+from graphdyn.layout import Array
+
+SCALE = 0.01
+"""[m] In which distances are measured: the smooth maximum is sharp to some SCALE / ρ, and what is by SCALE farther
+away than the nearest has the weight exp(-ρ)."""
+
+FIRST = 5
+"""Balls that are nearest to the ball around all others: the nearest two are looked for there first."""
+
+
+def clearance_signal(clearance: Clearance, poses: Poses) -> Signal:
+    """1 - (|c_i - c_j| - r_i - r_j - distance) / SCALE of the balls i of one body and j of the other."""
+    row, i, j, distance = _near(clearance, poses)
+
+    def slopes(weights: Array) -> dict[int, Array]:
+        one, other = poses.centers(clearance.one)[row, i], poses.centers(clearance.other)[row, j]
+        apart = one - other
+        length = np.linalg.norm(apart, axis=-1, keepdims=True)
+        pull = -weights[:, None] / SCALE * apart / np.where(length > 0, length, 1.0)
+        ends = [np.full(len(row), balls[0].body) for balls in (clearance.one, clearance.other)]
+        return {0: poses.joint_forces(row, ends[0], one, pull) + poses.joint_forces(row, ends[1], other, -pull)}
+
+    return Signal("clearance", clearance.name, 1 - (distance - clearance.distance) / SCALE, slopes)
+
+
+def smallest_distances(clearance: Clearance, poses: Poses) -> Array:
+    """Of any two balls, in each pose (N,) [m]."""
+    local = _in_frame_of_one(clearance, poses)
+    distances = _distances(clearance, local.reshape(-1, 3), np.tile(np.arange(len(clearance.other)), len(local)))
+    return np.asarray(distances.reshape(len(local), -1).min(axis=1))
+
+
+def _near(clearance: Clearance, poses: Poses) -> tuple[Numbers, Numbers, Numbers, Array]:
+    """Pose, ball of one, ball of the other, distance (K,) of all that are less than SCALE farther than the nearest.
+
+    What each ball of the other keeps farther away from the ball around all of one is passed over.
+    """
+    local = _in_frame_of_one(clearance, poses)
+    around, radius = clearance.around, _radii(clearance.other)
+    bound = np.linalg.norm(local - around[0].center, axis=-1) - around[0].radius - radius
+    first = np.argpartition(bound.ravel(), min(FIRST, bound.size - 1))[:FIRST]
+    row, j = np.unravel_index(first, bound.shape)
+    limit = SCALE + _distances(clearance, local[row, j], j).min()
+    row, j = np.nonzero(bound <= limit)
+    distances = _distances(clearance, local[row, j], j)
+    k, i = np.nonzero(distances <= distances.min() + SCALE)
+    return row[k], i, j[k], distances[k, i]
+
+
+def _in_frame_of_one(clearance: Clearance, poses: Poses) -> Array:
+    """Centers of the other's balls in the link frame of one (N, balls of the other, 3) [m]."""
+    rotation, origin = poses.of_body(clearance.one[0].body)
+    return np.asarray((poses.centers(clearance.other) - origin[:, None]) @ rotation)
+
+
+def _distances(clearance: Clearance, centers: Array, j: Numbers) -> Array:
+    """From balls j of the other, at centers (K, 3) in the frame of one, to all of one (K, balls), between surfaces."""
+    own = np.array([ball.center for ball in clearance.one])
+    square = (centers**2).sum(axis=-1)[:, None] + (own**2).sum(axis=-1) - 2 * centers @ own.T
+    return np.asarray(np.sqrt(np.maximum(square, 0.0)) - _radii(clearance.one) - _radii(clearance.other)[j, None])
+
+
+def _radii(balls: Sequence[Ball]) -> Array:
+    return np.array([ball.radius for ball in balls])
