@@ -1,9 +1,13 @@
-"""What exciting motions are worth: python tests/helpers/excitation_run.py [gain] [limits FOLDER] [promise].
+"""What exciting motions are worth: python tests/helpers/excitation_run.py [gain] [collisions] [limits DIR] [promise].
 
 gain: the UR5, 10 s, 5 harmonics, 0.95 of its velocities, 10 rad/s², 0.8 of its torques, 48 columns: standard deviations
       of five seeds beside those of the best of 100 random motions, for equal noise of all torques and for 1 % of the
       efforts; processor time
-limits: every robot of a folder whose limits of velocity are known: the largest part of a limit that is used at 1 kHz
+collisions: the same for 1 N m, links kept from hitting each other: poses at 1 kHz in which meshes collide, without and
+      with that; standard deviations beside those of the best random motion without collisions, of 100 drawn without
+      regard to them, and of 100 made as large as the balls around the links allow
+limits: every robot of a folder whose limits of velocity are known: the largest part of a limit that is used at 1 kHz,
+      and the poses in which links collide where there are meshes
 promise: the UR5 with friction follows the motion of one seed; 100 recordings with noise are identified, and the scatter
       of the parameters is compared with what the plan promised
 """
@@ -18,6 +22,9 @@ import numpy as np
 from excited_robot import AT_REST, followed
 
 import urdf
+from crosscheck.exciting.collision_free import collision_free
+from crosscheck.exciting.link_meshes import link_meshes
+from crosscheck.exciting.self_collision import self_collision
 from graphdyn import GraphDynError
 from graphdyn.excitation import (
     ExcitationProblem,
@@ -28,6 +35,7 @@ from graphdyn.excitation import (
     mean_sigma,
     optimised,
     random_trajectory,
+    sample_times,
 )
 from graphdyn.identification import Problem, TorqueModel, WeightedLeastSquares
 from graphdyn.identification.one_thread import one_thread
@@ -77,6 +85,46 @@ def random_of(problem, seed):
     return random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
 
 
+def collisions():
+    model = urdf.load("ur5")
+    start = time.process_time()
+    known = collisions_of("ur5", model)
+    problem = problem_of(model, np.ones(6))
+    print(
+        f"{len(known.meshes)} links, {sum(map(len, known.balls))} balls, {len(known.pairs)} pairs; always colliding: "
+        f"{', '.join(known.touching) or 'none'}; {time.process_time() - start:.1f} CPU s"
+    )
+    best = {}
+    for words, drawn in (("of any", problem), ("within the balls", known.with_limits(problem))):
+        with one_thread():
+            motions = [random_of(drawn, k) for k in range(RANDOM)]
+        free = [motion for motion in motions if not known.hits(motion.motion(sample_times(10.0, 1000.0)).q)]
+        best[words] = min(mean_sigma(problem.total_information(motion))[0] for motion in free) if free else np.inf
+        print(f"{RANDOM} random motions {words}: {len(free)} without collisions", flush=True)
+    for seed in range(SEEDS):
+        regardless = known.hits(optimised(problem, seed).trajectory.motion(sample_times(10.0, 1000.0)).q)
+        start = time.process_time()
+        try:
+            found = collision_free(problem, known, seed)
+        except GraphDynError as error:
+            print(f"  seed {seed}: {error}; {time.process_time() - start:.1f} CPU s", flush=True)
+            continue
+        spent = time.process_time() - start
+        hits = known.hits(found.trajectory.motion(sample_times(10.0, 1000.0)).q)
+        sigma = mean_sigma(problem.total_information(found.trajectory))[0]
+        ratios = ", ".join(f"{np.exp(value - sigma):.2f} × ({words})" for words, value in best.items())
+        print(
+            f"  seed {seed}: {sum(hit.poses for hit in hits)} collisions ({sum(hit.poses for hit in regardless)} "
+            f"regardless of them); mean σ smaller than the best random motion's: {ratios}; {spent:.1f} CPU s",
+            flush=True,
+        )
+
+
+def collisions_of(robot, model):
+    meshes, missing = link_meshes(str(robot), model, {})
+    return self_collision(model, meshes, missing, 0.0)
+
+
 def limits(folder):
     for path in sorted(Path(folder).glob("*.urdf")):
         with warnings.catch_warnings():
@@ -84,13 +132,16 @@ def limits(folder):
             model = urdf.load(path)
         start = time.process_time()
         try:
-            found = optimised(problem_of(model, np.ones(model.n_freedoms)))
+            known = collisions_of(path, model)
+            found = collision_free(problem_of(model, np.ones(model.n_freedoms)), known, 0)
         except GraphDynError as error:
             print(f"{path.name}: {error}")
             continue
-        most = max(found.usages, key=lambda usage: usage.used)
+        hits = known.hits(found.trajectory.motion(sample_times(10.0, 1000.0)).q)
+        most = max((usage for usage in found.usages if usage.kind != "clearance"), key=lambda usage: usage.used)
         print(
             f"{path.name}: {100 * most.used:.3f} % ({most.kind} of {most.name}) of {len(found.usages)} limits; "
+            f"{sum(hit.poses for hit in hits)} collisions of {len(known.pairs)} pairs; "
             f"{time.process_time() - start:.1f} CPU s",
             flush=True,
         )
@@ -123,6 +174,8 @@ def main(arguments):
         gain()
     if not arguments or arguments[0] == "promise":
         promise()
+    if arguments[:1] == ["collisions"]:
+        collisions()
     if arguments[:1] == ["limits"]:
         limits(arguments[1])
 

@@ -1,0 +1,247 @@
+"""Links that must not hit each other: balls around them, pairs, meshes, and `graphdyn excite` with them."""
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+from urdf_text import inertial, joint, robot_text
+
+import urdf
+from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.exciting import collision_free as searching
+from crosscheck.exciting import self_collision as pairing
+from crosscheck.exciting.ball_cover import ball_cover
+from crosscheck.exciting.collision_free import collision_free
+from crosscheck.exciting.link_meshes import link_meshes
+from crosscheck.exciting.self_collision import Hit, self_collision
+from crosscheck.exciting.srdf import disabled_pairs
+from graphdyn import InvalidInput
+from graphdyn.excitation import (
+    Ball,
+    Clearance,
+    ExcitationProblem,
+    FourierBasis,
+    MotionLimits,
+    NoFeasibleMotion,
+    Poses,
+)
+from graphdyn.excitation.clearances import clearance_signal, smallest_distances
+from graphdyn.excitation.signal import smooth_maximum, smooth_slope
+from graphdyn.identification import TorqueModel
+from graphdyn.identification.terms import RigidBodies
+
+DIFFERENCES = 1e-6
+"""Central differences with steps of 1e-6 m or rad against exact slopes, relative to the largest: measured 1e-8."""
+
+ROUNDING = 1e-12
+
+CELL = 0.5
+"""Parts of the excess by which balls may stand out more: two cells, to which depths are rounded."""
+
+ENDS = '<axis xyz="0 {y} {z}"/><limit lower="{low}" upper="3" velocity="2" effort="200"/><origin xyz="{x} 0 0"/>'
+
+
+def bar(name, length, extra=""):
+    """A link along x, as a box."""
+    shape = f'<geometry><box size="{length} 0.05 0.05"/></geometry><origin xyz="{length / 2} 0 0"/>'
+    return f'<link name="{name}">{inertial(1.0, f"{length / 2} 0 0")}<collision>{shape}</collision>{extra}</link>'
+
+
+@pytest.fixture(scope="module")
+def folding_arm(tmp_path_factory):
+    """Three bars, the third of which can fold back into the first; a plate on the last, and a shape that is missing."""
+    path = tmp_path_factory.mktemp("arm") / "folding.urdf"
+    lost = '<link name="lost"><visual><geometry><mesh filename="lost.stl"/></geometry></visual></link>'
+    plate = '<link name="plate"><visual><geometry><box size="0.01 0.2 0.2"/></geometry></visual></link>'
+    moving = [(0, 0, 1, -3), (0.4, 1, 0, -3), (0.35, 1, 0, -3)]
+    joints = [
+        joint(f"j{k}", parent, child, more=ENDS.format(x=x, y=y, z=z, low=low))
+        for k, ((x, y, z, low), parent, child) in enumerate(
+            zip(moving, ("base", "a", "b"), ("a", "b", "c"), strict=True)
+        )
+    ]
+    joints.append(joint("fixed", "c", "plate", "fixed", '<origin xyz="0.3 0 0"/>'))
+    joints.append(joint("other", "base", "lost", "fixed"))
+    links = ['<link name="base"/>', bar("a", 0.35), bar("b", 0.3), bar("c", 0.3), plate, lost]
+    path.write_text(robot_text("folding", *links, *joints), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(autouse=True)
+def few_poses(monkeypatch):
+    """Enough for three pairs, and faster."""
+    monkeypatch.setattr(pairing, "POSES", 100)
+
+
+@cache
+def known_of(path, margin=0.0, **more):
+    model = urdf.load(path)
+    return self_collision(model, *link_meshes(str(path), model, {}), margin, **more)
+
+
+def problem_of(model, harmonics=2):
+    limits = MotionLimits.of_model(model, acceleration=10.0)
+    return ExcitationProblem(TorqueModel(model, (RigidBodies(),)), limits, FourierBasis(4.0, harmonics), 1.0, 50.0)
+
+
+def test_balls_contain_every_triangle_and_stand_out_by_little():
+    """Random points of the surface of a bent bar lie in balls; random points of the balls lie little outside."""
+    rng, excess = np.random.default_rng(0), 0.03
+    boxes = [((0.0, 0.0, 0.0), (0.4, 0.1, 0.1)), ((0.3, 0.0, 0.0), (0.4, 0.1, 0.3))]
+    triangles = np.concatenate([box_triangles(*box) for box in boxes])
+    centers, radii = ball_cover(triangles, excess)
+    weights = rng.dirichlet(np.ones(3), size=(len(triangles), 200))
+    points = np.einsum("mpk,mkx->mpx", weights, triangles).reshape(-1, 3)
+    assert np.all((np.linalg.norm(points[:, None] - centers, axis=-1) <= radii).any(axis=1))
+    rays = rng.normal(size=(100, 3))
+    ends = (centers[:, None] + radii[:, None, None] * rays / np.linalg.norm(rays, axis=1)[:, None]).reshape(-1, 3)
+    outside = [np.linalg.norm(np.maximum(0, np.maximum(low - ends, ends - high)), axis=1) for low, high in boxes]
+    assert np.min(outside, axis=0).max() < (1 + CELL) * excess
+    assert len(centers) < 40
+
+
+def box_triangles(low, high):
+    corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners[[triangle for a, b, c, d in quads for triangle in ((a, b, c), (a, c, d))]]
+
+
+def test_slopes_of_clearances(folding_arm):
+    """Of the smooth smallest distance by the positions, against differences; and against all pairs of balls."""
+    model = urdf.load(folding_arm)
+    rng = np.random.default_rng(1)
+    balls = {body: tuple(Ball(body, x, 0.02) for x in rng.normal(0, 0.2, (7, 3))) for body in (0, 1, 3)}
+    q, step = rng.normal(size=(6, 3)), 1e-6
+    for one, other in ((1, 3), (3, 1), (0, 3)):
+        clearance = Clearance("x", balls[one], balls[other], -0.1)
+        signal = clearance_signal(clearance, Poses(model, q))
+        poses = Poses(model, q)
+        apart = poses.centers(balls[one])[:, :, None] - poses.centers(balls[other])[:, None]
+        nearest = np.linalg.norm(apart, axis=-1).min(axis=(1, 2)) - 0.04
+        assert np.abs(smallest_distances(clearance, poses) - nearest).max() < ROUNDING
+        assert signal.values.max() == pytest.approx(1 - (nearest.min() + 0.1) / 0.01, abs=1e-9)
+        slope = smooth_slope(signal, [np.eye(6)], 3.0)
+        direction = rng.normal(size=q.shape)
+        high, low = (
+            smooth_maximum(clearance_signal(clearance, Poses(model, q + sign * step * direction)), 3.0)
+            for sign in (1, -1)
+        )
+        assert abs((high - low) / (2 * step) - np.sum(slope.T * direction)) < DIFFERENCES * np.abs(slope).max()
+
+
+def test_pairs(folding_arm, tmp_path):
+    """Links that a joint connects are left out, and those that an SRDF file names; what cannot be read is told."""
+    known = known_of(folding_arm)
+    assert {known.name(pair) for pair in known.pairs} == {"a - c", "a - plate", "b - plate"}
+    assert known.missing == {"lost": "lost.stl: line 7: no such file"}
+    assert {"a - c", "a - plate"} <= set(known.clearances)
+
+    path = tmp_path / "folding.srdf"
+    path.write_text(
+        '<robot name="x"><disable_collisions link1="c" link2="a" reason="Never"/><disable_default_collisions '
+        'link="plate"/><enable_collisions link1="plate" link2="a"/></robot>',
+        encoding="utf-8",
+    )
+    told = known_of(folding_arm, is_disabled=disabled_pairs(path, ["a", "b", "c", "plate"]))
+    assert {told.name(pair) for pair in told.pairs} == {"a - plate"}
+    assert set(told.disabled) == {"a - c", "b - plate"}
+
+
+def test_links_that_always_collide(folding_arm):
+    """A distance that no pose keeps: named, and left out."""
+    known = known_of(folding_arm, margin=2.0)
+    assert set(known.touching) == {"a - c", "a - plate", "b - plate"}
+    assert known.pairs == ()
+    assert known.hits(np.zeros((2, 3))) == ()
+
+
+def test_hits_on_the_meshes(folding_arm):
+    """Folded by 174°, the third bar is in the first; unfolded, and at a right angle, nothing collides."""
+    known = known_of(folding_arm)
+    q = np.array([[0, 0, 0], [0, 0, 1.57], [0, 2.9, 3.0], [0, 2.9, 3.0]])
+    found = {hit.name: hit for hit in known.hits(q)}
+    assert found["a - c"] == Hit("a - c", 2, 2)
+    widened = known.tightened(q[2:3])
+    assert widened.clearances["a - c"].distance <= known.margin
+
+
+def test_motions_that_still_collide(folding_arm, monkeypatch):
+    """Each search with more distance; at the end an error that says so."""
+    known, problem = known_of(folding_arm), problem_of(urdf.load(folding_arm))
+    folded = type("Folded", (), {"motion": lambda self, times: type("Q", (), {"q": np.array([[0, 2.9, 3.0]])})})()
+    starts = []
+
+    def not_optimised(tried, seed, start=None):
+        starts.append([clearance.distance for clearance in tried.limits.clearances])
+        return type("Found", (), {"trajectory": folded})
+
+    monkeypatch.setattr(searching, "optimised", not_optimised)
+    with pytest.raises(
+        NoFeasibleMotion,
+        match=r"no motion without collisions was found from seed 3: in 6 searches with growing distances, .*a - c.* "
+        r"still collide; give limits of position that keep them apart",
+    ):
+        collision_free(problem, known, 3)
+    assert len(starts) == 6
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<robot", r"a\.srdf: not well-formed XML: .*; give an SRDF file"),
+        ("<model/>", r"a\.srdf: the root element is <model>, not <robot>; give an SRDF file"),
+        ('<robot>\n<disable_collisions link1="a"/></robot>', r"a\.srdf, line 2: <disable_collisions> has no link2"),
+        (
+            '<robot><disable_collisions link1="x" link2="y"/></robot>',
+            r"a\.srdf: names none of the robot's links; give the SRDF of this robot",
+        ),
+        (" " * 10_000_001, r"a\.srdf: is larger than 10 MB; give an SRDF file"),
+    ],
+)
+def test_faulty_srdf(text, message, tmp_path):
+    path = tmp_path / "a.srdf"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InvalidInput, match=message):
+        disabled_pairs(path, ["a", "b"])
+
+
+def test_faulty_clearance():
+    with pytest.raises(InvalidInput, match=r"'x' has balls of the bodies \{1, 2\} and \{\} and the distance 0"):
+        Clearance("x", (Ball(1, np.zeros(3)), Ball(2, np.zeros(3))), ())
+
+
+def test_the_program(program, folding_arm, tmp_path):
+    """A motion without collisions, with a term of one's own and the moving arm on the page; and one that collides."""
+    file, page, term = tmp_path / "r.json", tmp_path / "r.html", tmp_path / "own.py"
+    term.write_text("from graphdyn.identification.terms import Offset as Own\n", encoding="utf-8")
+    few = ("--duration", 4, "--harmonics", 2, "--seeds", 1, "--jobs", 1, "--rate", 50, "--random", 0)
+    own = ("--terms", "none", "--term", f"{term}:Own")
+    done = program(
+        "excite", "--robot", folding_arm, *few, *own, "--clearance", 0.01, "--json", file, "--html", page, "--3d"
+    )  # fmt: skip
+    assert done.code == AGREED, done.err
+    record = json.loads(file.read_text(encoding="utf-8"))
+    assert record["motions"][0]["collisions"] == []
+    assert record["motions"][0]["limits"]
+    assert (record["collisions"]["margin"], len(record["collisions"]["checked"])) == (0.01, 3)
+    assert [row["unit"] for row in record["parameters"]].count("N m") == 3
+    shown = page.read_text(encoding="utf-8")
+    assert "as planned" in shown
+    assert "none nearer than 10 mm on the meshes (4 links, 3 pairs, 4001 poses at 1 kHz)" in shown
+    assert "their shapes cannot be read: lost (lost.stl: " in shown
+
+    folded = tmp_path / "folded.csv"
+    times = np.linspace(0, 4, 81)
+    rows = np.stack([0 * times, 2.9 * np.sin(times * np.pi / 8) ** 2, 3.0 * np.sin(times * np.pi / 8) ** 2], axis=1)
+    table = [",".join(map(repr, row)) for row in np.column_stack([times, rows]).tolist()]
+    folded.write_text("\n".join(["time,q_j0,q_j1,q_j2", *table]), encoding="utf-8")
+    done = program("excite", "--robot", folding_arm, "--motion", folded, "--random", 0, "--json", file)
+    assert done.code == DISAGREED, done.err
+    assert "LINKS COLLIDE" in done.out
+    assert any(hit["links"] == "a - c" for hit in json.loads(file.read_text())["motions"][0]["collisions"])
+    done = program("excite", "--robot", folding_arm, "--motion", folded, "--random", 0, "--no-collisions")
+    assert done.code == AGREED, done.err
+    assert "not looked at (--no-collisions)" in done.out
+
+    assert program("excite", "--robot", folding_arm, "--3d").code == BAD_INPUT
