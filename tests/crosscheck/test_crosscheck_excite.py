@@ -203,7 +203,7 @@ def test_the_best_seed_is_kept(monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(LocalProcesses, "each", interrupted)
-    found = excite_search.best_of(None, range(5), 2, lambda what, steps: None)
+    found = excite_search.best_of(None, None, range(5), 2, lambda what, steps: None)
     assert (found.best.seed, found.interrupted) == (1, True)
     assert found.failures == ["no motion from seed 2", "the search from seed 3 was lost: it died"]
     assert "interrupted: the best motion so far, of seed 1, is kept" in capsys.readouterr().err
@@ -216,7 +216,7 @@ def test_interrupted_too_early(monkeypatch):
 
     monkeypatch.setattr(LocalProcesses, "each", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        excite_search.best_of(None, range(2), 2, lambda what, steps: None)
+        excite_search.best_of(None, None, range(2), 2, lambda what, steps: None)
 
 
 def test_table_is_a_recording(tmp_path):
