@@ -192,7 +192,7 @@ def terms_of(names: str, further: list[str] | None) -> tuple[Term, ...]:
     """--terms and --term. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
     from crosscheck.cli.identify_models import drives_of
 
-    return drives_of([names], None, None, further)[0]
+    return drives_of([names], None, (None, None), further)[0]
 
 
 def axis_settings(signs: str, zeros: str) -> AxisSettings:
