@@ -29,6 +29,7 @@ from graphdyn._errors import EstimationFailed, InvalidInput
 from graphdyn.identification.prior import model_prior
 from graphdyn.identification.samples import Samples
 from graphdyn.identification.structure import structure
+from graphdyn.identification.terms import Drift
 from graphdyn.identification.terms.friction import positive
 from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.identification.triangles import square_triangle
@@ -49,7 +50,7 @@ class ExtendedKalmanFilter:
     drift: of the parameters in a second, standard deviation (p,) or one for all; 0: they are constant
     held: whether the torque of a sample acts until the next one; otherwise the mean of both acts between them
 
-    Raises InvalidInput for other numbers.
+    Raises InvalidInput for other numbers, and for friction with memory and drifts.
     """
 
     def __init__(
@@ -65,6 +66,11 @@ class ExtendedKalmanFilter:
         drift: ArrayLike = 0.0,
         held: bool = True,
     ) -> None:
+        if torque_model.has_memory or any(isinstance(term, Drift) for term in torque_model.terms):
+            raise InvalidInput(
+                "the filter of Kalman takes the torque as a function of q, v and a; leave friction with memory and "
+                "drifts out"
+            )
         n, p = torque_model.model.n_freedoms, len(torque_model.columns)
         if not (np.isfinite(period) and period > 0):
             raise InvalidInput(f"period is {period!r}; give seconds above zero")
@@ -76,11 +82,14 @@ class ExtendedKalmanFilter:
             seen.append(positive("velocity_noise", velocity_noise, n))
         self._measured = np.concatenate(seen)
         x = torque_model.prior() if start is None else as_floats("start", start)
-        if x.shape != (p,):
-            raise InvalidInput(f"start has shape {x.shape}, expected ({p},)")
+        if x.shape != (p,) or not np.all(np.isfinite(x)):
+            raise InvalidInput(f"start has shape {x.shape}, expected ({p},) finite numbers")
         self._x = self._base.values(x)
         self._spread = self._base.matrix * positive("spread", spread, p)
-        changing = np.broadcast_to(as_floats("drift", drift), (p,)) * np.sqrt(period)
+        rates = as_floats("drift", drift)
+        if rates.shape not in ((), (p,)) or not np.all(np.isfinite(rates)) or not np.all(rates >= 0):
+            raise InvalidInput(f"drift is {np.array2string(rates)}; give one number that is not negative, or {p}")
+        changing = np.broadcast_to(rates, (p,)) * np.sqrt(period)
         self._drift = (self._base.matrix * changing)[:, changing > 0]
         self._q, self._v, self._tau = np.zeros((3, n))
         self._root = np.zeros((0, 0))

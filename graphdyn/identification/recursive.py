@@ -32,12 +32,16 @@ class RecursiveLeastSquares:
     forgetting: λ per sample, above 0 and up to 1; about 1 / (1 - λ) samples count
     min_speed: equations of joint j with |v_j| below it are left out, one for all or (n,)   [rad/s or m/s]
 
-    Raises InvalidInput for other numbers.
+    Raises InvalidInput for other numbers, and for friction with memory.
     """
 
     def __init__(
         self, torque_model: TorqueModel, noise: ArrayLike, *, forgetting: float = 1.0, min_speed: ArrayLike = 0.0
     ) -> None:
+        if torque_model.has_memory:
+            raise InvalidInput(
+                "friction with memory needs whole runs, not sample by sample; leave it out, or use a Problem"
+            )
         n = torque_model.model.n_freedoms
         deviations = as_floats("noise", noise)
         if deviations.shape not in ((), (n,)) or not np.all(deviations > 0) or not np.all(np.isfinite(deviations)):

@@ -8,7 +8,7 @@ import graphdyn
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import ExtendedKalmanFilter, Samples, TorqueModel
 from graphdyn.identification.structure import structure
-from graphdyn.identification.terms import KnownBodies, Offset, RigidBodies, Viscous
+from graphdyn.identification.terms import Drift, KnownBodies, MaxwellSlip, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
 PERIOD = 1e-2
@@ -91,12 +91,18 @@ def test_refusals():
         ({"position_noise": 0.0}, r"position_noise is 0\.; give one positive number, or 2"),
         ({"velocity_noise": -1.0}, r"velocity_noise is -1\.; give one positive number, or 2"),
         ({"spread": [1.0, 2.0]}, r"spread is \[1\. 2\.\]; give one positive number, or 24"),
-        ({"start": np.ones(3)}, r"start has shape \(3,\), expected \(24,\)"),
+        ({"start": np.ones(3)}, r"start has shape \(3,\), expected \(24,\) finite numbers"),
+        ({"start": np.full(24, np.nan)}, r"start has shape \(24,\), expected \(24,\) finite numbers"),
+        ({"drift": [1.0, 2.0]}, r"drift is \[1\. 2\.\]; give one number that is not negative, or 24"),
+        ({"drift": -1.0}, r"drift is -1\.; give one number that is not negative"),
     ):
         with pytest.raises(InvalidInput, match=message):
             ExtendedKalmanFilter(model, 1e-3, **(good | wrong))
     with pytest.raises(InvalidInput, match=r"period is 0\.0; give seconds above zero"):
         ExtendedKalmanFilter(model, 0.0, **good)
+    for term in (MaxwellSlip(), Drift(Viscous())):
+        with pytest.raises(InvalidInput, match="a function of q, v and a; leave friction with memory and drifts out"):
+            ExtendedKalmanFilter(TorqueModel(model.model, [RigidBodies(), term]), 1e-3, **good)
     running = ExtendedKalmanFilter(model, 1e-3, **good)
     with pytest.raises(EstimationFailed, match="no sample has arrived yet"):
         _ = running.covariance

@@ -5,7 +5,8 @@ import pytest
 import torque_data
 
 from graphdyn import EstimationFailed, InvalidInput
-from graphdyn.identification import RecursiveLeastSquares, Samples
+from graphdyn.identification import RecursiveLeastSquares, Samples, TorqueModel
+from graphdyn.identification.terms import Drift, MaxwellSlip, RigidBodies
 
 
 def noisy():
@@ -48,6 +49,9 @@ def test_refusals():
         RecursiveLeastSquares(model, 0.0)
     with pytest.raises(InvalidInput, match=r"forgetting is 1\.1; give a factor above 0 and up to 1"):
         RecursiveLeastSquares(model, 1.0, forgetting=1.1)
+    slipping = TorqueModel(model.model, [RigidBodies(), Drift(MaxwellSlip())])
+    with pytest.raises(InvalidInput, match="friction with memory needs whole runs"):
+        RecursiveLeastSquares(slipping, 1.0)
     running = RecursiveLeastSquares(model, 1.0)
     with pytest.raises(EstimationFailed, match="has no effect"):
         _ = running.solution

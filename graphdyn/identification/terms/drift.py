@@ -32,6 +32,11 @@ class Drift:
     over: Literal["time", "temperature"] = "time"
     reference: float = 0.0
 
+    @property
+    def has_memory(self) -> bool:
+        """Whether the term has."""
+        return getattr(self.term, "has_memory", False)
+
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
         if self.over not in UNITS:
             raise InvalidInput(f"a drift is over '{self.over}'; use {' or '.join(UNITS)}")
