@@ -23,7 +23,7 @@ from graphdyn.identification import (
 from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
 from graphdyn.identification.closed_loop.beside import beside
 from graphdyn.identification.closed_loop.sensitivities import outputs, sensitivities
-from graphdyn.identification.terms import Coulomb, Drift, RigidBodies, Viscous
+from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 
 EXACT = 1e-7
 """Relative error of every base parameter from exact data, which the steps of the simulation reproduce."""
@@ -75,11 +75,13 @@ def test_exact_data(method, exact):
     assert 1 < estimate.iterations <= 8
 
 
-def test_a_drift_that_is_not_there(exact):
-    """Simulated motions have a time, too; the friction of the recording does not drift."""
+@pytest.mark.parametrize("over", ["time", "temperature"])
+def test_a_drift_that_is_not_there(over, exact):
+    """Simulated motions have a time and temperatures, too; the friction of the recording does not drift."""
     run, _ = exact
-    model = TorqueModel(run.torque_model.model, (*run.torque_model.terms, Drift(Viscous())))
-    problem = Problem(model, run.exact, min_speed=STICKING)
+    model = TorqueModel(run.torque_model.model, (*run.torque_model.terms, Drift(Viscous(), over)))
+    warming = replace(run.exact, temperature=np.outer(run.exact.time, [1.0, 2.0]))
+    problem = Problem(model, warming, min_speed=STICKING)
     truth = np.concatenate([run.truth, np.zeros(2)])
     found = values(problem, InstrumentalVariables(loop=run.loop).estimate(problem))
     size = np.linalg.norm(problem.equations.factors[..., :-1], axis=(0, 1))
@@ -248,6 +250,20 @@ class TestRefusals:
         smooth = replace(run.torque_model, terms=(RigidBodies(), Coulomb(width=0.1)))
         with pytest.raises(EstimationFailed, match="a simulation does not know Coulomb; DIDIM and IDIM-IV need not"):
             ClosedLoopOutputError(loop=run.loop).estimate(replace(problem, torque_model=smooth))
+
+        geared = replace(run.torque_model, terms=(RigidBodies(), RotorInertia(gears=[50.0, 50.0])))
+        with pytest.raises(EstimationFailed, match="a simulation does not know RotorInertia"):
+            ClosedLoopOutputError(loop=run.loop).estimate(replace(problem, torque_model=geared))
+
+    def test_friction_with_memory(self, exact):
+        """What stands beside its rows is computed for some rows at a time."""
+        run, problem = exact
+        slipping = TorqueModel(run.torque_model.model, [RigidBodies(), MaxwellSlip()])
+        for method in METHODS:
+            with pytest.raises(
+                EstimationFailed, match="the simulated loop knows no friction with memory; leave it out"
+            ):
+                method(loop=run.loop).estimate(replace(problem, torque_model=slipping))
 
     def test_too_few_iterations(self, noisy):
         _, problem, loop = noisy

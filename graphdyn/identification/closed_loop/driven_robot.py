@@ -43,7 +43,8 @@ class DrivenRobot:
 def not_simulated(torque_model: TorqueModel) -> list[str]:
     """Names of the terms that no simulation knows, or knows but roughly (a smooth sign of v)."""
     exact = [
-        type(term) in (Viscous, Offset, RotorInertia)
+        type(term) in (Viscous, Offset)
+        or (isinstance(term, RotorInertia) and term.gears is None)
         or (isinstance(term, Coulomb) and term.width is None)
         or isinstance(term, CarriesBodies)
         for term in torque_model.terms

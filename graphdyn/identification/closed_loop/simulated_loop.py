@@ -27,12 +27,15 @@ class SimulatedLoop:
 
     simulations: of the whole recording so far
 
-    Raises EstimationFailed without a loop, without times, for a base that moves, and for times that are not even.
+    Raises EstimationFailed without a loop, without times, for a base that moves, for times that are not even, and for
+    friction with memory.
     """
 
     def __init__(self, problem: Problem, loop: ClosedLoop | None) -> None:
         if loop is None:
             raise EstimationFailed(NO_LOOP)
+        if problem.torque_model.has_memory:
+            raise EstimationFailed("the simulated loop knows no friction with memory; leave it out")
         self.problem, self.loop, self.simulations = problem, loop, 0
         pieces = [problem.data] if isinstance(problem.data, Samples) else list(problem.data)
         self._stretches = [Stretch(problem, loop, stretch) for stretch in _uninterrupted(pieces)]

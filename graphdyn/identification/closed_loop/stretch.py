@@ -14,7 +14,7 @@ from graphdyn._errors import EstimationFailed, InvalidInput
 from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
 from graphdyn.identification.closed_loop.loop import ClosedLoop, held_torque
 from graphdyn.identification.problem import Problem
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.samples import Samples, joined_samples
 from graphdyn.layout import Array
 from graphdyn.motion_laws import Course, MotionLaw
 from graphdyn.simulation import ComputedTorqueControl, PDControl, Rollout, rollout
@@ -50,6 +50,7 @@ class Stretch:
         if np.abs(np.diff(time) - self._period).max() > EVEN * self._period:
             raise EstimationFailed("the samples are not evenly spaced in time; resample the recording")
         self._q, self._v = np.array(first.q[0], dtype=float), np.array(first.v[0], dtype=float)
+        self._temperature = joined_samples(pieces, slice(None)).temperature
 
     def samples(self, robots: DrivenRobot) -> list[Samples]:
         """The exact motion of each robot. Raises EstimationFailed where it runs away."""
@@ -59,7 +60,15 @@ class Stretch:
         row_filter, hold = self._pieces[0].row_filter, self._loop.torque_hold
         time = np.asarray(self._start + np.arange(self._rows) * self._period, dtype=float)
         return [
-            Samples(q, v, a, held_torque(tau, self._period, hold), row_filter=row_filter, time=time)
+            Samples(
+                q,
+                v,
+                a,
+                held_torque(tau, self._period, hold),
+                row_filter=row_filter,
+                time=time,
+                temperature=self._temperature,
+            )
             for q, v, a, tau in zip(*runs, strict=True)
         ]
 
