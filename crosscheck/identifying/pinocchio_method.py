@@ -9,7 +9,7 @@ import numpy as np
 from crosscheck.referee.baseline import PinocchioBodies
 from crosscheck.referee.pinocchio_model import PinocchioModel
 from graphdyn import EstimationFailed
-from graphdyn.identification import Estimate, Estimator, Problem, TorqueModel
+from graphdyn.identification import Estimate, Estimator, Problem
 from graphdyn.identification.terms import RigidBodies
 
 
@@ -49,7 +49,7 @@ class WithPinocchio:
             raise EstimationFailed("no body is unknown, so there is no regressor of rigid bodies to exchange")
         bodies = PinocchioBodies(self.referee or PinocchioModel.from_model(model.model))
         terms = [bodies if isinstance(term, RigidBodies) else term for term in model.terms]
-        there = replace(problem, torque_model=TorqueModel(model.model, terms, model.known))
+        there = replace(problem, torque_model=replace(model, terms=terms))
         theirs, ours = self.estimator.estimate(there), self.estimator.estimate(problem)
         scale = np.linalg.norm(problem.equations.factors[..., :-1], axis=(0, 1))
         x, y = (scale * problem.base.values(estimate.parameters) for estimate in (ours, theirs))

@@ -62,10 +62,13 @@ def leverages(equations: CompressedEquations, deviations: Array, inverse: Array)
 def residual_deviations(equations: CompressedEquations, squares: Array, used: Array) -> Array:
     """Standard deviation of the residual per group: the root of its squares over what is left of its equations (g,).
 
+    Where the equations have a given noise, that one.
     squares: ‖W_g x - τ_g‖² (g,); used: equations that the parameters use up (g,)
     At least rounding of the measured torque, so that exact data have a weight. Raises EstimationFailed where the
     parameters use up all equations of a group.
     """
+    if equations.noise is not None:
+        return equations.noise
     spare = equations.counts - used
     if np.any(spare < NO_ROW_LEFT):
         joint = int(np.argmin(spare))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torque_data
 from identified_arm import CUTOFF, POSES, compared, identified, virtual
 from jsonschema import Draft202012Validator
 from planted_records import planted
@@ -42,8 +43,11 @@ from crosscheck.referee.pinocchio_model import PinocchioModel
 from crosscheck.report.json import plain
 from crosscheck.report.records.identify import record
 from graphdyn import EstimationFailed, InvalidInput, mass_matrix
-from graphdyn.identification import Plausibility, ResidualSizes, Samples, WeightedLeastSquares
+from graphdyn.identification import Plausibility, Problem, ResidualSizes, Samples, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
+
+NOISE = [2.0, 3.0, 1.0, 0.5, 0.4, 0.2]
+"""[N m] Given for the torques of an arm."""
 
 SAME = 1e-10
 """Estimates by Pinocchio's regressor and by ours, relative; measured below 1e-14."""
@@ -101,6 +105,12 @@ class TestBaselines:
         assert np.allclose(ours.base_values, theirs.base_values, rtol=0, atol=SAME * np.abs(ours.base_values).max())
         assert np.allclose(ours.standard_deviations, theirs.standard_deviations, rtol=1e-6)
         assert "differs from WLS by" in theirs.estimate.remarks[-1]
+
+    def test_pinocchio_weighs_with_the_noise_that_is_given(self):
+        problem = Problem(replace(torque_data.torque_model(), noise=NOISE), torque_data.noisy_samples())
+        estimate = WithPinocchio(WeightedLeastSquares()).estimate(problem)
+        assert estimate.settings["difference"] <= SAME
+        assert np.array_equal(estimate.noise, NOISE)
 
     def test_another_regressor_would_be_noticed(self):
         """Pinocchio's reading of a robot with one joint moved."""

@@ -2,13 +2,18 @@
 
 from dataclasses import replace
 
+import closed_loop_data
 import numpy as np
 import pytest
 import torque_data
 
 from graphdyn import InvalidInput
 from graphdyn.identification import (
+    ClosedLoopOutputError,
     ConsistentLeastSquares,
+    DirectInverse,
+    InstrumentalVariables,
+    MaximumLikelihood,
     OrdinaryLeastSquares,
     Problem,
     Ridge,
@@ -54,6 +59,23 @@ def test_weighted_against_the_recording(problem):
     alone = plain.base.values(WeightedLeastSquares().estimate(plain).parameters)
     assert alone[k] < found[k] < 1.9
     assert problem.without_effect == ()
+
+
+def test_every_weighing_method_takes_the_noise():
+    """Also where it would estimate it again in each iteration."""
+    run = closed_loop_data.two_axes().record(1.0)
+    errors = np.tile(np.diag([1e-12, 1e-12, 1e-12]), (2, 1, 1))
+    model = replace(run.torque_model, noise=[3.0, 7.0])
+    problem = Problem(model, replace(run.exact, motion_covariance=errors), min_speed=1e-9)
+    start = {"loop": run.loop, "start": run.truth}
+    methods = [
+        MaximumLikelihood(),
+        InstrumentalVariables(**start),
+        DirectInverse(**start),
+        ClosedLoopOutputError("torque", **start),
+    ]
+    for method in methods:
+        assert np.array_equal(method.estimate(problem).noise, [3.0, 7.0]), method.name
 
 
 @pytest.mark.parametrize("method", [Ridge(strength=1e-12), ConsistentLeastSquares()])

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,14 +36,17 @@ class Output:
         return jackknife_covariance(self.blocks, self.change, self.noise)
 
 
-def output_step(problem: Problem, x: Array, parts: Iterable[Beside]) -> Output:
-    """One step from base parameters x (r,); parts: with S as their regressor, and τ(x) as their output."""
+def output_step(problem: Problem, x: Array, parts: Iterable[Beside], noise: Array | None) -> Output:
+    """One step from base parameters x (r,).
+
+    parts: with S as their regressor, and τ(x) as their output; noise: as given, None where it is to be estimated (n,)
+    """
     blocks: dict[int, Accumulator] = defaultdict(lambda: Accumulator(problem.base.rank, problem.n_joints))
     for part in parts:
         left = part.measured.measured - part.output
         blocks[part.measured.block].add(part.regressor, left, kept=part.measured.kept)
     equations = tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
-    together = merged(equations)
+    together = replace(merged(equations), noise=noise)
     even = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
     start = np.sqrt(together.measured_squares / np.maximum(together.counts, 1)) + np.finfo(float).tiny
     noise = residual_deviations(together, together.residual_squares(solve(together, start).x), even)

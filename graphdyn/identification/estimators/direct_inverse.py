@@ -47,6 +47,6 @@ class DirectInverse:
         loop = SimulatedLoop(problem, self.loop)
 
         def step(x: Array, simulated: list[Samples]) -> Output:
-            return output_step(problem, x, beside(problem, simulated))
+            return output_step(problem, x, beside(problem, simulated), problem.equations.noise)
 
         return told(loop, iterated(loop, starts(problem, self.start), step, self.most))

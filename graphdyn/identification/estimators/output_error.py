@@ -61,7 +61,9 @@ class ClosedLoopOutputError:
         if unknown:
             raise EstimationFailed(f"a simulation does not know {', '.join(unknown)}; DIDIM and IDIM-IV need not")
 
+        noise = problem.equations.noise if self.output == "torque" else None
+
         def step(x: Array, simulated: list[Samples]) -> Output:
-            return output_step(problem, x, outputs(loop, x, simulated, self.output))
+            return output_step(problem, x, outputs(loop, x, simulated, self.output), noise)
 
         return told(loop, iterated(loop, starts(problem, self.start), step, self.most), self.output)
