@@ -141,7 +141,8 @@ class _Projected:
         self._basis = np.zeros((len(self._noise), 0))
         if others:
             columns = self._columns(others)
-            u, s, _ = np.linalg.svd(columns / np.linalg.norm(columns, axis=0), full_matrices=False)
+            length = np.linalg.norm(columns, axis=0)  # zero where a joint rests
+            u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
             self._basis = u[:, s > problem.rank_tolerance * s[0]]
         self._right = self._without(np.concatenate([part.right for part in parts])[self._kept] / self._noise)
 

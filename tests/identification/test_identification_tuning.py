@@ -74,6 +74,16 @@ def test_noise_and_what_is_not_there(arm):
     assert isinstance(found.terms[1], Coulomb)
 
 
+def test_a_joint_at_rest(arm):
+    """Its columns of friction are zero, and its width is anything."""
+    model, samples = arm
+    resting = replace(samples, q=samples.q * [1, 0], v=samples.v * [1, 0], a=samples.a * [1, 0])
+    noisy = recorded(model, resting, [Viscous(), Coulomb(0.05)], [5.0, 7.0, 30.0, 50.0], noise=1.0)
+    term = Tunable("coulomb", Coulomb, {"width": 0.1})
+    _, (setting,) = tuned(Problem(TorqueModel(model, [RigidBodies(), Viscous(), term]), noisy))
+    assert setting.values[0] == pytest.approx(0.05, rel=0.1)
+
+
 def test_a_model_without_settings_stays(arm):
     model, samples = arm
     plain = TorqueModel(model, [Viscous()])
