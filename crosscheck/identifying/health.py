@@ -101,7 +101,7 @@ def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
     terms = [term for term in terms if not isinstance(term, Drift) and not getattr(term, "has_memory", False)]
     if torque_model.has_memory and not any(isinstance(term, Coulomb | AsymmetricCoulomb) for term in terms):
         terms.append(Coulomb())
-    return replace(torque_model, terms=terms)
+    return replace(torque_model, terms=terms, expected={})
 
 
 def _faults(found: RecordingHealth, recording: Recording) -> list[HealthFinding]:

@@ -24,6 +24,7 @@ from crosscheck.report.commands.identify import identify_report
 from crosscheck.report.records.identify import record
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
+from graphdyn.identification.terms import MaxwellSlip, RigidBodies
 
 RATE = 100.0
 """[Hz] Of the files."""
@@ -161,6 +162,13 @@ class TestWords:
         said = " ".join(health_of(arm().fitted).unseen)
         assert "zero of shoulder_pan_joint" in said
         assert "the URDF of a similar robot" in said
+
+    def test_expected_values_of_terms_that_it_leaves_out(self):
+        """Health asks rows one by one; friction with memory is no part of it."""
+        robot = identified_arm.virtual()
+        model = replace(robot.torque_model, terms=(RigidBodies(), MaxwellSlip()), expected={"FM_1": (1.0, 1.0)})
+        found = health(model, [robot.fitted.take(slice(0, 500))], identified_arm.CUTOFF)
+        assert found.measures.joint_names == robot.torque_model.model.joint_names
 
     def test_too_short(self):
         assert health_of(arm().fitted.take(slice(0, 30))) is None
