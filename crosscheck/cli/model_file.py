@@ -55,8 +55,7 @@ def models_of(
         _check(where, table)
         bodies, known_links = links(_flag(f"{where} known_bodies", table.get("known_bodies", known_bodies)))
         own, scaled = (
-            [_beside(file, text) for text in _entries(where, table, key) if isinstance(text, str)]
-            for key in ("known_torques", "scaled_torques")
+            [_beside(file, text) for text in _names(where, table, key)] for key in ("known_torques", "scaled_torques")
         )
         drives = [_term(where, file, entry) for entry in _entries(where, table, "terms")]
         chosen = [_method(where, file, entry) for entry in _entries(where, table, "methods")] or methods
@@ -99,6 +98,13 @@ def _entries(where: str, table: Mapping[str, Any], key: str) -> list[str | dict[
     if not isinstance(entries, list) or not all(isinstance(entry, str | dict) for entry in entries):
         raise typer.BadParameter(f"{where} {key} is {entries!r}; give a list of names")
     return entries
+
+
+def _names(where: str, table: Mapping[str, Any], key: str) -> list[str]:
+    entries = _entries(where, table, key)
+    if not all(isinstance(entry, str) for entry in entries):
+        raise typer.BadParameter(f"{where} {key} is {entries!r}; give a list of FILE.py:NAME")
+    return [str(entry) for entry in entries]
 
 
 def _term(where: str, file: Path, entry: str | dict[str, Any]) -> Any:

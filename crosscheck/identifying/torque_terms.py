@@ -33,6 +33,13 @@ STRIBECK_VELOCITY = 0.1
 
 STANDARD_TERMS = ("viscous", "coulomb", "offset")
 
+
+def _slip(deflection: ArrayLike | None = None, deflections: Sequence[ArrayLike] | None = None) -> Term:
+    if deflection is not None and deflections is not None:
+        raise InvalidInput("the term 'slip' has a deflection, and deflections; give one of the two")
+    return MaxwellSlip(((DEFLECTION if deflection is None else deflection),) if deflections is None else deflections)
+
+
 TERMS: dict[str, Callable[..., Term]] = {
     "viscous": Viscous,
     "asymmetric-viscous": AsymmetricViscous,
@@ -41,9 +48,7 @@ TERMS: dict[str, Callable[..., Term]] = {
     "stribeck": lambda velocity=STRIBECK_VELOCITY, exponent=2.0, width=None: Stribeck(velocity, exponent, width),
     "load": LoadFriction,
     "smooth-coulomb": SmoothCoulomb,
-    "slip": lambda deflection=None, deflections=(DEFLECTION,): MaxwellSlip(
-        deflections if deflection is None else (deflection,)
-    ),
+    "slip": _slip,
     "offset": Offset,
     "rotor": RotorInertia,
     "spring": Spring,
@@ -102,6 +107,7 @@ def _tunable(term: str, searched: Sequence[str], given: Mapping[str, Any]) -> Tu
         if setting not in STARTS:
             raise InvalidInput(f"the setting '{setting}' cannot be found by a fit; these can: {', '.join(STARTS)}")
     start = {setting: STARTS[setting] for setting in searched}
+    term_with(term, **given, **start)  # refuses settings that do not go together
     return Tunable(term, lambda **found: term_with(term, **given, **found), start)
 
 

@@ -22,6 +22,9 @@ ACCELERATION = 10.0
 SPEED = 10.0
 """Random speeds are clipped to this [rad/s or m/s]: beyond it centrifugal torques hide all others."""
 
+SMALLEST_STEP, LARGEST_STEP = 1e-6, 0.1
+"""[rad or m] Between random states of friction with memory: with long steps alone, all elements slip and are alike."""
+
 
 @dataclass(frozen=True, eq=False)
 class ParameterStructure:
@@ -46,11 +49,17 @@ def structure(torque_model: TorqueModel, seed: int = 0) -> ParameterStructure:
 
 
 def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
-    """Random states within the limits of the robot, torques zero; times and temperatures random too."""
+    """Random states within the limits of the robot, torques zero; times and temperatures random too.
+
+    For friction with memory every second state is a step of random size from the one before.
+    """
     rng = np.random.default_rng(seed)
     q, v = torque_model.model.random_state(rng, size)
     v = np.clip(v, -SPEED, SPEED)
     a = rng.uniform(-ACCELERATION, ACCELERATION, q.shape)
+    if torque_model.has_memory:
+        sizes = np.exp(rng.uniform(np.log(SMALLEST_STEP), np.log(LARGEST_STEP), q[1::2].shape))
+        q[1::2] = q[: 2 * len(sizes) : 2] + sizes * rng.choice([-1.0, 1.0], sizes.shape)
     if torque_model.model.chords:
         q, v, a = assemble(torque_model.model, q, v, a)
     time, temperature = rng.normal(size=size), rng.normal(size=q.shape)

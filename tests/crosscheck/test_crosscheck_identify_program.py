@@ -270,6 +270,15 @@ class TestModels:
                 "[a]\nterms = [{term = 'rotor', gears = 'fit'}]",
                 "the setting 'gears' cannot be found by a fit; these can",
             ),
+            (
+                "[a]\nterms = [{term = 'slip', deflection = 'fit', deflections = [0.1]}]",
+                "the term 'slip' has a deflection, and deflections; give one of the two",
+            ),
+            (
+                "[a]\nterms = [{term = 'rotor', axes = [[0, 0, 1]]}]",
+                "axes of the rotors have no effect without their gears; give both",
+            ),
+            ("[a]\nterms = []\nknown_torques = [{a = 1}]", "known_torques is [{'a': 1}]; give a list of FILE.py:NAME"),
             ("[a]\nterms = ['offset*load']", "there is no term 'offset*load'; known: viscous"),
             ("[a]\nterms = []\nknown_bodies = 1", "known_bodies is 1; give true or false"),
         ],

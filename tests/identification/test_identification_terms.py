@@ -11,6 +11,7 @@ from graphdyn import BaseMotion, Body, Coupling, InvalidInput, Joint, Placement,
 from graphdyn._inertia import parameters_from_inertia
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.motion import Motion
+from graphdyn.identification.structure import structure
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,
@@ -175,13 +176,26 @@ class TestMaxwellSlip:
         named = [(column.name, column.symbol) for column in term.columns(MODEL)[6:8]]
         assert named == [("O1 Maxwell-slip friction 2", "FM2_1"), ("O2 Maxwell-slip friction 2", "FM2_2")]
 
-    def test_remembers_beyond_a_chunk(self, monkeypatch):
+    def test_short_deflections_are_told_apart(self):
+        """Those of stiff gears; far from standstill all elements slip alike."""
+        three = TorqueModel(MODEL, [Coulomb(), MaxwellSlip([1e-5, 1e-4, 1e-3])])
+        assert structure(three).base.rank == 24
+
+    @pytest.mark.parametrize("values", [[], 0.1])
+    def test_no_list(self, values):
+        for term, what in ((MaxwellSlip(values), "deflections"), (SmoothCoulomb(values), "widths")):
+            with pytest.raises(InvalidInput, match=rf"{what} are .*; give a list of at least one"):
+                TorqueModel(MODEL, [Offset(), term])
+
+    @pytest.mark.parametrize("term", [MaxwellSlip([2.0]), Drift(MaxwellSlip([2.0]))], ids=["slip", "its drift"])
+    def test_remembers_beyond_a_chunk(self, term, monkeypatch):
         monkeypatch.setattr("graphdyn.identification.problem.CHUNK", 7)
         samples = self.still(np.cumsum(np.random.default_rng(0).normal(size=40)))
-        model = TorqueModel(MODEL, [MaxwellSlip([2.0])])
+        samples = replace(samples, time=np.linspace(0.0, 1.0, 40))
+        model = TorqueModel(MODEL, [term])
         for compression in ("qr", "gram"):
             problem = Problem(model, samples, compression=compression)
-            rows = MaxwellSlip([2.0]).rows(MODEL, samples)
+            rows = term.rows(MODEL, samples)
             assert problem.equations.counts.tolist() == [40] * 6
             lengths = np.linalg.norm(problem.equations.factors[..., :-1], axis=1)
             assert lengths == pytest.approx(np.linalg.norm(rows, axis=0), abs=1e-12)

@@ -41,6 +41,10 @@ class RotorInertia:
     gears: ArrayLike | None = None
     axes: ArrayLike | None = None
 
+    def __post_init__(self) -> None:
+        if self.axes is not None and self.gears is None:
+            raise InvalidInput("axes of the rotors have no effect without their gears; give both")
+
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
         return per_joint_columns(model, "rotor inertia", "IA", "kg m²", "kg")
 

@@ -7,6 +7,7 @@ survey of models, analysis tools and compensation methods for the control of mac
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -122,6 +123,13 @@ class Spring:
 def smooth_sign(v: Array, width: ArrayLike | None) -> Array:
     """sign(v), or tanh(v / width)."""
     return np.sign(v) if width is None else np.tanh(v / positive("width", width, v.shape[-1]))
+
+
+def each_positive(who: str, values: Sequence[ArrayLike], n: int) -> Array:
+    """(k, n) positive numbers from a list of k. Raises InvalidInput."""
+    if np.isscalar(values) or len(values) == 0:
+        raise InvalidInput(f"{who}s are {values!r}; give a list of at least one")
+    return np.array([positive(who, value, n) for value in values])
 
 
 def positive(who: str, value: ArrayLike, n: int) -> Array:

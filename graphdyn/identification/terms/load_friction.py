@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from graphdyn._dynamics import gravity_torque
 from graphdyn._model import RobotModel
 from graphdyn.identification.samples import Samples
-from graphdyn.identification.terms.friction import TORQUE, positive, smooth_sign
+from graphdyn.identification.terms.friction import TORQUE, each_positive, smooth_sign
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 
@@ -53,8 +53,7 @@ class SmoothCoulomb:
 
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
         names: list[Column] = []
-        for k, widths in enumerate(self.widths, start=1):
-            per_joint = positive("width", widths, model.n_freedoms)
+        for k, per_joint in enumerate(each_positive("width", self.widths, model.n_freedoms), start=1):
             plain = per_joint_columns(model, "Coulomb friction", f"FC{k}", *TORQUE)
             names += [
                 Column(f"{column.name} of width {width:g}", column.symbol, column.unit)

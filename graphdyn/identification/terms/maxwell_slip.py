@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn._model import RobotModel
 from graphdyn.identification.samples import Samples
-from graphdyn.identification.terms.friction import TORQUE, positive
+from graphdyn.identification.terms.friction import TORQUE, each_positive
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 
@@ -43,16 +43,16 @@ class MaxwellSlip:
     has_memory: ClassVar[bool] = True
 
     def columns(self, model: RobotModel) -> tuple[Column, ...]:
-        several = len(self.deflections) > 1
+        count = len(each_positive("deflection", self.deflections, model.n_freedoms))
+        several = count > 1
         return tuple(
             Column(f"{column.name} {k}" if several else column.name, column.symbol, column.unit)
-            for k in range(1, len(self.deflections) + 1)
+            for k in range(1, count + 1)
             for column in per_joint_columns(model, "Maxwell-slip friction", f"FM{k if several else ''}", *TORQUE)
         )
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        n = samples.q.shape[1]
-        widest = np.array([positive("deflection", d, n) for d in self.deflections])
+        widest = each_positive("deflection", self.deflections, samples.q.shape[1])
         steps = np.diff(samples.q, axis=0, prepend=samples.q[:1])[:, None] / widest
         z = np.empty(steps.shape)
         now = np.zeros(widest.shape)
