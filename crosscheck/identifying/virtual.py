@@ -139,7 +139,8 @@ def _measured(
 ) -> Recording:
     """The motion as measured: with friction and noise, without velocities and accelerations."""
     (exact,) = samples_of(motion)
-    tau = np.concatenate([torque_model.torque(piece, truth) for piece in exact.pieces(PIECE)])
+    length = len(exact) if torque_model.has_memory else PIECE
+    tau = np.concatenate([torque_model.torque(piece, truth) for piece in exact.pieces(length)])
     wrenches = motion.channel("joint_wrenches")
 
     def noisy(values: Array) -> Array:
