@@ -61,6 +61,12 @@ def test_median_with_failures():
     assert median(np.array([1.0, 2.0, np.inf, np.inf])).value == np.inf
 
 
+def test_median_of_one_has_no_interval():
+    found = median(np.array([2.0]))
+    assert found.value == 2.0
+    assert np.isnan([found.low, found.high]).all()
+
+
 def test_means_and_deviations():
     values = np.random.default_rng(1).normal([1.0, -2.0], [0.3, 5.0], size=(7, 2))
     for k, column in enumerate(values.T):
@@ -178,6 +184,27 @@ def test_one_run_has_no_interval():
     assert np.isnan(ranking.low).all()
     assert found.scenarios[0].rankings["torques", "torque_error"].probability is None
     assert not found.scenarios[0].rankings["torques", "torque_error"].differ
+
+
+def test_one_common_record_has_no_interval_of_the_ratio():
+    """Where a method has one answer in six runs, there is a ratio, and no saying how sure it is."""
+    results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
+    failed = {"status": "failed", "reason": "none", "torque_error": None}
+    lone = [{**row, **failed} if row["method"] == "wls" and row["run"] else row for row in results]
+    ranking = summarised(outcomes(lone, scenarios, times)).rankings["torques", "torque_error"]
+    wls = ranking.methods.index("wls")
+    assert np.isfinite(ranking.ratio[wls])
+    assert np.isnan([ranking.ratio_low[wls], ranking.ratio_high[wls]]).all()
+    assert np.isfinite(ranking.ratio_low[: wls - 1]).all()
+
+
+def test_stated_deviations_of_the_runs_that_state_them():
+    """A run that determines fewer parameters states none; the others do."""
+    results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
+    some = [{**row, "sigma": None} if row["method"] == "ols" and row["run"] == 0 else row for row in results]
+    ols = summarised(outcomes(some, scenarios, times)).scenarios[0].methods[0]
+    assert ols.method.name == "ols"
+    assert ols.parameters.stated == pytest.approx(NOISES[0] * np.abs(TRUTH))
 
 
 def test_summary(study):

@@ -67,7 +67,7 @@ def study_report(folder: Path, facts: Sequence[tuple[str, str]], repeat: Repeat)
 
 def _verdict(found: StudySummary) -> Verdict:
     records = sum(len(scenario.runs) for scenario in found.outcomes.scenarios)
-    words = f"{len(found.outcomes.methods)} methods on {records} records"
+    words = f"{_counted(len(found.outcomes.methods), 'method')} on {_counted(records, 'record')}"
     ranking = found.rankings.get(("torques", HEADLINE))
     if ranking is None:
         return Verdict("plain", words)
@@ -82,21 +82,30 @@ def _verdict(found: StudySummary) -> Verdict:
 def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]]) -> Iterator[Block]:
     scenarios = found.outcomes.scenarios
     runs = sorted({len(scenario.runs) for scenario in scenarios})
-    count = f"{len(scenarios)} scenario{'' if len(scenarios) == 1 else 's'}"
+    count = _counted(len(scenarios), "scenario")
     differing = ", ".join(axis.replace("_", " ") for axis in grid.varying)
     seconds = sum(float(np.nansum(scenario.seconds)) for scenario in scenarios)
     items = [
         *facts,
-        ("grid", f"{count}{f' of {differing}' if differing else ''}; {_range(runs)} runs of each"),
+        (
+            "grid",
+            f"{count}{f' of {differing}' if differing else ''}; {_range(runs)} run{'' if runs == [1] else 's'} of each",
+        ),
         *([("usual setting", grid.usual)] if grid.usual else []),
         ("confidence", f"{LEVEL:.0%} intervals and tests"),
         ("methods' time", f"{_long(seconds)} of processor time"),
     ]
     yield Facts(tuple(items))
     few, reached = min(runs), order_of_median(min(runs))[1]
-    if reached < LEVEL:
+    if few == 1:
+        yield Notes((Note("one run of a scenario says nothing of its scatter: there are no intervals"),))
+    elif reached < LEVEL:
         said = f"intervals of medians reach from the smallest to the largest of {few} runs, which has {reached:.1%}"
         yield Notes((Note(said),))
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _long(seconds: float) -> str:

@@ -53,10 +53,10 @@ def order_of_median(count: int, level: float = LEVEL) -> tuple[int, float]:
 
 
 def median(values: Array) -> Interval:
-    """values: (N,), infinite for failures, which count as larger than all others."""
+    """values: (N,), infinite for failures, which count as larger than all others; no ends below two values."""
     values = np.sort(values)
-    if not len(values):
-        return NOT_KNOWN
+    if len(values) < 2:
+        return Interval(float(values[0]), np.nan, np.nan) if len(values) else NOT_KNOWN
     k, _ = order_of_median(len(values))
     middle = values[(len(values) - 1) // 2], values[len(values) // 2]
     centre = middle[0] if middle[0] == middle[1] else 0.5 * (middle[0] + middle[1])

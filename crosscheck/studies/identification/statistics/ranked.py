@@ -27,7 +27,8 @@ def ranked(names: Sequence[str], columns: Sequence[int], scenarios: Sequence[Sce
     low, high = ends(_drawn([of_scenario[:, order] for of_scenario in ranks], scenarios), runs)
     logs = [_log_ratios(of_scenario[:, order]) for of_scenario in errors]
     shared = [part for part in logs if not np.isnan(part).all()]
-    ratio_low, ratio_high = np.exp(ends(_drawn(logs, scenarios), runs))
+    alone = np.any([(~np.isnan(part)).sum(axis=0) == 1 for part in logs], axis=0)
+    ratio_low, ratio_high = np.where(alone, np.nan, np.exp(ends(_drawn(logs, scenarios), runs)))
     return Ranking(
         methods=tuple(names[k] for k in order),
         mean=mean,

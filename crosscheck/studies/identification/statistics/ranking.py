@@ -90,7 +90,8 @@ class Ranking:
 
     methods: best first
     mean: mean ranks, rising; low, high: ends of their intervals        (k,)
-    ratio: geometric mean of error / error of the first, over records that both have; with its ends      (k,)
+    ratio: geometric mean of error / error of the first, over records that both have             (k,)
+    ratio_low, ratio_high: its ends; NaN where both have one record alone of a scenario                  (k,)
     records: N, those for which some method has an answer
     probability: Friedman's; None where there is nothing to compare
     distance: Nemenyi's critical one

@@ -147,9 +147,9 @@ def _no_part(method: Method, parameters: int) -> MethodSummary:
 
 
 def _spread(base: Array, sigma: Array, truth: Array) -> ParameterSpread:
-    squares = sigma**2
-    stated = np.sqrt(squares.mean(axis=0)) if len(squares) else np.full(len(truth), np.nan)
-    return ParameterSpread(*means(base - truth), *deviations(base), stated)
+    stated = sigma[~np.isnan(sigma).any(axis=1)]
+    usual = np.sqrt((stated**2).mean(axis=0)) if len(stated) else np.full(len(truth), np.nan)
+    return ParameterSpread(*means(base - truth), *deviations(base), usual)
 
 
 def _middle_and_largest(values: Array) -> tuple[float, float]:
