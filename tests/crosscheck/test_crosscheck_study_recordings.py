@@ -15,7 +15,7 @@ from crosscheck.studies.identification.plants import plant_of, torque_model_of
 from crosscheck.studies.identification.records import known_model, simulated
 from crosscheck.studies.identification.scenarios import Scenario
 from crosscheck.studies.identification.yardsticks import yardstick
-from graphdyn import PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
+from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
 from graphdyn.identification import Samples
 from graphdyn.identification.terms import Coulomb, PayloadMass
 
@@ -133,6 +133,29 @@ def test_errors_of_the_model(study, raw):
     forgets = known_model(errors, replace(EXACT, model_error="friction"))
     assert not any(isinstance(term, Coulomb) for term in forgets.terms)
     assert len(forgets.columns) == len(known_model(errors, EXACT).columns) - 2
+
+
+def test_efforts_that_allow_no_motion_are_told(tmp_path):
+    """In place of a robot that stands still, and of a held-out motion that shows nothing."""
+    weak = ARM.replace("<axis", '<limit effort="0.1" velocity="1"/><axis')
+    (tmp_path / "small.urdf").write_text(weak, encoding="utf-8")
+    weak_study = study_of(tmp_path, small.STUDY, small.ROBOT)
+    with pytest.raises(InvalidInput, match="no random motion found: robot 'small' cannot be held with the efforts"):
+        reference(weak_study.robot, 0, "random", 0, 4.0)
+
+
+@pytest.mark.parametrize(("rotor", "damping"), [(1e-4, 0.0), (1e-3, 0.5), (10.0, 0.02)])
+def test_springs_are_simulated_with_steps_that_are_short_enough(study, rotor, damping):
+    """Bent and let go, light and heavy rotors swing no further than they were bent."""
+    plant = replace(plant_of(study.robot), rotors=np.full(2, rotor), friction=Friction(np.zeros(2), np.zeros(2)))
+    mechanism = flexible(plant, ErrorSettings(joint_stiffness=2e4, joint_damping=damping))
+    bent = np.array([0.0, 1e-3, 0.0, -1e-3])
+    run = rollout(
+        mechanism.model, bent, np.zeros(4), None, step=mechanism.longest_step, duration=500 * mechanism.longest_step,
+        parameters=mechanism.parameters(plant.model.inertial_parameters), rotor_inertia=mechanism.rotors,
+        limits=mechanism.springs,
+    )  # fmt: skip
+    assert np.abs(run.q[0, :, 1::2]).max() < 5e-3
 
 
 def test_springs_hang_by_what_gravity_asks(study):

@@ -12,6 +12,7 @@ from crosscheck.exciting.noise import assumed_noise
 from crosscheck.studies.identification.configuration import RobotSettings
 from crosscheck.studies.identification.plants import Plant, plant_of
 from crosscheck.studies.identification.scenarios import MOTIONS
+from graphdyn import InvalidInput
 from graphdyn.excitation import (
     ExcitationProblem,
     FourierBasis,
@@ -25,6 +26,9 @@ from graphdyn.motion_laws import ConstantAcceleration, Course, Locked, MotionLaw
 
 PERIOD, HARMONICS = 10.0, 5
 """Of Fourier series, which repeat in longer recordings [s]."""
+
+STILL = 1e-9
+"""A motion that goes no further is none [rad or m]."""
 
 RATE = 500.0
 """Samples per second of the recording for which a motion is optimised [Hz]."""
@@ -45,7 +49,7 @@ def reference(settings: RobotSettings, seed: int, kind: str, number: int, durati
 
     seed: of the study; number: which of the motions of this kind; duration: of the recording [s]
 
-    Raises graphdyn.excitation.NoFeasibleMotion where the limits allow no excited motion.
+    Raises InvalidInput where the limits allow no motion.
     """
     plant = plant_of(settings)
     rng = np.random.default_rng(np.random.SeedSequence([seed, 2, MOTIONS.index(kind), number]))
@@ -60,7 +64,13 @@ def start_of(laws: Sequence[MotionLaw]) -> tuple[Array, Array]:
 
 def _random(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
     basis, balls = FourierBasis(min(duration, PERIOD), HARMONICS), frame_origins(plant.model)
-    return _repeated(random_trajectory(plant.model, plant.limits, balls, basis, rng))
+    found = random_trajectory(plant.model, plant.limits, balls, basis, rng)
+    if np.ptp(found.motion(np.linspace(0.0, basis.duration)).q, axis=0).max() < STILL:
+        raise InvalidInput(
+            f"no random motion found: robot '{plant.model.name}' cannot be held with the efforts that its file states; "
+            "correct them, or leave them out"
+        )
+    return _repeated(found)
 
 
 def _excited(plant: Plant, settings: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
