@@ -126,18 +126,37 @@ def test_a_method_that_kills_its_process_fails_alone(folder, complete, tmp_path)
 
 def test_whatever_a_method_raises_is_its_result(folder, tmp_path):
     (folder / "own.py").write_text(OWN, encoding="utf-8")
-    methods = '["ols", "own.py:Raises", "own.py:Wrong", "graph"]'
+    methods = '["ols", "own.py:Raises", "own.py:Wrong", "own.py:Nothing", "own.py:Narrow", "own.py:Counts"]'
     study = small_study(folder, study=f"[study]\nruns = 1\nmethods = {methods}\n")
     run_study(study, tmp_path / "out", InThisProcess(lambda tasks: range(1), ends=1))
     reasons = {row["method"]: row["reason"] for row in rows(tmp_path / "out")}
     assert reasons["ols"] is None
     assert reasons["own:Raises"] == "ZeroDivisionError: division by zero"
     assert reasons["own:Wrong"] == "the method answers parameters of shape (3,); 26 finite numbers needed"
-    assert "the recording has torques about the joint axes alone" in reasons["graph"]
+    assert reasons["own:Nothing"] == "AttributeError: 'NoneType' object has no attribute 'parameters'"
+    assert reasons["own:Narrow"] == "ValueError: the method answers a covariance of shape (3, 3)"
+    assert reasons["own:Counts"] is None, "NumPy's whole numbers are numbers"
+
+
+def test_methods_take_part_where_what_they_need_is_measured(folder):
+    text = "[study]\nruns = 1\nmethods = {}\n" + small.ROBOT + "[[grid]]\nforce_noise = {}\n"
+    tasks = tasks_of(study_of(folder, text.format(["wls", "graph"], ["none", 0.5])))
+    assert [task.methods for task in tasks] == [("wls",), ("wls", "graph")]
+    for methods, noises, where in ((["wls", "graph"], ["none"], "no"), (["graph"], ["none", 0.5], "not every")):
+        with pytest.raises(BadConfiguration, match=rf"methods in \[study\] has graph for wrenches, which {where} scen"):
+            study_of(folder, text.format(methods, noises))
+
+
+def test_own_methods_of_one_name_are_refused(folder):
+    for name in ("a", "b"):
+        (folder / name).mkdir()
+        (folder / name / "own.py").write_text(OWN, encoding="utf-8")
+    with pytest.raises(BadConfiguration, match="several are called own:Wrong in tables, which name no folders; rename"):
+        study_of(folder, "[study]\nmethods = ['a/own.py:Wrong', 'b/own.py:Wrong']\n", small.ROBOT)
 
 
 OWN = """
-from dataclasses import dataclass
+from dataclasses import replace
 import numpy as np
 from graphdyn.identification import Estimate, OrdinaryLeastSquares
 
@@ -148,6 +167,18 @@ class Raises(OrdinaryLeastSquares):
 class Wrong(OrdinaryLeastSquares):
     def estimate(self, problem):
         return Estimate(np.zeros(3))
+
+class Nothing(OrdinaryLeastSquares):
+    def estimate(self, problem):
+        return None
+
+class Narrow(OrdinaryLeastSquares):
+    def estimate(self, problem):
+        return replace(super().estimate(problem), covariance=np.eye(3), block_covariance=None)
+
+class Counts(OrdinaryLeastSquares):
+    def estimate(self, problem):
+        return replace(super().estimate(problem), iterations=np.int64(3))
 """
 
 
@@ -183,7 +214,8 @@ def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path):
 )
 def test_another_configuration_is_not_resumed(folder, begun, change, what):
     study = small_study(folder, change.get("further", ""), study=change.get("study", small.STUDY))
-    with pytest.raises(InvalidInput, match=rf"holds a study with another configuration than study\.toml: .*{what}"):
+    said = rf"holds a study with another configuration than study\.toml: .*{what}.*give the one that it was begun with"
+    with pytest.raises(InvalidInput, match=said):
         run_study(study, begun, InThisProcess(), resume=True, versions=change.get("versions"))
 
 
@@ -213,6 +245,7 @@ BAD = {
     "[[grid]]\nposition_noise = []\n": r"position_noise in \[grid\] is \[\]; give one value, or a list of them",
     "[[grid]]\n[[grid]]\ncutoff = -1\n": r'cutoff in \[grid 2\] is -1; give a number above 0, or "none"',
     "[[grid]]\ncutoff = 600\n": r"cutoff in \[grid\] is 600 Hz with a sampling_rate of 1000 Hz; it must be below half",
+    "[[grid]]\nduration = 2.0005\n": r"duration in \[grid\] is 2\.0005 s .* 1000 Hz; give a whole number of samples",
     "[[grid]]\ncontrol_rate = 300\n": r"control_rate in \[grid\] is 300 Hz .* one must be a multiple of the other",
     "[[grid]]\nstart = 'near'\n": r"start in \[grid\] is 'near'; give \"wls\", \"cad\", or a number",
     "[[grid]]\ncad_error = 1\n": r"cad_error in \[grid\] is 1; give a number from 0 to below 1",

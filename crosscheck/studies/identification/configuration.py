@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from importlib import resources
@@ -150,12 +151,18 @@ def configuration_of(content: bytes, file: str, folder: Path) -> Configuration:
         points,
     )
     study.refuse_others()
-    _check(found, robot)
+    _check(found, study, robot)
     return found
 
 
-def _check(study: Configuration, robot: Settings) -> None:
-    """Raises BadConfiguration for a scenario that this robot cannot have."""
+def _check(study: Configuration, table: Settings, robot: Settings) -> None:
+    """Raises BadConfiguration for a scenario that this robot cannot have, or no method can use, and the reverse."""
+    measured = {scenario.force_noise is not None for scenario in study.scenarios}
+    need = [name for name in study.methods if name in METHODS and takes_wrenches(METHODS[name]())]
+    if need and (measured == {False} or (False in measured and len(need) == len(study.methods))):
+        where = "no scenario" if measured == {False} else "not every scenario"
+        what = f"has {', '.join(need)} for wrenches, which {where} measures; give a force_noise, or other methods"
+        raise table.error("methods", what)
     errors = {scenario.model_error for scenario in study.scenarios}
     if "friction" in errors and not np.any(study.robot.coulomb):
         raise robot.error("coulomb", 'is zero, and the model error "friction" forgets it; give numbers above zero')
@@ -227,6 +234,12 @@ def _measurable(points: Sequence[Scenario]) -> tuple[str, ...]:
     return tuple(name for name, made in METHODS.items() if wrenches or not takes_wrenches(made()))
 
 
+def shown_name(method: str) -> str:
+    """For tables: as in METHODS; of an own one FILE:NAME without its folder."""
+    where, colon, name = method.rpartition(":")
+    return f"{Path(where).stem}:{name}" if colon else method
+
+
 def takes_wrenches(estimator: Estimator) -> bool:
     """It asks for a recording, which has joint wrenches, beside the problem."""
     return hasattr(estimator, "recording")
@@ -240,6 +253,9 @@ def _methods(folder: Path, everything: tuple[str, ...]) -> Callable[[object], tu
         )
         if not found:
             raise ValueError('give methods, or "all"')
+        for name, times in Counter(map(shown_name, found)).items():
+            if times > 1:
+                raise ValueError(f"several are called {name} in tables, which name no folders; rename a file")
         return tuple(found)
 
     return read

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -29,10 +30,10 @@ def estimator_of(method: str) -> Estimator:
     return made
 
 
-def shown_name(method: str) -> str:
-    """For tables: as in METHODS; of an own one FILE:NAME without its folder."""
-    where, colon, name = method.rpartition(":")
-    return f"{Path(where).stem}:{name}" if colon else method
+def taking_part(methods: Sequence[str], scenario: Scenario) -> tuple[str, ...]:
+    """All, or, where the scenario has no wrenches, those that need none."""
+    measured = scenario.force_noise is not None
+    return tuple(method for method in methods if measured or not takes_wrenches(estimator_of(method)))
 
 
 def measures(estimator: Estimator) -> str:

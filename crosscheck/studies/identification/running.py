@@ -16,6 +16,7 @@ from typing import Any
 from crosscheck.distributing import Lost, Workers
 from crosscheck.studies.identification.configuration import Configuration
 from crosscheck.studies.identification.database import Database, opened
+from crosscheck.studies.identification.methods import taking_part
 from crosscheck.studies.identification.plants import plant_of
 from crosscheck.studies.identification.tables import write_tables
 from crosscheck.studies.identification.tasks import Outcome, Task, compute, failed
@@ -94,8 +95,8 @@ def _same(study: Configuration, folder: Path, database: Database, inputs: Mappin
             changes.append(f"{name} {what}")
     if changes:
         raise InvalidInput(
-            f"{folder} holds a study with another configuration than {study.file}: {'; '.join(changes)}; give its own "
-            f"({folder / CONFIGURATION}), or name a new folder"
+            f"{folder} holds a study with another configuration than {study.file}: {'; '.join(changes)}; give the one "
+            f"that it was begun with (a copy is in {folder / CONFIGURATION}), or name a new folder"
         )
 
 
@@ -114,7 +115,8 @@ def _changes(before: Any, now: Any, where: str) -> list[str]:
 
 def tasks_of(study: Configuration) -> list[Task]:
     """All, one run of every scenario after the other, so that what is left is known early."""
-    return [Task(scenario, run, study.methods) for run in range(study.runs) for scenario in study.scenarios]
+    methods = [(scenario, taking_part(study.methods, scenario)) for scenario in study.scenarios]
+    return [Task(scenario, run, part) for run in range(study.runs) for scenario, part in methods if part]
 
 
 def _compute(

@@ -126,7 +126,7 @@ def _start(value: object) -> str:
     if isinstance(value, str) and value in STARTS:
         return value
     try:
-        return f"{number(value):g}"
+        return repr(number(value))
     except ValueError:
         raise ValueError('give "wls", "cad", or a number: the relative distance from the truth') from None
 
@@ -195,6 +195,13 @@ def _check(grid: Settings, scenario: Scenario) -> None:
             "control_rate",
             f"is {scenario.control_rate:g} Hz with a sampling_rate of {scenario.sampling_rate:g} Hz; one must be a "
             "multiple of the other",
+        )
+    samples = scenario.duration * scenario.sampling_rate
+    if abs(samples - round(samples)) > MULTIPLES * samples:
+        raise grid.error(
+            "duration",
+            f"is {scenario.duration:g} s with a sampling_rate of {scenario.sampling_rate:g} Hz; give a whole number of "
+            "samples",
         )
     if scenario.cutoff is not None and scenario.cutoff >= scenario.sampling_rate / 2:
         raise grid.error(

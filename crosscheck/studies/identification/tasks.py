@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.studies.identification.configuration import Configuration
-from crosscheck.studies.identification.methods import estimator_of, measures, ready, shown_name
+from crosscheck.studies.identification.configuration import Configuration, shown_name
+from crosscheck.studies.identification.methods import estimator_of, measures, ready
 from crosscheck.studies.identification.records import Record, known_model, simulated
 from crosscheck.studies.identification.scenarios import Scenario
 from crosscheck.studies.identification.yardsticks import Yardstick, yardstick
-from graphdyn import EstimationFailed
+from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import Estimate
 from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.plausibility import plausibility
@@ -92,7 +92,8 @@ def compute(study: Configuration, task: Task) -> Outcome:
     with one_thread(), warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
         try:
             record = simulated(study, task.scenario, task.run)
-            assert record.problem.equations.n_columns  # read once, before any method is timed
+            if not record.problem.equations.n_columns:  # which are read once, before any method is timed
+                raise InvalidInput("it shows no parameter: the robot stands still")
             measure = yardstick(study.robot, study.seed, known_model(study, task.scenario))
         except Exception as failure:
             return replace(failed(task, f"no record: {failure}"), total=time.process_time() - begin)
@@ -106,25 +107,28 @@ def _identified(method: str, record: Record, scenario: Scenario, measure: Yardst
     estimator = estimator_of(method)
     blank = Result(shown_name(method), measures(estimator), rank=record.problem.base.rank)
     begin = time.process_time()
+    seconds = None
     try:
         estimate = ready(estimator, record, scenario).estimate(record.problem)
+        seconds = time.process_time() - begin
+        result = _judged(blank, estimate, record, measure)
     except EstimationFailed as failure:
-        return replace(blank, reason=str(failure)), time.process_time() - begin
-    except Exception as failure:  # whatever a method written elsewhere raises, the others go on
-        return replace(blank, reason=f"{type(failure).__name__}: {failure}"), time.process_time() - begin
-    seconds = time.process_time() - begin
+        result = replace(blank, reason=str(failure))
+    except Exception as failure:  # whatever a method written elsewhere raises or answers, the others go on
+        result = replace(blank, reason=f"{type(failure).__name__}: {failure}")
+    return result, time.process_time() - begin if seconds is None else seconds
+
+
+def _judged(blank: Result, estimate: Estimate, record: Record, measure: Yardstick) -> Result:
+    """Raises whatever an answer that is none leads to."""
     x = np.asarray(estimate.parameters, dtype=float)
     if x.shape != record.truth.shape or not np.all(np.isfinite(x)):
         reason = f"the method answers parameters of shape {x.shape}; {len(record.truth)} finite numbers needed"
-        return replace(blank, reason=reason), seconds
-    return _judged(blank, estimate, x, record, measure), seconds
-
-
-def _judged(blank: Result, estimate: Estimate, x: Any, record: Record, measure: Yardstick) -> Result:
+        return replace(blank, reason=reason)
     base = measure.base.values(x)
     return replace(
         blank,
-        iterations=estimate.iterations,
+        iterations=int(estimate.iterations),
         simulations=_simulations(estimate),
         base=tuple(base.tolist()),
         sigma=_sigma(estimate, record, measure),
@@ -142,6 +146,8 @@ def _sigma(estimate: Estimate, record: Record, measure: Yardstick) -> tuple[floa
     covariance = estimate.covariance if estimate.block_covariance is None else estimate.block_covariance
     if covariance is None or record.problem.base.rank != measure.base.rank:
         return None
+    if np.shape(covariance) != 2 * (measure.base.rank,):
+        raise ValueError(f"the method answers a covariance of shape {np.shape(covariance)}")
     return tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist())
 
 
