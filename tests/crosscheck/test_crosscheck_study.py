@@ -268,6 +268,10 @@ def test_what_only_the_robot_shows(folder):
     study = study_of(folder, small.STUDY, many, small.SCENARIO, small.GRID)
     with pytest.raises(BadConfiguration, match=r"study\.toml: viscous in \[robot\] has 3 .* has 2 joints: sh"):
         run_study(study, folder / "never", InThisProcess())
+    with pytest.raises(
+        BadConfiguration, match=r"study\.toml: limits in \[robot\]: joint 'sh.*' may move from 1 to -1;"
+    ):
+        run_study(study_of(folder, small.ROBOT, "lower = 1\nupper = -1\n"), folder / "never", InThisProcess())
     with pytest.raises(BadConfiguration, match=r"'panda' has joints that drive others, .*; lock them"):
         run_study(study_of(folder, "[robot]\nname = 'panda'\n"), folder / "never", InThisProcess())
     assert not (folder / "never").exists()
@@ -283,6 +287,11 @@ def test_shipped_configurations(name):
 
 def test_axes_and_columns_are_those_of_a_scenario():
     assert list(AXES) == list(Scenario.__dataclass_fields__)
+
+
+def test_a_start_keeps_all_its_digits(folder):
+    (scenario,) = study_of(folder, small.ROBOT, "[scenario]\nstart = 0.123456789\n").scenarios
+    assert scenario.start_error == 0.123456789
 
 
 def test_time_that_is_left(folder):

@@ -85,6 +85,19 @@ def test_terminal(report, folder):
     assert f"{100 * middle:.2g} (" in text
 
 
+def test_one_run(tmp_path):
+    """No intervals, and that is said."""
+    for name, rows in zip(("results", "scenarios", "times"), study_tables(1, motions=("Fourier",)), strict=True):
+        write_table(pyarrow.Table.from_pylist(rows), tmp_path / f"{name}.parquet")
+    report = study_report(tmp_path, [], repeat)
+    text = as_text(report, 200)
+    assert "one run of a scenario says nothing of its scatter: there are no intervals" in text
+    assert "1 run of each" in text
+    record = plain(report.record(["study"]))
+    Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
+    assert record["scenarios"][0]["results"][0]["torque_error"]["low"] is None
+
+
 def test_every_point_leads_to_its_run(shown):
     """Each run of each scenario has a folded table with all methods and the command that repeats it."""
     runs = shown.xpath("//div[starts-with(@id, 'run-')]")

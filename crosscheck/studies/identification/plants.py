@@ -13,7 +13,7 @@ import urdf
 from crosscheck.identifying.virtual import as_in_cad
 from crosscheck.studies.identification.configuration import RobotSettings
 from crosscheck.studies.identification.settings import BadConfiguration, Numbers
-from graphdyn import Friction, PDControl, RobotModel, mass_matrix
+from graphdyn import Friction, InvalidInput, PDControl, RobotModel, mass_matrix
 from graphdyn.excitation import MotionLimits
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import Coulomb, RigidBodies, RotorInertia, Term, Viscous
@@ -94,6 +94,10 @@ def plant_of(settings: RobotSettings) -> Plant:
         for name in ("lower", "upper", "velocity", "acceleration")
         if (value := getattr(settings, name)) is not None
     }
+    try:
+        limits = MotionLimits.of_model(model, **bounds)
+    except InvalidInput as error:
+        raise BadConfiguration(f"{settings.file}: limits in [robot]: {error}") from None
     return Plant(
         model,
         Friction(each("viscous", settings.viscous), each("coulomb", settings.coulomb)),
@@ -101,7 +105,7 @@ def plant_of(settings: RobotSettings) -> Plant:
         stiff,
         damped,
         settings.velocity_noise,
-        MotionLimits.of_model(model, **bounds),
+        limits,
     )
 
 
