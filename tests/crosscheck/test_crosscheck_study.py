@@ -202,6 +202,13 @@ def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path):
         run_study(study, begun, InThisProcess(), resume=True)
 
 
+def test_a_full_disk(tmp_path):
+    full = pytest.raises(OSError, match=r"a\.sqlite cannot be written: .* full; make room, and go on with --resume")
+    with full, opened(tmp_path / "a.sqlite") as database:
+        database._connection.execute("PRAGMA max_page_count = 1")
+        database.begin({"configuration": "x" * 100_000})
+
+
 @pytest.mark.parametrize(
     ("change", "what"),
     [

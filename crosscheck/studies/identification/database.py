@@ -54,7 +54,10 @@ class Database:
 
 @contextmanager
 def opened(file: Path) -> Iterator[Database]:
-    """No other process can open it in the meantime. Raises InvalidInput where one has, and for other files."""
+    """No other process can open it in the meantime.
+
+    Raises InvalidInput where one has, and for other files; OSError where it cannot be written, as on a full disk.
+    """
     with closing(sqlite3.connect(file, timeout=PATIENCE)) as connection:
         try:
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
@@ -66,4 +69,7 @@ def opened(file: Path) -> Iterator[Database]:
             raise InvalidInput(f"{file} is in use: a study writes there; wait for it, or name another folder") from None
         except sqlite3.DatabaseError as error:
             raise InvalidInput(f"{file} is damaged: {error}; remove it, or name another folder") from None
-        yield Database(connection)
+        try:
+            yield Database(connection)
+        except sqlite3.OperationalError as error:
+            raise OSError(f"{file} cannot be written: {error}; make room, and go on with --resume") from None
