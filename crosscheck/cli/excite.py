@@ -93,6 +93,8 @@ def run(
         options.check_out(out)
     if not (out_rate > 0 and rate > 0):
         raise typer.BadParameter("--rate and --out-rate must be above zero")
+    if not collisions and (clearance or srdf):
+        raise typer.BadParameter("--no-collisions looks at no links: leave out --clearance and --srdf")
     refuse_without_page(three_d, html_file)
     locked = locked_joints(lock)
     import urdf

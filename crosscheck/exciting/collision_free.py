@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from crosscheck.exciting.excited import CHECK_RATE
 from crosscheck.exciting.self_collision import SelfCollision
 from graphdyn.excitation import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised, sample_times
+from graphdyn.excitation.optimising import CHECK_RATE
 
 TRIES = 6
 """Searches at most, each with more distance between the balls of links that collided in the one before."""
@@ -25,7 +25,7 @@ def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) 
         if not hits:
             return found
         robot = robot.tightened(q)
-        found = optimised(robot.with_limits(problem), seed, start=found.trajectory)
+        found = _again(robot.with_limits(problem), seed, found)
     hits = robot.hits(found.trajectory.motion(times).q)
     if not hits:
         return found
@@ -33,3 +33,11 @@ def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) 
         f"no motion without collisions was found from seed {seed}: in {TRIES} searches with growing distances, "
         f"{', '.join(hit.name for hit in hits)} still collide; give limits of position that keep them apart"
     )
+
+
+def _again(problem: ExcitationProblem, seed: int, before: OptimisedMotion) -> OptimisedMotion:
+    """From the motion before, or, where that leads to none, from random motions as at first."""
+    try:
+        return optimised(problem, seed, start=before.trajectory)
+    except NoFeasibleMotion:
+        return optimised(problem, seed)

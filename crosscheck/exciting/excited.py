@@ -19,11 +19,9 @@ from graphdyn.excitation import (
     random_trajectory,
     sample_times,
 )
+from graphdyn.excitation.optimising import CHECK_RATE
 from graphdyn.identification.one_thread import one_thread
 from graphdyn.layout import Array
-
-CHECK_RATE = 1000.0
-"""[Hz] At which limits are checked."""
 
 PIECE = 1000
 """Rows of a recording whose regressor is in memory at once."""

@@ -66,6 +66,13 @@ class SelfCollision:
     missing: Mapping[str, str]
     margin: float
 
+    @property
+    def without_shapes(self) -> tuple[str, ...]:
+        """Bodies to which the file gives no shapes, which nothing is checked of."""
+        seen = {mesh.body for mesh in self.meshes}
+        names = enumerate(self.model.body_names, start=1)
+        return tuple(name for body, name in names if body not in seen and name not in self.missing)
+
     def hits(self, q: Array) -> tuple[Hit, ...]:
         """The pairs that collide on the meshes at positions q (N, n_freedoms)."""
         touching = self._contacts.touching(self.pairs, Poses(self.model, q), self.margin)

@@ -16,6 +16,7 @@ import numpy as np
 from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
 from graphdyn.excitation.bases import Basis
+from graphdyn.excitation.clearances import SCALE
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.criteria import Criterion, log_det
 from graphdyn.excitation.information import Information
@@ -60,7 +61,13 @@ SLACK = 1e-3
 """Part of a limit by which a motion on the way may violate it, to be one from which the next search goes on."""
 
 TIGHTENINGS = 6
-"""Searches with tightened limits at most, before a seed is given up."""
+"""Searches with tightened limits at most, before a start is given up."""
+
+STARTS = 2
+"""Random motions from which a seed searches at most, one after the other until a motion is found."""
+
+STILL = 0.2
+"""Part of what its joints' own limits allow up to which a random motion is no start: the search stays near it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +150,7 @@ class OptimisedMotion:
 
     usages: of every limit, at CHECK_RATE; none above 1
     value: of the criterion: a natural logarithm
-    iterations: of SLSQP, in all searches
+    iterations: of SLSQP, in all searches from the start that led to it
     """
 
     trajectory: Trajectory
@@ -163,32 +170,54 @@ def optimised(
     progress: Callable[[float], None] | None = None,
     start: Trajectory | None = None,
 ) -> OptimisedMotion:
-    """The best motion that is found from one start.
+    """The best motion that is found from the first start from which one is found.
 
     progress: called with the criterion after every iteration
-    start: a random motion, of this seed, if left out
+    start: up to STARTS random motions of this seed if left out
 
     Raises NoFeasibleMotion where no limit-keeping motion is found.
     """
-    search = _Search(problem, progress or (lambda value: None))
     rng = np.random.default_rng([seed, 1])
     with one_thread():
-        trajectory = start or random_trajectory(
-            problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng
+        for _ in range(1 if start else STARTS):
+            trajectory = start or random_trajectory(
+                problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng, STILL
+            )
+            found = _searched(problem, trajectory, seed, progress or (lambda value: None))
+            if isinstance(found, OptimisedMotion):
+                return found
+            worst = found
+    raise NoFeasibleMotion(f"no motion within all limits was found from seed {seed}: {_violation(worst)}")
+
+
+def _searched(
+    problem: ExcitationProblem, trajectory: Trajectory, seed: int, progress: Callable[[float], None]
+) -> OptimisedMotion | Usage:
+    """The motion that is found from one start, or the worst of the limits that the last one violates."""
+    search = _Search(problem, progress)
+    for number in range(len(SHARPNESS) + TIGHTENINGS):
+        trajectory = search.run(trajectory, SHARPNESS[min(number, len(SHARPNESS) - 1)])
+        used = problem.usages(trajectory.motion(sample_times(trajectory.duration, CHECK_RATE)))
+        worst = max(used, key=lambda one: one.used)
+        if worst.used > (HOPELESS_CLEARANCE if worst.kind == "clearance" else HOPELESS):
+            break
+        if number >= len(SHARPNESS) - 1:
+            if worst.used <= 1:
+                return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
+            search.tighten(used)
+    return worst
+
+
+def _violation(worst: Usage) -> str:
+    """What is violated, and what helps."""
+    if worst.kind == "clearance":
+        nearer = 1000 * SCALE * (worst.used - 1)
+        return (
+            f"the balls around {worst.name} come {nearer:.2g} mm nearer to each other than they may; give limits of "
+            "position that keep them apart"
         )
-        for number in range(len(SHARPNESS) + TIGHTENINGS):
-            trajectory = search.run(trajectory, SHARPNESS[min(number, len(SHARPNESS) - 1)])
-            used = problem.usages(trajectory.motion(sample_times(trajectory.duration, CHECK_RATE)))
-            worst = max(used, key=lambda one: one.used)
-            if worst.used > (HOPELESS_CLEARANCE if worst.kind == "clearance" else HOPELESS):
-                break
-            if number >= len(SHARPNESS) - 1:
-                if worst.used <= 1:
-                    return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
-                search.tighten(used)
-    raise NoFeasibleMotion(
-        f"no motion within all limits was found from seed {seed}: the {worst.kind} of {worst.name} needs "
-        f"{worst.used:.4g} times its limit; relax it, or give a longer duration"
+    return (
+        f"the {worst.kind} of {worst.name} needs {worst.used:.4g} times its limit; relax it, or give a longer duration"
     )
 
 

@@ -25,7 +25,7 @@ ROUNDING = 1e-9
 """Parts of a limit by which rounding may exceed it."""
 
 TRIALS = 20
-"""Positions drawn at most: some robots cannot hold themselves in every pose."""
+"""Positions drawn at most: some robots cannot hold themselves in every pose, or hardly move there."""
 
 
 def random_trajectory(
@@ -34,21 +34,25 @@ def random_trajectory(
     balls: Sequence[Ball],
     basis: Basis,
     rng: np.random.Generator,
+    least: float = 0.0,
 ) -> Trajectory:
     """A motion with normal random coefficients that reaches a limit with every joint, as far as all are kept.
 
     Each joint is scaled until it reaches its own limit of position, velocity, acceleration or jerk, and put at random
-    where there is room; then all together until torques and planes are kept. Where even standing still in that pose is
-    too much, another is drawn; the last one is returned as it is.
+    where there is room; then all together until torques, planes and clearances are kept. Where even standing still in
+    that pose is too much, or the scale is not above least, another is drawn; the largest of all is returned.
     """
     times = np.linspace(0.0, basis.duration, POINTS)
     phi = [basis.rows(times, order) for order in range(4)]
+    largest = -1.0
     for _ in range(TRIALS):
         moving, middle = _within_own_limits(model, limits, basis, phi, rng)
         scale = _largest_scale(model, limits, balls, basis, times, moving, middle)
-        if scale > 0:
+        if scale > largest:
+            largest, coefficients = scale, scale * moving + middle[:, None] * basis.middle
+        if scale > least:
             break
-    return Trajectory(basis, scale * moving + middle[:, None] * basis.middle)
+    return Trajectory(basis, coefficients)
 
 
 def _within_own_limits(

@@ -2,6 +2,7 @@
 
 import json
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -24,7 +25,9 @@ from graphdyn.excitation import (
     FourierBasis,
     MotionLimits,
     NoFeasibleMotion,
+    OptimisedMotion,
     Poses,
+    TabulatedCourse,
 )
 from graphdyn.excitation.clearances import clearance_signal, smallest_distances
 from graphdyn.excitation.signal import smooth_maximum, smooth_slope
@@ -186,6 +189,27 @@ def test_motions_that_still_collide(folding_arm, monkeypatch):
     assert len(starts) == 6
 
 
+def test_searches_that_end_without_a_motion(folding_arm, monkeypatch):
+    """From a motion that collides none is found: random motions are started from again, with the grown distances."""
+    known, problem = known_of(folding_arm), problem_of(urdf.load(folding_arm))
+    folded, unfolded = (
+        OptimisedMotion(TabulatedCourse(np.linspace(0, 4, 7), np.tile(q, (7, 1))), (), 0.0, 3, 1)
+        for q in ([0, 2.9, 3.0], [0, 0, 0])
+    )
+    tried = []
+
+    def not_optimised(at, seed, start=None):
+        tried.append((start, [clearance.distance for clearance in at.limits.clearances]))
+        if start is not None:
+            raise NoFeasibleMotion("none")
+        return folded if len(tried) == 1 else unfolded
+
+    monkeypatch.setattr(searching, "optimised", not_optimised)
+    assert collision_free(problem, known, 3) is unfolded
+    assert [start for start, _ in tried] == [None, folded.trajectory, None]
+    assert tried[1][1] == tried[2][1]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -229,13 +253,10 @@ def test_the_program(program, folding_arm, tmp_path):
     shown = page.read_text(encoding="utf-8")
     assert "as planned" in shown
     assert "none nearer than 10 mm on the meshes (4 links, 3 pairs, 4001 poses at 1 kHz)" in shown
-    assert "their shapes cannot be read: lost (lost.stl: " in shown
+    assert "links without shapes pass unchecked: lost" in shown
+    assert "Not checked, because their shapes cannot be read: lost (lost.stl: " in shown
 
-    folded = tmp_path / "folded.csv"
-    times = np.linspace(0, 4, 81)
-    rows = np.stack([0 * times, 2.9 * np.sin(times * np.pi / 8) ** 2, 3.0 * np.sin(times * np.pi / 8) ** 2], axis=1)
-    table = [",".join(map(repr, row)) for row in np.column_stack([times, rows]).tolist()]
-    folded.write_text("\n".join(["time,q_j0,q_j1,q_j2", *table]), encoding="utf-8")
+    folded = motion_file(tmp_path, [0, 2.9, 3.0])
     done = program("excite", "--robot", folding_arm, "--motion", folded, "--random", 0, "--json", file)
     assert done.code == DISAGREED, done.err
     assert "LINKS COLLIDE" in done.out
@@ -244,4 +265,41 @@ def test_the_program(program, folding_arm, tmp_path):
     assert done.code == AGREED, done.err
     assert "not looked at (--no-collisions)" in done.out
 
+    near = program("excite", "--robot", folding_arm, "--motion", folded, "--random", 0, "--clearance", 0.01)
+    assert near.code == DISAGREED, near.err
+    assert "LINKS COME TOO NEAR" in near.out
+    assert "nearer than 10 mm in" in near.out
+
     assert program("excite", "--robot", folding_arm, "--3d").code == BAD_INPUT
+    refused = program("excite", "--robot", folding_arm, "--no-collisions", "--clearance", 0.01)
+    assert refused.code == BAD_INPUT
+    assert "leave out --clearance and --srdf" in refused.err
+
+
+def motion_file(folder, far):
+    """From zero to the positions far."""
+    times = np.linspace(0, 4, 81)
+    rows = np.column_stack([times, np.sin(times * np.pi / 8)[:, None] ** 2 * far]).tolist()
+    names = ",".join(["time", *(f"q_j{k}" for k in range(len(far)))])
+    path = folder / "motion.csv"
+    path.write_text("\n".join([names, *(",".join(map(repr, row)) for row in rows)]), encoding="utf-8")
+    return path
+
+
+def test_links_without_shapes(program, tmp_path):
+    """They are told in the report and the record, apart from those whose shapes cannot be read."""
+    path, file, names = tmp_path / "bare.urdf", tmp_path / "r.json", ("b", "c", "d", "e", "f")
+    links = [f'<link name="{name}">{inertial(1.0, "0.1 0 0")}</link>' for name in names]
+    joints = [
+        joint(f"j{k}", parent, child, more=ENDS.format(x=0.4, y=1, z=0, low=-3))
+        for k, (parent, child) in enumerate(pairwise(("a", *names)))
+    ]
+    path.write_text(robot_text("bare", bar("a", 0.35), *links, *joints), encoding="utf-8")
+    motion = motion_file(tmp_path, [0.1] * 5)
+    done = program("excite", "--robot", path, "--motion", motion, "--random", 0, "--json", file)
+    assert done.code == AGREED, done.err
+    told = " ".join(done.out.split())
+    assert "links without shapes pass unchecked: b, c, d, and 2 others" in told
+    assert "Not checked, because the file gives them no shapes: b, c, d, and 2 others" in told
+    known = json.loads(file.read_text(encoding="utf-8"))["collisions"]
+    assert (known["missing"], known["without_shapes"]) == ({}, [*names])

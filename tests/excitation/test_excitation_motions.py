@@ -18,12 +18,14 @@ from graphdyn.excitation import (
     Plane,
     SplineBasis,
     TabulatedCourse,
+    Usage,
     excitation_plan,
     log_det,
     mean_sigma,
     optimised,
     optimising,
     prior_spread,
+    random_motions,
     random_trajectory,
     sample_times,
 )
@@ -277,6 +279,41 @@ def test_motion_from_a_table(found):
 def test_refusals(make, message):
     with pytest.raises(InvalidInput, match=message):
         make()
+
+
+def test_random_motions_that_are_nearly_still(monkeypatch):
+    """Another is drawn; where all are, the largest is taken."""
+    problem, scales = problem_of(), []
+    model, basis = problem.torque_model.model, problem.basis
+    monkeypatch.setattr(random_motions, "_largest_scale", lambda *_: scales.pop(0))
+
+    def size(given, least):
+        scales[:] = given
+        rng = np.random.default_rng(0)
+        return np.ptp(random_trajectory(model, problem.limits, (), basis, rng, least).coefficients[:, 1:]), len(scales)
+
+    assert size([0.0, 0.05, 0.5], 0.0)[1] == 1
+    assert size([0.0, 0.05, 0.5], 0.1)[1] == 0
+    some_are_larger = [0.02, 0.06, *[0.01] * (random_motions.TRIALS - 2)]
+    assert size(some_are_larger, 0.1) == (size([0.0, 0.06], 0.0)[0], 0)
+
+
+def test_other_starts_of_a_seed(monkeypatch):
+    """Where the search from a random motion ends without any, the next is drawn; a given start is the only one."""
+    problem, tried = problem_of(), []
+
+    def not_searched(_, start, *__):
+        tried.append(start)
+        return Usage("clearance", "a - b", 1.25)
+
+    monkeypatch.setattr(optimising, "_searched", not_searched)
+    message = r"from seed 2: the balls around a - b come 2\.5 mm nearer to each other than they may; give limits of pos"
+    with pytest.raises(NoFeasibleMotion, match=message):
+        optimised(problem, 2)
+    assert len({start.coefficients.tobytes() for start in tried}) == optimising.STARTS
+    with pytest.raises(NoFeasibleMotion):
+        optimised(problem, 2, start=tried[0])
+    assert tried[optimising.STARTS :] == [tried[0]]
 
 
 def test_no_motion_within_limits(monkeypatch):

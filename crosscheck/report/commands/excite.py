@@ -70,7 +70,9 @@ def excite_report(found: Excited, written: Sequence[str]) -> Report:
 def _verdict(found: Excited) -> Verdict:
     if found.hits:
         most = max(found.hits, key=lambda hit: hit.poses)
-        return Verdict("disagrees", "LINKS COLLIDE", f"{most.name} in {most.poses} of the poses at 1 kHz")
+        margin = found.collisions.margin if found.collisions else 0.0
+        words, near = ("LINKS COME TOO NEAR", f" nearer than {1000 * margin:g} mm") if margin else ("LINKS COLLIDE", "")
+        return Verdict("disagrees", words, f"{most.name}{near} in {most.poses} of the poses at 1 kHz")
     if found.violated:
         worst = max(found.violated, key=lambda usage: usage.used)
         return Verdict(

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 from crosscheck.exciting.excited import Excited
 from crosscheck.report.report import Column, Note, Notes, Row, Section, Table
+from graphdyn.excitation.optimising import CHECK_RATE
 
 MOST = 3
-"""Links without shapes that are named."""
+"""Links without shapes that are named, of either kind."""
 
 
 def collisions_text(found: Excited) -> str:
@@ -22,7 +23,9 @@ def collisions_text(found: Excited) -> str:
     checked = f"{len(known.meshes)} links, {len(known.pairs)} pairs, {poses} poses at 1 kHz"
     near = f" nearer than {1000 * known.margin:g} mm" if known.margin else ""
     hits = ", ".join(f"{hit.name} in {hit.poses} poses" for hit in found.hits)
-    return f"{hits or 'none'}{near} on the meshes ({checked})"
+    bare = [*known.missing, *known.without_shapes]
+    passed = f"; links without shapes pass unchecked: {_some(bare, ', ')}" if bare else ""
+    return f"{hits or 'none'}{near} on the meshes ({checked}){passed}"
 
 
 def collision_sections(found: Excited) -> tuple[Section, ...]:
@@ -39,14 +42,16 @@ def collision_sections(found: Excited) -> tuple[Section, ...]:
         if names
     ]
     if known.missing:
-        notes.append(Note(_missing_text(list(known.missing.items()))))
-    rows = tuple(Row((hit.name, hit.poses, hit.first / 1000), "disagrees") for hit in found.hits)
+        told = [f"{link} ({reason})" for link, reason in known.missing.items()]
+        notes.append(Note(f"Not checked, because their shapes cannot be read: {_some(told, '; ')}"))
+    if known.without_shapes:
+        notes.append(Note(f"Not checked, because the file gives them no shapes: {_some(known.without_shapes, ', ')}"))
+    rows = tuple(Row((hit.name, hit.poses, hit.first / CHECK_RATE), "disagrees") for hit in found.hits)
     columns = (Column("links", "name"), Column("poses", "number"), Column("first", "number", "s", ".3f"))
     blocks = (*((Table(columns, rows),) if rows else ()), *((Notes(tuple(notes)),) if notes else ()))
     return (Section("collisions", "Collisions of links", blocks),) if blocks else ()
 
 
-def _missing_text(missing: Sequence[tuple[str, str]]) -> str:
-    told = "; ".join(f"{link} ({reason})" for link, reason in missing[:MOST])
-    others = f"; and {len(missing) - MOST} others" if len(missing) > MOST else ""
-    return f"Not kept from collisions, because their shapes cannot be read: {told}{others}"
+def _some(told: Sequence[str], between: str) -> str:
+    others = [f"and {len(told) - MOST} others"] if len(told) > MOST else []
+    return between.join([*told[:MOST], *others])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, cast
 
-from crosscheck.exciting.excited import CHECK_RATE, Excited, PlannedMotion
+from crosscheck.exciting.excited import Excited, PlannedMotion
 from crosscheck.exciting.self_collision import SelfCollision
 from crosscheck.report.records.excite import (
     CheckedCollisionsRecord,
@@ -19,6 +19,7 @@ from crosscheck.report.records.excite import (
 )
 from graphdyn import RobotModel
 from graphdyn.excitation import ExcitationPlan, FourierBasis, Trajectory
+from graphdyn.excitation.optimising import CHECK_RATE
 
 
 def excite_record(found: Excited, written: Sequence[str], command: Sequence[str]) -> ExciteRecord:
@@ -69,6 +70,7 @@ def _collisions(known: SelfCollision | None) -> CheckedCollisionsRecord | None:
         always=known.touching,
         disabled=known.disabled,
         missing=known.missing,
+        without_shapes=known.without_shapes,
     )
 
 

@@ -72,7 +72,10 @@ class CheckedCollisionsRecord:
     """Pairs that were left out because the SRDF file disables them."""
 
     missing: Mapping[str, str]
-    """Links whose shapes cannot be read, with the reason."""
+    """Links whose shapes cannot be read, with the reason. They pass unchecked."""
+
+    without_shapes: Sequence[str]
+    """Bodies to which the file gives no shapes. They pass unchecked."""
 
 
 @dataclass(frozen=True, kw_only=True)
