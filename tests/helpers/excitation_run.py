@@ -5,7 +5,7 @@ gain: the UR5, 10 s, 5 harmonics, 0.95 of its velocities, 10 rad/s², 0.8 of its
       efforts; processor time
 collisions: the same for 1 N m, links kept from hitting each other: poses at 1 kHz in which meshes collide, without and
       with that; standard deviations beside those of the best random motion without collisions, of 100 drawn without
-      regard to them, and of 100 made as large as the balls around the links allow
+      regard to them, and of 100 made as large as the balls around the links allow; of other seeds if numbers follow
 limits: every robot of a folder whose limits of velocity are known: the largest part of a limit that is used at 1 kHz,
       and the poses in which links collide where there are meshes
 promise: the UR5 with friction follows the motion of one seed; 100 recordings with noise are identified, and the scatter
@@ -85,7 +85,7 @@ def random_of(problem, seed):
     return random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
 
 
-def collisions():
+def collisions(seeds):
     model = urdf.load("ur5")
     start = time.process_time()
     known = collisions_of("ur5", model)
@@ -101,7 +101,7 @@ def collisions():
         free = [motion for motion in motions if not known.hits(motion.motion(sample_times(10.0, 1000.0)).q)]
         best[words] = min(mean_sigma(problem.total_information(motion))[0] for motion in free) if free else np.inf
         print(f"{RANDOM} random motions {words}: {len(free)} without collisions", flush=True)
-    for seed in range(SEEDS):
+    for seed in seeds:
         regardless = known.hits(optimised(problem, seed).trajectory.motion(sample_times(10.0, 1000.0)).q)
         start = time.process_time()
         try:
@@ -175,7 +175,7 @@ def main(arguments):
     if not arguments or arguments[0] == "promise":
         promise()
     if arguments[:1] == ["collisions"]:
-        collisions()
+        collisions([int(seed) for seed in arguments[1:]] or range(SEEDS))
     if arguments[:1] == ["limits"]:
         limits(arguments[1])
 

@@ -57,7 +57,8 @@ class CollisionRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckedCollisionsRecord:
-    """Which pairs of links were looked at. Links that a joint connects are in none of these."""
+    """Which pairs of links were looked at. Links that a joint connects are in none of these, nor
+    those that are fixed to the inner one with the outer one."""
 
     margin: float
     """By which meshes must stay apart [m]."""
