@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -95,6 +96,8 @@ def run(
         raise typer.BadParameter("--rate and --out-rate must be above zero")
     if not collisions and (clearance or srdf):
         raise typer.BadParameter("--no-collisions looks at no links: leave out --clearance and --srdf")
+    if clearance == math.inf:
+        raise typer.BadParameter("--clearance must be finite")
     refuse_without_page(three_d, html_file)
     locked = locked_joints(lock)
     import urdf

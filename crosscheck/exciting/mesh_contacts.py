@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.exciting.link_meshes import LinkMesh
 from graphdyn.excitation import Poses
@@ -28,13 +28,13 @@ class MeshContacts:
         self._bodies = [mesh.body for mesh in meshes]
         self._trees = [_tree(mesh) for mesh in meshes]
 
-    def touching(self, pairs: Sequence[Pair], poses: Poses, margin: float = 0.0) -> NDArray[np.bool_]:
-        """Which pairs are nearer than a margin [m], or touch, in each pose (N, pairs)."""
+    def touching(self, pairs: Sequence[Pair], poses: Poses, margins: ArrayLike) -> NDArray[np.bool_]:
+        """Which pairs are nearer than their margin [m], or touch, in each pose (N, pairs)."""
         at = {body: _placements(*poses.of_body(body)) for body in {self._bodies[k] for pair in pairs for k in pair}}
         request, result = coal.CollisionRequest(), coal.CollisionResult()
-        request.security_margin = margin
         found = np.zeros((len(poses), len(pairs)), dtype=bool)
-        for column, (one, other) in enumerate(pairs):
+        for column, ((one, other), margin) in enumerate(zip(pairs, np.asarray(margins).tolist(), strict=True)):
+            request.security_margin = margin
             tree, other_tree = self._trees[one], self._trees[other]
             where = zip(at[self._bodies[one]], at[self._bodies[other]], strict=True)
             for row, (place, other_place) in enumerate(where):

@@ -50,15 +50,17 @@ class SelfCollision:
     """What is known of a robot's collisions with itself.
 
     pairs: of meshes, that are checked
+    margins: by which the meshes of each pair stay apart: margin, or 0 where they are always nearer [m]
     clearances: of the pairs that the search watches, by the name of the pair
     disabled, touching: names of the pairs that are left out because an SRDF says so, because they always collide
     missing: why the shapes of a link cannot be read, by link
-    margin: by which meshes stay apart [m]
+    margin: by which meshes are to stay apart [m]
     """
 
     model: RobotModel
     meshes: tuple[LinkMesh, ...]
     pairs: tuple[Pair, ...]
+    margins: tuple[float, ...]
     balls: tuple[tuple[Ball, ...], ...]
     clearances: Mapping[str, Clearance]
     disabled: tuple[str, ...]
@@ -73,9 +75,15 @@ class SelfCollision:
         names = enumerate(self.model.body_names, start=1)
         return tuple(name for body, name in names if body not in seen and name not in self.missing)
 
+    @property
+    def near(self) -> tuple[str, ...]:
+        """Names of the pairs that are always nearer than the margin, and checked for contact alone."""
+        both = zip(self.pairs, self.margins, strict=True)
+        return tuple(self.name(pair) for pair, margin in both if margin < self.margin)
+
     def hits(self, q: Array) -> tuple[Hit, ...]:
         """The pairs that collide on the meshes at positions q (N, n_freedoms)."""
-        touching = self._contacts.touching(self.pairs, Poses(self.model, q), self.margin)
+        touching = self._contacts.touching(self.pairs, Poses(self.model, q), self.margins)
         columns = np.flatnonzero(np.any(touching, axis=0)).tolist()
         return tuple(
             Hit(self.name(self.pairs[k]), int(touching[:, k].sum()), int(touching[:, k].argmax())) for k in columns
@@ -88,12 +96,12 @@ class SelfCollision:
     def tightened(self, q: Array) -> SelfCollision:
         """Balls of the pairs that collide at q stay farther apart than they are there."""
         poses = Poses(self.model, q)
-        touching = self._contacts.touching(self.pairs, poses, self.margin)
+        touching = self._contacts.touching(self.pairs, poses, self.margins)
         tighter = dict(self.clearances)
         for k in np.flatnonzero(np.any(touching, axis=0)).tolist():
-            clearance = self._clearance(self.pairs[k], self.margin)
+            clearance = self._clearance(self.pairs[k], self.margins[k])
             most = smallest_distances(clearance, poses)[touching[:, k]].max()
-            tighter[clearance.name] = replace(clearance, distance=min(float(most) + STEP, self.margin))
+            tighter[clearance.name] = replace(clearance, distance=min(float(most) + STEP, self.margins[k]))
         return replace(self, clearances=tighter)
 
     def name(self, pair: Pair) -> str:
@@ -124,19 +132,24 @@ def self_collision(
     disabled = [pair for pair in all_pairs if is_disabled(*(links[k] for k in pair))]
     pairs = [pair for pair in all_pairs if pair not in set(disabled)]
     balls = tuple(_balls(mesh, EXCESS * _reach(model, meshes)) for mesh in meshes)
-    start = SelfCollision(model, tuple(meshes), tuple(pairs), balls, {}, (), (), missing, margin)
+    start = SelfCollision(model, tuple(meshes), tuple(pairs), (), balls, {}, (), (), missing, margin)
     q, _ = model.random_state(np.random.default_rng(0), POSES)
     poses = Poses(model, q)
-    touching = start._contacts.touching(pairs, poses, margin)
+    touching = start._contacts.touching(pairs, poses, [margin] * len(pairs))
+    near = np.flatnonzero(np.all(touching, axis=0))
+    touching[:, near] = start._contacts.touching([pairs[k] for k in near], poses, np.zeros(len(near)))
+    margins = np.full(len(pairs), margin)
+    margins[near] = 0.0
     always = np.all(touching, axis=0)
     watched = [
         clearance
         for k, pair in enumerate(pairs)
-        if not always[k] and (clearance := _watched(start._clearance(pair, margin), poses, touching[:, k]))
+        if not always[k] and (clearance := _watched(start._clearance(pair, float(margins[k])), poses, touching[:, k]))
     ]
     return replace(
         start,
         pairs=tuple(pair for k, pair in enumerate(pairs) if not always[k]),
+        margins=tuple(margins[~always].tolist()),
         clearances={clearance.name: clearance for clearance in watched},
         disabled=tuple(start.name(pair) for pair in disabled),
         touching=tuple(start.name(pair) for k, pair in enumerate(pairs) if always[k]),

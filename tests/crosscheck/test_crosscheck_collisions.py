@@ -39,6 +39,9 @@ DIFFERENCES = 1e-6
 
 ROUNDING = 1e-12
 
+FOLDED = np.array([[0, 2.9, 3.0]])
+"""Where the third bar is in the first."""
+
 CELL = 0.5
 """Parts of the excess by which balls may stand out more: two cells, to which depths are rounded."""
 
@@ -151,12 +154,26 @@ def test_pairs(folding_arm, tmp_path):
     assert set(told.disabled) == {"a - c", "b - plate"}
 
 
-def test_links_that_always_collide(folding_arm):
-    """A distance that no pose keeps: named, and left out."""
+def test_links_that_are_always_nearer(folding_arm):
+    """A margin that no pose keeps: such pairs are named, and checked for contact all the same."""
     known = known_of(folding_arm, margin=2.0)
-    assert set(known.touching) == {"a - c", "a - plate", "b - plate"}
-    assert known.pairs == ()
-    assert known.hits(np.zeros((2, 3))) == ()
+    assert set(known.near) == {"a - c", "a - plate", "b - plate"}
+    assert known.touching == ()
+    assert known.hits(np.zeros((1, 3))) == ()
+    assert "a - c" in {hit.name for hit in known.hits(FOLDED)}
+    assert {clearance.distance <= 0.0 for clearance in known.clearances.values()} == {True}
+
+
+def test_links_that_always_collide(tmp_path):
+    """A bar that turns inside a longer one, two joints away: named, and left out."""
+    path = tmp_path / "inside.urdf"
+    moving = '<axis xyz="1 0 0"/><limit lower="-3" upper="3" velocity="2" effort="200"/>'
+    joints = [joint("j0", "a", "b", more=moving), joint("j1", "b", "c", more=moving)]
+    bare = f'<link name="b">{inertial(1.0)}</link>'
+    path.write_text(robot_text("inside", bar("a", 0.35), bare, bar("c", 0.35), *joints), encoding="utf-8")
+    known = known_of(path)
+    assert (known.touching, known.pairs, known.margins) == (("a - c",), (), ())
+    assert known.hits(np.zeros((2, 2))) == ()
 
 
 def test_hits_on_the_meshes(folding_arm):
@@ -274,6 +291,7 @@ def test_the_program(program, folding_arm, tmp_path):
     refused = program("excite", "--robot", folding_arm, "--no-collisions", "--clearance", 0.01)
     assert refused.code == BAD_INPUT
     assert "leave out --clearance and --srdf" in refused.err
+    assert program("excite", "--robot", folding_arm, "--clearance", "inf").code == BAD_INPUT
 
 
 def motion_file(folder, far):

@@ -25,6 +25,7 @@ def collisions_text(found: Excited) -> str:
     hits = ", ".join(f"{hit.name} in {hit.poses} poses" for hit in found.hits)
     bare = [*known.missing, *known.without_shapes]
     passed = f"; links without shapes pass unchecked: {_some(bare, ', ')}" if bare else ""
+    near += f", but for {len(known.near)} pairs that always are," if known.near else ""
     return f"{hits or 'none'}{near} on the meshes ({checked}){passed}"
 
 
@@ -36,6 +37,7 @@ def collision_sections(found: Excited) -> tuple[Section, ...]:
     notes = [
         Note(f"{words}: {', '.join(names)}")
         for words, names in (
+            (f"Kept from touching alone, because they are always nearer than {1000 * known.margin:g} mm", known.near),
             ("Not checked, because they always collide", known.touching),
             ("Not checked, because the SRDF file disables them", known.disabled),
         )

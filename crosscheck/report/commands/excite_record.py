@@ -67,6 +67,7 @@ def _collisions(known: SelfCollision | None) -> CheckedCollisionsRecord | None:
     return CheckedCollisionsRecord(
         margin=known.margin,
         checked=[known.name(pair) for pair in known.pairs],
+        near=known.near,
         always=known.touching,
         disabled=known.disabled,
         missing=known.missing,

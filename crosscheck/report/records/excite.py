@@ -66,6 +66,9 @@ class CheckedCollisionsRecord:
     checked: Sequence[str]
     """Pairs that were checked."""
 
+    near: Sequence[str]
+    """Those of them that are nearer than the margin in all of many random poses: they must not touch."""
+
     always: Sequence[str]
     """Pairs that were left out because they collide in all of many random poses."""
 
