@@ -38,7 +38,7 @@ from crosscheck.studies.bench.casadi_forms import CasadiRefuses
 from crosscheck.studies.bench.chains import chain
 from crosscheck.studies.bench.cold import in_fresh_process
 from crosscheck.studies.bench.contender import LEAST_SHARE, Entry, Measured
-from crosscheck.studies.bench.curves import Line
+from crosscheck.studies.bench.curves import Line, long_notes
 from crosscheck.studies.bench.floor import REQUESTS, Floor, Machine, machine
 from crosscheck.studies.bench.instructions import floating_point_operations, fused_instructions
 from crosscheck.studies.bench.load import Load, load
@@ -49,6 +49,7 @@ from crosscheck.studies.bench.works import DESCRIPTIONS, OURS
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
 from graphdyn.kernels.expressions import Recorder
 from graphdyn.kernels.programs import record
+from graphdyn.kernels.running import interpreted
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = Draft202012Validator(json.loads((ROOT / "docs/schemas/bench-2.schema.json").read_text(encoding="utf-8")))
@@ -635,3 +636,11 @@ class TestParts:
         monkeypatch.setattr(Path, "read_text", absent)
         assert cold._memory("VmRSS") is None
         assert identification.free_memory() == 2 * 1024**3
+
+
+def test_note_on_long_chains():
+    """It names the number of bodies whatever lengths are measured; nothing is said where all code is alike."""
+    assert long_notes((2, 60)) == ("beyond 24 bodies, code for one body after the other",)
+    assert long_notes((2, 24)) == ()
+    with interpreted():
+        assert long_notes((2, 60)) == ()

@@ -17,8 +17,8 @@ from crosscheck.studies.bench.floor import REQUESTS
 from crosscheck.studies.bench.states import States, random_states
 from crosscheck.studies.bench.timing import Times, in_turns
 from crosscheck.studies.bench.works import OURS, PINOCCHIO
-from graphdyn.kernels.body_by_body import is_long
-from graphdyn.kernels.running import cores
+from graphdyn.kernels.body_by_body import UNROLLED, is_long
+from graphdyn.kernels.running import chosen_backend, cores
 from graphdyn.layout import Array
 
 CHAIN_SAMPLES = 2000
@@ -106,8 +106,7 @@ def chain_lengths(
         Line(name, threads, tuple(n for n, _ in row), tuple(times for _, times in row))
         for (name, threads), row in rows.items()
     )
-    long = next((n for n in lengths if is_long(chain(n), REQUESTS["everything"])), None)
-    notes = (f"from {long} bodies on, code for one body after the other",) if long else ()
+    notes = long_notes(lengths)
     call = Line(FIRST_CALL, 1, tuple(n for n, _ in first), tuple(times for _, times in first))
     return [
         ScalingCurve(
@@ -117,6 +116,12 @@ def chain_lengths(
             "first_call", "recording and compiling: length of a chain", "bodies", "first call", (call,), notes
         ),
     ]
+
+
+def long_notes(lengths: Sequence[int]) -> tuple[str, ...]:
+    """From where chains have other code."""
+    long = chosen_backend() == "llvm" and is_long(chain(max(lengths)), REQUESTS["everything"])
+    return (f"beyond {UNROLLED} bodies, code for one body after the other",) if long else ()
 
 
 def thread_counts(states: States, threads: Sequence[int], duration: float, repeats: int) -> ScalingCurve:
