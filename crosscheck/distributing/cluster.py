@@ -48,13 +48,13 @@ class Cluster:
         """How many there are now, after those that are new have been examined. Raises NoWorkers."""
         try:
             threads: dict[str, int] = self._client.nthreads()
+            new = sorted(set(threads) - self._known)
+            found = self._client.run(versions, workers=new, on_error="return") if new else {}
         except OSError as error:
             raise self.gone() from error
-        new = sorted(set(threads) - self._known)
-        if new:
-            self._known.update(new)
-            for worker, found in self._client.run(versions, workers=new, on_error="return").items():
-                examine(worker, threads[worker], found)
+        for worker, its in found.items():
+            examine(worker, threads[worker], its)
+        self._known.update(new)
         return len(threads)
 
     def submit(self, function: Callable[[Any], Any], task: object) -> Future:

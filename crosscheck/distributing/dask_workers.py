@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import chdir
 from dataclasses import dataclass
 from functools import partial
@@ -63,7 +64,7 @@ class DaskWorkers:
                 future.add_done_callback(lambda done: ended.put(done.key))
 
             while waiting or running:
-                room = AHEAD * cluster.n_workers() if waiting else 0
+                room = max(1, AHEAD * cluster.n_workers()) if waiting else 0  # one waits for a new worker, if need be
                 while waiting and len(running) < room:
                     start(waiting.popleft())
                 future, k = running.pop(_next(ended, cluster))
@@ -106,7 +107,10 @@ def _answer(future: Future, cluster: Cluster) -> Any:
     if future.status == "error":
         error = future.exception()
         return Lost(f"{type(error).__name__}: {error}")
-    return future.result()
+    try:
+        return future.result()
+    except CancelledError as error:  # it was done, but could not be fetched
+        raise cluster.gone() from error
 
 
 def _in_folder(function: Callable[[Any], Any], folder: str, task: object) -> Any:

@@ -1,13 +1,19 @@
 """Tasks in processes and on the workers of a scheduler: each has its answer, whatever happens to a process."""
 
+import json
 import multiprocessing
 import os
+import pickle
 import signal
+from concurrent.futures import CancelledError
 from pathlib import Path
 from uuid import uuid4
 
 import pytest
+from typer.testing import CliRunner
 
+from crosscheck.cli import app
+from crosscheck.cli.exits import AGREED
 from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, cluster, dask_workers
 from crosscheck.distributing.versions import versions
 
@@ -43,7 +49,7 @@ class Future:
 
     def __init__(self, task, beside):
         self.key, self.task, self.beside = str(uuid4()), task, beside
-        self.status = {"gone": "cancelled", "broken": "error"}.get(task, "finished")
+        self.status = "cancelled" if task == "gone" else "error" if task == "broken" else "finished"
         if task == "killer" or (task == "innocent" and beside):
             self.status = "error"
 
@@ -56,6 +62,8 @@ class Future:
         return ImportError("no module") if self.task == "broken" else KilledWorker(self.key, None, 3)
 
     def result(self):
+        if self.task == "vanished":
+            raise CancelledError
         return self.task
 
 
@@ -95,9 +103,30 @@ class TestScheduler:
     def test_what_a_worker_cannot_import(self):
         assert dict(DaskWorkers("a").each(deadly, ["broken"])) == {0: Lost("ImportError: no module")}
 
-    def test_the_scheduler_ends(self):
+    @pytest.mark.parametrize("when", ["gone", "vanished"])
+    def test_the_scheduler_ends(self, when):
         with pytest.raises(NoWorkers, match="the connection is lost"):
-            list(DaskWorkers("a").each(deadly, ["gone"]))
+            list(DaskWorkers("a").each(deadly, [when]))
+
+    def test_a_folder_of_robots(self, monkeypatch, pendulum, second_pendulum, tmp_path):
+        """`graphdyn crosscheck FOLDER --scheduler`: tasks and outcomes travel as bytes."""
+        done = []
+
+        def submit(_self, function, task):
+            done.append(task.robot)
+            work, its = pickle.loads(pickle.dumps((function, task)))
+            return Future(pickle.loads(pickle.dumps(work(its))), beside=False)
+
+        monkeypatch.setattr(FakeCluster, "submit", submit)
+        options = ["--samples", "1", "--scheduler", "tcp://a:1", "--json", str(tmp_path / "r.json")]
+        assert CliRunner().invoke(app, ["crosscheck", str(tmp_path), *options]).exit_code == AGREED
+        robots = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))["robots"]
+        assert sorted(robot["robot"] for robot in robots) == sorted(done) == [str(pendulum), str(second_pendulum)]
+
+    def test_its_only_worker_is_being_replaced(self, monkeypatch):
+        """A task waits at the scheduler for the new one, where nothing else is under way."""
+        monkeypatch.setattr(FakeCluster, "n_workers", lambda self: 0)
+        assert dict(DaskWorkers("a").each(deadly, ["one", "two"])) == {0: "one", 1: "two"}
 
     def test_the_last_worker_ends(self, monkeypatch):
         monkeypatch.setattr(dask_workers, "ASK", 0.001)
@@ -105,6 +134,14 @@ class TestScheduler:
         monkeypatch.setattr(Future, "add_done_callback", lambda *_: None)
         with pytest.raises(NoWorkers, match="the scheduler a has lost its last worker; start others, and run this ag"):
             list(DaskWorkers("a").each(deadly, ["ok"]))
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_relative_paths_mean_the_same_on_a_worker(tmp_path, there):
+    folder = tmp_path if there else tmp_path / "none"
+    assert dask_workers._in_folder(os.path.abspath, str(folder), "arms") == str(
+        tmp_path / "arms" if there else Path("arms").absolute()
+    )
 
 
 class TestRefusals:
