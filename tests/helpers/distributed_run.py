@@ -41,7 +41,8 @@ def write_log(folder: Path, rows: int) -> None:
     robot, rng = graphdyn.kr500(), np.random.default_rng(0)
     amplitude, phase = rng.normal(size=(2, 5, 6)) * 0.2
     speed = 2 * np.pi * 0.1 * np.arange(1, 6)[:, None, None]
-    folder.mkdir(parents=True, exist_ok=True)
+    begun = folder.with_name(f"{folder.name}.begun")
+    begun.mkdir(parents=True, exist_ok=True)
     for k, first in enumerate(range(0, rows, IN_FILE)):
         t = np.arange(first, min(first + IN_FILE, rows)) / RATE
         angle = speed * t[:, None] + phase[:, None]
@@ -52,7 +53,8 @@ def write_log(folder: Path, rows: int) -> None:
         tau = graphdyn.joint_torques(robot, q, v, a) + 20 * v + 50 * np.sign(v) + rng.normal(size=q.shape)
         q += 1e-6 * rng.normal(size=q.shape)
         columns = {f"{name}_{j + 1}": of[:, j] for name, of in (("q", q), ("tau", tau)) for j in range(6)}
-        parquet.write_table(pa.table({"time_s": t, **columns}), folder / f"part.{k}.parquet")
+        parquet.write_table(pa.table({"time_s": t, **columns}), begun / f"part.{k}.parquet")
+    begun.rename(folder)
 
 
 def summed(problem: Problem) -> tuple[bytes, float]:
