@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,6 +39,7 @@ from crosscheck.report.plain_text import printable
 if TYPE_CHECKING:
     from crosscheck.identifying import CandidateModel, Identified, Preparation
     from crosscheck.recordings import Recording
+    from crosscheck.recordings.findings import RecordingFinding
     from graphdyn import RobotModel
     from graphdyn.identification import MethodResult
 
@@ -178,6 +179,7 @@ def run(
                 gravity=frozen.gravity,
                 poses=poses,
             )
+            show_findings(identify_parts.findings(found))
     elif logs:
         with warnings_shown():
             joints = frozen.load(robot).independent_joints
@@ -185,7 +187,7 @@ def run(
                 columns = (mapping, joints, rate, drop or [], advance)
                 recordings = options.recordings("LOG", logs, *columns)
                 unseen = options.recordings("--validate", validate or [], *columns)
-            show_findings([*recordings, *unseen])
+            show_findings(finding for recording in [*recordings, *unseen] for finding in recording.findings)
             found = from_records(
                 robot,
                 recordings,
@@ -250,11 +252,10 @@ def prepared_as(
     )
 
 
-def show_findings(recordings: Sequence[Recording]) -> None:
+def show_findings(findings: Iterable[RecordingFinding]) -> None:
     """What is odd in the files, one line each."""
-    for recording in recordings:
-        for finding in recording.findings:
-            say(f"{finding.severity}: {finding.text}", "yellow" if finding.severity != "note" else None)
+    for finding in findings:
+        say(f"{finding.severity}: {finding.text}", "yellow" if finding.severity != "note" else None)
 
 
 def from_records(

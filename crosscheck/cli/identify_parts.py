@@ -15,6 +15,7 @@ from crosscheck.cli.identify_models import methods_of
 if TYPE_CHECKING:
     from crosscheck.distributing import Workers
     from crosscheck.identifying import CandidateModel, Identified, Preparation
+    from crosscheck.recordings.findings import RecordingFinding
     from graphdyn.identification import Estimator
 
 JobsOption = Annotated[
@@ -79,6 +80,13 @@ def found(
             progress=advance,
             **how,
         )
+
+
+def findings(found: Identified) -> list[RecordingFinding]:
+    """What was assumed of the columns, once for all logs of which it is the same."""
+    read = [*found.recordings, *(trial.test for trial in found.division.trials)]
+    every = [finding for recording in read for finding in recording.findings]
+    return list({(finding.code, finding.message): finding for finding in reversed(every)}.values())[::-1]
 
 
 def _expanded(paths: Sequence[Path]) -> list[str]:

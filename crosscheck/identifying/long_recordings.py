@@ -47,6 +47,9 @@ EXCERPT = 100_000
 HELD_OUT = 0.25
 """Part of every log, its end, that is predicted unless other logs are."""
 
+NAMED = 3
+"""Logs that are named where it is said what was predicted."""
+
 METHODS_OF_SUMS = ("ols", "wls", "ridge", "essential", "consistent", "entropic", "pullback", "log-cholesky", "tls")
 """Methods that need no more than the sums of all parts."""
 
@@ -103,11 +106,15 @@ def identify_long(
     fitted = data if validate is not None else replace(data, between=(0.0, 1 - HELD_OUT))
     predicted = replace(data, between=(1 - HELD_OUT, 1.0)) if validate is None else validate
     preparation = Preparation(cutoff=data.cutoff, min_speed=min_speed)
-    begun = _beginnings(fitted)
-    found_health = health(candidates[0].of(compared.model), begun, preparation)
-    begin, ahead = (_excerpt(part, preparation) for part in (fitted, predicted))
-    words = f"the last {100 * HELD_OUT:g} % of every log" if validate is None else f"all of {_names(predicted)}"
-    division = Division(begin, [Trial("", begin, ahead)], words)
+    begun, begun_ahead = (_beginnings(part) for part in (fitted, predicted))
+    begin, ahead = _excerpt(fitted, begun, preparation), _excerpt(predicted, begun_ahead, preparation)
+    first = candidates[0].of(compared.model)
+    if validate is None:
+        division = Division(begin, [Trial("", begin, ahead)], f"the last {100 * HELD_OUT:g} % of every log")
+    else:
+        _refuse_shared(fitted, predicted)
+        names = _names(predicted)
+        division = Division(begin, [Trial(names, begin, ahead, own_recording=True)], f"all of {names}")
 
     def say(what: str) -> Callable[[int], None] | None:
         return None if progress is None else lambda rows: progress(what, rows)
@@ -125,7 +132,8 @@ def identify_long(
         preparation=preparation,
         others=tuple(further),
         constant=constant,
-        health=found_health,
+        health=health(first, begun, preparation),
+        validation_health=() if validate is None else (health(first, begun_ahead, preparation),),
     )
 
 
@@ -197,17 +205,25 @@ def _constant(
     return residual_statistics(ahead, WeightedLeastSquares().estimate(fit).parameters[None])[0]
 
 
+def _refuse_shared(fitted: PartitionedRecording, predicted: PartitionedRecording) -> None:
+    files = {file.resolve() for source in fitted.logs for file in source.log.files}
+    for file in (file for source in predicted.logs for file in source.log.files):
+        if file.resolve() in files:
+            raise InvalidInput(f"{file}: its rows are fitted and predicted; predict another log")
+
+
 def _beginnings(data: PartitionedRecording) -> list[Recording]:
-    """As read, of every log."""
-    each = EXCERPT // len(data.logs)
-    return [
-        source.read(source.begin, min(source.begin + max(each, source.shortest), source.end)) for source in data.logs
-    ]
+    """As read, of every log, or of every second, third, … one where all of them would be too many rows."""
+    shortest = max(source.shortest for source in data.logs)
+    some = data.logs[:: -(-len(data.logs) * shortest // EXCERPT)]
+    each = max(EXCERPT // len(some), shortest)
+    read = [source.read(source.begin, min(source.begin + each, source.end)) for source in some]
+    return [replace(recording, findings=source.findings) for recording, source in zip(read, some, strict=True)]
 
 
-def _excerpt(data: PartitionedRecording, preparation: Preparation) -> Recording:
+def _excerpt(data: PartitionedRecording, begun: list[Recording], preparation: Preparation) -> Recording:
     """The beginnings, prepared; the provenance is that of the whole."""
-    found = concatenated([preparation.differentiated(recording) for recording in _beginnings(data)])
+    found = concatenated([preparation.differentiated(recording) for recording in begun])
     source = found.provenance
     steps = (*source.steps, f"health and curves from the first {len(found.t)} rows")
     whole = Provenance(tuple(str(log.log.path) for log in data.logs), data.logs[0].mapping.source, steps)
@@ -215,4 +231,6 @@ def _excerpt(data: PartitionedRecording, preparation: Preparation) -> Recording:
 
 
 def _names(data: PartitionedRecording) -> str:
-    return ", ".join(str(log.log.path) for log in data.logs)
+    names = [str(source.log.path) for source in data.logs]
+    more = len(names) - NAMED
+    return ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")

@@ -114,8 +114,7 @@ def _read(
     rate: float | None,
 ) -> _Content:
     files = [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
-    if rate is not None and not 0 < rate < np.inf:
-        raise InvalidInput(f"rate is {rate!r}; give samples per second")
+    check_rate(rate)
     if mapping is not None and not isinstance(mapping, ColumnMapping):
         mapping = load_mapping(mapping)
     if len(files) != 1 and mapping is None:
@@ -152,6 +151,12 @@ def _time(mapping: ColumnMapping, column: list[RecordedColumn] | None, count: in
         return times(column, mapping.time.factor)
     assert mapping.rate is not None  # a mapping has one or the other
     return np.arange(count) / mapping.rate, Origin()
+
+
+def check_rate(rate: float | None) -> None:
+    """Raises InvalidInput for samples per second that are none."""
+    if rate is not None and not 0 < rate < np.inf:
+        raise InvalidInput(f"rate is {rate!r}; give samples per second")
 
 
 def _without(count: int, findings: Iterable[RecordingFinding]) -> NDArray[np.bool_]:

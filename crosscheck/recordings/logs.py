@@ -60,7 +60,7 @@ def log_of(path: str | PathLike[str]) -> Log:
 
 def _number_order(file: Path) -> list[tuple[int, str]]:
     """part.2 before part.10."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", file.name)]
+    return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", file.name)]
 
 
 def _told(file: Path) -> tuple[int, list[str]]:

@@ -11,6 +11,7 @@ from os import PathLike
 from typing import Any, TypeVar, cast
 
 from crosscheck.distributing import Lost, NoWorkers, Workers
+from crosscheck.recordings.loading import check_rate
 from crosscheck.recordings.logs import log_of
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.partitions import Partition, ReadableLog, partitions
@@ -56,6 +57,7 @@ class PartitionedRecording:
     @cached_property
     def logs(self) -> list[ReadableLog]:
         """In the order given. Raises InvalidInput for none, or for one given twice."""
+        check_rate(self.rate)
         logs = [log_of(path) for path in self.paths]
         files = [file.resolve() for log in logs for file in log.files]
         twice = next((file for file, count in Counter(files).items() if count > 1), None)
@@ -110,8 +112,14 @@ class PartitionedRecording:
 
 @lru_cache(maxsize=8)
 def _pickled(torque_model: TorqueModel) -> bytes:
-    """The same for every reading, by which a worker knows a model that it has compiled already."""
-    return pickle.dumps(torque_model)
+    """The same for every reading, by which a worker knows a model that it has compiled already. Raises InvalidInput."""
+    try:
+        return pickle.dumps(torque_model)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise InvalidInput(
+            f"the torque model cannot be sent to other processes: {error}; define its terms and known torques by class "
+            "or def at the top of a file, not by lambda or in a function"
+        ) from error
 
 
 @lru_cache(maxsize=8)

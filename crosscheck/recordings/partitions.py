@@ -12,6 +12,7 @@ from crosscheck.recordings.batches import parquet_rows
 from crosscheck.recordings.delays import refuse_delays
 from crosscheck.recordings.derivatives import STENCIL, differentiated
 from crosscheck.recordings.filtering import border, check_cutoff
+from crosscheck.recordings.findings import RecordingFinding
 from crosscheck.recordings.loading import reordered
 from crosscheck.recordings.logs import Log
 from crosscheck.recordings.mapping import ColumnMapping
@@ -37,6 +38,7 @@ class ReadableLog:
 
     origin: of its times; cutoff: as in differentiated
     cut: rows that differentiation costs at each end, at most; memory: rows that the filter of the torque remembers
+    findings: what was assumed of the columns, if they were taken by name
     """
 
     log: Log
@@ -48,6 +50,7 @@ class ReadableLog:
     memory: int
     begin: int
     end: int
+    findings: tuple[RecordingFinding, ...]
 
     @classmethod
     def of(
@@ -64,7 +67,7 @@ class ReadableLog:
             raise InvalidInput(f"{log.path}: no rows; leave it out")
         file, count = next(found for found in zip(log.files, log.rows, strict=True) if found[1])
         head = parquet_rows(file, 0, min(HEAD, count))
-        mapping = mapping or mapping_by_name(head, joints, rate)[0]
+        mapping, findings = (mapping, []) if mapping else mapping_by_name(head, joints, rate)
         refuse_delays(mapping)
         window, origin = window_of(head, mapping, Place(0, 0), None)
         found = sampling_rate(window)
@@ -76,7 +79,7 @@ class ReadableLog:
         memory = BORDERS * (border(found, torque) + 1) if torque else 0
         begin, end = (int(log.n_rows * part) for part in between)
         end -= round(GUARD * found) if end < log.n_rows else 0
-        source = cls(log, mapping, origin, joints, cutoff, cut, memory, begin, end)
+        source = cls(log, mapping, origin, joints, cutoff, cut, memory, begin, end, tuple(findings))
         if source.n_rows <= source.shortest:
             raise InvalidInput(
                 f"{log.path}: {max(source.n_rows, 0)} rows are too few for the borders of the filter; leave the log "
@@ -138,7 +141,14 @@ class Partition:
         own = np.flatnonzero((numbers >= self.first) & (numbers < self.last))
         q, v, a, tau = (done.channel(name)[wanted] for name in ("q", "v", "a", "tau"))
         piece = Samples(
-            q, v, a, tau, row_filter=torque_filter(done), continues=self.first > source.begin, time=done.t[wanted]
+            q,
+            v,
+            a,
+            tau,
+            row_filter=torque_filter(done),
+            continues=self.first > source.begin,
+            time=done.t[wanted],
+            temperature=None if done.temperature is None else done.temperature[wanted],
         )
         return piece, slice(int(own[0]), int(own[-1]) + 1)
 

@@ -17,7 +17,7 @@ from crosscheck.recordings.batches import tables
 from crosscheck.recordings.delays import refuse_delays
 from crosscheck.recordings.derivatives import differentiated
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.loading import reordered
+from crosscheck.recordings.loading import check_rate, reordered
 from crosscheck.recordings.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.recording import Recording
@@ -85,6 +85,7 @@ class StreamedRecording:
 
     def _parts(self) -> Iterator[Recording]:
         """Consecutive rows as they are read, at the joints in SI units."""
+        check_rate(self.rate)
         path, count = Path(self.path), 0
         mapping = None if self.mapping is None else self._mapping()
         origin: Origin | None = None

@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 @runtime_checkable
 class Partitioned(Protocol):
-    """What Problem(data=…) may be given in place of samples, beside being iterable: crosscheck.StreamedRecording."""
+    """What Problem(data=…) may be given in place of samples, beside being iterable: crosscheck.PartitionedRecording."""
 
     def each_part(self, problem: Any, function: Callable[[Any, slice], T]) -> list[tuple[int, T]]:
         """Number of the time block and answer of every part, in their order.

@@ -73,7 +73,7 @@ class Problem:
     compression: "qr", or "gram" for well-conditioned data
     rank_tolerance: smallest |R_kk| / |R_11| of the recording that counts as determined
     used: which rows count, of those that the filter leaves; all if left out. The filter runs over all of them, so that
-        it has settled where a part begins   (N,)
+        it has settled where a part begins; not for data in parts   (N,)
     progress: called with the number of samples of every chunk read
     """
 
@@ -97,6 +97,8 @@ class Problem:
             raise InvalidInput(
                 f"n_blocks is {self.n_blocks}, block_samples {self.block_samples}; both must be at least 1"
             )
+        if self.used is not None and isinstance(self.data, Partitioned):
+            raise InvalidInput("rows of data in parts cannot be chosen by `used`; give the data without the others")
         if not isinstance(self.data, Samples | Sequence) and iter(self.data) is self.data and not self.block_samples:
             raise InvalidInput("data that can be read only once need block_samples: their length is not known")
 

@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from identified_arm import virtual
+from planting import mixed_tree
 from pyarrow import parquet
 from typer.testing import CliRunner
 
@@ -25,10 +26,23 @@ from crosscheck.recordings import (
     split_by_rows,
 )
 from graphdyn import InvalidInput
-from graphdyn.identification import Problem, WeightedLeastSquares, residual_statistics
+from graphdyn.identification import Problem, TorqueModel, WeightedLeastSquares, residual_statistics
 from graphdyn.identification.partitions import merged_in_tree
+from graphdyn.identification.terms import Drift, KnownBodies, Viscous
 
 CUTOFF, ROWS = 20.0, 700
+
+MAPPING = """
+joints = ["joint1", "joint2", "joint3"]
+[time]
+column = "time_s"
+[q]
+columns = "q_{number}"
+[tau]
+columns = "tau_{number}"
+[temperature]
+columns = "motor_degC"
+"""
 
 FORGOTTEN = 1e-5
 """Relative difference to the whole: two borders leave BORDER_DECAY², which two derivatives enlarge."""
@@ -102,6 +116,17 @@ class TestWhole:
         q = np.concatenate([piece.q for piece in pieces[:4]])
         np.testing.assert_allclose(q, whole.q, rtol=0, atol=FORGOTTEN * np.abs(whole.q).max())
 
+    def test_temperature(self, tmp_path, columns):
+        """Terms that drift with it have the samples of the whole."""
+        warm = {**columns, "motor_degC": 20 + columns["time_s"]}
+        path = written(tmp_path / "log.parquet", warm)
+        (tmp_path / "map.toml").write_text(MAPPING, encoding="utf-8")
+        torque_model = TorqueModel(virtual().subject.model, (Viscous(), Drift(Viscous(), "temperature")))
+        whole = Problem(torque_model, samples_of(differentiated(load_recording(path, tmp_path / "map.toml"), None)))
+        data = PartitionedRecording([path], tmp_path / "map.toml", rows=ROWS)
+        x, expected = (WeightedLeastSquares().estimate(Problem(torque_model, d)).parameters for d in (data, whole.data))
+        np.testing.assert_allclose(x, expected, rtol=1e-6)
+
     def test_between(self, folder):
         """The beginning and the end of a log, whose filters do not reach into each other."""
         begun = problem(folder / "log", between=(0.0, 0.6))
@@ -114,6 +139,15 @@ class TestWhole:
 
 
 class TestRefusals:
+    def test_chosen_rows(self, folder):
+        with pytest.raises(InvalidInput, match="rows of data in parts cannot be chosen by `used`"):
+            problem(folder / "log").part(np.ones(2500, dtype=bool))
+
+    def test_what_cannot_be_sent(self, folder):
+        torque_model = replace(virtual().torque_model, known=(lambda robot, samples: 0.0,))
+        with pytest.raises(InvalidInput, match=r"cannot be sent to other processes: .*; define its terms and known"):
+            _ = replace(problem(folder / "log"), torque_model=torque_model).recorded
+
     @pytest.mark.parametrize(
         ("options", "message"),
         [
@@ -121,6 +155,7 @@ class TestRefusals:
             ({"paths": ["log", "log/part.3.parquet"]}, r"part.3.parquet is given twice; rows that count twice look"),
             ({"cutoff": "residual"}, r"cutoff is 'residual'; give it in Hz, or per channel, or None"),
             ({"cutoff": 1.0}, r"log: 2500 rows are too few for the borders of the filter; leave the log out if it has"),
+            ({"rate": 0}, r"rate is 0; give samples per second"),
             ({"rows": 100}, r"parts of 100 rows are too short for the borders of the filter; give more than"),
             ({"between": (0.5, 0.5)}, r"between is \(0.5, 0.5\); give two numbers from 0 to 1, the smaller one first"),
         ],
@@ -228,6 +263,25 @@ class TestIdentified:
         found = long.comparison.of("WLS").estimate
         np.testing.assert_allclose(found.parameters, expected.parameters, rtol=1e-3, atol=1e-3)
 
+    def test_other_logs_are_predicted(self, folder, monkeypatch):
+        """They are examined too, from rows that fit into memory however many logs there are; none may be fitted."""
+        shutil.copy(folder / "log.parquet", folder / "other.parquet")
+        drives = CandidateModel("", (Viscous(),), (KnownBodies(),), ["wls"])
+        monkeypatch.setattr("crosscheck.identifying.long_recordings.EXCERPT", 500)
+
+        def found(name):
+            data, ahead = (problem(*(folder / n for n in names)).data for names in (["log", "log.parquet"], [name]))
+            return identify_long(mixed_tree(), data, [drives], validate=ahead, poses=5)
+
+        one = found("other.parquet")
+        assert one.predicted_recordings == (str(folder / "other.parquet"),)
+        assert len(one.validation_health) == 1
+        assert len(one.recordings) == 1
+        with pytest.raises(
+            InvalidInput, match=r"part.0.parquet: its rows are fitted and predicted; predict another log"
+        ):
+            found("log")
+
     def test_command(self, long, folder, small_arm, monkeypatch, words):
         asked = []
         monkeypatch.setattr(
@@ -237,6 +291,8 @@ class TestIdentified:
         options = ["--robot", str(small_arm), "--cutoff", "10", "--scheduler", "tcp://a:1"]
         done = CliRunner().invoke(app, ["identify", f"{folder}/lo*.parquet", *options])
         assert "held out the last 25 % of every log, 625 rows" in words(done.output)
+        assumed = "q in columns without units (q_1 … q_3); rad is assumed; give units in the header [assumed-unit]"
+        assert words(done.output).count(assumed) == 1
         ((data, methods),) = asked
         assert (data.paths, data.cutoff, data.workers) == (
             [str(folder / "log.parquet")],

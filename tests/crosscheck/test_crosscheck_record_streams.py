@@ -115,6 +115,10 @@ class TestRefusals:
         with pytest.raises(InvalidInput, match=r"after row 1233 the time steps by 0.006 s instead of 0.004 s"):
             list(self.changed(tmp_path, columns, 1234, time_s=t))
 
+    def test_rate(self, files):
+        with pytest.raises(InvalidInput, match="rate is 0; give samples per second"):
+            list(StreamedRecording(files / "log.parquet", rate=0))
+
     def test_a_window_shorter_than_its_borders(self, files):
         with pytest.raises(InvalidInput, match=r"a window of 100 rows is too short for the borders"):
             list(StreamedRecording(files / "log.parquet", cutoff=CUTOFF, window=100))
