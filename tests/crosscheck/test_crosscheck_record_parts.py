@@ -16,7 +16,8 @@ from typer.testing import CliRunner
 from crosscheck.cli import app
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers
 from crosscheck.identifying import CandidateModel
-from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, identify_long
+from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, OF_SAMPLES, STANDARD_METHODS_OF_SUMS, identify_long
+from crosscheck.identifying.methods import METHODS, method_named
 from crosscheck.recordings import (
     BadRecordingFile,
     PartitionedRecording,
@@ -154,7 +155,14 @@ class TestRefusals:
             ({"paths": []}, r"there is no log; give at least one"),
             ({"paths": ["log", "log/part.3.parquet"]}, r"part.3.parquet is given twice; rows that count twice look"),
             ({"cutoff": "residual"}, r"cutoff is 'residual'; give it in Hz, or per channel, or None"),
-            ({"cutoff": 1.0}, r"log: 2500 rows are too few for the borders of the filter; leave the log out if it has"),
+            (
+                {"cutoff": 1.0},
+                r"log: 2500 of its 2500 rows are too few for the borders of the filter, which need 5777; leave",
+            ),
+            (
+                {"between": (0.9, 1.0)},
+                r"log: 250 of its 2500 rows are too few for the borders of the filter, which need",
+            ),
             ({"rate": 0}, r"rate is 0; give samples per second"),
             ({"rows": 100}, r"parts of 100 rows are too short for the borders of the filter; give more than"),
             ({"between": (0.5, 0.5)}, r"between is \(0.5, 0.5\); give two numbers from 0 to 1, the smaller one first"),
@@ -250,6 +258,11 @@ def long(folder):
 
 
 class TestIdentified:
+    def test_every_method_needs_sums_or_samples(self):
+        samples = {name for name in METHODS if isinstance(method_named(name), OF_SAMPLES)}
+        assert samples.isdisjoint(METHODS_OF_SUMS)
+        assert samples | set(METHODS_OF_SUMS) == set(METHODS)
+
     def test_rows(self, long):
         assert long.fit.n_rows == 1875 - 62
         assert long.recordings[0].t[-1] < 5
