@@ -9,7 +9,7 @@ from long_check import LONG
 
 from graphdyn.kernels import body_by_body, gram, native, running
 
-COMPILED = ("host", "2 lanes", pytest.param("4 lanes", marks=LONG))
+COMPILED = ("host", *(pytest.param(lanes, marks=LONG) for lanes in ("2 lanes", "4 lanes")))
 BACK_ENDS = ("numpy", *COMPILED)
 LONG_ROBOTS = "body by body"
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from back_ends import BACK_ENDS, COMPILED, LONG_ROBOTS, on
+from back_ends import BACK_ENDS, LONG_ROBOTS, on
 from examples import examples
 from hypothesis import given
+from long_check import LONG
 from random_trees import (
     NAMED,
     SEEDS,
@@ -141,7 +142,7 @@ def parts(answer):
     return [answer] if isinstance(answer, np.ndarray) else list(vars(answer).values())
 
 
-@pytest.mark.parametrize("back_end", [*COMPILED, LONG_ROBOTS])
+@pytest.mark.parametrize("back_end", ["host", "2 lanes", pytest.param("4 lanes", marks=LONG), LONG_ROBOTS])
 @few
 @given(robots(max_bodies=4), SEEDS)
 def test_compiled_code_agrees_with_the_equations(back_end, model, seed):
