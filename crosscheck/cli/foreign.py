@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import inspect
 import sys
 import traceback
@@ -15,6 +14,7 @@ from types import ModuleType
 import typer
 
 from crosscheck.cli import own_process
+from crosscheck.foreign_files import module_of_file
 
 _files: set[str] = set()
 """Of the foreign code that this process has imported, as tracebacks name them."""
@@ -58,18 +58,10 @@ def place_in_foreign_code(error: BaseException) -> str:
 
 
 def _file(path: Path) -> ModuleType:
-    """A file as a module, which can import other files of its folder."""
     if not path.is_file():
         raise FileNotFoundError(path)
-    sys.path.insert(0, str(path.resolve().parent))
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    assert spec is not None
-    assert spec.loader is not None
-    _files.add(str(spec.origin))
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[path.stem] = module
-    spec.loader.exec_module(module)
-    return module
+    _files.add(str(path.absolute()))
+    return module_of_file(path)
 
 
 def _module(name: str) -> ModuleType:

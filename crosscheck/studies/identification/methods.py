@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
+from crosscheck.foreign_files import module_of_file
 from crosscheck.identifying import method_named
 from crosscheck.identifying.loop_methods import in_loop
 from crosscheck.studies.identification.configuration import takes_wrenches
@@ -55,14 +55,5 @@ def ready(estimator: Estimator, record: Record, scenario: Scenario) -> Estimator
 
 
 @cache
-def _module(path: str) -> Any:
-    """The module of a file, which can import others of its folder."""
-    file = Path(path)
-    sys.path.insert(0, str(file.parent))
-    spec = importlib.util.spec_from_file_location(file.stem, file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[file.stem] = module
-    spec.loader.exec_module(module)
-    return module
+def _module(path: str) -> ModuleType:
+    return module_of_file(Path(path))
