@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +14,7 @@ from graphdyn._model import RobotModel, check_model
 from graphdyn._verbs import VERBS
 from graphdyn.kernels.native import CompiledProgram
 from graphdyn.kernels.programs import Request
-from graphdyn.kernels.python_calls import python_call
+from graphdyn.kernels.python_calls import PythonCall, can_call, of_this_thread
 from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared
 from graphdyn.layout import Array
@@ -34,13 +35,20 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
     Raises InvalidInput for wrong shapes, and another number of arguments.
     """
 
+    _python_call: PythonCall | None = None
+
+    def __new__(cls, model: RobotModel, name: str) -> Self:
+        """Of a class of its own: Python looks for __call__ in the class, and calls a C function there at once."""
+        own = type(cls.__name__, (cls,), {"__module__": cls.__module__, "__doc__": cls.__doc__})
+        return super().__new__(own, model, name)  # type: ignore[call-arg]  # for __init__ in other threads
+
     def __init__(self, model: RobotModel, name: str) -> None:
         verb = SINGLE[name]
         verb.refuse_loops(model)
         verb.refuse_uncompiled(model, f"call graphdyn.{name}")
         n, (output,) = model.n_freedoms, verb.outputs
         shape = ARRAYS[output].shape_for(model)
-        backend = prepared(model, Request(verb.recursion, verb.outputs)).backend
+        backend = prepared(model, Request(verb.recursion, verb.outputs), one_row=True).backend
         memory = {name: np.zeros((backend.lanes, n)) for name in verb.inputs}
         answer = np.zeros((backend.lanes, int(np.prod(shape))))
         self.model, self._name = model, name
@@ -51,19 +59,17 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
         self._places = tuple(self.arguments.values())
         self._own_result: Array = self.result
         self._n, self._run = n, backend.bind_row(memory, {output: answer})
-        self._otherwise = self._filled
-        self._call: Callable[..., Array] = self._otherwise
-        if isinstance(backend, CompiledProgram):
+        if isinstance(backend, CompiledProgram) and can_call():
             self._row = backend.row_call(memory, {output: answer})
-            call = python_call(self._row, self._places, self._own_result, self._otherwise)
-            self._call = call or self._otherwise
+            self._memory = of_this_thread(self._row, self._places, self._own_result)
+            if self._python_call is None:  # in the first thread
+                own, call = type(self), PythonCall(len(verb.inputs), n, self.__call__)
+                own._python_call, own.__call__ = call, call.function  # type: ignore[method-assign]
 
     def __call__(self, *arguments: ArrayLike) -> Array:
-        result: Array = self._call(*arguments)
-        return result
-
-    def _filled(self, *arguments: ArrayLike) -> Array:
-        """The call with anything that NumPy turns into vectors."""
+        """The call from any thread, with anything that NumPy turns into vectors."""
+        if self._python_call is not None:
+            self._python_call.serve(self._memory)
         if arguments:
             try:
                 for place, argument in zip(self._places, arguments, strict=True):

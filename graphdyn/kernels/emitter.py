@@ -77,7 +77,7 @@ exit:
 """Rows to where they are wanted: past the caches whole lines, and single numbers before and after these."""
 
 
-def emit(program: Program, lanes: int) -> str:
+def emit(program: Program, lanes: int, ahead: bool = True) -> str:
     """Code of two functions.
 
     batch(first, last, bypass, table) for at least as many rows as lanes. bypass: whether the results are so large that
@@ -86,9 +86,12 @@ def emit(program: Program, lanes: int) -> str:
     done twice, with the same result.
 
     single(table) for as many rows as lanes.
+
+    ahead: sines and cosines of the following rows are computed with these rows, which a call on few rows is better
+    without
     """
     code = VectorCode(lanes)
-    turns, carried = turns_ahead(program, lanes)
+    turns, carried = turns_ahead(program, lanes) if ahead else ({}, None)
 
     def columns(name: str) -> list[str]:
         width = program.inputs[name]

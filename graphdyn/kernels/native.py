@@ -44,13 +44,16 @@ class RowCall:
 
 
 class CompiledProgram:
-    """Machine code of a program. Calls release the interpreter lock; any number of threads may run it at once."""
+    """Machine code of a program. Calls release the interpreter lock; any number of threads may run it at once.
 
-    def __init__(self, program: Program | LongProgram, lanes: int | None = None) -> None:
+    one_row: for one row after the other, with as few lanes as columns are read and written by
+    """
+
+    def __init__(self, program: Program | LongProgram, one_row: bool = False) -> None:
         self._program = program
-        self.lanes = host_lanes() if lanes is None else lanes
+        self.lanes = 2 if one_row else host_lanes()
         if isinstance(program, Program):
-            code, self._scratch = emit(program, self.lanes), scratch(program, self.lanes)
+            code, self._scratch = emit(program, self.lanes, ahead=not one_row), scratch(program, self.lanes)
         else:
             code, self._scratch = emit_long(program, self.lanes), long_scratch(program, self.lanes)
         self._code = MachineCode(code)

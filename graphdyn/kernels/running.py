@@ -50,25 +50,25 @@ class Backend(Protocol):
 
 
 class Prepared:
-    """A recorded program and what runs it."""
+    """A recorded program and what runs it, on batches or on one row after the other."""
 
-    def __init__(self, program: Program | LongProgram, backend: str) -> None:
+    def __init__(self, program: Program | LongProgram, backend: str, one_row: bool = False) -> None:
         self.program = program
-        self.backend = _backend(program, backend)
+        self.backend = _backend(program, backend, one_row)
 
 
-_prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str], Prepared]] = WeakKeyDictionary()
+_prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str, bool], Prepared]] = WeakKeyDictionary()
 _forced: ContextVar[str | None] = ContextVar("_forced", default=None)
 
 
-def prepared(model: RobotModel, request: Request) -> Prepared:
-    """The program, recorded and compiled once per robot."""
-    key = (request, chosen_backend())
+def prepared(model: RobotModel, request: Request, one_row: bool = False) -> Prepared:
+    """The program, recorded and compiled once per robot for batches, and once for one row after the other."""
+    key = (request, chosen_backend(), one_row)
     with compiling:
         programs = _prepared.setdefault(model, {})
         if key not in programs:
             long = key[1] == "llvm" and is_long(model, request)
-            programs[key] = Prepared((record_long if long else record)(model, request), key[1])
+            programs[key] = Prepared((record_long if long else record)(model, request), *key[1:])
         return programs[key]
 
 
@@ -163,10 +163,10 @@ def _can_compile() -> bool:
     return True
 
 
-def _backend(program: Program | LongProgram, choice: str) -> Backend:
+def _backend(program: Program | LongProgram, choice: str, one_row: bool = False) -> Backend:
     if isinstance(program, Program) and (choice == "numpy" or program.length > LONGEST):
         return Interpreter(program)
-    return CompiledProgram(program)
+    return CompiledProgram(program, one_row)
 
 
 def _in_parallel(

@@ -194,7 +194,7 @@ def test_a_program_is_prepared_once(monkeypatch):
 def test_the_method_for_many_samples(monkeypatch):
     """auto: recursive from WORTH_COMPILING samples on, whatever their shape, and with memory for the answer."""
     used = []
-    monkeypatch.setattr(running, "_backend", lambda program, choice: used.append(program) or Interpreter(program))
+    monkeypatch.setattr(running, "_backend", lambda program, *_: used.append(program) or Interpreter(program))
     few, many = np.zeros((WORTH_COMPILING - 1, 1)), np.zeros((10, WORTH_COMPILING // 10, 1))
     verbs = (graphdyn.forward_dynamics, graphdyn.inverse_dynamics, graphdyn.joint_accelerations, graphdyn.joint_torques)
     verbs += (graphdyn.joint_torque_regressor, graphdyn.body_regressor, graphdyn.maximal_state)

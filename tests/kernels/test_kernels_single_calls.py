@@ -1,6 +1,8 @@
 """graphdyn.compile: what a single-state call takes, and what it refuses."""
 
+import gc
 import sys
+import weakref
 
 import numpy as np
 import pytest
@@ -81,6 +83,18 @@ class TestArguments:
             with pytest.raises(InvalidInput):
                 call(*arguments[:2])
         assert references() == before
+
+    def test_the_function_alone(self, state):
+        """Without the object that it was taken from, which lives as long, and no longer."""
+        call = graphdyn.compile(kr500()).joint_torques
+        given, gone = call(*state).copy(), weakref.ref(call)
+        function = call.__call__
+        del call
+        gc.collect()
+        assert np.array_equal(function(*state), given)
+        del function
+        gc.collect()
+        assert gone() is None
 
     def test_replaced_attributes_change_nothing(self, state):
         call = graphdyn.compile(kr500()).joint_torques

@@ -13,7 +13,7 @@ from random_trees import NAMED, random_state
 import graphdyn
 from graphdyn import InvalidInput
 from graphdyn._compiled import SINGLE
-from graphdyn.kernels import running
+from graphdyn.kernels import python_calls, running
 
 MODEL = NAMED["mixed_chain"]
 """Four joints."""
@@ -75,6 +75,35 @@ class TestThreads:
                 for row, (kept, again) in enumerate(pool.map(use, range(8))):
                     assert np.array_equal(kept, expected[row])
                     assert np.array_equal(again, expected[row])
+
+    def test_first_use_at_once(self):
+        """All threads make the call that none has made before; what the losers made is not missed."""
+        states, together = random_state(MODEL, 10), threading.Barrier(8)
+        expected = graphdyn.joint_torques(MODEL, *states, method="recursive")
+        for _ in range(5):
+            python_calls._definition.cache_clear()
+            compiled = graphdyn.compile(MODEL)
+
+            def use(_, compiled=compiled):
+                together.wait()
+                return [compiled.joint_torques(*states).copy() for _ in range(100)]
+
+            with ThreadPoolExecutor(8) as pool:
+                assert np.array_equal([*pool.map(use, range(8))], np.broadcast_to(expected, (8, 100, 4)))
+
+    def test_taking_turns(self):
+        """Two threads, call after call: each goes on with what it has filled in."""
+        states = random_state(MODEL, 9, (3,))
+        expected = graphdyn.joint_torques(MODEL, *states, method="recursive")
+        call = graphdyn.compile(MODEL).joint_torques
+        call(*(x[0] for x in states))
+        with ThreadPoolExecutor(1) as pool:
+            for row in (1, 2):
+                there = pool.submit(lambda row=row: call(*(x[row] for x in states)).copy())
+                assert np.array_equal(there.result(), expected[row])
+                assert np.array_equal(call(), expected[0])
+                assert np.array_equal(pool.submit(lambda: call().copy()).result(), expected[row])
+                assert np.array_equal(call(*(x[0] for x in states)), expected[0])
 
     def test_what_another_thread_filled_in_is_not_there(self):
         """Nor are zeros: NaN, which nobody takes for a torque."""
