@@ -71,13 +71,13 @@ def _are_plain(arguments: Iterable[ArrayLike | None], n: int) -> bool:
     """Whether these are float arrays (…, n) of one shape, as they mostly are: nothing to convert, nothing to refuse."""
     shape = None
     for array in arguments:
-        if type(array) is not np.ndarray or array.dtype is not FLOAT or array.shape[-1:] != (n,):
+        if type(array) is not np.ndarray or array.dtype is not FLOAT:
             return False
         if shape is None:
             shape = array.shape
-        if array.shape != shape:
+        elif array.shape != shape:
             return False
-    return True
+    return shape is not None and shape[-1:] == (n,)
 
 
 def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import prod
+from math import isnan, prod
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from graphdyn._errors import InvalidInput
 from graphdyn._frame_choice import FrameChoice
 from graphdyn._model import RobotModel
 from graphdyn.kernels.aligned import aligned
-from graphdyn.kernels.programs import GROUND, Request
+from graphdyn.kernels.programs import GROUND, Request, request_for
 from graphdyn.kernels.recursions import ARRAYS
 from graphdyn.kernels.running import prepared, run
 from graphdyn.layout import ANGULAR, LINEAR, Array
@@ -23,6 +24,8 @@ from graphdyn.layout import ANGULAR, LINEAR, Array
 SMALL_PIVOT = 1e-9
 """A pivot below this part of what the inertia about its joint can be: the mass matrix may be singular. Six digits more
 cautious than the test that decides (graphdyn._projected.singular)."""
+
+NONE = np.empty(0, dtype=np.intp)
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,7 @@ class Options:
             raise InvalidInput(f"threads is {self.threads!r}; give a number from 1, or None for all cores")
 
 
-@dataclass(frozen=True, eq=False)
-class Evaluation:
+class Evaluation(NamedTuple):
     """arrays: the outputs by name (…, *trailing); suspects: numbers of samples whose mass matrix may be singular."""
 
     arrays: dict[str, Array]
@@ -67,30 +69,27 @@ def evaluate(
     """
     batch = x["q"].shape[:-1]
     count = prod(batch)
-    inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
+    inputs = {name: _as_rows(array, batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(ground_columns(model, base, batch), batch)
     shapes = {name: (*batch, *ARRAYS[name].shape_for(model)) for name in outputs}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
-    request = Request(recursion, outputs, "external_wrenches" in x, base is not None, frame)
+    request = request_for(recursion, outputs, "external_wrenches" in x, base is not None, frame)
     if count == 0:
-        return Evaluation(arrays, np.empty(0, dtype=np.intp))
+        return Evaluation(arrays, NONE)
     rows = {name: _as_rows(array, batch) for name, array in arrays.items()}
     watched = run(model, request, inputs, rows, options.threads)
-    if options.check and np.isnan(watched["finite"]):
+    if options.check and isnan(watched["finite"]):
         refuse_non_finite(model, x)
     suspicious = watched.get("minimum", np.inf) < SMALL_PIVOT
-    return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else np.empty(0, dtype=np.intp))
-
-
-def _plain(array: Array) -> Array:
-    """The array itself, or a copy where compiled code could not read it."""
-    flags = array.flags
-    return array if flags.c_contiguous and flags.aligned else array.copy()
+    return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else NONE)
 
 
 def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
-    """(…, *trailing) seen as (N, width)."""
+    """(…, *trailing) seen as (N, width), or a copy where compiled code could not read it."""
+    flags = array.flags
+    if not (flags.c_contiguous and flags.aligned):
+        array = array.copy()
     if array.ndim == 2 and len(batch) == 1:
         return array
     return array.reshape(prod(batch), prod(array.shape[len(batch) :]))

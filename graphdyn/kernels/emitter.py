@@ -81,9 +81,9 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
     """Code of two functions.
 
     batch(first, last, bypass, table) for at least as many rows as lanes. bypass: whether the results are so large that
-    they should not push everything else out of the caches. table: addresses of scratch, inputs, outputs and watched.
-    scratch: a copy of `scratch`, aligned to a vector. The last rows are done together with some before them, which are
-    done twice, with the same result.
+    they should not push everything else out of the caches. table: where the addresses of scratch, inputs, outputs and
+    watched stand. scratch: a copy of `scratch`, aligned to a vector. The last rows are done together with some before
+    them, which are done twice, with the same result.
 
     single(table) for as many rows as lanes.
 
@@ -138,7 +138,11 @@ def with_table(lanes: int, count: int) -> list[str]:
     loads = [
         line
         for k in range(count)
-        for line in (f"  %at{k} = getelementptr ptr, ptr %table, i64 {k}", f"  %p{k} = load ptr, ptr %at{k}")
+        for line in (
+            f"  %at{k} = getelementptr ptr, ptr %table, i64 {k}",
+            f"  %place{k} = load ptr, ptr %at{k}",
+            f"  %p{k} = load ptr, ptr %place{k}",
+        )
     ]
     pointers = ", ".join(f"ptr %p{k}" for k in range(count))
     return [

@@ -87,7 +87,7 @@ class Interpreter:
 
 def merged(kind: Watch, values: list[float]) -> float:
     """What several watches have seen together."""
-    return min(values, default=np.inf) if kind == "minimum" else float(sum(values))
+    return min(values, default=np.inf) if kind == "minimum" else sum(values, 0.0)
 
 
 def _watched(kind: Watch, values: Array) -> float:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.kernels.aligned import aligned
-from graphdyn.kernels.array_layout import address
+from graphdyn.kernels.array_layout import places
 from graphdyn.kernels.body_by_body_code import emit_long, long_scratch
 from graphdyn.kernels.emitter import emit, scratch
 from graphdyn.kernels.expressions import Program, Watch
@@ -65,14 +65,15 @@ class CompiledProgram:
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """run(first, last) for C-contiguous arrays (N, width), as Interpreter.bind gives."""
-        addresses = [address(array) for array in self._arrays(inputs, outputs)]
+        given = places(self._arrays(inputs, outputs))
         bypass = sum(outputs[name].nbytes for name in self._program.outputs) > CACHE
 
         def run(first: int, last: int) -> dict[Watch, float]:
             if last - first < self.lanes:
                 return self._short(first, last, inputs, outputs)
-            rows, watched = self._own_scratch(), watch_memory(self.lanes)
-            self._batch(first, last, bypass, self._table(address(rows), *addresses, address(watched)))
+            watched = watch_memory(self.lanes)
+            own = places([self._own_scratch(), watched])
+            self._batch(first, last, bypass, self._table(own[0][0], *given[0], own[0][1]))
             return watches(self._program, watched)
 
         return run
@@ -90,9 +91,10 @@ class CompiledProgram:
     def row_call(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> RowCall:
         """The same for machine code that calls it."""
         arrays = [self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)]
-        table = self._table(*map(address, arrays))
+        given = places(arrays)
+        table = self._table(*given[0])
         function = ctypes.cast(self._single, ctypes.c_void_p).value or 0
-        return RowCall(function, ctypes.addressof(table), (self, table, arrays))
+        return RowCall(function, ctypes.addressof(table), (self, table, arrays, given))
 
     def _arrays(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> list[Array]:
         return [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]
@@ -129,8 +131,8 @@ def _watch_starts(lanes: int) -> Array:
 
 def watches(program: Program | LongProgram, watched: Array) -> dict[Watch, float]:
     """What compiled code has seen, all lanes together."""
-    rows = dict(zip(WATCHES, watched.tolist(), strict=True))
-    return {kind: merged(kind, rows[kind]) for kind in program.watches}
+    rows = watched.tolist()
+    return {kind: merged(kind, rows[WATCHES.index(kind)]) for kind in program.watches}
 
 
 class MachineCode:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.kernels.array_layout import DATA, DESCRIPTION, DIMENSIONS, SHAPE, STRIDES, TYPE, address, is_known
-from graphdyn.kernels.native import MachineCode, RowCall
+from graphdyn.kernels.native import MachineCode, RowCall, compiling
 from graphdyn.layout import Array
 
 FASTCALL = 0x80
@@ -30,9 +30,12 @@ NOBODY = -1
 
 
 class Fields(np.ndarray[Any, np.dtype[np.intp]]):
-    """Addresses for machine code, with what must live as long."""
+    """Addresses for machine code.
 
-    owned: tuple[object, ...]
+    otherwise: lives as long
+    """
+
+    otherwise: Callable[..., Array]
 
 
 class PythonCall:
@@ -45,8 +48,9 @@ class PythonCall:
     def __init__(self, count: int, n: int, otherwise: Callable[..., Array]) -> None:
         self._fields = np.zeros(PLACES + count, dtype=np.intp).view(Fields)
         self._fields[[OTHERWISE, THREAD]] = id(otherwise), NOBODY
-        definition = _definition(count, n)
-        self._fields.owned = (otherwise, definition)
+        self._fields.otherwise = otherwise
+        with compiling:  # one definition for all threads: functions that share it outlive whatever else refers to it
+            definition = _definition(count, n)
         make = ctypes.pythonapi.PyCFunction_NewEx
         make.restype, make.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
         self.function: Callable[..., Array] = make(ctypes.addressof(definition), self._fields, None)

@@ -32,15 +32,17 @@ class ArraySpec:
     unit: str
 
     def shape_for(self, model: RobotModel) -> tuple[int, ...]:
-        sizes = {
-            "n": model.n_freedoms,
-            "bodies": model.n_bodies,
-            "10 bodies": BODY_PARAMETERS * model.n_bodies,
-            "couplings": len(model.couplings),
-            "chord rows": model.n_chord_rows,
-        }
-        return tuple(size if isinstance(size, int) else sizes[size] for size in self.shape)
+        return tuple([size if isinstance(size, int) else SIZES[size](model) for size in self.shape])
 
+
+SIZES: dict[str, Callable[[RobotModel], int]] = {
+    "n": lambda model: model.n_freedoms,
+    "bodies": lambda model: model.n_bodies,
+    "10 bodies": lambda model: BODY_PARAMETERS * model.n_bodies,
+    "couplings": lambda model: len(model.couplings),
+    "chord rows": lambda model: model.n_chord_rows,
+}
+"""Of a robot, by the words in which shapes speak of them."""
 
 ARRAYS = {
     "q": ArraySpec(("n",), "rad or m"),

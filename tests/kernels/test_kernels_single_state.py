@@ -8,12 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from back_ends import BACK_ENDS, on
-from random_trees import NAMED, random_state
+from random_trees import NAMED, random_state, random_tree
 
 import graphdyn
 from graphdyn import InvalidInput
 from graphdyn._compiled import SINGLE
-from graphdyn.kernels import python_calls, running
+from graphdyn.kernels import running
 
 MODEL = NAMED["mixed_chain"]
 """Four joints."""
@@ -77,19 +77,20 @@ class TestThreads:
                     assert np.array_equal(again, expected[row])
 
     def test_first_use_at_once(self):
-        """All threads make the call that none has made before; what the losers made is not missed."""
-        states, together = random_state(MODEL, 10), threading.Barrier(8)
-        expected = graphdyn.joint_torques(MODEL, *states, method="recursive")
-        for _ in range(5):
-            python_calls._definition.cache_clear()
-            compiled = graphdyn.compile(MODEL)
+        """All threads make a call of so many joints, which none has made before; all but one come too late."""
+        together = threading.Barrier(8)
+        for n in (9, 10, 11):
+            model = random_tree(n, list(range(n)), ["revolute"] * n)
+            states = random_state(model, 10)
+            expected = graphdyn.joint_torques(model, *states, method="recursive")
+            compiled = graphdyn.compile(model)
 
-            def use(_, compiled=compiled):
+            def use(_, compiled=compiled, states=states):
                 together.wait()
                 return [compiled.joint_torques(*states).copy() for _ in range(100)]
 
             with ThreadPoolExecutor(8) as pool:
-                assert np.array_equal([*pool.map(use, range(8))], np.broadcast_to(expected, (8, 100, 4)))
+                assert np.array_equal([*pool.map(use, range(8))], np.broadcast_to(expected, (8, 100, n)))
 
     def test_taking_turns(self):
         """Two threads, call after call: each goes on with what it has filled in."""
