@@ -30,12 +30,12 @@ def address(array: Array) -> int:
 
 
 def places(arrays: Sequence[Array]) -> tuple[list[int], object]:
-    """Where these addresses stand, as long as the arrays and the second answer live: for code that reads them."""
+    """Where the addresses of these stand, for code that reads them; both as long as the second answer lives."""
     if is_known():
         return [id(array) + DATA for array in arrays], arrays
     addresses = np.array([array.ctypes.data for array in arrays], dtype=np.uintp)
     first = addresses.ctypes.data
-    return [first + 8 * k for k in range(len(arrays))], addresses
+    return [first + 8 * k for k in range(len(arrays))], (arrays, addresses)
 
 
 @cache
