@@ -39,7 +39,7 @@ from crosscheck.studies.bench.chains import chain
 from crosscheck.studies.bench.cold import in_fresh_process
 from crosscheck.studies.bench.contender import LEAST_SHARE, Entry, Measured
 from crosscheck.studies.bench.curves import Line, long_notes
-from crosscheck.studies.bench.floor import REQUESTS, Floor, Machine, machine
+from crosscheck.studies.bench.floor import REQUESTS, Floor, Loops, Machine, floor, limit, machine
 from crosscheck.studies.bench.instructions import floating_point_operations, fused_instructions
 from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
@@ -156,9 +156,9 @@ class TestShown:
         (work, *others) = found.works
         entries = tuple(replace(entry, times=Times((2e-7, 3e-7, 4e-7))) for entry in work.entries)
         floor = Floor(operations=1000, instructions=700, products=600, bytes=200, seconds=1e-7)
-        works = (replace(work, entries=entries), *others)
+        works = (replace(work, entries=entries, limit=Times((1e-7, 1e-7, 1e-7))), *others)
         html = page(bench_report(replace(found, works=works, floors={**found.floors, work.name: floor})), [], {})
-        assert "take at least 100 ns; measured 3× as much, at best 2×" in html
+        assert "take at least 100 ns; measured 3× as much (quartiles 2.5 … 3.5×), at best 2×" in html
 
 
 def by_name(entries):
@@ -241,13 +241,41 @@ class TestNumbers:
 
     def test_floor(self, found):
         assert set(found.floors) == set(REQUESTS)
-        limits = found.machine[0]
-        assert limits.threads == 1
-        for floor in found.floors.values():
-            assert floor.operations / 2 <= floor.instructions < floor.operations
-            assert floor.products < floor.instructions
-            needed = floor.instructions / limits.instructions, 2 * floor.products / limits.operations
-            assert floor.seconds == pytest.approx(max(*needed, floor.bytes / limits.bandwidth), rel=ROUNDED)
+        assert found.machine[0].threads == 1
+        for measured in found.works:
+            assert (measured.limit is None) == (measured.name not in REQUESTS)
+            if measured.limit is not None:
+                ours = next(entry for entry in measured.entries if entry.ours and entry.threads == 1)
+                assert len(measured.limit.seconds) == len(ours.times.seconds)
+                assert measured.above_limit.fastest == ours.times.fastest / measured.limit.fastest
+                assert found.floors[measured.name].seconds == measured.limit.median
+
+    @pytest.mark.parametrize(
+        ("operations", "instructions", "bandwidth", "loop"),
+        [
+            (1e10, 6e9, 1e12, ("mix", 24)),
+            (1e10, 5e9, 1e12, ("multiply", 12)),
+            (1e9, 8e9, 1e12, ("multiply", 12)),
+            (1e10, 6e9, 1e9, ("copy", 2)),
+        ],
+    )
+    def test_what_limits(self, monkeypatch, operations, instructions, bandwidth, loop):
+        """The least time is that of what takes longest, and the loop does as much of it."""
+        on = Machine(8, 1, operations, instructions, bandwidth)
+        least = floor(kr500(), "inverse_dynamics", on)
+        assert least.operations / 2 <= least.instructions < least.operations
+        assert least.products < least.instructions
+        needed = least.instructions / instructions, 2 * least.products / operations, least.bytes / bandwidth
+        assert least.seconds == max(needed)
+        done = []
+        for name in ("mix", "multiply", "copy"):
+            monkeypatch.setattr(Loops, name, lambda self, count, name=name: done.append((name, count)))
+        limit(least, on)(9600)
+        ((name, count),) = done
+        amount = {"mix": least.instructions, "multiply": least.products, "copy": least.bytes}[name]
+        if instructions == operations / 2:
+            amount = least.instructions
+        assert (name, count) == (loop[0], pytest.approx(amount * 9600 / (8 * loop[1]), abs=0.5))
 
     def test_identification(self, found):
         entries = found.identification.entries

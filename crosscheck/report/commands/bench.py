@@ -196,13 +196,12 @@ def _notes(measured: Measured, floor: Floor | None) -> Facts:
         f"largest of all samples judged, against Pinocchio, relative to: {measured.error}; "
         f"graphdyn agrees up to {measured.bound:.0e}"
     )
-    if floor is not None:
-        ours = next(entry for entry in measured.entries if entry.ours and entry.threads == 1)
+    above = measured.above_limit
+    if floor is not None and above is not None:
         items["at best"] = (
             f"{floor.operations} floating-point operations in {floor.instructions} instructions, and {floor.bytes} "
-            "bytes, per sample take at least "
-            f"{time_text(floor.seconds)}; measured {ratio_text(ours.times.median / floor.seconds)} as much, at best "
-            f"{ratio_text(ours.times.fastest / floor.seconds)}"
+            f"bytes, per sample take at least {time_text(floor.seconds)}; measured {ratio_text(above.median)} as much "
+            f"(quartiles {ratio_span_text(above.spread)}), at best {ratio_text(above.fastest)}"
         )
     return Facts(tuple(items.items()), title="What the times include, and what errors are relative to", folded=True)
 

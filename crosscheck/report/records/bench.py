@@ -102,6 +102,35 @@ class ContenderRecord:
 
 
 @dataclass(frozen=True, kw_only=True)
+class FloorRecord:
+    """What a sample takes at least, in loops that never wait and took turns with the rest, and what ours takes."""
+
+    operations: int
+    """Floating-point operations of a sample."""
+
+    instructions: int
+    """What they take: a product and the sum that is its only use are one."""
+
+    products: int
+    """Those that multiply or divide."""
+
+    bytes: int
+    """Bytes read and written per sample."""
+
+    seconds: float
+    """Of what takes longest: all instructions, those that multiply, or the bytes [s]."""
+
+    ratio: float
+    """How many times as long our first form takes: median of the quotients of repeats that followed each other."""
+
+    fastest_ratio: float
+    """Quotient of the fastest repeats."""
+
+    quartiles: Quartiles
+    """Quartiles of the quotients of repeats that followed each other."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class WorkRecord:
     """One work."""
 
@@ -145,7 +174,7 @@ class WorkRecord:
     core_share: float
     """Part of the time of runs on one thread for which they had a core: below 0.95, others disturbed them."""
 
-    floor: Floor | None | None
+    floor: FloorRecord | None
     """What a sample takes at least on one thread of this machine; null where that is not known."""
 
     ratios: Sequence[BenchRatioRecord]
@@ -374,11 +403,12 @@ def record(found: Benchmark, command: Sequence[str]) -> BenchRecord:
 
 
 def _work(measured: Measured, floor: Floor | None) -> WorkRecord:
+    above = measured.above_limit
     return taken(
         WorkRecord,
         measured,
         scale=measured.error,
-        floor=floor,
+        floor=None if floor is None or above is None else taken(FloorRecord, floor, **_ratio(above)),
         ratios=[taken(BenchRatioRecord, compared, **_ratio(compared.ratio)) for compared in measured.comparisons],
         entries=[taken(ContenderRecord, entry, **_times(entry.times)) for entry in measured.entries],
     )

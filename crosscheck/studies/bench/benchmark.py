@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,7 +15,7 @@ from crosscheck.studies.bench.casadi_forms import NAME as CASADI
 from crosscheck.studies.bench.cold import in_fresh_process
 from crosscheck.studies.bench.contender import Measured, measure
 from crosscheck.studies.bench.curves import ScalingCurve
-from crosscheck.studies.bench.floor import Floor, Machine, floor, machine
+from crosscheck.studies.bench.floor import Floor, Machine, floor, limit, machine
 from crosscheck.studies.bench.identification import Identifications, identifications
 from crosscheck.studies.bench.load import Load, load
 from crosscheck.studies.bench.pinocchio_forms import instruction_set
@@ -123,7 +123,10 @@ def benchmark(
         for name in works_of(states):
             title = DESCRIPTIONS[name][0]
             done(title, 0)
-            works.append(measure(work(name, states, compared, peers), samples, effort.duration, effort.repeats))
+            loop = limit(floors[name], machines[0]) if name in floors else None
+            works.append(measure(work(name, states, compared, peers), samples, effort.duration, effort.repeats, loop))
+            if works[-1].limit is not None:
+                floors[name] = replace(floors[name], seconds=works[-1].limit.median)
             done(title, 1)
         (Path(folder) / "model.pickle").write_bytes(pickle.dumps(model))
         fresh = []

@@ -111,6 +111,7 @@ class Measured:
     """A measured work. agrees: whether the errors of our answers are within the bound.
 
     core_share: part of the time of its runs on one thread for which they had a core
+    limit: times of a loop that does as much and never waits, on one thread; None where there is none
     """
 
     name: str
@@ -119,6 +120,7 @@ class Measured:
     bound: float
     entries: tuple[Entry, ...]
     core_share: float = 1.0
+    limit: Times | None = None
 
     @property
     def undisturbed(self) -> bool:
@@ -136,26 +138,44 @@ class Measured:
         )
 
     @property
+    def above_limit(self) -> Ratio | None:
+        """How many times as long as the limit our first form on one thread takes."""
+        if self.limit is None:
+            return None
+        return ratio(self.limit, next(entry.times for entry in self.entries if entry.ours and entry.threads == 1))
+
+    @property
     def agrees(self) -> bool:
         return all(entry.error is None or entry.error <= self.bound for entry in self.entries if entry.ours)
 
 
-def measure(work: Work, samples: int, duration: float, repeats: int) -> Measured:
-    """Measure all contenders of a work in turns. duration: of one run of slow ones, which get fewer samples [s]"""
+def measure(
+    work: Work, samples: int, duration: float, repeats: int, limit: Callable[[int], object] | None = None
+) -> Measured:
+    """Measure all contenders of a work in turns.
+
+    duration: of one run of slow ones, which get fewer samples [s]
+    limit: a loop for so many samples that takes turns with them, directly after the first
+    """
     counts = []
     for contender in work.contenders:
         with linear_algebra_threads(contender.threads):
             most = min(samples, contender.most)
             counts.append(fitting_count(contender.run, min(contender.least, most), most, duration))
     errors = [_largest_error(contender, count) for contender, count in zip(work.contenders, counts, strict=True)]
-    runs = [partial(c.run, count) for c, count in zip(work.contenders, counts, strict=True)]
+    runs: list[Callable[[], object]] = [partial(c.run, count) for c, count in zip(work.contenders, counts, strict=True)]
+    threads = [contender.threads for contender in work.contenders]
+    if limit is not None:
+        runs.insert(1, partial(limit, samples))
+        threads.insert(1, 1)
     share = CoreShare()
-    rows = in_turns(runs, [contender.threads for contender in work.contenders], repeats, STEADY, share)
+    rows = in_turns(runs, threads, repeats, STEADY, share)
+    limited = None if limit is None else _per_sample(rows.pop(1), samples)
     entries = tuple(
         Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
         for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
     )
-    return Measured(work.name, work.title, work.error, work.bound, entries, share.share)
+    return Measured(work.name, work.title, work.error, work.bound, entries, share.share, limited)
 
 
 def _per_sample(seconds: Sequence[float], samples: int) -> Times:

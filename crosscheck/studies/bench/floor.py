@@ -6,6 +6,7 @@ import ctypes
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 from crosscheck.referee.subject import tip
@@ -92,41 +93,25 @@ class Floor:
     """Bytes read and written per sample."""
 
     seconds: float
-    """If nothing ever waited [s]: the longest of all instructions, those that multiply, and the bytes."""
+    """If nothing ever waited [s]: the longest of all instructions, those that multiply, and the bytes, in loops that
+    took turns with the work."""
 
 
 def machine(threads: int) -> Machine | None:
     """Measure the machine; None where nothing can be compiled."""
     if chosen_backend() != "llvm":
         return None
+    loops = [Loops() for _ in range(threads)]
     lanes = host_lanes()
-    code = MachineCode(_code(lanes))
-    add, mixed = (code.function(x, ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p)) for x in ("add", "mixed"))
-    copy = code.function("copy", ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p))
-    sums = [aligned((sum(MIXED[lanes]), lanes)) for _ in range(threads)]
-    streams = [(aligned((STREAM,)), aligned((STREAM,))) for _ in range(threads)]
-    for pair in streams:
-        for array in pair:
-            array.fill(1.0)  # memory pages are allocated before the clock starts
-
-    def added(first: int, _: int) -> None:
-        add(STEPS, sums[first].ctypes.data)
-
-    def both(first: int, _: int) -> None:
-        mixed(STEPS, sums[first].ctypes.data)
-
-    def copied(first: int, _: int) -> None:
-        source, target = streams[first]
-        copy(STREAM, source.ctypes.data, target.ctypes.data)
-
     work = lanes * STEPS * threads
-    operations = 2 * CHAINS * work / _best(added, threads)
-    instructions = max(operations / 2, sum(MIXED[lanes]) * work / _best(both, threads))
-    return Machine(lanes, threads, operations, instructions, 2 * 8 * STREAM * threads / _best(copied, threads))
+    operations = 2 * CHAINS * work / _best(lambda k, _: loops[k].multiply(STEPS), threads)
+    instructions = max(operations / 2, sum(MIXED[lanes]) * work / _best(lambda k, _: loops[k].mix(STEPS), threads))
+    copied = 2 * 8 * STREAM * threads / _best(lambda k, _: loops[k].copy(STREAM), threads)
+    return Machine(lanes, threads, operations, instructions, copied)
 
 
 def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
-    """The floor of one work on this machine; None for works without a program of their own."""
+    """The floor of one work on this machine as it was measured; None for works without a program of their own."""
     if work not in REQUESTS:
         return None
     request = REQUESTS[work]
@@ -137,6 +122,58 @@ def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
     size = 8 * (sum(program.inputs.values()) + sum(map(len, program.outputs.values())))
     needed = instructions / on.instructions, 2 * products / on.operations, size / on.bandwidth
     return Floor(floating_point_operations(program), instructions, products, size, max(needed))
+
+
+def limit(floor: Floor, on: Machine) -> Callable[[int], None]:
+    """run(samples) takes the least time of as many samples: a loop of what takes longest on this machine."""
+    loops = Loops()
+    needed = {
+        "mix": floor.instructions / on.instructions,
+        "multiply": 2 * floor.products / on.operations,
+        "copy": floor.bytes / on.bandwidth,
+    }
+    longest = max(needed, key=lambda name: needed[name])
+    if longest == "mix" and on.operations / 2 >= on.instructions:  # one kind of pipeline for all
+        return lambda samples: loops.multiply(round(floor.instructions * samples / (CHAINS * on.lanes)))
+    if longest == "mix":
+        return lambda samples: loops.mix(round(floor.instructions * samples / (sum(MIXED[on.lanes]) * on.lanes)))
+    if longest == "multiply":
+        return lambda samples: loops.multiply(round(floor.products * samples / (CHAINS * on.lanes)))
+    return lambda samples: loops.copy(round(floor.bytes * samples / (2 * 8)))
+
+
+class Loops:
+    """Loops that never wait, with memory of their own: for one thread."""
+
+    def __init__(self) -> None:
+        lanes, pointer = host_lanes(), ctypes.c_void_p
+        self._code = _machine_code(lanes)
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, pointer)
+        self._add, self._mixed = (self._code.function(name, prototype) for name in ("add", "mixed"))
+        self._copy = self._code.function("copy", ctypes.CFUNCTYPE(None, ctypes.c_int64, pointer, pointer))
+        self._sums = aligned((sum(MIXED[lanes]), lanes))
+        self._streams = aligned((STREAM,)), aligned((STREAM,))
+        for array in self._streams:
+            array.fill(1.0)  # memory pages are allocated before the clock starts
+
+    def multiply(self, steps: int) -> None:
+        """So many products with sums, times CHAINS and lanes."""
+        self._add(steps, self._sums.ctypes.data)
+
+    def mix(self, steps: int) -> None:
+        """So many products with sums and plain sums, times MIXED and lanes."""
+        self._mixed(steps, self._sums.ctypes.data)
+
+    def copy(self, count: int) -> None:
+        """So many doubles, up to STREAM at a time."""
+        source, target = (array.ctypes.data for array in self._streams)
+        for first in range(0, count, STREAM):
+            self._copy(min(STREAM, count - first), source, target)
+
+
+@cache
+def _machine_code(lanes: int) -> MachineCode:
+    return MachineCode(_code(lanes))
 
 
 def _best(work: Callable[[int, int], Any], threads: int) -> float:
