@@ -176,10 +176,10 @@ class Body:
         added = {k: x for k, x in self._added.items() if not (isinstance(x, float) and x == 0.0)}
         memory = {OWN: list(self._kept.values()), INSIDE: list(added.values())}
         program = self._recorder.program({**memory, **wanted}, watches)
-        for column, value in self._kept.items():
+        sums = [k for name in SUMS for k in range(COLUMNS)[_PLACES[name]]] if self._inwards else []
+        for column in (*sums, *self._kept):  # sums of inside bodies, too, which this step has changed
             self._known.pop(column, None)
-            if isinstance(value, float):
-                self._known[column] = value
+        self._known.update({column: value for column, value in self._kept.items() if isinstance(value, float)})
         return BodyProgram(program, tuple(self._kept), tuple(added))
 
     def _input(self, name: str, width: int) -> list[Any]:

@@ -18,7 +18,8 @@ from random_trees import NAMED, random_state, random_tree
 import graphdyn
 from graphdyn import InvalidInput
 from graphdyn._methods import WORTH_COMPILING
-from graphdyn.kernels import gram, running
+from graphdyn.kernels import body_by_body, gram, running
+from graphdyn.kernels.body_steps import Pass
 from graphdyn.kernels.gram import CompiledGram, InterpretedGram, torque_gram
 from graphdyn.kernels.interpreter import Interpreter
 from graphdyn.kernels.long_program import LongProgram
@@ -230,6 +231,28 @@ def test_programs_that_would_take_long_to_compile_are_interpreted():
     twenty = random_tree(4, list(range(20)), ["revolute"] * 20)
     assert isinstance(torque_gram(MODEL, range(10), 0)._backend, CompiledGram)
     assert isinstance(torque_gram(twenty, range(200), 0)._backend, InterpretedGram)
+
+
+def test_sums_are_read_after_they_are_done(monkeypatch):
+    """What was the same for all bodies before others added to it: here, each counts the bodies that it carries."""
+
+    def ones(body):
+        body.keep("wrench", np.ones((2, 3)))
+        return {}
+
+    def added(body):
+        body.add("wrench", body.kept("wrench"))
+        return {}
+
+    def counted(body):
+        return {"a": [body.kept("wrench")[0, 0]]}
+
+    passes = [Pass(True, ones), Pass(False, added), Pass(True, counted)]
+    monkeypatch.setattr(body_by_body, "PASSES", {"forward_dynamics": passes})
+    monkeypatch.setattr(body_by_body, "UNROLLED", 0)
+    tree = random_tree(7, [0, 1, 2, 1, 0], ["revolute"] * 5)
+    x = np.zeros((20, 5))
+    assert np.array_equal(graphdyn.joint_accelerations(tree, x, x, x, method="recursive"), x + [4, 2, 1, 1, 1])
 
 
 @pytest.mark.parametrize("model", [CHAIN, pytest.param(STAR, marks=LONG)], ids=["chain", "star"])
