@@ -252,7 +252,9 @@ def test_sums_are_read_after_they_are_done(monkeypatch):
     monkeypatch.setattr(body_by_body, "UNROLLED", 0)
     tree = random_tree(7, [0, 1, 2, 1, 0], ["revolute"] * 5)
     x = np.zeros((20, 5))
-    assert np.array_equal(graphdyn.joint_accelerations(tree, x, x, x, method="recursive"), x + [4, 2, 1, 1, 1])
+    assert np.array_equal(
+        graphdyn.joint_accelerations(tree, x, x, x, method="recursive"), np.broadcast_to([4.0, 2, 1, 1, 1], x.shape)
+    )
 
 
 @pytest.mark.parametrize("model", [CHAIN, pytest.param(STAR, marks=LONG)], ids=["chain", "star"])
