@@ -1,0 +1,157 @@
+"""What each step of the kernels brings: python tests/helpers/kernel_steps_run.py [ROBOT ...] (ur5 and kr500 by default)
+
+Prints the operations of torques and accelerations with one step after the other; the time of 100,000 samples without a
+step over that with it, medians and quartiles of pairs that took turns; and a chain of 60 bodies, as code for one body
+after the other and as straight-line code. Some minutes; on a busy machine the quartiles are far apart.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from unittest import mock
+
+import numpy as np
+from random_trees import random_tree
+
+import graphdyn
+import urdf
+from graphdyn.kernels import body_by_body, body_by_body_code, emitter, programs, recursions, running, vector_code
+from graphdyn.kernels.aligned import aligned
+from graphdyn.kernels.gram import torque_gram
+from graphdyn.kernels.joint_frames import slid, turned
+from graphdyn.kernels.programs import Request, record
+from graphdyn.kernels.regrouping import regrouped
+
+SAMPLES, PAIRS, CHAIN = 100_000, 41, 60
+
+REQUESTS = {
+    "torques": Request("inverse_dynamics", ("tau",)),
+    "accelerations": Request("forward_dynamics", ("a",)),
+    "all 108 numbers": Request("forward_dynamics", ("a", "body_accelerations", "multipliers", "joint_wrenches")),
+    "multipliers": Request("forward_dynamics", ("body_accelerations", "multipliers")),
+}
+REDUCTIONS = {"recursions": (), "slid, turned": (slid, turned), "regrouped": (slid, turned, regrouped)}
+
+STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
+    "all reductions": ((programs, "REDUCTIONS", ()),),
+    "short_chains": ((recursions, "is_short", lambda links: False),),
+    "watching": ((programs, "sufficient", lambda recorder, inputs, outputs: inputs),),
+    "turns_ahead": ((emitter, "turns_ahead", lambda program, lanes: ({}, None)),),
+    "ALIGNED_STACK": ((vector_code, "ALIGNED_STACK", ""), (body_by_body_code, "ALIGNED_STACK", "")),
+}
+"""What replaces a step."""
+
+Replaced = tuple[tuple[object, str, object], ...]
+
+
+@contextmanager
+def without(replaced: Replaced) -> Iterator[None]:
+    with ExitStack() as stack:
+        for module, name, other in replaced:
+            stack.enter_context(mock.patch.object(module, name, other))
+        yield
+
+
+def operations(model: graphdyn.RobotModel) -> None:
+    for name, reductions in REDUCTIONS.items():
+        for short in (False, True) if name == "regrouped" else (False,):
+            replaced = (
+                (programs, "REDUCTIONS", reductions),
+                (recursions, "is_short", lambda links, short=short: short),
+            )
+            with without(replaced):
+                counts = [arithmetic(record(model, REQUESTS[what])) for what in ("torques", "accelerations")]
+            print(f"  {name + (', short_chains' if short else ''):<26}{counts[0]:>6}{counts[1]:>6}")
+
+
+def arithmetic(program: object) -> int:
+    """Additions, multiplications and divisions."""
+    return sum(kind in ("+", "-", "*", "/") for kind, *_ in program.operations)
+
+
+def pair(name: str, ours: Callable[[], object], other: Callable[[], object]) -> None:
+    """The time of other over that of ours."""
+    ratios = []
+    for _ in range(PAIRS):
+        first, second = seconds(ours), seconds(other)
+        ratios.append(second / first)
+    low, median, high = np.quantile(ratios[1:], (0.25, 0.5, 0.75))
+    print(f"  {name:<44}{median:6.2f} × ({low:.2f} … {high:.2f})", flush=True)
+
+
+def seconds(work: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    work()
+    return time.perf_counter() - start
+
+
+def runner(model: graphdyn.RobotModel, request: Request, samples: int) -> Callable[[], object]:
+    """A call on memory of its own, compiled here."""
+    ready = running.prepared(replace(model), request)
+    rng = np.random.default_rng(0)
+    inputs = {name: aligned((samples, width)) for name, width in ready.program.inputs.items()}
+    for array in inputs.values():
+        array[:] = rng.normal(size=array.shape)
+    outputs = {name: aligned((samples, len(numbers))) for name, numbers in ready.program.outputs.items()}
+    bound = ready.backend.bind(inputs, outputs)
+    return lambda: bound(0, samples)
+
+
+def times(model: graphdyn.RobotModel) -> None:
+    for step, replaced in STEPS.items():
+        for what in ("torques", "accelerations", "all 108 numbers"):
+            if step == "short_chains" and what != "accelerations":
+                continue
+            if what == "all 108 numbers" and step in ("all reductions", "watching"):
+                continue
+            ours = runner(model, REQUESTS[what], SAMPLES)
+            with without(replaced):
+                other = runner(model, REQUESTS[what], SAMPLES)
+            pair(f"{step}: {what}", ours, other)
+    ours = sums(model)
+    with without(((vector_code.VectorCode, "fetch_ahead", lambda self, block, width: None),)):
+        other = sums(model)
+    pair("fetch_ahead: sums of products", ours, other)
+
+
+def sums(model: graphdyn.RobotModel) -> Callable[[], object]:
+    gram, rng = torque_gram(model, range(10 * model.n_bodies)), np.random.default_rng(0)
+    arrays = [rng.normal(size=(SAMPLES, model.n_freedoms)) for _ in range(4)]
+    extra = np.empty((SAMPLES, model.n_freedoms, 0))
+    return lambda: gram(*arrays, extra, threads=1)
+
+
+def long_robots() -> None:
+    chain = random_tree(1, list(range(CHAIN)), ["revolute"] * CHAIN)
+    samples = SAMPLES // 10
+    for unrolled in (body_by_body.UNROLLED, CHAIN):
+        with without(((body_by_body, "UNROLLED", unrolled), (running, "LONGEST", 10**9))):
+            for what in ("torques", "accelerations", "multipliers"):
+                if unrolled == CHAIN and what == "multipliers":
+                    continue
+                start = time.perf_counter()
+                run = runner(chain, REQUESTS[what], samples)
+                made = time.perf_counter() - start
+                best = min(seconds(run) for _ in range(PAIRS)) / samples / CHAIN
+                form = "straight-line" if unrolled == CHAIN else "body by body"
+                print(f"  {form}, {what:<16} made in {made:.2f} s, {best * 1e9:.1f} ns a sample and body", flush=True)
+
+
+def main() -> int:
+    for name in sys.argv[1:] or ("ur5", "kr500"):
+        model = urdf.load(name)
+        print(f"{name}: operations of torques and accelerations")
+        operations(model)
+        print(f"{name}: time without a step over time with it")
+        times(model)
+    print(f"a chain of {CHAIN} bodies")
+    long_robots()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
