@@ -9,14 +9,15 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn._arrays import as_floats
 from graphdyn._errors import InvalidInput
 from graphdyn._model import RobotModel, check_model
 from graphdyn._verbs import VERBS
-from graphdyn.kernels.native import CompiledProgram
+from graphdyn.kernels.native import CompiledProgram, RowCall
 from graphdyn.kernels.programs import Request
 from graphdyn.kernels.python_calls import PythonCall, can_call, of_this_thread
 from graphdyn.kernels.recursions import ARRAYS
-from graphdyn.kernels.running import prepared
+from graphdyn.kernels.running import Backend, prepared
 from graphdyn.layout import Array
 
 SINGLE = {name: verb for name, verb in VERBS.items() if len(verb.outputs) == 1 and not verb.of_frame}
@@ -32,25 +33,35 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
     arguments: the memory of this thread, by name           (n,) each
     result: what each call in this thread returns, and the next overwrites: copy what is to stay
 
-    Raises InvalidInput for wrong shapes, and another number of arguments.
+    Raises InvalidInput for what is no vector of n real numbers, and another number of arguments; the memory is then as
+    before.
     """
 
+    _backend: Backend
     _python_call: PythonCall | None = None
 
     def __new__(cls, model: RobotModel, name: str) -> Self:
-        """Of a class of its own: Python looks for __call__ in the class, and calls a C function there at once."""
-        own = type(cls.__name__, (cls,), {"__module__": cls.__module__, "__doc__": cls.__doc__})
-        return super().__new__(own, model, name)  # type: ignore[call-arg]  # for __init__ in other threads
+        """Of a class of its own, which holds what all threads share.
 
-    def __init__(self, model: RobotModel, name: str) -> None:
+        Python looks for __call__ in the class, and calls a C function there at once.
+        """
         verb = SINGLE[name]
         verb.refuse_loops(model)
         verb.refuse_uncompiled(model, f"call graphdyn.{name}")
-        n, (output,) = model.n_freedoms, verb.outputs
+        own: type[Self] = type(cls.__name__, (cls,), {"__module__": cls.__module__, "__doc__": cls.__doc__})
+        own._backend = prepared(model, Request(verb.recursion, verb.outputs), one_row=True).backend
+        single = super().__new__(own, model, name)  # type: ignore[call-arg]  # for __init__ in other threads
+        if isinstance(own._backend, CompiledProgram) and can_call():
+            own._python_call = PythonCall(single.__call__)
+            own.__call__ = own._python_call.function(len(verb.inputs), model.n_freedoms)  # type: ignore[method-assign]
+        return single
+
+    def __init__(self, model: RobotModel, name: str) -> None:
+        verb, lanes = SINGLE[name], self._backend.lanes
+        (output,) = verb.outputs
         shape = ARRAYS[output].shape_for(model)
-        backend = prepared(model, Request(verb.recursion, verb.outputs), one_row=True).backend
-        memory = {name: np.zeros((backend.lanes, n)) for name in verb.inputs}
-        answer = np.zeros((backend.lanes, int(np.prod(shape))))
+        memory = {name: np.zeros((lanes, model.n_freedoms)) for name in verb.inputs}
+        answer = np.zeros((lanes, int(np.prod(shape))))
         self.model, self._name = model, name
         self.arguments: dict[str, Array] = {name: rows[0] for name, rows in memory.items()}
         self.result: Array = answer[0].reshape(shape)
@@ -58,48 +69,43 @@ class SingleState(threading.local):  # __init__ runs again in every thread that 
             unfilled.fill(np.nan)
         self._places = tuple(self.arguments.values())
         self._own_result: Array = self.result
-        self._n, self._run = n, backend.bind_row(memory, {output: answer})
-        if isinstance(backend, CompiledProgram) and can_call():
-            self._row = backend.row_call(memory, {output: answer})
-            self._memory = of_this_thread(self._row, self._places, self._own_result)
-            if self._python_call is None:  # in the first thread
-                own, call = type(self), PythonCall(len(verb.inputs), n, self.__call__)
-                own._python_call, own.__call__ = call, call.function  # type: ignore[method-assign]
+        self._run = run = self._backend.bind_row(memory, {output: answer})
+        if isinstance(run, RowCall) and self._python_call is not None:
+            self._memory = of_this_thread(run, self._places, self._own_result)
 
     def __call__(self, *arguments: ArrayLike) -> Array:
-        """The call from any thread, with anything that NumPy turns into vectors."""
+        """The call from any thread, with anything that NumPy turns into vectors of real numbers."""
         if self._python_call is not None:
-            self._python_call.serve(self._memory)
+            self._python_call.served = self._memory
         if arguments:
-            try:
-                for place, argument in zip(self._places, arguments, strict=True):
-                    if len(argument) != self._n:  # type: ignore[arg-type]  # a third of the time that shape takes
-                        raise ValueError
-                    place[...] = argument  # half of the time that [:] takes
-            except (TypeError, ValueError):
-                self._refuse_shapes(arguments)
-                raise
+            vectors = self._vectors(arguments)
+            for place, vector in zip(self._places, vectors, strict=True):
+                place[:] = vector
         self._run()
         return self._own_result
 
     def __reduce__(self) -> tuple[Callable[[RobotModel, str], SingleState], tuple[RobotModel, str]]:
         return SingleState, (self.model, self._name)
 
-    def _refuse_shapes(self, arguments: tuple[ArrayLike, ...]) -> None:
-        if len(arguments) != len(self.arguments):
-            names = ", ".join(self.arguments)
-            raise InvalidInput(f"{len(arguments)} arguments given; give {names}, or none where their memory is filled")
-        for name, argument in zip(self.arguments, arguments, strict=True):
-            if np.shape(argument) != (self.model.n_freedoms,):
-                raise InvalidInput(f"{name} has shape {np.shape(argument)}, expected {(self.model.n_freedoms,)}")
+    def _vectors(self, arguments: tuple[ArrayLike, ...]) -> Array:
+        """Copies, as an argument may be in the place of another."""
+        names, shape = SINGLE[self._name].inputs, (self.model.n_freedoms,)
+        if len(arguments) != len(names):
+            given = f"{len(arguments)} arguments given"
+            raise InvalidInput(f"{given}; give {', '.join(names)}, or none where their memory is filled")
+        vectors = [as_floats(name, argument) for name, argument in zip(names, arguments, strict=True)]
+        for name, vector in zip(names, vectors, strict=True):
+            if vector.shape != shape:
+                raise InvalidInput(f"{name} has shape {vector.shape}, expected {shape}")
+        return np.array(vectors)
 
 
 class CompiledModel:
     """The verbs of graphdyn that answer one array, for single states of one robot, each compiled when first used.
 
-    NaN, infinity and singular mass matrices are not looked for. Angles are accurate up to 1e6 rad. Threads may share
-    it: each has arguments and results of its own. On the NumPy back end the calls work, slowly. Its attributes, each a
-    SingleState:
+    NaN, infinity, singular mass matrices and open loops are not looked for. Angles are accurate up to 1e6 rad. Threads
+    may share it: each has arguments and results of its own. On the NumPy back end the calls work, slowly. Its
+    attributes, each a SingleState:
     """
 
     def __init__(self, model: RobotModel) -> None:
@@ -109,7 +115,7 @@ class CompiledModel:
     def __getattr__(self, name: str) -> SingleState:
         if name not in SINGLE:
             raise AttributeError(f"there is no single-state call '{name}'; use some of {', '.join(SINGLE)}")
-        call = self.__dict__[name] = SingleState(self.model, name)  # found there from now on
+        call: SingleState = self.__dict__.setdefault(name, SingleState(self.model, name))  # found there from now on
         return call
 
     def __reduce__(self) -> tuple[Callable[..., CompiledModel], tuple[RobotModel | str, ...]]:

@@ -30,7 +30,7 @@ def address(array: Array) -> int:
 
 
 def places(arrays: Sequence[Array]) -> tuple[list[int], object]:
-    """Where the addresses of these stand, for code that reads them; both as long as the second answer lives."""
+    """Where in memory the addresses of these are, for code that reads them there, and what must live meanwhile."""
     if is_known():
         return [id(array) + DATA for array in arrays], arrays
     addresses = np.array([array.ctypes.data for array in arrays], dtype=np.uintp)

@@ -6,9 +6,9 @@ import ctypes
 import os
 import threading
 import weakref
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -36,11 +36,14 @@ if hasattr(os, "register_at_fork"):
 
 @dataclass(frozen=True, eq=False)
 class RowCall:
-    """A call on one row of memory: function(table), both addresses, and what they need to live."""
+    """A call on one row of memory: function(table), and what they need to live."""
 
-    function: int
-    table: int
+    function: Any
+    table: Any
     owned: tuple[object, ...]
+
+    def __call__(self) -> None:
+        self.function(self.table)
 
 
 class CompiledProgram:
@@ -78,23 +81,13 @@ class CompiledProgram:
 
         return run
 
-    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], object]:
+    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> RowCall:
         """A call without arguments on arrays of as many rows as lanes, nothing watched: for one state after the other.
 
         Not for several threads at once.
         """
-        row = self.row_call(inputs, outputs)
-        call = partial(self._single, ctypes.c_void_p(row.table))
-        call.owned = row  # type: ignore[attr-defined]  # what the addresses point to lives as long
-        return call
-
-    def row_call(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> RowCall:
-        """The same for machine code that calls it."""
-        arrays = [self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)]
-        given = places(arrays)
-        table = self._table(*given[0])
-        function = ctypes.cast(self._single, ctypes.c_void_p).value or 0
-        return RowCall(function, ctypes.addressof(table), (self, table, arrays, given))
+        given = places([self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)])
+        return RowCall(self._single, self._table(*given[0]), (self, given))
 
     def _arrays(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> list[Array]:
         return [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]

@@ -1,73 +1,92 @@
 """Single-state calls as C functions of Python: arguments that are plain float64 vectors are copied without NumPy.
 
 Compiled for a number of arguments and their length. Machine code reads the fields of NumPy's arrays, and works in the
-memory of one thread. Whatever else is given, and other threads, go to a Python function, which takes anything that
-NumPy does, refuses the rest, and may make its own thread the one that is served.
+memory of one thread. Whatever else is given, and other threads, go to a Python function, which takes what NumPy turns
+into vectors, refuses the rest, and may make its own thread the one that is served.
 """
 
 from __future__ import annotations
 
 import ctypes
+import sysconfig
 from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from graphdyn.kernels.array_layout import DATA, DESCRIPTION, DIMENSIONS, SHAPE, STRIDES, TYPE, address, is_known
-from graphdyn.kernels.native import MachineCode, RowCall, compiling
+from graphdyn.kernels.array_layout import (
+    DATA,
+    DESCRIPTION,
+    DIMENSIONS,
+    HEAD,
+    SHAPE,
+    STRIDES,
+    TYPE,
+    address,
+    is_known,
+)
+from graphdyn.kernels.native import MachineCode, RowCall
 from graphdyn.layout import Array
 
 FASTCALL = 0x80
 """METH_FASTCALL: arguments as a C array and their number."""
 
-OTHERWISE, THREAD, RUN, TABLE, RESULT, PLACES = range(6)
-"""What machine code reads: the Python function; the thread that is served, its row, result and places of arguments."""
+OTHERWISE, SERVED = HEAD, HEAD + 8
+"""Offsets in a PythonCall: Python puts slots after the head of the object, in alphabetical order."""
 
-NOBODY = -1
+THREAD, RUN, TABLE, RESULT, PLACES = range(5)
+"""Numbers in a ThreadMemory: of its thread, then addresses of its row, of its result and of its arguments."""
+
+
+class ThreadMemory(np.ndarray[Any, np.dtype[np.int64]]):
+    """What machine code must know of the memory of one thread.
+
+    owned: what the addresses belong to, which lives as long
+    """
+
+    owned: tuple[object, ...]
+
+
+def of_this_thread(row: RowCall, arguments: Sequence[Array], result: Array) -> ThreadMemory:
+    """The memory where the thread that asks has its arguments and its result."""
+    addresses = [_address(row.function), ctypes.addressof(row.table), id(result), *map(address, arguments)]
+    memory = np.array([_this_thread(), *addresses], dtype=np.int64).view(ThreadMemory)
+    memory.owned = row, arguments, result
+    return memory
+
+
+NOBODY = np.array([-1], dtype=np.int64).view(ThreadMemory)
 """No thread has this number."""
 
 
-class Fields(np.ndarray[Any, np.dtype[np.intp]]):
-    """Addresses for machine code.
-
-    otherwise: lives as long
-    """
-
-    otherwise: Callable[..., Array]
-
-
 class PythonCall:
-    """function(*vectors) fills the arguments (n,), runs the row and returns the result; function() runs it as it is.
+    """What the C function of a call reads, and keeps alive.
 
-    otherwise: called with whatever is no plain vector of that length, and by threads that are not served. It must keep
-    what it serves alive.
+    otherwise: called with whatever is no plain vector, and by threads that are not served
+    served: the memory of the thread that is; replaced at once, so that never half of it is another thread's
     """
 
-    def __init__(self, count: int, n: int, otherwise: Callable[..., Array]) -> None:
-        self._fields = np.zeros(PLACES + count, dtype=np.intp).view(Fields)
-        self._fields[[OTHERWISE, THREAD]] = id(otherwise), NOBODY
-        self._fields.otherwise = otherwise
-        with compiling:  # one definition for all threads: functions that share it outlive whatever else refers to it
-            definition = _definition(count, n)
-        make = ctypes.pythonapi.PyCFunction_NewEx
-        make.restype, make.argtypes = ctypes.py_object, [ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p]
-        self.function: Callable[..., Array] = make(ctypes.addressof(definition), self._fields, None)
+    __slots__ = ("otherwise", "served")
 
-    def serve(self, memory: NDArray[np.intp]) -> None:
-        """From now on the thread whose memory this is, and no other; what of_this_thread gave there."""
-        self._fields[THREAD:] = memory
+    def __init__(self, otherwise: Callable[..., object]) -> None:
+        self.otherwise, self.served = otherwise, NOBODY
 
-
-def of_this_thread(row: RowCall, arguments: Sequence[Array], result: Array) -> NDArray[np.intp]:
-    """The fields from THREAD on. All that is given must live as long as they are served."""
-    return np.array([_this_thread(), row.function, row.table, id(result), *map(address, arguments)], dtype=np.intp)
+    def function(self, count: int, n: int) -> Callable[..., Array]:
+        """function(*vectors) copies as many arguments (n,), runs the row and returns the result; function() runs it."""
+        new = ("PyCFunction_NewEx", ctypes.pythonapi)
+        make = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)(new)
+        made: Callable[..., Array] = make(ctypes.addressof(_definition(count, n)), self, None)
+        return made
 
 
 def can_call() -> bool:
-    """Whether arrays have the layout that machine code reads."""
-    return is_known()
+    """Whether objects have the layout that machine code reads, and a lock keeps other threads out while it does."""
+    if sysconfig.get_config_var("Py_GIL_DISABLED") or not is_known():
+        return False
+    probe = PythonCall(can_call)
+    slots = [ctypes.c_void_p.from_address(id(probe) + offset).value for offset in (OTHERWISE, SERVED)]
+    return slots == [id(probe.otherwise), id(probe.served)]
 
 
 class _MethodDefinition(ctypes.Structure):
@@ -85,16 +104,18 @@ class _MethodDefinition(ctypes.Structure):
 def _definition(count: int, n: int) -> _MethodDefinition:
     """Of calls with this number of arguments (n,)."""
     code = MachineCode(_code(count, n))
-    address = ctypes.cast(code.function("call", ctypes.CFUNCTYPE(None)), ctypes.c_void_p).value
-    definition = _MethodDefinition(b"single_state", address, FASTCALL, None)
-    definition.code = code  # lives as long
+    definition = _MethodDefinition(
+        b"single_state", _address(code.function("call", ctypes.CFUNCTYPE(None))), FASTCALL, None
+    )
+    definition.code = code
+    ctypes.PYFUNCTYPE(None, ctypes.py_object)(("Py_IncRef", ctypes.pythonapi))(definition)  # functions need it for ever
     return definition
 
 
 def _this_thread() -> int:
     """Its number, which no later thread gets."""
-    state, number = ctypes.pythonapi.PyThreadState_Get, ctypes.pythonapi.PyThreadState_GetID
-    state.restype, number.restype, number.argtypes = ctypes.c_void_p, ctypes.c_int64, [ctypes.c_void_p]
+    state = ctypes.PYFUNCTYPE(ctypes.c_void_p)(("PyThreadState_Get", ctypes.pythonapi))
+    number = ctypes.PYFUNCTYPE(ctypes.c_int64, ctypes.c_void_p)(("PyThreadState_GetID", ctypes.pythonapi))
     return int(number(state()))
 
 
@@ -103,7 +124,7 @@ def _address(function: Any) -> int:
 
 
 def _code(count: int, n: int) -> str:
-    """LLVM code of call(fields, arguments, number of them): a reference to the result, as METH_FASTCALL asks."""
+    """LLVM code of call(PythonCall, arguments, number of them): a reference to the result, as METH_FASTCALL asks."""
     lines: list[str] = []
 
     def read(name: str, kind: str, pointer: str, offset: int) -> str:
@@ -116,6 +137,9 @@ def _code(count: int, n: int) -> str:
         lines.append(f"  {name} = call {kind} {name}.of({arguments})")
         return name
 
+    def copy(to: str, vector: str) -> None:
+        lines.append(f"  call void @llvm.memcpy.p0.p0.i64(ptr {to}, ptr {vector}, i64 {8 * n}, i1 false)")
+
     def taken() -> list[str]:
         """The lines so far, which are not kept."""
         done = lines.copy()
@@ -123,10 +147,10 @@ def _code(count: int, n: int) -> str:
         return done
 
     python = ctypes.pythonapi
-    read("%fields", "ptr", "%self", DATA)
+    read("%memory", "ptr", read("%object", "ptr", "%self", SERVED), DATA)
     state = call("%state", "ptr", python.PyThreadState_Get, "")
     thread = call("%thread", "i64", python.PyThreadState_GetID, f"ptr {state}")
-    served = read("%served", "i64", "%fields", 8 * THREAD)
+    served = read("%served", "i64", "%memory", 8 * THREAD)
     lines += [f"  %same = icmp eq i64 {thread}, {served}", "  br i1 %same, label %own, label %other"]
     entry = taken()
     for k in range(count):
@@ -149,20 +173,23 @@ def _code(count: int, n: int) -> str:
         lines += [f"  {x}.fits = and i1 {x}.long, {x}.dense", f"  br i1 {x}.fits, label %next{k}, label %other"]
         lines += [f"next{k}:"]
     for k in range(count):
-        data, place = read(f"%data{k}", "ptr", f"%x{k}", DATA), read(f"%place{k}", "ptr", "%fields", 8 * (PLACES + k))
-        lines += [f"  call void @llvm.memmove.p0.p0.i64(ptr {place}, ptr {data}, i64 {8 * n}, i1 false)"]
+        lines += [f"  %copy{k} = getelementptr double, ptr %copies, i64 {n * k}"]
+        copy(f"%copy{k}", read(f"%data{k}", "ptr", f"%x{k}", DATA))
+    for k in range(count):  # an argument may be in the place of another
+        copy(read(f"%place{k}", "ptr", "%memory", 8 * (PLACES + k)), f"%copy{k}")
     given = taken()
     for field, name in ((RUN, "%run"), (TABLE, "%table"), (RESULT, "%result")):
-        read(name, "ptr", "%fields", 8 * field)
+        read(name, "ptr", "%memory", 8 * field)
     lines += ["  call void %run(ptr %table)", f"  %keep = inttoptr i64 {_address(python.Py_IncRef)} to ptr"]
     lines += ["  call void %keep(ptr %result)", "  ret ptr %result"]
     running = taken()
-    read("%otherwise", "ptr", "%fields", 8 * OTHERWISE)
+    read("%otherwise", "ptr", "%self", OTHERWISE)
     call("%answer", "ptr", python.PyObject_Vectorcall, "ptr %otherwise, ptr %arguments, i64 %count, ptr null")
     return "\n".join(
         [
-            "declare void @llvm.memmove.p0.p0.i64(ptr, ptr, i64, i1)",
+            "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
             "define ptr @call(ptr %self, ptr %arguments, i64 %count) {",
+            f"  %copies = alloca [{count * n} x double]",
             *entry,
             "own:",
             f"  switch i64 %count, label %other [ i64 0, label %ready i64 {count}, label %given ]",

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn._arrays import as_floats
+from graphdyn._compiled import SingleState
 from graphdyn._compiled import compile as compiled
 from graphdyn._errors import IntegrationFailed, InvalidInput
 from graphdyn._model import RobotModel, check_model
@@ -90,8 +91,9 @@ class Torques:
         return np.concatenate([per_joint(name, getattr(self.controller, name), self.model) for name in GAINS])
 
     @cached_property
-    def _believed(self) -> RobotModel:
-        return getattr(self.controller, "nominal", None) or self.model
+    def _believed(self) -> SingleState:
+        """The joint torques of the robot that the controller believes in."""
+        return compiled(getattr(self.controller, "nominal", None) or self.model).joint_torques
 
     def _law(self, t: float, q: Array, v: Array) -> Array:
         controller, n = self.controller, self.model.n_freedoms
@@ -101,7 +103,7 @@ class Torques:
         sought = further + self.gains[:n] * (wanted - q) + self.gains[n:] * (rate - v)
         if isinstance(controller, PDControl):
             return sought
-        return compiled(self._believed).joint_torques(q, v, sought).copy()
+        return self._believed(q, v, sought).copy()
 
 
 GAINS = ("position_gain", "velocity_gain")

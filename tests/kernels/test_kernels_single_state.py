@@ -3,6 +3,7 @@
 import copy
 import pickle
 import threading
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -11,7 +12,7 @@ from back_ends import BACK_ENDS, on
 from random_trees import NAMED, random_state, random_tree
 
 import graphdyn
-from graphdyn import InvalidInput
+from graphdyn import InvalidInput, _compiled
 from graphdyn._compiled import SINGLE
 from graphdyn.kernels import running
 
@@ -92,6 +93,18 @@ class TestThreads:
             with ThreadPoolExecutor(8) as pool:
                 assert np.array_equal([*pool.map(use, range(8))], np.broadcast_to(expected, (8, 100, n)))
 
+    def test_one_call_for_all(self, monkeypatch):
+        """Another thread asks for it first, while this one makes its own."""
+        compiled, first = graphdyn.compile(MODEL), []
+
+        def make(*of):
+            monkeypatch.undo()
+            first.append(compiled.gravity_torque)
+            return _compiled.SingleState(*of)
+
+        monkeypatch.setattr(_compiled, "SingleState", make)
+        assert compiled.gravity_torque is first[0]
+
     def test_taking_turns(self):
         """Two threads, call after call: each goes on with what it has filled in."""
         states = random_state(MODEL, 9, (3,))
@@ -105,6 +118,49 @@ class TestThreads:
                 assert np.array_equal(call(), expected[0])
                 assert np.array_equal(pool.submit(lambda: call().copy()).result(), expected[row])
                 assert np.array_equal(call(*(x[0] for x in states)), expected[0])
+
+    def test_memory_lives_while_it_is_served(self):
+        """What a thread leaves behind may call once more, after the thread has lost its memory."""
+        states = random_state(MODEL, 11)
+        call, local, last = graphdyn.compile(MODEL).joint_torques, threading.local(), []
+        here = call(*states).copy()
+
+        class Leftover:
+            def __del__(self):
+                last.append((memory(), call(*states).copy()))
+
+        def use():
+            nonlocal memory
+            call(*states)
+            memory, local.leftover = weakref.ref(call.result), Leftover()
+
+        memory = None
+        thread = threading.Thread(target=use)
+        thread.start()
+        thread.join()
+        ((served, result),) = last
+        assert served is not None
+        assert np.array_equal(result, here)
+        del served
+        last.clear()
+        call(*states)
+        assert memory() is None
+
+    def test_the_back_end_is_that_of_the_first(self):
+        """Wherever a thread that joins later would compute."""
+        states = random_state(MODEL, 12)
+
+        def on_numpy(use):
+            with running.interpreted():
+                return use(MODEL).joint_torques(*states).copy()
+
+        compiled, interpreted = graphdyn.compile(MODEL), []
+        expected = compiled.joint_torques(*states).copy()
+        with ThreadPoolExecutor(1) as pool:
+            assert np.array_equal(pool.submit(on_numpy, lambda _: compiled).result(), expected)
+            found = on_numpy(lambda model: interpreted.append(graphdyn.compile(model)) or interpreted[0])
+            assert np.array_equal(pool.submit(interpreted[0].joint_torques, *states).result(), found)
+            assert np.array_equal(interpreted[0].joint_torques(*states), found)
 
     def test_what_another_thread_filled_in_is_not_there(self):
         """Nor are zeros: NaN, which nobody takes for a torque."""
