@@ -90,7 +90,9 @@ class TestArguments:
             assert np.array_equal(graphdyn.compile(kr500()).joint_torques(*state), given)
             assert array_layout.address(state) == state.ctypes.data
         finally:
+            monkeypatch.undo()
             array_layout.is_known.cache_clear()
+        assert array_layout.is_known()
         assert array_layout.address(state[1:]) == state[1:].ctypes.data
 
     def test_calls_hold_nothing(self, call, state):
