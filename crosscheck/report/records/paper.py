@@ -6,42 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-import numpy as np
-
-from crosscheck.report.records._fields import FORMAT, Command, Count, Keywords, Number, Vector3, Versions, taken
+from crosscheck.report.records._fields import FORMAT, Command, Count, Number, Versions, taken
 from crosscheck.report.records.errata import EffectRecord, effect_record
+from crosscheck.report.records.paper_identification import PaperIdentificationRecord, paper_identification_record
+from crosscheck.report.records.paper_multipliers import (
+    AsPrintedRecord,
+    CorrectedRecord,
+    as_printed_record,
+    corrected_record,
+)
+from crosscheck.report.records.paper_printed import SIX
 from crosscheck.report.versions import versions
 from crosscheck.studies.errata import ERRATA
-from crosscheck.studies.paper.identification import WHY_TABLE_3, PaperIdentification, PaperTrial
-from crosscheck.studies.paper.multipliers import KINDS, WHY_PRINTED, printed_ratios
-from crosscheck.studies.paper.printed import PARAMETERS, TABLE_3, TABLE_4, Printed
 from crosscheck.studies.paper.reproduction import Reproduction
 from crosscheck.studies.paper.tables import WHY_TABLE_2
-from crosscheck.studies.paper.why import WHY_CORRECTED
-from graphdyn.layout import Array
-
-SIX = Keywords(minItems=6, maxItems=6)
-"""One entry per body or joint."""
-
-NAMES = Keywords(required=list(PARAMETERS))
-
-
-@dataclass(frozen=True, kw_only=True)
-class PrintedNumberRecord:
-    """One printed number."""
-
-    printed: str | None
-    """As printed, digit by digit; null where the paper prints a dash."""
-
-    reading: str | None
-    """What a misprint should read."""
-
-    erratum: str | None
-    """Number of the misprint in docs/deviations.md."""
-
-
-ByParameter = Annotated[Mapping[str, Annotated[Sequence[Number], SIX]], NAMES]
-PrintedByParameter = Annotated[Mapping[str, Annotated[Sequence[PrintedNumberRecord], SIX]], NAMES]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,162 +71,6 @@ class Table2:
 
     rows: Annotated[Sequence[RowRecord], SIX]
     """The six rows of Table 2."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrialRecord:
-    """One identification."""
-
-    data: str
-    """Which data."""
-
-    values: ByParameter
-    """Identified [kg, kg m²]; null where the data do not determine it."""
-
-    errors: ByParameter
-    """Values minus true ones [kg, kg m²]."""
-
-    standard_deviations: ByParameter
-    """As the residual shows them [kg, kg m²]; null where nothing does."""
-
-    undetermined: Sequence[str]
-    """Names of the parameters that the data do not determine."""
-
-    rank: Count
-    """Of 36 columns."""
-
-    condition_number: float
-    """The worst of the systems, on what they determine."""
-
-    largest: float
-    """Largest absolute error over the compared entries [kg, kg m²]."""
-
-    rms: float
-    """Root mean square of these errors [kg, kg m²]."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PaperIdentificationRecord:
-    """Tables 3 and 4."""
-
-    why: str
-    """Why numbers differ."""
-
-    true: ByParameter
-    """From density and geometry [kg, kg m²]."""
-
-    table_3: PrintedByParameter
-    """Table 3 as printed [kg, kg m²]."""
-
-    table_4: PrintedByParameter
-    """Table 4 as printed [kg, kg m²]."""
-
-    printed_largest: float
-    """Largest absolute error of Table 4 over the compared entries [kg, kg m²]."""
-
-    printed_rms: float
-    """Root mean square of these errors [kg, kg m²]."""
-
-    compared: Count
-    """Entries that the data determine and the paper prints."""
-
-    implied_moment: float
-    """J_22 and J_33 of B_1 by the cylinder formula with the mean of its printed masses [kg m²]."""
-
-    trials: Sequence[TrialRecord]
-    """Identifications: exact data, then data of seven digits."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MultiplierRecord:
-    """One multiplier."""
-
-    name: str
-    """λ_jk: joint j, number k."""
-
-    printed: str | None
-    """As printed, digit by digit; null where the paper prints a dash."""
-
-    reading: str | None
-    """What a misprint should read."""
-
-    erratum: str | None
-    """Number of the misprint in docs/deviations.md."""
-
-    ours: Number
-    """From the printed rows [N, N m]; null where they do not determine it."""
-
-    kind: Literal["reproduced", "rounding", "free", "unexplained"]
-    """What the number is."""
-
-    meaning: str
-    """The same in words."""
-
-    digits: Annotated[int, Keywords(minimum=0, maximum=7)]
-    """Significant digits of seven that agree, where the kind is reproduced; otherwise 0."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PaperRatioRecord:
-    """Of one joint."""
-
-    joint: Count
-    """Number of the joint."""
-
-    printed: float
-    """λ_j4 / λ_j5 as printed."""
-
-    null_vector: Number
-    """That of the null vector of its two axis rows; null where they are independent."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class AsPrintedRecord:
-    """Section 3.2 from the printed rows."""
-
-    why: str
-    """Why numbers differ, and which cannot be reproduced."""
-
-    rank: Count
-    """Of the printed rows of φ_q at 1.5 s."""
-
-    n_rows: Count
-    """How many rows there are."""
-
-    multipliers: Annotated[Sequence[MultiplierRecord], Keywords(minItems=30, maxItems=30)]
-    """Eq. (113) … (118), in their order."""
-
-    ratios: Sequence[PaperRatioRecord]
-    """Of the joints whose axis is horizontal."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class CorrectedRecord:
-    """Section 3.2 from the corrected model, at 1.5 s."""
-
-    why: str
-    """Why the printed numbers differ."""
-
-    difference: Number
-    """Of the multipliers from those of rnea, relative to the largest of their kind."""
-
-    multipliers: Annotated[Sequence[Annotated[Sequence[float], Keywords(minItems=5, maxItems=5)]], SIX]
-    """λ_1 … λ_5 per joint [N, N m], as in docs/notation.md."""
-
-    rnea: Annotated[Sequence[Annotated[Sequence[float], Keywords(minItems=5, maxItems=5)]], SIX]
-    """What the joint wrenches of Pinocchio's rnea amount to [N, N m]."""
-
-    tau: Annotated[Sequence[float], SIX]
-    """Torques of the actuators [N m]."""
-
-    forces: Annotated[Sequence[Vector3], SIX]
-    """Of the inside body on body j, world axes [N]."""
-
-    moments: Annotated[Sequence[Vector3], SIX]
-    """The same about O_j, actuator included, world axes [N m]."""
-
-    reading: Annotated[Sequence[str], SIX]
-    """What each joint carries, in words."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -343,21 +165,9 @@ def record(found: Reproduction, command: Sequence[str]) -> PaperRecord:
                 )
             ],
         ),
-        identification=_identification(found.identification),
-        as_printed=AsPrintedRecord(
-            why=WHY_PRINTED,
-            rank=found.printed.rank,
-            n_rows=found.printed.n_rows,
-            multipliers=[
-                taken(MultiplierRecord, number, **vars(_number(number.printed)), meaning=KINDS[number.kind])
-                for number in found.numbers
-            ],
-            ratios=[
-                PaperRatioRecord(joint=joint, printed=printed, null_vector=found.printed.ratios.get(joint))
-                for joint, printed in printed_ratios().items()
-            ],
-        ),
-        corrected=taken(CorrectedRecord, found.corrected, why=WHY_CORRECTED),
+        identification=paper_identification_record(found.identification),
+        as_printed=as_printed_record(found),
+        corrected=corrected_record(found),
         over_time=OverTimeRecord(
             samples=len(found.over_time.recording.time),
             difference=found.over_time.difference,
@@ -370,37 +180,3 @@ def record(found: Reproduction, command: Sequence[str]) -> PaperRecord:
             effects=[effect_record(effect) for effect in found.effects],
         ),
     )
-
-
-def _identification(found: PaperIdentification) -> PaperIdentificationRecord:
-    return taken(
-        PaperIdentificationRecord,
-        found,
-        why=WHY_TABLE_3,
-        true=_by_parameter(found.true),
-        table_3={name: [_number(number) for number in row] for name, row in TABLE_3.rows.items()},
-        table_4={name: [_number(number) for number in row] for name, row in TABLE_4.rows.items()},
-        compared=int(found.compared.sum()),
-        implied_moment=found.implied,
-        trials=[_trial(trial, found) for trial in (found.exact, found.together, *found.rounded)],
-    )
-
-
-def _trial(trial: PaperTrial, found: PaperIdentification) -> TrialRecord:
-    return taken(
-        TrialRecord,
-        trial,
-        values=_by_parameter(trial.values),
-        errors=_by_parameter(trial.errors),
-        standard_deviations=_by_parameter(trial.standard_deviations),
-        largest=trial.largest(found.compared),
-        rms=trial.rms(found.compared),
-    )
-
-
-def _by_parameter(values: Array) -> Mapping[str, list[float]]:
-    return {name: row.tolist() for name, row in zip(PARAMETERS, np.asarray(values), strict=True)}
-
-
-def _number(number: Printed) -> PrintedNumberRecord:
-    return PrintedNumberRecord(printed=number.text, reading=number.reading, erratum=number.erratum or None)
