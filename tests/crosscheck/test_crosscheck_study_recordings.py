@@ -8,11 +8,11 @@ import small_study as small
 from small_study import ARM, study_of
 
 from crosscheck.studies.identification import records
-from crosscheck.studies.identification.configuration import ErrorSettings
 from crosscheck.studies.identification.mechanisms import flexible
 from crosscheck.studies.identification.motions import PAPER_ACCELERATION, reference
 from crosscheck.studies.identification.plants import plant_of, torque_model_of
 from crosscheck.studies.identification.records import known_model, simulated
+from crosscheck.studies.identification.robot_settings import ErrorSettings
 from crosscheck.studies.identification.scenarios import Scenario
 from crosscheck.studies.identification.yardsticks import yardstick
 from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.studies.identification.configuration import ErrorSettings
 from crosscheck.studies.identification.plants import Plant
+from crosscheck.studies.identification.robot_settings import ErrorSettings
 from graphdyn import Body, Friction, InvalidInput, Joint, JointLimits, JointStops, PDControl, RobotModel, mass_matrix
 from graphdyn._placement import Placement
 from graphdyn.identification.closed_loop.loop import LONGEST_STEP

@@ -12,7 +12,7 @@ from typing import Any
 from crosscheck.foreign_files import module_of_file
 from crosscheck.identifying import method_named
 from crosscheck.identifying.loop_methods import in_loop
-from crosscheck.studies.identification.configuration import takes_wrenches
+from crosscheck.studies.identification.method_names import takes_wrenches
 from crosscheck.studies.identification.records import Record
 from crosscheck.studies.identification.scenarios import Scenario
 from graphdyn.identification import Estimator

@@ -9,8 +9,8 @@ from functools import lru_cache
 import numpy as np
 
 from crosscheck.exciting.noise import assumed_noise
-from crosscheck.studies.identification.configuration import RobotSettings
 from crosscheck.studies.identification.plants import Plant, plant_of
+from crosscheck.studies.identification.robot_settings import RobotSettings
 from crosscheck.studies.identification.scenarios import MOTIONS
 from graphdyn import InvalidInput
 from graphdyn.excitation import (

@@ -11,7 +11,7 @@ import numpy as np
 
 import urdf
 from crosscheck.identifying.virtual import as_in_cad
-from crosscheck.studies.identification.configuration import RobotSettings
+from crosscheck.studies.identification.robot_settings import RobotSettings
 from crosscheck.studies.identification.settings import BadConfiguration, Numbers
 from graphdyn import Friction, InvalidInput, PDControl, RobotModel, mass_matrix
 from graphdyn.excitation import MotionLimits

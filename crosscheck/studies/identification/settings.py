@@ -103,3 +103,14 @@ def one_of(choices: Sequence[str]) -> Callable[[object], str]:
         raise ValueError(f"use one of {', '.join(choices)}")
 
     return read
+
+
+def texts(what: str) -> Callable[[object], tuple[str, ...]]:
+    """A reader of lists of texts; what they are, for its error."""
+
+    def read(value: object) -> tuple[str, ...]:
+        if isinstance(value, list) and all(isinstance(one, str) for one in value):
+            return tuple(value)
+        raise ValueError(f"give a list of {what}")
+
+    return read

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.studies.identification.configuration import Configuration, shown_name
+from crosscheck.studies.identification.configuration import Configuration
+from crosscheck.studies.identification.method_names import shown_name
 from crosscheck.studies.identification.methods import estimator_of, measures, ready
 from crosscheck.studies.identification.records import Record, known_model, simulated
 from crosscheck.studies.identification.scenarios import Scenario

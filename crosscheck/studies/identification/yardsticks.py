@@ -10,9 +10,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from crosscheck.studies.identification.configuration import RobotSettings
 from crosscheck.studies.identification.motions import reference, start_of
 from crosscheck.studies.identification.plants import Plant, plant_of
+from crosscheck.studies.identification.robot_settings import RobotSettings
 from graphdyn import Friction, InvalidInput, rollout
 from graphdyn.identification import Samples, TorqueModel
 from graphdyn.identification.base_parameters import BaseParameters
