@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from planting import Plant, mixed_tree
+from textbook import TextbookArm
 from urdf_text import joint, link, robot_text
 
 import urdf
@@ -109,6 +110,17 @@ def second_pendulum(tmp_path):
 def tree():
     """Three bodies, one joint of each kind, branching, mounted anywhere: compared in a fifth of a second."""
     return mixed_tree()
+
+
+@pytest.fixture(scope="session")
+def ur5():
+    return urdf.load("ur5")
+
+
+@pytest.fixture(scope="session")
+def textbook(ur5):
+    """Right code for the ur5, which shares no line with graphdyn."""
+    return TextbookArm.of(ur5)
 
 
 @pytest.fixture

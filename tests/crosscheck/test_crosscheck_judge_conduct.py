@@ -9,7 +9,6 @@ from single_precision import single_precision
 
 import crosscheck
 import graphdyn
-import urdf
 from crosscheck.judging.foreign import Refusal
 from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.regions import region, roundest
@@ -26,11 +25,6 @@ REACTIONS = {f"d{of}_d{x}" for of in ("multipliers", "wrenches") for x in "qva"}
 
 ELBOW, LIFT = 2, 1
 """Numbers of the joints with faults."""
-
-
-@pytest.fixture(scope="module")
-def ur5():
-    return urdf.load("ur5")
 
 
 def tau_of(model):

@@ -36,11 +36,6 @@ def code():
     return PinocchioCode("ur5", FRAME)
 
 
-@pytest.fixture(scope="module")
-def ur5():
-    return urdf.load("ur5")
-
-
 def judged(robot="ur5", samples=SAMPLES, **options):
     return crosscheck.judge(robot, samples=samples, frame=FRAME, **options)
 

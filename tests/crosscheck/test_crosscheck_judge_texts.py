@@ -1,0 +1,120 @@
+"""crosscheck.judge: what it says, as text, as JSON and in the test suites of others."""
+
+import dataclasses
+import json
+import math
+import re
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+from rich.cells import cell_len
+
+import crosscheck
+from crosscheck.report.commands.judge import judge_report
+from crosscheck.report.json import plain
+from crosscheck.report.records.judge import record as record_of
+from crosscheck.report.text import as_text
+
+pytest_plugins = ["pytester"]
+
+
+@pytest.fixture(scope="module")
+def wrong(textbook):
+    return crosscheck.judge("ur5", inverse_dynamics=textbook.but(cross=-1.0).inverse_dynamics, samples=5)
+
+
+class TestTexts:
+    def test_assert_correct_shows_the_diagnosis(self, textbook):
+        with pytest.raises(crosscheck.WrongDynamics) as caught:
+            crosscheck.assert_correct("ur5", inverse_dynamics=textbook.but(cross=-1.0).inverse_dynamics, samples=1)
+        message = str(caught.value)
+        assert isinstance(caught.value, AssertionError)
+        assert "ur5: DISAGREES" in message
+        assert "the terms ω × q̇ p in the angular accelerations have the opposite sign [coriolis]" in message
+        assert "remedy " in message
+        assert caught.value.judgement.diagnoses
+
+    def test_assert_correct_returns(self, textbook):
+        assert crosscheck.assert_correct("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=1).agrees
+
+    def test_alternatives_are_shown(self, wrong):
+        several = dataclasses.replace(wrong, diagnoses=(dataclasses.replace(wrong.diagnoses[0], also=("one", "two")),))
+        assert "same numbers from  one; or two" in as_text(judge_report(several))
+
+    def test_an_unexplained_deviation(self, wrong):
+        unknown = dataclasses.replace(wrong, diagnoses=(dataclasses.replace(wrong.diagnoses[0], explains=math.inf),))
+        assert "unexplained  the whole deviation" in as_text(judge_report(unknown))
+
+    @pytest.mark.parametrize("width", [80, 120])
+    def test_fits_the_terminal(self, wrong, width):
+        text = as_text(judge_report(wrong), width)
+        assert max(map(cell_len, text.splitlines())) <= width
+        assert re.search(r"│ inverse_dynamics │ DISAGREES │ +\d", text)
+        assert ("relative to" in text) == (width == 120)
+
+    def test_needs_neither_template_nor_plot(self):
+        """The message of a failed test costs no import that only pages need."""
+        code = textwrap.dedent(
+            """
+            import sys, numpy, crosscheck
+            from graphdyn import Body, Joint, Placement, RobotModel
+            body = Body("body", 1.0, [0.1, 0.2, 0.3], numpy.eye(3))
+            joint = Joint("joint", "revolute", 0, Placement(), [0.0, 1.0, 0.0])
+            robot = RobotModel("pendulum", (body,), (joint,))
+            try:
+                crosscheck.assert_correct(robot, inverse_dynamics=lambda q, v, a: q, samples=1)
+            except crosscheck.WrongDynamics as wrong:
+                assert "inverse_dynamics" in str(wrong) and "DISAGREES" in str(wrong)
+                sys.exit(bool({"jinja2", "matplotlib"} & set(sys.modules)))
+            sys.exit(2)
+            """
+        )
+        assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+    def test_json(self, wrong):
+        record = json.loads(json.dumps(plain(record_of(wrong, [])), allow_nan=False))
+        assert record["verdict"] == "disagrees"
+        function = record["functions"]["inverse_dynamics"]
+        assert set(function["errors"]) == set(wrong.referees)
+        assert function["errors"]["pinocchio"]["1"] > function["bound"]
+        assert set(function["worst"]["arguments"]) == {"q", "v", "a"}
+        (diagnosis,) = record["diagnoses"]
+        assert diagnosis["kind"] == "coriolis"
+
+    def test_infinities_become_null(self):
+        judgement = crosscheck.judge("ur5", inverse_dynamics=lambda q, v, a: q * np.nan, samples=1)
+        record = plain(record_of(judgement, []))
+        assert record["functions"]["inverse_dynamics"]["errors"]["graphdyn"]["1"] is None
+        json.dumps(record, allow_nan=False)
+
+
+class TestPlugin:
+    """Two lines in a foreign test suite."""
+
+    SUITE = """
+        import graphdyn
+
+        def rnea(q, v, a):
+            return graphdyn.inverse_dynamics(graphdyn.kr500(), q, v, a).tau
+
+        def test_right(judge_dynamics):
+            judge_dynamics("kr500", inverse_dynamics=rnea, samples=2)
+
+        def test_wrong(judge_dynamics):
+            judge_dynamics("kr500", inverse_dynamics=lambda *state: -rnea(*state), samples=2)
+    """
+
+    def test_fixture(self, pytester):
+        pytester.makepyfile(self.SUITE)
+        outcome = pytester.runpytest_inprocess()
+        outcome.assert_outcomes(passed=1, failed=1)
+        outcome.stdout.fnmatch_lines(["*all torques have the opposite sign*"])
+
+    def test_installed(self, pytester):
+        """The entry point announces it; it costs no import of Pinocchio."""
+        pytester.makepyfile("def test(judge_dynamics):\n    import sys\n    assert 'pinocchio' in sys.modules\n")
+        pytester.makeconftest("import sys\nassert 'pinocchio' not in sys.modules\n")
+        pytester.runpytest_subprocess().assert_outcomes(passed=1)
