@@ -1,0 +1,95 @@
+"""The forms in which graphdyn and others do a work of the benchmark: right answers, and errors that are seen."""
+
+import os
+import shutil
+
+import numpy as np
+import pytest
+from small_benchmark import DERIVED, PEERS, SAMPLES
+
+import graphdyn
+from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.studies.bench import casadi_forms, graphdyn_forms
+from crosscheck.studies.bench.calls import CallWork, contenders
+from crosscheck.studies.bench.chains import chain
+from crosscheck.studies.bench.floor import REQUESTS
+from crosscheck.studies.bench.states import FEW, random_states
+from crosscheck.studies.bench.works import DESCRIPTIONS, OURS
+from graphdyn import kr500
+from graphdyn.kernels.programs import record
+
+needs_a_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler (cc)")
+
+
+@pytest.fixture(scope="module")
+def states():
+    return random_states(kr500(), SAMPLES, 1)
+
+
+class TestErrors:
+    """Of the answers of the verbs against Pinocchio's functions."""
+
+    @pytest.mark.parametrize(("work", "name"), [(work, name) for work, names in DERIVED.items() for name in names])
+    def test_one_wrong_number_is_seen(self, states, work, name):
+        """In any of the arrays, and in its sample only."""
+        (form, *_) = OURS[work](states, (1,))
+        answers = form.run(SAMPLES).copy()
+        right = form.errors(answers)
+        assert right.shape == (SAMPLES,)
+        assert right.max() <= DESCRIPTIONS[work][2]
+        answer = answers[DERIVED[work].index(name)]
+        answer[(7, *(0,) * (answer.ndim - 1))] += 1e-9 * np.abs(answer).max()
+        wrong = form.errors(answers) > DESCRIPTIONS[work][2]
+        assert np.flatnonzero(wrong).tolist() == [7]
+
+    def test_fewer_samples_than_are_judged(self, states):
+        (form, *_) = OURS["coriolis_matrix"](states, (1,))
+        assert len(form.errors(form.run(8))) == 8
+
+    def test_many_samples(self):
+        """The first ones are judged."""
+        states = random_states(kr500(), FEW + 1, 1)
+        (form, *_) = OURS["kinetic_energy"](states, (1,))
+        assert len(form.errors(form.run(FEW + 1))) == FEW
+
+
+class TestForms:
+    def test_cold_calls_take_all_memory_in_turn(self, states):
+        """Hot ones the same rows, and both are judged at the first."""
+        third = len(states) // 3
+        for elsewhere in (False, True):
+            ours, theirs = contenders(states, CallWork(False, third, elsewhere))
+            for call in (ours, theirs):
+                answers = [np.array(call.run(third)) for _ in range(4)]
+                rows = [slice(k * third * elsewhere, (k * elsewhere + 1) * third) for k in (0, 1, 2, 0)]
+                for answer, part in zip(answers, rows, strict=True):
+                    assert np.abs(answer - states.torque[part]).max() < 1e-9 * np.abs(states.torque).max()
+                assert call.errors(answers[1]).max() < PEERS
+
+    def test_forms_without_a_compiler(self, states, monkeypatch):
+        monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")
+        forms = graphdyn_forms.inverse(states, (1, 2))
+        assert [form.name for form in forms if form.ours] == ["graphdyn NumPy"]
+
+    @pytest.mark.parametrize("before", [None, "numpy"])
+    def test_backend_is_put_back(self, before, monkeypatch):
+        monkeypatch.delenv("GRAPHDYN_BACKEND", raising=False)
+        if before:
+            monkeypatch.setenv("GRAPHDYN_BACKEND", before)
+        with graphdyn_forms.backend("numpy"):
+            assert os.environ["GRAPHDYN_BACKEND"] == "numpy"
+        assert os.environ.get("GRAPHDYN_BACKEND") == before
+
+    def test_chain(self):
+        model = chain(5)
+        q, v = model.random_state(np.random.default_rng(0), 3)
+        tau = PinocchioModel.from_model(model).rnea(q, v, v)
+        assert np.allclose(graphdyn.joint_torques(model, q, v, v), tau, rtol=PEERS, atol=PEERS)
+
+    @needs_a_compiler
+    def test_casadi_function(self, states):
+        casadi = pytest.importorskip("casadi")
+        program = record(states.model, REQUESTS["inverse_dynamics"])
+        function = casadi_forms.casadi_function(casadi, program, "tau", "f")
+        tau = np.array(function(states.q[0], states.v[0], states.a[0])).ravel()
+        assert states.torque_errors(tau[None]).max() < PEERS

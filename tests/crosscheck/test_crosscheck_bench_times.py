@@ -1,0 +1,79 @@
+"""Times of the benchmark: runs that take turns, their quotients, and whether they can be trusted."""
+
+import time
+from pathlib import Path
+
+import pytest
+
+from crosscheck.studies.bench import cold, identification
+from crosscheck.studies.bench.benchmark import thread_numbers
+from crosscheck.studies.bench.contender import LEAST_SHARE, Entry, Measured
+from crosscheck.studies.bench.curves import Line, long_notes
+from crosscheck.studies.bench.timing import CoreShare, Ratio, Times, fitting_count, in_turns, ratio
+from graphdyn.kernels.running import interpreted
+
+
+class TestTimes:
+    def test_in_turns(self):
+        calls = []
+        runs = [lambda: calls.append("a"), lambda: calls.append("b")]
+        rows = in_turns(runs, [1, 1], repeats=3, shortest=0.0)
+        assert [len(row) for row in rows] == [3, 3]
+        assert "".join(calls).endswith("ababab")
+
+    def test_fitting_count(self):
+        asked = []
+        assert fitting_count(asked.append, 1, 5000, 1e9) == 5000
+        assert asked == sorted(asked)
+        assert fitting_count(asked.append, 700, 5000, 0.0) == 700
+        assert fitting_count(asked.append, 1, 5, 1e9) == 5
+
+    def test_ratio(self):
+        found = ratio(Times((1.0, 2.0, 3.0)), Times((10.0, 40.0, 30.0)))
+        assert (found.median, found.fastest, found.spread) == (10.0, 10.0, (10.0, 15.0))
+        # one disturbed repeat of each: the quotient of the medians, 1.5, is outside the quartiles
+        found = ratio(Times((2.0, 2.0, 9.0)), Times((4.0, 3.0, 3.0)))
+        assert found.spread[0] <= found.median == 1.5 <= found.spread[1]
+
+    @pytest.mark.parametrize(("spread", "steady"), [((10.0, 14.9), True), ((10.0, 15.1), False)])
+    def test_steady(self, spread, steady):
+        assert Ratio(12.0, 12.0, spread).steady is steady
+
+    def test_core_share(self):
+        """Of runs on one thread only: sleeping is a time without a core."""
+        share = CoreShare()
+        assert share.share == 1.0
+        in_turns([lambda: time.sleep(0.01), lambda: time.sleep(0.01)], [1, 2], 2, 0.0, share)
+        assert share.elapsed >= 0.02
+        assert share.share < LEAST_SHARE
+        share = CoreShare(elapsed=3.0, used=3.1)  # clocks differ a little
+        assert share.share == 1.0
+
+    @pytest.mark.parametrize(("most", "numbers"), [(1, (1,)), (2, (1, 2)), (6, (1, 2, 4, 6)), (8, (1, 2, 4, 8))])
+    def test_thread_numbers(self, most, numbers):
+        assert thread_numbers(most) == numbers
+
+    def test_exponent(self):
+        x = (1, 2, 4, 8, 16)
+        assert Line("", 1, x, tuple(Times((3.0 * k**2,)) for k in x)).exponent == pytest.approx(2.0)
+        assert Line("", 1, (1, 2), (Times((1.0,)), Times((2.0,)))).exponent is None
+
+    def test_an_error_that_is_not_a_number_is_not_in_bound(self):
+        entry = Entry("graphdyn", 1, True, 1, Times((1.0,)), float("inf"), 1, "")
+        assert not Measured("", "", "", 1.0, (entry,)).agrees
+
+    def test_memory_that_nobody_tells(self, monkeypatch):
+        def absent(*_args, **_options):
+            raise FileNotFoundError
+
+        monkeypatch.setattr(Path, "read_text", absent)
+        assert cold._memory("VmRSS") is None
+        assert identification.free_memory() == 2 * 1024**3
+
+
+def test_note_on_long_chains():
+    """It names the number of bodies whatever lengths are measured; nothing is said where all code is alike."""
+    assert long_notes((2, 60)) == ("beyond 24 bodies, code for one body after the other",)
+    assert long_notes((2, 24)) == ()
+    with interpreted():
+        assert long_notes((2, 60)) == ()

@@ -1,0 +1,63 @@
+"""A benchmark of one arm, measured once, and what it consists of. Its times are too short to say anything."""
+
+import functools
+from dataclasses import replace
+
+import pytest
+
+from crosscheck.studies.bench import benchmark
+from crosscheck.studies.bench.benchmark import PARTS, Effort
+from crosscheck.studies.bench.calls import CALLS
+from crosscheck.studies.bench.load import Load
+from crosscheck.studies.bench.timing import Times
+from graphdyn import kr500
+
+SMALL = Effort(duration=1e-3, repeats=3, processes=1, most_loop=300, lengths=(2, 3, 4))
+SAMPLES = 60
+
+PEERS = 1e-10
+"""Other libraries against Pinocchio on the scales of the works: principal axes and other recursions round more."""
+
+DERIVED = {
+    "inverse_dynamics_derivatives": ("dtau_dq", "dtau_dv", "dtau_da"),
+    "forward_dynamics_derivatives": ("da_dq", "da_dv", "da_dtau"),
+    "mass_matrix_inverse": ("mass_matrix_inverse",),
+    "coriolis_matrix": ("coriolis_matrix",),
+    "kinetic_energy": ("kinetic_energy",),
+    "frame_jacobian": ("frame_jacobian",),
+}
+
+WORKS = (
+    "inverse_dynamics",
+    "forward_dynamics",
+    "everything",
+    "regressor",
+    *DERIVED,
+    "simulation",
+    *CALLS,
+    "single_inverse",
+    "single_forward",
+)
+
+
+@functools.cache
+def measured():
+    """A benchmark of one arm, whose steps of progress are as many as it promises."""
+    steps = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(benchmark, "QUICK", SMALL)
+        patch.setattr("crosscheck.studies.bench.contender.STEADY", SMALL.duration)
+        result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
+    assert sum(steps) == PARTS
+    return result
+
+
+def quiet(found):
+    """The same, as if nothing had disturbed it: all repeats alike."""
+
+    def calm(entry):
+        return replace(entry, times=Times((entry.times.median,) * len(entry.times.seconds)))
+
+    works = tuple(replace(x, core_share=1.0, entries=tuple(map(calm, x.entries))) for x in found.works)
+    once = replace(found.identification, entries=tuple(map(calm, found.identification.entries)))
+    return replace(found, works=works, identification=once, load=(Load(0.1, 2), Load(1.0, 2)))
