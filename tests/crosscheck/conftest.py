@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from planting import Plant, mixed_tree
+from planting import PLANTED, Plant, compared, mixed_tree, with_body
 from textbook import TextbookArm
 from urdf_text import joint, link, robot_text
 
@@ -45,9 +45,6 @@ def picky(q, v, a):
 def broken(q, v, a):
     raise RuntimeError("out of ideas")
 """
-
-PLANTED = 1e-9
-"""Relative error of the fixture wrong_torque."""
 
 SMALL_ARM = robot_text(
     "small",
@@ -121,6 +118,23 @@ def ur5():
 def textbook(ur5):
     """Right code for the ur5, which shares no line with graphdyn."""
     return TextbookArm.of(ur5)
+
+
+@pytest.fixture(scope="session")
+def small_comparison(tmp_path_factory):
+    """Of a file: both routes, a fused tool, a slide."""
+    path = tmp_path_factory.mktemp("robots") / "small.urdf"
+    path.write_text(SMALL_ARM, encoding="utf-8")
+    return compared(path)
+
+
+@pytest.fixture(scope="session")
+def wrong_comparison(tree):
+    """Of the random tree, heavier in Pinocchio than here."""
+    with pytest.MonkeyPatch.context() as patch:
+        mass = tree.bodies[0].mass * (1 + PLANTED)
+        Plant(patch).referee_model(lambda model: with_body(model, 1, mass=mass))
+        return compared(tree)
 
 
 @pytest.fixture

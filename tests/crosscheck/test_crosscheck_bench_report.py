@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import small_benchmark
 from jsonschema import Draft202012Validator
-from lxml import etree
+from pages import parsed
 from planted_records import planted
 from rich.cells import cell_len
 from small_benchmark import SAMPLES, WORKS, quiet
@@ -137,7 +137,7 @@ class TestSaid:
         path = tmp_path / "bench.html"
         assert program("--html", path).exit_code == 0
         page = path.read_text(encoding="utf-8")
-        root = etree.fromstring(page.encode(), etree.HTMLParser(encoding="utf-8"))
+        root = parsed(page)
         ids = [element.get("id") for element in root.iter() if element.get("id")]
         assert len(set(ids)) == len(ids)
         assert {*WORKS, *(curve.name for curve in found.curves), "identification", "once"} <= set(ids)

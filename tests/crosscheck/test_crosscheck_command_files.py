@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from planting import Plant
+from planting import PLANTED, Plant
 
 import urdf
 from crosscheck.cli import output_files
@@ -17,7 +17,6 @@ from crosscheck.referee.states import cases
 from crosscheck.report.versions import versions
 from graphdyn import inverse_dynamics
 
-PLANTED = 1e-9
 REPRODUCED = 1e-3
 """An error of 1e-9, computed a second time from the recorded state: rounding is 1e-15 of the same scale."""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
-from lxml import etree
+from pages import parsed
 from planting import mixed_tree
 from typer.testing import CliRunner
 
@@ -153,7 +153,7 @@ class TestFiles:
         assert off < wrong
 
     def check_page(self, page, recording):
-        root = etree.fromstring(page.encode(), etree.HTMLParser(encoding="utf-8"))
+        root = parsed(page)
         assert len(page) < LARGEST
         assert not re.findall(r'(?:src|href)="(?!#)', page)
         assert len(root.findall(".//svg")) == 2 * len(recording["joint_names"]) + 3

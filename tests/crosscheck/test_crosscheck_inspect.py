@@ -10,8 +10,8 @@ from browser import CHROMIUM, document
 from inspection_cases import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
 from inspection_workers import broken, fatal
 from jsonschema import Draft202012Validator
-from lxml import etree
 from mesh_files import box, mesh, one_link, stl, visual
+from pages import parsed
 from typer.testing import CliRunner
 
 import urdf
@@ -46,10 +46,6 @@ def run(*arguments):
 
 def page_of(*files, failures=()):
     return page(inspect_report([urdf.inspect(file) for file in files], failures), ["graphdyn"], {})
-
-
-def parsed(text):
-    return etree.fromstring(text.encode(), etree.HTMLParser(encoding="utf-8"))
 
 
 def words(element):

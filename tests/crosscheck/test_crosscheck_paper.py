@@ -4,14 +4,13 @@ import dataclasses
 import json
 import math
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from browser import CHROMIUM, too_wide
 from jsonschema import Draft202012Validator
-from lxml import etree
+from pages import complaints, parsed, table
 from planted_records import planted
 from rich.cells import cell_len
 from typer.testing import CliRunner
@@ -49,8 +48,6 @@ LARGEST_PRINTED_ERROR = 0.0424
 QUOTIENT = 1e-6
 """Of two numbers of seven digits, relative."""
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-
 
 @pytest.fixture(scope="module")
 def found():
@@ -79,13 +76,6 @@ def shown(found, monkeypatch, width=console.WIDTH):
     return captured.get()
 
 
-def rows(html, caption):
-    """Cells of the table with this caption, row by row."""
-    root = etree.fromstring(html.encode(), etree.HTMLParser(encoding="utf-8"))
-    (table,) = [t for t in root.iter("table") if caption in "".join(t.find("caption").itertext())]
-    return [[" ".join("".join(cell.itertext()).split()) for cell in row] for row in table.find("tbody")]
-
-
 class TestTable2:
     @pytest.mark.parametrize("name", TABLE_2.rows)
     def test_every_printed_digit(self, found, name):
@@ -99,8 +89,8 @@ class TestTable2:
         assert dataclasses.replace(found.geometry, ours=wrong).differing == 1
 
     def test_length_of_a_row(self):
-        for table in (TABLE_2, TABLE_3, TABLE_4, MULTIPLIERS):
-            assert {len(row) for row in table.rows.values()} == {6}
+        for printed in (TABLE_2, TABLE_3, TABLE_4, MULTIPLIERS):
+            assert {len(row) for row in printed.rows.values()} == {6}
 
 
 class TestIdentification:
@@ -377,39 +367,46 @@ class TestRecord:
 
 class TestPage:
     def test_tables(self, found, page):
-        table_2 = rows(page, "from 7801 kg/m³")
+        table_2 = table(page, "from 7801 kg/m³")
         assert table_2[4] == ["m [kg]", "printed", *(number.text for number in TABLE_2.rows["m [kg]"])]
         assert table_2[5] == ["", "graphdyn", *found.geometry.texts[2]]
-        table_3 = rows(page, "Table 3 [kg")
+        table_3 = table(page, "Table 3 [kg")
         assert len(table_3) == 18
         assert table_3[15][:3] == ["J_33", "printed", "982.8120"]
         assert table_3[15][5] == "5.4619 B5"
         assert "5.4619 is a misprint for 5.6419 (B5)." in page
         assert table_3[16][:3] == ["", "exact data", "–"]
-        assert len(rows(page, "Table 4 [kg")) == 18
-        assert len(rows(page, "Over the 33 entries")) == 3 + len(found.identification.rounded)
+        assert len(table(page, "Table 4 [kg")) == 18
+        assert len(table(page, "Over the 33 entries")) == 3 + len(found.identification.rounded)
 
     def test_section_3_2(self, found, page):
-        printed = {row[0]: row[1:] for row in rows(page, "Eq. (113)-(118)")}
+        printed = {row[0]: row[1:] for row in table(page, "Eq. (113)-(118)")}
         assert list(printed) == [number.name for number in found.numbers]
         assert printed["λ_33"][:3] == ["2.393758e4 B6", "-2.393758e+04", "7"]
         assert "2.393758e4 is a misprint for -2.393758e4 (B6)." in page
         assert printed["λ_24"][1] == "–"
-        corrected = rows(page, "All thirty multipliers")
+        corrected = table(page, "All thirty multipliers")
         assert len(corrected) == 12
         assert corrected[0][2:] == corrected[1][2:]
-        assert [row[0] for row in rows(page, "tan 33.75°")] == ["2", "3", "5"]
+        assert [row[0] for row in table(page, "tan 33.75°")] == ["2", "3", "5"]
 
     def test_checks_and_errata(self, found, page):
-        assert [row[1] for row in rows(page, "Each number with its bound")] == ["✓ holds"] * len(found.checks)
-        assert len(rows(page, "Quantiles")) == len(found.effects)
+        assert [row[1] for row in table(page, "Each number with its bound")] == ["✓ holds"] * len(found.checks)
+        assert len(table(page, "Quantiles")) == len(found.effects)
 
     def test_failure(self, found):
         broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
         html = page_of(broken)
         assert "✗ 1 of 1 checks DO NOT HOLD" in html
         assert "Not every number is" in html
-        assert rows(html, "Each number with its bound")[0] == ["here", "✗ DOES NOT HOLD", "this", "–", "≤ 1", "because"]
+        assert table(html, "Each number with its bound")[0] == [
+            "here",
+            "✗ DOES NOT HOLD",
+            "this",
+            "–",
+            "≤ 1",
+            "because",
+        ]
 
     def test_pictures(self, page):
         labels = re.findall(r'<svg[^>]*aria-label="([^"]*)"', page)
@@ -443,10 +440,7 @@ class TestPage:
             assert [panel.unit for panel in plot.panels] == ["kN", "kN m", "kN m"]
 
     def test_well_formed(self, page):
-        known = {"ERR_HTML_UNKNOWN_TAG", "HTML_UNKNOWN_TAG"}  # libxml2 knows no <svg>, <main>, <figure>
-        parser = etree.HTMLParser()
-        etree.fromstring(page.encode(), parser)
-        assert [e.message for e in parser.error_log if e.type_name not in known] == []
+        assert complaints(page) == []
         ids = re.findall(r'\bid="([^"]+)"', page)
         assert len(set(ids)) == len(ids)
         assert set(re.findall(r'href="#([^"]+)"', page) + re.findall(r"url\(#([^)]+)\)", page)) <= set(ids)
@@ -455,14 +449,14 @@ class TestPage:
         written = re.sub(r"<script>.*?</script>", "", page, flags=re.DOTALL)  # a comment of uPlot names its home
         assert set(re.findall(r"""https?://[^"'\s<)]*""", written)) == {"http://www.w3.org/2000/svg"}
         assert "default-src 'none'" in page
-        root = etree.fromstring(page.encode(), etree.HTMLParser())
+        root = parsed(page)
         assert not root.xpath("//link | //img | //iframe | //script[@src]")
         assert len(page.encode()) < LARGEST
 
     def test_semantics(self, page):
-        root = etree.fromstring(page.encode(), etree.HTMLParser())
+        root = parsed(page)
         assert len(root.xpath("//h1")) == 1
-        assert all(table.find("caption") is not None for table in root.iter("table"))
+        assert all(one.find("caption") is not None for one in root.iter("table"))
         assert all(cell.get("scope") in ("row", "col", "rowgroup") for cell in root.iter("th"))
 
     def test_same_arguments_same_page(self, found, page):
@@ -470,24 +464,4 @@ class TestPage:
 
     @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
     def test_never_wider_than_its_window(self, tmp_path, page):
-        (tmp_path / "page.html").write_text(page, encoding="utf-8")
-        frames = "".join(
-            f'<iframe src="page.html" style="border:0;width:{width}px;height:800px"></iframe>' for width in (1280, 400)
-        )
-        probe = (
-            f"<!DOCTYPE html><html><body>{frames}<script>onload = () => document.body.dataset.measured = "
-            '[...document.querySelectorAll("iframe")].map(frame => frame.contentDocument.documentElement.scrollWidth'
-            ' + "/" + frame.contentWindow.innerWidth).join(" ");</script></body></html>'
-        )
-        (tmp_path / "probe.html").write_text(probe, encoding="utf-8")
-        options = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking",
-                   "--disable-component-update", "--disable-sync", "--disable-quic", "--allow-file-access-from-files",
-                   f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=5000", "--dump-dom"]  # fmt: skip
-        dumped = subprocess.run(
-            [CHROMIUM, *options, (tmp_path / "probe.html").as_uri()],
-            capture_output=True, text=True, timeout=300, check=True, encoding="utf-8",
-        ).stdout  # fmt: skip
-        (measured,) = re.findall(r'data-measured="([^"]*)"', dumped)
-        widths = [tuple(map(int, pair.split("/"))) for pair in measured.split()]
-        assert [window for _, window in widths] == [1280, 400]
-        assert all(content <= window for content, window in widths), widths
+        assert too_wide({"page.html": page}, tmp_path) == []

@@ -9,8 +9,8 @@ import sys
 
 import numpy as np
 import pytest
-from lxml import etree
 from markupsafe import Markup
+from pages import parsed
 
 from crosscheck.report.html import LONG_NOTE, page
 from crosscheck.report.pictures.plot import MOST_POINTS, plot_data, plot_picture, thinned
@@ -47,7 +47,7 @@ def report(*blocks, verdict=GOOD, sections=()):
 def shown(*blocks, **options):
     """The page, parsed."""
     text = page(report(*blocks, **options), ["graphdyn", "test"], {"graphdyn": "1"})
-    return etree.fromstring(text.encode(), etree.HTMLParser(encoding="utf-8"))
+    return parsed(text)
 
 
 def words(element):

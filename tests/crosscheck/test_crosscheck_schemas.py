@@ -12,7 +12,7 @@ import pytest
 from jsonschema import Draft202012Validator, ValidationError
 from long_check import few
 from planted_records import planted
-from planting import mixed_tree
+from planting import PLANTED, mixed_tree
 from typer.testing import CliRunner
 
 import crosscheck
@@ -27,7 +27,6 @@ from crosscheck.studies.errata import Effect
 
 ROOT = Path(__file__).parents[2]
 SCHEMAS = {path.name: json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "docs/schemas").glob("*.json")}
-PLANTED = 1e-9
 
 
 def file_name(form):

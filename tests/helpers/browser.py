@@ -1,5 +1,6 @@
 """Headless Chromium, where the machine has one."""
 
+import re
 import shutil
 import subprocess
 
@@ -20,3 +21,37 @@ def document(address, profile):
     )  # fmt: skip
     assert [line for line in shown.stderr.splitlines() if "CONSOLE" in line] == []
     return shown.stdout
+
+
+WIDTHS = (1280, 400)
+
+PROBE = """<!DOCTYPE html><html><body>
+{frames}
+<script>
+onload = () => {{
+  const measured = [...document.querySelectorAll("iframe")].map(frame =>
+    frame.contentDocument.documentElement.scrollWidth + "/" + frame.contentWindow.innerWidth);
+  document.body.dataset.measured = measured.join(" ");
+}};
+</script></body></html>
+"""
+
+
+def too_wide(pages, folder):
+    """Which of these pages, by file name, are wider than a window of WIDTHS: name, width of the page and of the window.
+
+    Fails if a script of a page complains.
+    """
+    shown, frames = [], ""
+    for name, text in pages.items():
+        (folder / name).write_text(text, encoding="utf-8")
+        for width in WIDTHS:
+            shown.append((name, width))
+            frames += f'<iframe src="{name}" style="border:0;width:{width}px;height:800px"></iframe>\n'
+    (folder / "probe.html").write_text(PROBE.format(frames=frames), encoding="utf-8")
+    (measured,) = re.findall(r'data-measured="([^"]*)"', document((folder / "probe.html").as_uri(), folder / "profile"))
+    widths = [tuple(map(int, pair.split("/"))) for pair in measured.split()]
+    assert [window for _, window in widths] == [window for _, window in shown]
+    return [
+        (name, content, window) for (name, _), (content, window) in zip(shown, widths, strict=True) if content > window
+    ]

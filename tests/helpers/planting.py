@@ -18,6 +18,9 @@ SEED = 3
 SAMPLES = 2
 """Enough to tell one sample from another."""
 
+PLANTED = 1e-9
+"""A planted error, as a part of the value: far above rounding, and far below what one would notice."""
+
 
 def mixed_tree() -> RobotModel:
     return random_tree(7, [0, 1, 1], ["revolute", "prismatic", "continuous"])

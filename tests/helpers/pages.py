@@ -1,0 +1,66 @@
+"""Pages of a comparison and of a judgement, and what a test reads in them."""
+
+import html
+import re
+
+from lxml import etree
+
+from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.report.html import page as page_of
+from crosscheck.report.versions import versions
+
+COMMAND = ["graphdyn", "crosscheck", "my arm.urdf", "--html", "page.html"]
+VOID = {"meta", "br", "hr", "img", "link", "input", "wbr"}
+
+
+def comparison_page(comparisons, command, failures=()):
+    return page_of(crosscheck_report(comparisons, failures), command, versions())
+
+
+def parsed(text):
+    return etree.fromstring(text.encode(), etree.HTMLParser(encoding="utf-8"))
+
+
+def complaints(text):
+    """What libxml2 finds wrong in a page; it knows no <svg>, <main>, <figure>."""
+    parser = etree.HTMLParser()
+    etree.fromstring(text.encode(), parser)
+    known = {"ERR_HTML_UNKNOWN_TAG", "HTML_UNKNOWN_TAG"}
+    return [error.message for error in parser.error_log if error.type_name not in known]
+
+
+def table(text, caption):
+    """Texts of the cells of the table with this caption, row by row."""
+    (found,) = [one for one in parsed(text).iter("table") if caption in "".join(one.xpath("caption//text()"))]
+    return [[" ".join("".join(cell.itertext()).split()) for cell in row] for row in found.find("tbody")]
+
+
+def rows(text, caption):
+    """The same, by the first cell."""
+    return {row[0]: row[1:] for row in table(text, caption)}
+
+
+def snippets(text):
+    """The Python of the page, in its order; the last block is the command."""
+    return [html.unescape(code) for code in re.findall(r"<pre><code>(.*?)</code></pre>", text, re.DOTALL)][:-1]
+
+
+def executed(code, capsys, **names):
+    """The names that a snippet leaves, and the last line that it prints as a number."""
+    capsys.readouterr()
+    exec(compile(code, "<page>", "exec"), names)
+    return names, float(capsys.readouterr().out.splitlines()[-1])
+
+
+def balanced(text):
+    """Whether every element is closed, in order."""
+    text = re.sub(r"<!DOCTYPE[^>]*>|<!--.*?-->", "", text, flags=re.DOTALL)
+    text = re.sub(r"<(script|style)>.*?</\1>", "", text, flags=re.DOTALL)
+    stack = []
+    for closing, tag, empty in re.findall(r"<(/?)([a-zA-Z][\w-]*)(?:\"[^\"]*\"|[^>\"])*?(/?)>", text):
+        if closing:
+            if not stack or stack.pop() != tag:
+                return False
+        elif tag not in VOID and not empty:
+            stack.append(tag)
+    return not stack
