@@ -9,7 +9,7 @@ from crosscheck.identifying.pooling import pooled
 from crosscheck.identifying.preparation import Preparation
 from crosscheck.identifying.trial_problems import problems_of
 from graphdyn import RobotModel
-from graphdyn.identification import OrdinaryLeastSquares, ResidualStatistics, TorqueModel, residual_statistics
+from graphdyn.identification import OrdinaryLeastSquares, Problem, ResidualStatistics, TorqueModel, residual_statistics
 from graphdyn.identification.terms import Offset
 
 
@@ -24,11 +24,21 @@ class Baselines:
     cad: ResidualStatistics | None
 
 
+def constant_model(robot: RobotModel) -> TorqueModel:
+    """A constant torque per joint."""
+    return TorqueModel(robot, (Offset(),))
+
+
+def fitted_constant(train: Problem, test: Problem) -> ResidualStatistics:
+    """Errors on the rows of `test` of the mean torque of those of `train`, both of a constant_model."""
+    (errors,) = residual_statistics(test, OrdinaryLeastSquares().estimate(train).parameters[None])
+    return errors
+
+
 def constant_errors(robot: RobotModel, preparation: Preparation, division: Division) -> ResidualStatistics:
-    """Of the mean torque of the fitted rows."""
-    fit, parts = preparation.problem(TorqueModel(robot, (Offset(),)), division.fit), []
+    """Errors of the mean torque of the fitted rows, of all trials together."""
+    fit, parts = preparation.problem(constant_model(robot), division.fit), []
     for trial in division.trials:
         train, test, _ = problems_of(trial, fit, division.fit, preparation)
-        x = OrdinaryLeastSquares().estimate(train).parameters
-        parts.extend(residual_statistics(test, x[None]))
+        parts.append(fitted_constant(train, test))
     return pooled(parts)

@@ -12,12 +12,8 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings import Recording, Split, concatenated, split_by_rows, split_by_time, time_folds
 from crosscheck.recordings.filtering import settling_time
-from crosscheck.recordings.splits import Interval, fold_rows
+from crosscheck.recordings.splits import GUARD, Interval, fold_rows
 from graphdyn import InvalidInput
-
-GUARD = 0.25
-"""Time left out between fit and prediction where the program chooses the border [s]: noise and filter correlate
-neighbouring rows."""
 
 FORGOTTEN = 1e-2
 """Part of a predicted torque that the filter may still carry into the fit across the guard."""

@@ -8,6 +8,7 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crosscheck.identifying.baselines import constant_model, fitted_constant
 from crosscheck.identifying.candidate_models import CandidateModel, with_links_of_cad
 from crosscheck.identifying.health import health
 from crosscheck.identifying.holding_out import Division, Trial
@@ -27,18 +28,14 @@ from graphdyn.identification import (
     GeneralisedLeastSquares,
     MaximumLikelihood,
     Problem,
-    ResidualStatistics,
     ReweightedLeastSquares,
     RobustConsistent,
     TorqueModel,
     Tunable,
-    WeightedLeastSquares,
     compare_methods,
-    residual_statistics,
 )
 from graphdyn.identification.one_thread import one_thread
 from graphdyn.identification.plausibility import POSES
-from graphdyn.identification.terms import Offset
 from urdf._cutting import Chain
 
 EXCERPT = 100_000
@@ -124,7 +121,8 @@ def identify_long(
             _fitted(compared, candidate, fitted, predicted, division, preparation, poses, say)
             for candidate in candidates
         )
-        constant = _constant(compared, fitted, predicted, say("constant torque"))
+        mean, told = constant_model(compared.model), say("constant torque")
+        constant = fitted_constant(Problem(mean, fitted, progress=told), Problem(mean, predicted, progress=told))
     return Identified(
         **{field.name: getattr(main, field.name) for field in fields(main)},
         recordings=tuple(begun),
@@ -191,18 +189,6 @@ def _fitted(
         name=candidate.name,
         cad_of=candidate.cad_of,
     )
-
-
-def _constant(
-    compared: Subject,
-    fitted: PartitionedRecording,
-    predicted: PartitionedRecording,
-    progress: Callable[[int], None] | None,
-) -> ResidualStatistics:
-    """Of the mean torque of the fitted rows."""
-    torque_model = TorqueModel(compared.model, (Offset(),))
-    fit, ahead = (Problem(torque_model, data, progress=progress) for data in (fitted, predicted))
-    return residual_statistics(ahead, WeightedLeastSquares().estimate(fit).parameters[None])[0]
 
 
 def _refuse_shared(fitted: PartitionedRecording, predicted: PartitionedRecording) -> None:

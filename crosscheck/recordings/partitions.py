@@ -20,6 +20,7 @@ from crosscheck.recordings.mapping_by_name import mapping_by_name
 from crosscheck.recordings.recording import Recording
 from crosscheck.recordings.resampling import sampling_rate
 from crosscheck.recordings.row_filters import BORDERS, torque_filter
+from crosscheck.recordings.splits import GUARD
 from crosscheck.recordings.stamps import Origin
 from crosscheck.recordings.windows import Place, appended, refuse_uneven, window_of
 from graphdyn import InvalidInput
@@ -27,9 +28,6 @@ from graphdyn.identification import Samples
 
 HEAD = 1000
 """Rows from which the sampling rate of a log is taken."""
-
-GUARD = 0.25
-"""Time left out before the end where not the whole log is taken [s]: noise and filter correlate neighbouring rows."""
 
 
 @dataclass(frozen=True, eq=False)

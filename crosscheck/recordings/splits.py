@@ -13,6 +13,10 @@ from graphdyn import InvalidInput
 
 Interval = tuple[float, float]
 
+GUARD = 0.25
+"""Time left out between fit and prediction where the program chooses the border [s]: noise and filter correlate
+neighbouring rows."""
+
 
 class Split(NamedTuple):
     """Rows that are fitted, and rows that are predicted."""

@@ -5,6 +5,7 @@ import shutil
 import signal
 from dataclasses import replace
 
+import identified_arm
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -57,11 +58,7 @@ def written(path, columns, rows=slice(None)):
 
 @pytest.fixture(scope="module")
 def columns():
-    """2500 rows of the small arm."""
-    recording = virtual().fitted
-    n = recording.n_joints
-    names = ["time_s", *(f"q_{k}" for k in range(1, n + 1)), *(f"tau_{k}" for k in range(1, n + 1))]
-    return dict(zip(names, np.column_stack([recording.t, recording.q, recording.tau]).T, strict=True))
+    return identified_arm.columns()
 
 
 @pytest.fixture(scope="module")

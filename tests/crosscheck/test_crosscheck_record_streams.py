@@ -1,5 +1,6 @@
 """Recordings read in windows: the same samples as those of the whole file, and the same estimate."""
 
+import identified_arm
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -25,11 +26,7 @@ FORGOTTEN = 1e-4
 
 @pytest.fixture(scope="module")
 def columns():
-    """2500 rows of the small arm."""
-    recording = virtual().fitted
-    n = recording.n_joints
-    names = ["time_s", *(f"q_{k}" for k in range(1, n + 1)), *(f"tau_{k}" for k in range(1, n + 1))]
-    return dict(zip(names, np.column_stack([recording.t, recording.q, recording.tau]).T, strict=True))
+    return identified_arm.columns()
 
 
 @pytest.fixture

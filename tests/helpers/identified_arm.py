@@ -2,6 +2,7 @@
 
 import functools
 
+import numpy as np
 from planting import mixed_tree
 
 import crosscheck
@@ -15,6 +16,14 @@ POSES = 20
 def virtual():
     """Three bodies, a branch and a slide, 10 s at 250 Hz."""
     return virtual_robot(mixed_tree(), friction_terms(["viscous", "coulomb"], width=0.05), seconds=10.0)
+
+
+def columns():
+    """Its 2500 rows by the names of columns, as in a file."""
+    recording = virtual().fitted
+    joints = range(1, recording.n_joints + 1)
+    names = ["time_s", *(f"q_{k}" for k in joints), *(f"tau_{k}" for k in joints)]
+    return dict(zip(names, np.column_stack([recording.t, recording.q, recording.tau]).T, strict=True))
 
 
 def identified(methods=("ols", "wls", "consistent"), **options):
