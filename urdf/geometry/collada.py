@@ -21,9 +21,6 @@ from urdf.geometry.triangles import MOST_TRIANGLES, Triangles
 MOST_NODES, DEEPEST = 20_000, 100
 """Largest number of nodes of a scene, those that it shows several times counted as often; largest depth of them."""
 
-WITHOUT_SURFACE = ("lines", "linestrips")
-"""Parts of a geometry that are no triangles and belong to no surface."""
-
 
 def read_collada(content: bytes) -> list[Triangles]:
     """The triangles of the scene [m], in the axes of the file: <up_axis> is left aside, as in RViz and Pinocchio.

@@ -10,7 +10,6 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 """In this order: urdf.load refuses the file; it loads, but its dynamics are doubtful; good to know."""
 
 Verdict = Literal["dynamics", "kinematics only", "refused"]
-VERDICTS: tuple[Verdict, ...] = ("dynamics", "kinematics only", "refused")
 
 NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close")
 """Codes of the findings that leave a robot fit for kinematics only."""

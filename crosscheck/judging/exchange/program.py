@@ -10,9 +10,6 @@ from crosscheck.judging.exchange.protocols import Protocol, Shape, Unreadable
 from crosscheck.judging.foreign import Refusal
 from graphdyn.layout import Array
 
-TIME_LIMIT = 30.0
-"""Time limit of an answer unless another one is given, the start of the program included [s]."""
-
 
 class ProgramFunction:
     """A foreign function that a program computes. It runs from the first question to close(), or once per batch.

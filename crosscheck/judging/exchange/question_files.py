@@ -11,8 +11,6 @@ import numpy as np
 from crosscheck.judging.exchange.protocols import number_text
 from crosscheck.judging.exchange.questions import ARGUMENTS, Question
 
-ENDINGS = (".csv", ".json", ".npz", ".parquet")
-
 
 def as_csv(asked: Sequence[Question]) -> bytes:
     """A row per question: id, function, and the numbers of all arguments, empty where the function takes none."""

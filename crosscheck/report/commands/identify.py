@@ -155,14 +155,7 @@ def _methods_blocks(found: Identified) -> tuple[Block, ...]:
         *pictures,
         _errors(found, "held out", {c.name: c.result.held_out for c in found.candidates}),
         *([trial_errors(found)] if len(found.trials) > 1 else []),
-        *(
-            _errors(
-                found,
-                f"kept aside: {rows.name}",
-                {c.name: c.model.aside[k].statistics.get(c.result.name) for c in answered},
-            )
-            for k, rows in enumerate(found.aside)
-        ),
+        *(_errors(found, f"kept aside: {rows.name}", _aside(answered, k)) for k, rows in enumerate(found.aside)),
         _errors(found, "fitted", {c.name: c.result.training for c in found.candidates}),
         Notes(assumed, title="What each method assumes and needs", on=("page",), folded=True),
     )
