@@ -138,7 +138,7 @@ def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
     of_motors = np.swapaxes(motions[..., motors, :], -1, -2)  # (…, n, n_actuated)
     left, values, right = np.linalg.svd(of_motors, full_matrices=False)
     kept = values > RANK
-    _refuse_idle(model, spaces, kept, motions, motors)
+    _refuse_idle(model, spaces, kept, motors)
     inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
     to_motors = (np.swapaxes(right, -1, -2) * inverse[..., None, :]) @ np.swapaxes(left, -1, -2)
     whole = np.zeros((*motions.shape[:-2], model.n_freedoms, model.n_freedoms))
@@ -187,9 +187,7 @@ def refuse_massless_motions(model: RobotModel, spaces: LoopSpaces, mass: Array) 
     )
 
 
-def _refuse_idle(
-    model: RobotModel, spaces: LoopSpaces, kept: NDArray[np.bool_], motions: Array, motors: list[int]
-) -> None:
+def _refuse_idle(model: RobotModel, spaces: LoopSpaces, kept: NDArray[np.bool_], motors: list[int]) -> None:
     """Raises InvalidInput, naming the motion that is left, where motors hold fewer motions than are free."""
     idle = np.count_nonzero(kept, axis=-1) < np.count_nonzero(spaces.free, axis=-1)
     if not idle.any():

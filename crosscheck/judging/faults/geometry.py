@@ -32,8 +32,8 @@ def geometry(model: RobotModel) -> Iterator[Family]:
     for k, name in enumerate(model.joint_names):
         at, slides = np.arange(n) == k, model.joints[k].is_prismatic
         yield _translation(model, k)
-        yield _rotation(model, k, f"the placement of joint '{name}' is turned", "rotations")
-        yield _rotation(model, k, f"the axis of joint '{name}' is tilted", "axes")
+        yield _rotation(k, f"the placement of joint '{name}' is turned", "rotations")
+        yield _rotation(k, f"the axis of joint '{name}' is tilted", "axes")
         yield _zero(name, k, slides)
         yield _gear(name, at)
         for which, what in (
@@ -71,7 +71,7 @@ def _translation(model: RobotModel, k: int) -> Family:
     return Family(np.zeros(3), change, say)
 
 
-def _rotation(model: RobotModel, k: int, message: str, field: str) -> Family:
+def _rotation(k: int, message: str, field: str) -> Family:
     """A small turn of the joint frame, or of its axis, by a vector [rad]: Cayley's, differentiable at zero."""
 
     def change(code: Code, x: Array) -> Code:

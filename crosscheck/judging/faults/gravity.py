@@ -18,10 +18,10 @@ ROUND = 1e-6
 def gravity(model: RobotModel) -> Iterator[Family]:
     """Components in axes of the ground, to which torques at rest are linear."""
     ours = model.base.rotation.T @ model.gravity
-    yield Family(ours, lambda code, g: code.but(gravity=g), lambda g: [_said(model, ours, g)])
+    yield Family(ours, lambda code, g: code.but(gravity=g), lambda g: [_said(ours, g)])
 
 
-def _said(model: RobotModel, ours: Array, found: Array) -> Said:
+def _said(ours: Array, found: Array) -> Said:
     shown, here = (", ".join(f"{x:.6g}" for x in np.where(np.abs(g) < ROUND, 0.0, g)) for g in (found, ours))
     factor = float(found @ ours / (ours @ ours)) if ours.any() else np.nan
     size = 1

@@ -88,7 +88,7 @@ def _draw(
             _draw_line(panel, line, k, (color - (len(lines) - 1) / 2) / max(1, len(lines)), color, reach[1])
     bottom = 0.08 / height
     axes.text((LEFT + across * width / 2) / WIDTH, bottom, title, fontsize=8.5, color=INK, ha="center", va="bottom")
-    _draw_key(axes, lines, height)
+    _draw_key(axes, lines)
 
 
 def _frame(
@@ -151,7 +151,7 @@ def _draw_runs(panel: Axes, at: float, errors: Array, links: Sequence[str], colo
                 dots.set_urls([links[k] for k in np.flatnonzero(which).tolist()])
 
 
-def _draw_key(axes: Axes, lines: Sequence[ErrorLine], height: float) -> None:
+def _draw_key(axes: Axes, lines: Sequence[ErrorLine]) -> None:
     named = [line for line in lines if line.name]
     handles = [
         axes.plot([], [], color=CURVES[k % len(CURVES)], linewidth=1.4, marker="o", markersize=3, label=line.name)[0]

@@ -73,7 +73,7 @@ def _random(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: 
     return _repeated(found)
 
 
-def _excited(plant: Plant, settings: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
+def _excited(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
     """For equal shares of noise in the torques of all joints, whatever the noise of the scenario."""
     torque_model = plant.known_exactly
     basis = FourierBasis(min(duration, PERIOD), HARMONICS)
