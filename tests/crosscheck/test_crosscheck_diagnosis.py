@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_cases import CASES, ROBOTS, factors
+from diagnosis_case import ROBOTS
+from diagnosis_cases import CASES
+from diagnosis_plants import factors
 from diagnosis_run import in_single_precision, judged, verdict
 from planting import mixed_tree
 from shared_data import existing

@@ -1,215 +1,31 @@
-"""Faults planted in the textbook recursion, on six robots, and what a diagnosis has to say about each.
-
-`CASES` is the table: name, robot, plant, the words that name the fault, the words that locate it.
-"""
-
-from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
-from zlib import crc32
+"""Faults planted in the textbook recursion, on six robots, and what a diagnosis has to say: the table `CASES`."""
 
 import numpy as np
+from diagnosis_bodies import BODIES
+from diagnosis_case import Case
 from diagnosis_files import FILE_PLANTS
-from foreign_faults import PLANTS, one, shuffled
-from scipy.spatial.transform import Rotation
-from shared_data import ARMS
-
-import urdf
-
-ROBOTS = {
-    **{name: name for name in ("ur5", "kr500", "kinova", "z1")},
-    "vx300s": str(ARMS / "vx300s.urdf"),
-    "kr210": str(ARMS / "kr210_r2700_2.urdf"),
-}
-
-
-@dataclass(frozen=True)
-class Case:
-    """A fault on a robot.
-
-    plant: (arm, model) → a function, or (folder, path) → robot and arm, where the fault is in reading the file
-    named: expressions that the messages of the diagnoses that hold must match, one each, and no other may hold
-    located: expression that a part, a candidate or an unknown has to match to count as located
-    function: which function is judged
-    """
-
-    name: str
-    robot: str
-    plant: Callable
-    named: tuple[str, ...]
-    located: str = ""
-    function: str = "inverse_dynamics"
-    from_file: bool = False
-
-    def __str__(self):
-        return f"{self.name}-{self.robot}"
-
-
-def path_of(robot: str) -> Path:
-    known = {entry.name: entry.path for entry in urdf.robots()}
-    return Path(known.get(ROBOTS[robot], ROBOTS[robot]))
-
-
-def of(code):
-    """A plant from a changed arm."""
-    return lambda arm, model: code(arm).inverse_dynamics
-
-
-def after(change):
-    """A plant whose torques are changed: change(tau, q, v, a)."""
-    return lambda arm, model: lambda q, v, a: change(arm.inverse_dynamics(q, v, a), q, v, a)
-
-
-def before(change):
-    """A plant whose arguments are changed: change(q, v, a) → q, v, a."""
-    return lambda arm, model: lambda q, v, a: arm.inverse_dynamics(*change(q, v, a))
-
-
-def unit(k, n, value=1.0):
-    return value * (np.arange(n) == k)
-
-
-def scaled(x, k, factor):
-    return np.where(np.arange(len(x)) == k, factor * x, x)
-
-
-def factors(field, k, value):
-    """A factor of the recursion at one joint alone."""
-    return of(lambda arm: arm.but(**{field: 1 + unit(k, len(arm.masses), value - 1)}))
-
-
-def mixed_signs(arm, model, s_q=1, s_v=1, s_a=1, s_tau=1, joints=(1,)):
-    s = np.isin(np.arange(len(arm.masses)), joints)
-    q_s, v_s, a_s, t_s = (np.where(s, x, 1) for x in (s_q, s_v, s_a, s_tau))
-    return lambda q, v, a: t_s * arm.inverse_dynamics(q_s * q, v_s * v, a_s * a)
-
-
-def coupled(k, i, *, torques):
-    """Joint k also turns with joint i; the transmission's transpose on the torques or not."""
-
-    def plant(arm, model):
-        n = len(arm.masses)
-        matrix = np.eye(n)
-        matrix[k, i] = 1.0
-        back = matrix.T if torques else np.eye(n)
-        return lambda q, v, a: back @ arm.inverse_dynamics(matrix @ q, matrix @ v, matrix @ a)
-
-    return plant
-
-
-def stale(arm, model):
-    """The kinematics of the call before."""
-    seen = []
-
-    def function(q, v, a):
-        seen.append(np.array(q))
-        return arm.inverse_dynamics(seen[-2] if len(seen) > 1 else q, v, a)
-
-    return function
-
-
-def scatter(size):
-    def plant(arm, model):
-        def function(q, v, a):
-            tau = arm.inverse_dynamics(q, v, a)
-            rng = np.random.default_rng(crc32(np.concatenate([q, v, a]).tobytes()))
-            return tau + size * np.abs(tau).max() * rng.standard_normal(len(tau))
-
-        return function
-
-    return plant
-
-
-def clipped(arm, model):
-    effort = 0.25 * np.array([joint.limits.effort or np.inf for joint in model.joints])
-    return lambda q, v, a: np.clip(arm.inverse_dynamics(q, v, a), -effort, effort)
-
-
-def limit_spring(arm, model):
-    upper = np.array([joint.limits.upper or np.inf for joint in model.joints])
-    return lambda q, v, a: arm.inverse_dynamics(q, v, a) + 1e3 * np.maximum(0, q - upper + 0.1)
-
-
-def equality(i, k):
-    """A transmission that holds two joints at equal accelerations: the torque that this takes stays on."""
-
-    def plant(arm, model):
-        n = len(arm.masses)
-        row = unit(i, n) + unit(k, n)
-
-        def function(q, v, a):
-            inverse = np.linalg.inv(arm.mass_matrix(q))
-            force = row @ a / (row @ inverse @ row)
-            return arm.inverse_dynamics(q, v, a) - force * row
-
-        return function
-
-    return plant
-
-
-def triangle(arm, model):
-    return lambda q: np.triu(arm.mass_matrix(q))
-
-
-def tensor_entry(k, entry, change):
-    """One entry of one tensor, symmetrically."""
-    a, b = entry
-
-    def code(arm):
-        def changed(tensor):
-            other = np.array(tensor)
-            other[a, b] = other[b, a] = change(tensor[a, b])
-            return other
-
-        return one(arm, "tensors", k, changed)
-
-    return of(code)
-
-
-def reordered(tensor):
-    """ixx, ixy, ixz, iyy, iyz, izz read as ixx, iyy, izz, ixy, ixz, iyz."""
-    xx, xy, xz, yy, yz, zz = tensor[0, 0], tensor[0, 1], tensor[0, 2], tensor[1, 1], tensor[1, 2], tensor[2, 2]
-    return np.array([[xx, yy, yz], [yy, xy, zz], [yz, zz, xz]])
-
-
-def body_turned(k, turn):
-    """The body k in other axes than the link's."""
-
-    def code(arm):
-        arm = one(arm, "centers", k, lambda c: turn @ c)
-        return one(arm, "tensors", k, lambda tensor: turn @ tensor @ turn.T)
-
-    return of(code)
-
-
-def rounded_rpy(arm):
-    """π/2 written as 1.57, π as 3.14."""
-    angles = [Rotation.from_matrix(r).as_euler("xyz") for r in arm.rotations]
-    return arm.but(rotations=np.stack([Rotation.from_euler("xyz", np.round(x, 2)).as_matrix() for x in angles]))
-
-
-def regressor(change):
-    def plant(arm, model):
-        from graphdyn import joint_torque_regressor
-
-        n = model.n_bodies
-        return lambda q, v, a: change(joint_torque_regressor(model, q, v, a).reshape(n, n, 10)).reshape(n, 10 * n)
-
-    return plant
-
-
-def both(first, second):
-    """Two changes of the arm."""
-    return lambda arm, model: second(first(arm)).inverse_dynamics
-
-
-def stribeck(v):
-    return (2 + 3 * np.exp(-((v / 0.3) ** 2))) * np.tanh(v / 0.05)
-
-
-QUARTER = Rotation.from_euler("z", 90, degrees=True).as_matrix()
-HALF = Rotation.from_euler("z", 180, degrees=True).as_matrix()
-
+from diagnosis_pairs import PAIRS
+from diagnosis_plants import (
+    after,
+    before,
+    clipped,
+    coupled,
+    coupled_rotors,
+    equality,
+    factors,
+    limit_spring,
+    mixed_signs,
+    of,
+    regressor,
+    rounded_rpy,
+    scaled,
+    scatter,
+    stale,
+    stribeck,
+    triangle,
+    unit,
+)
+from foreign_faults import PLANTS, one
 
 WORDS = {
     "gravity": "gravity",
@@ -364,107 +180,6 @@ GEARS = [
     Case("M in one triangle", "kinova", triangle, ("triangle",), function="mass_matrix"),
 ]
 
-BODIES = [
-    Case("I_zz of body 1", "ur5", tensor_entry(0, (2, 2), lambda x: 1.2 * x + 0.01), ("shoulder_link",)),
-    Case("I_xx of body 6", "kinova", tensor_entry(5, (0, 0), lambda x: 1.3 * x), ("I_xx.*link_6",), "link_6"),
-    Case(
-        "mass of body 6",
-        "kinova",
-        of(lambda arm: one(arm, "masses", 5, lambda m: 1.1 * m)),
-        ("mass.*link_6",),
-        "link_6",
-    ),
-    Case(
-        "center of mass of body 6",
-        "kinova",
-        of(lambda arm: one(arm, "centers", 5, lambda c: c + np.array([0, 0.01, 0.02]))),
-        ("center of mass.*link_6",),
-        "link_6",
-    ),
-    Case(
-        "center of mass of body 2",
-        "vx300s",
-        of(lambda arm: one(arm, "centers", 1, lambda c: c + np.array([0.01, 0, 0]))),
-        ("center of mass.*upper_arm",),
-        "upper_arm",
-    ),
-    Case(
-        "mass of body 2", "kr210", of(lambda arm: one(arm, "masses", 1, lambda m: m + 3.7)), ("mass.*link_2",), "link_2"
-    ),
-    Case(
-        "mass and center of body 3",
-        "ur5",
-        both(
-            lambda arm: one(arm, "masses", 2, lambda m: 1.31 * m),
-            lambda arm: one(arm, "centers", 2, lambda c: c + np.array([0.01, 0.05, -0.02])),
-        ),
-        ("forearm",),
-    ),
-    Case(
-        "tool turned by π",
-        "kinova",
-        body_turned(5, HALF),
-        ("link_6.*(turned|180|π|axes)|(turned|180|π|axes).*link_6",),
-        "link_6",
-    ),
-    Case(
-        "tool turned by π/2",
-        "ur5",
-        body_turned(5, Rotation.from_euler("y", 90, degrees=True).as_matrix()),
-        ("wrist_3",),
-    ),
-    Case(
-        "tensor of body 2 in another order",
-        "kr210",
-        of(lambda arm: one(arm, "tensors", 1, reordered)),
-        ("order.*link_2|link_2.*order",),
-        "link_2",
-    ),
-    Case(
-        "tensors in another order",
-        "vx300s",
-        of(lambda arm: arm.but(tensors=np.stack([reordered(x) for x in arm.tensors]))),
-        ("order",),
-    ),
-    Case(
-        "I_yy and I_zz of body 3 exchanged",
-        "z1",
-        of(
-            lambda arm: one(
-                arm,
-                "tensors",
-                2,
-                lambda x: (
-                    x[np.ix_([0, 2, 1], [0, 2, 1])] * 0 + np.diag([x[0, 0], x[2, 2], x[1, 1]]) + x - np.diag(np.diag(x))
-                ),
-            )
-        ),
-        ("exchanged.*link03|link03.*exchanged",),
-        "link03",
-    ),
-    Case(
-        "upper arm 1 cm longer",
-        "ur5",
-        of(lambda arm: one(arm, "translations", 2, lambda r: r + np.array([0, 0, 0.01]))),
-        ("translation.*elbow|elbow.*translation",),
-        "elbow",
-    ),
-    Case(
-        "joint 4 moved",
-        "kr210",
-        of(lambda arm: one(arm, "translations", 3, lambda r: r + np.array([0.02, 0, -0.03]))),
-        ("translation.*joint_4",),
-        "joint_4",
-    ),
-    Case(
-        "axis of joint 2 tilted",
-        "z1",
-        of(lambda arm: one(arm, "axes", 1, lambda p: Rotation.from_euler("x", 0.05).as_matrix() @ p)),
-        ("axis.*joint2|joint2.*axis",),
-        "joint2",
-    ),
-]
-
 PRECISION = [
     Case(
         "single precision",
@@ -489,75 +204,5 @@ COLUMNS = [
     ),
 ]
 
-PAIRS = [
-    Case(
-        "gravity reversed, no gyroscopic moments",
-        "ur5",
-        both(lambda arm: arm.but(gravity=-arm.gravity), lambda arm: arm.but(gyroscopic=0.0)),
-        ("gravity", "gyroscopic"),
-    ),
-    Case(
-        "axis 3 reversed, mass of body 2",
-        "kr210",
-        both(lambda arm: one(arm, "axes", 2, np.negative), lambda arm: one(arm, "masses", 1, lambda m: 1.3 * m)),
-        ("axis.*joint_3", "mass.*link_2"),
-    ),
-    Case(
-        "gravity 9.7, center of body 2 missing",
-        "kinova",
-        both(lambda arm: arm.but(gravity=arm.gravity * 9.7 / 9.81), lambda arm: one(arm, "centers", 1, np.zeros_like)),
-        ("gravity", "center of mass.*link_2"),
-    ),
-    Case(
-        "viscous friction, spring on joint 2",
-        "ur5",
-        after(lambda tau, q, v, a: tau + 0.5 * v + unit(1, len(q), 3.0) * q),
-        ("viscous", "spring.*lift"),
-    ),
-    Case(
-        "products reversed, ω × q̇ p missing at joint 4",
-        "z1",
-        both(
-            lambda arm: arm.but(tensors=2 * np.einsum("iaa,ab->iab", arm.tensors, np.eye(3)) - arm.tensors),
-            lambda arm: arm.but(cross=1 - unit(3, 7)),
-        ),
-        ("products", "ω × q̇ p.*joint4"),
-    ),
-    Case(
-        "rotors, torque of joint 2 reversed",
-        "kr500",
-        after(lambda tau, q, v, a: scaled(tau, 1, -1.0) + 20.0 * a),
-        ("torque.*2", "diagonal|rotor"),
-    ),
-    Case(
-        "order of joints, gravity left out",
-        "ur5",
-        lambda arm, m: shuffled(arm.but(gravity=0 * arm.gravity).inverse_dynamics, [0, 2, 1, 3, 4, 5]),
-        ("order", "gravity"),
-    ),
-    Case(
-        "two masses",
-        "vx300s",
-        both(
-            lambda arm: one(arm, "masses", 1, lambda m: 1.2 * m), lambda arm: one(arm, "masses", 3, lambda m: 0.7 * m)
-        ),
-        ("mass.*upper_arm", "mass.*forearm_link"),
-    ),
-    Case(
-        "single precision, gravity reversed",
-        "kr210",
-        lambda arm, m: arm.but(gravity=-arm.gravity).in_single_precision().inverse_dynamics,
-        ("gravity.*opposite",),
-    ),
-]
-
 FILES = [Case(name, robot, plant, named, located, from_file=True) for name, robot, plant, named, located in FILE_PLANTS]
-
-
-def coupled_rotors(n):
-    matrix = np.diag(np.arange(1.0, n + 1))
-    matrix[1, 2] = matrix[2, 1] = 0.5
-    return matrix
-
-
 CASES = [*DOCUMENTED, *TERMS, *SIGNS, *ANGLES, *GEARS, *BODIES, *PRECISION, *COLUMNS, *PAIRS, *FILES]

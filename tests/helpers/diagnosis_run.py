@@ -15,7 +15,8 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
-from diagnosis_cases import CASES, ROBOTS, Case, path_of
+from diagnosis_case import ROBOTS, Case, path_of
+from diagnosis_cases import CASES
 from textbook import TextbookArm
 
 import urdf

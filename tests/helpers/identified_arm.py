@@ -11,6 +11,9 @@ from crosscheck.identifying import OtherRecordings, Preparation, friction_terms,
 CUTOFF = Preparation(10.0)
 POSES = 20
 
+NOISE_FLOOR = 0.01
+"""Relative error of a torque with one percent of noise, of which the low-pass leaves less."""
+
 
 @functools.cache
 def virtual():
@@ -41,3 +44,11 @@ def identified(methods=("ols", "wls", "consistent"), **options):
 def compared():
     """All methods but the slow ones."""
     return identified(("ols", "wls", "wls-pinocchio", "gls", "ridge", "consistent", "entropic", "graph"))
+
+
+def identified_from(recording, methods):
+    """From another recording, with the last quarter held out."""
+    arm = virtual()
+    return crosscheck.identify(
+        arm.subject.model, recording, methods=methods, preparation=CUTOFF, terms=arm.torque_model.terms, poses=POSES
+    )
