@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from browser import CHROMIUM, document
-from inspection_cases import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
+from inspection_sample import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
 from inspection_workers import broken, fatal
 from jsonschema import Draft202012Validator
 from mesh_files import box, mesh, one_link, stl, visual

@@ -4,7 +4,7 @@ import contextlib
 import os
 
 import pytest
-from inspection_cases import CLEAN, changed
+from inspection_sample import CLEAN, changed
 
 import crosscheck
 from crosscheck.referee.standard_error import kept_standard_error

@@ -10,7 +10,7 @@ import random
 from dataclasses import dataclass
 from functools import cache
 
-from inspection_cases import CLEAN
+from inspection_sample import CLEAN
 from lxml import etree
 from mutant_material import RICH
 from mutants_of_bytes import ON_BYTES

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inspection_cases import (
+from inspection_cases import CASES
+from inspection_sample import (
     AXIS,
-    CASES,
     CLEAN,
     FORE,
     FORE_INERTIAL,

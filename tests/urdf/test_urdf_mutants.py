@@ -10,7 +10,7 @@ import mutant_run
 import mutant_trial
 import numpy as np
 import pytest
-from inspection_cases import CLEAN, LIMIT, changed
+from inspection_sample import CLEAN, LIMIT, changed
 from mutant_run import Result, run, table, unexpected
 from mutant_trial import Trial, trial
 from mutants import mutant, original

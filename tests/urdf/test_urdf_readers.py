@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from inspection_cases import CLEAN, LIMIT, TOOL, changed
+from inspection_sample import CLEAN, LIMIT, TOOL, changed
 
 import urdf
 from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inspection_cases import CLEAN
+from inspection_sample import CLEAN
 from numpy.testing import assert_array_equal
 
 import urdf

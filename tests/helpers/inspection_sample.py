@@ -1,0 +1,85 @@
+"""A robot without a flaw, and changes of it."""
+
+import re
+from dataclasses import dataclass
+
+CLEAN = """\
+<robot name="arm">
+  <link name="base"/>
+  <link name="upper">
+    <inertial>
+      <origin xyz="0.1 0.2 0.3" rpy="0 0 0"/>
+      <mass value="2.5"/>
+      <inertia ixx="0.11" ixy="0" ixz="0" iyy="0.13" iyz="0" izz="0.17"/>
+    </inertial>
+  </link>
+  <link name="fore">
+    <inertial>
+      <origin xyz="0 0 0.4" rpy="0 0 0"/>
+      <mass value="1.5"/>
+      <inertia ixx="0.05" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.02"/>
+    </inertial>
+  </link>
+  <link name="tool"/>
+  <joint name="shoulder" type="revolute">
+    <origin xyz="0 0 0.5" rpy="0 0 0"/>
+    <parent link="base"/>
+    <child link="upper"/>
+    <axis xyz="0 0 1"/>
+    <limit lower="-1" upper="2" effort="30" velocity="3"/>
+  </joint>
+  <joint name="elbow" type="revolute">
+    <origin xyz="0.3 0 0" rpy="0 0 0"/>
+    <parent link="upper"/>
+    <child link="fore"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-1" upper="2" effort="30" velocity="3"/>
+  </joint>
+  <joint name="flange" type="fixed">
+    <origin xyz="0 0 0.2" rpy="0 0 0"/>
+    <parent link="fore"/>
+    <child link="tool"/>
+  </joint>
+</robot>
+"""
+
+MASS = '<mass value="2.5"/>'
+INERTIA = '<inertia ixx="0.11" ixy="0" ixz="0" iyy="0.13" iyz="0" izz="0.17"/>'
+FORE = '<inertia ixx="0.05" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.02"/>'
+ORIGIN = '<origin xyz="0.1 0.2 0.3" rpy="0 0 0"/>'
+SHOULDER = '<joint name="shoulder" type="revolute">'
+ELBOW = '<joint name="elbow" type="revolute">'
+AXIS = '<axis xyz="0 0 1"/>'
+LIMIT = '<limit lower="-1" upper="2" effort="30" velocity="3"/>'
+TOOL = '<link name="tool"/>'
+UNREADABLE = "Pinocchio gives a link with such a number mass 0 or a tensor of zero and refuses such a joint"
+FORE_INERTIAL = re.findall(r"<inertial>.*?</inertial>", CLEAN, re.DOTALL)[1]
+
+LOOP = '<loop name="l" type="{}"><predecessor link="base"/>'
+FAR = '<successor link="fore"><origin xyz="9 0 0"/></successor>'
+PARALLEL = (
+    '<loop name="l" type="spherical"><predecessor link="base"><origin xyz="0.3 0 0.5"/></predecessor>'
+    '<successor link="fore"/></loop>'
+)
+MOTOR = '<transmission><joint name="shoulder"/><actuator/></transmission>'
+
+
+@dataclass(frozen=True)
+class Case:
+    """Replacements in CLEAN (old, new, old, new, …), each old text once, and the first finding of the code."""
+
+    changes: tuple[str, ...]
+    severity: str
+    element: str | None
+    line: int | None
+    message: str
+    remedy: str
+
+
+def changed(*changes: str) -> str:
+    """CLEAN with these replacements."""
+    text = CLEAN
+    for old, new in zip(changes[::2], changes[1::2], strict=True):
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text
