@@ -60,7 +60,8 @@ from graphdyn._experiment import record
 from graphdyn._frames import frame_acceleration, frame_jacobian, frame_jacobian_derivative, frame_velocity
 from graphdyn._graph import Graph
 from graphdyn._inertia import Consistency
-from graphdyn._kinematics import MaximalState, frame_placement, joint_acceleration, joint_state, maximal_state
+from graphdyn._joint_readings import joint_acceleration, joint_state
+from graphdyn._kinematics import MaximalState, frame_placement, maximal_state
 from graphdyn._kkt import KKTSolution, KKTSystem
 from graphdyn._kr500 import kr500, kr500_experiment
 from graphdyn._loop_analysis import LoopAnalysis, analyze_loops

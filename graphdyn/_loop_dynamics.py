@@ -14,7 +14,8 @@ from graphdyn import _projected as projected
 from graphdyn._assembly import refuse_moving_apart, refuse_open
 from graphdyn._base_motion import BaseMotion
 from graphdyn._errors import InvalidInput, SingularMassMatrix, in_row
-from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations
+from graphdyn._joint_readings import project_accelerations
+from graphdyn._kinematics import MaximalState, bias_acceleration, null_space
 from graphdyn._linear import apply
 from graphdyn._loop_reactions import reactions
 from graphdyn._loop_spaces import LoopSpaces, loop_spaces

@@ -15,7 +15,8 @@ from graphdyn._base_motion import BaseMotion, ground, rooted_ground
 from graphdyn._chord_rows import chord_rows, pin_rows
 from graphdyn._constraints import constraints, coupling_rows
 from graphdyn._errors import SingularMassMatrix, in_row
-from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, project_accelerations, state_on
+from graphdyn._joint_readings import project_accelerations
+from graphdyn._kinematics import MaximalState, bias_acceleration, null_space, state_on
 from graphdyn._kkt import KKTSystem
 from graphdyn._linear import apply, solve
 from graphdyn._model import RobotModel

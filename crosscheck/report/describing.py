@@ -16,9 +16,9 @@ from crosscheck.report.records.show import (
     JointRecord,
     ShowBodyRecord,
     ShowRecord,
-    StateRecord,
     SystemRecord,
 )
+from crosscheck.report.records.show_state import StateRecord
 from graphdyn import RobotModel, kkt_system
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
 

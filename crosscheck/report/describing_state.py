@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from crosscheck.report.records.show import BodyPlacementRecord, FrameStateRecord, MassMotionRecord, StateRecord
+from crosscheck.report.records.show_state import BodyPlacementRecord, FrameStateRecord, MassMotionRecord, StateRecord
 from graphdyn import (
     InvalidInput,
     RobotModel,

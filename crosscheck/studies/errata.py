@@ -17,7 +17,8 @@ from crosscheck.referee.states import ACCELERATION_RANGE, Case, turned, unit_tur
 from crosscheck.studies.printed_forms import with_unit_d33, without_d_transposed, world_axis_rows
 from graphdyn import Placement, RobotModel, inverse_dynamics, kr500, maximal_state
 from graphdyn._cardano import cardano_drift, cardano_form, rate_map
-from graphdyn._kinematics import bias_acceleration, project_accelerations
+from graphdyn._joint_readings import project_accelerations
+from graphdyn._kinematics import bias_acceleration
 from graphdyn._kkt import KKTSystem
 from graphdyn._linear import apply, solve
 from graphdyn._rotation import cos_beta, rotation_about

@@ -17,7 +17,8 @@ from scipy.spatial.transform import Rotation
 
 from graphdyn._constraints import constraints
 from graphdyn._errors import InvalidInput
-from graphdyn._kinematics import MaximalState, bias_acceleration, maximal_state, project_accelerations, read_joints
+from graphdyn._joint_readings import project_accelerations, read_joints
+from graphdyn._kinematics import MaximalState, bias_acceleration, maximal_state
 from graphdyn._kkt import KKTSystem
 from graphdyn._linear import apply
 from graphdyn._projected import kkt

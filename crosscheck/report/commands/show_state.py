@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crosscheck.report.plain_text import ROUNDING, vector_text
-from crosscheck.report.records.show import FrameStateRecord, MassMotionRecord, StateRecord
+from crosscheck.report.records.show_state import FrameStateRecord, MassMotionRecord, StateRecord
 from crosscheck.report.report import Column, Facts, Group, Row, Section, Table
 from graphdyn import RobotModel
 from graphdyn.layout import Array
