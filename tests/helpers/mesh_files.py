@@ -7,6 +7,8 @@ import trimesh
 from trimesh import creation
 from urdf_text import inertial, joint, robot_text
 
+import urdf
+
 BINDING = (
     '<bind_material><technique_common><instance_material symbol="m" target="#m"/></technique_common></bind_material>'
 )
@@ -85,3 +87,15 @@ def one_link(inside: str, mass: float | None = 1.0, **place_and_tensor: str) -> 
     """A robot whose only moving link, "arm", has these elements beside its <inertial>."""
     own = "" if mass is None else inertial(mass, **place_and_tensor)
     return robot_text("r", '<link name="base"/>', f'<link name="arm">{own}{inside}</link>', joint("j", "base", "arm"))
+
+
+def solid(shape):
+    return trimesh.Trimesh(shape.vertices, shape.faces, process=False)
+
+
+def only(text):
+    """The one shape of a robot; nothing is missing."""
+    found = urdf.shapes(text)
+    assert found.missing == ()
+    (shape,) = found.meshes
+    return shape

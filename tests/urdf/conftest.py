@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from mesh_files import box, one_link, visual
 from shared_data import ARMS, existing
 from urdf_text import robot_text
 
@@ -93,3 +94,19 @@ def robot(tmp_path: Path) -> Writer:
 @pytest.fixture(scope="session")
 def vendor_arms() -> Path:
     return existing(ARMS)
+
+
+@pytest.fixture
+def drawn(tmp_path):
+    """drawn(geometry, content): the one link of a robot in folder/pkg/urdf, beside the file folder/pkg/meshes/a.stl."""
+
+    def write(geometry, content=None, name="a.stl"):
+        path = tmp_path / "pkg" / "meshes" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content.encode() if isinstance(content, str) else content or box().export(file_type="stl"))
+        robot = tmp_path / "pkg" / "urdf" / "r.urdf"
+        robot.parent.mkdir(exist_ok=True)
+        robot.write_text(one_link(visual(geometry)), encoding="utf-8")
+        return robot
+
+    return write
