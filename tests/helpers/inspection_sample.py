@@ -3,6 +3,8 @@
 import re
 from dataclasses import dataclass
 
+from urdf_text import with_changes
+
 CLEAN = """\
 <robot name="arm">
   <link name="base"/>
@@ -78,8 +80,4 @@ class Case:
 
 def changed(*changes: str) -> str:
     """CLEAN with these replacements."""
-    text = CLEAN
-    for old, new in zip(changes[::2], changes[1::2], strict=True):
-        assert old in text
-        text = text.replace(old, new, 1)
-    return text
+    return with_changes(CLEAN, *changes)

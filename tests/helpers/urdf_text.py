@@ -18,3 +18,11 @@ def joint(name: str, parent: str, child: str, kind: str = "revolute", more: str 
 
 def robot_text(name: str, *elements: str) -> str:
     return f'<robot name="{name}">\n' + "\n".join(elements) + "\n</robot>\n"
+
+
+def with_changes(text: str, *changes: str) -> str:
+    """The text with these replacements (old, new, old, new, …), each old text once."""
+    for old, new in zip(changes[::2], changes[1::2], strict=True):
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text

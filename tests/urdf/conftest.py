@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from mesh_files import box, one_link, visual
 from shared_data import ARMS, existing
-from urdf_text import robot_text
+from urdf_text import robot_text, with_changes
 
 ARM = """\
 <robot name="arm">
@@ -56,12 +56,8 @@ def arm(tmp_path: Path) -> Writer:
     """arm(old, new, old, new, …): the file with these replacements, each old text once."""
 
     def write(*changes: str) -> Path:
-        text = ARM
-        for old, new in zip(changes[::2], changes[1::2], strict=True):
-            assert old in text
-            text = text.replace(old, new, 1)
         path = tmp_path / "arm.urdf"
-        path.write_text(text, encoding="utf-8")
+        path.write_text(with_changes(ARM, *changes), encoding="utf-8")
         return path
 
     return write
