@@ -19,8 +19,6 @@ N = 60
 T = np.arange(N) * 0.01
 GOOD = np.column_stack([T, np.sin(5 * T), 5 * np.cos(5 * T), np.cos(9 * T)])
 HEADER = "t_s,q_1_rad,v_1_rad_s,tau_1_Nm"
-FIRST = 2
-"""Line of row 0."""
 
 
 def lines_of(table):

@@ -11,7 +11,6 @@ import graphdyn
 import urdf
 from urdf._rpy import rotation_from_rpy
 
-TILT = 'rpy="0.4 0 0"'
 LINKS = [link(name, 1.0 + k, xyz=f"0.1 0.0{k} 0.2") for k, name in enumerate(
     ("ground", "torso", "mount", "head", "camera", "upper", "fore", "hand", "finger", "nail", "other")
 )]  # fmt: skip

@@ -9,7 +9,6 @@ import graphdyn
 import urdf
 
 SIDES = (0.2, 0.1, 0.4)
-VOLUME = 0.008
 MASS = 8.0
 TENSOR = np.diag([0.1**2 + 0.4**2, 0.2**2 + 0.4**2, 0.2**2 + 0.1**2]) * MASS / 12
 """Of the box, filled with 1000 kg/m³."""
