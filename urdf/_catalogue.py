@@ -63,6 +63,8 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
     path = Path(path_or_name)
     if os.path.isfile(path):  # unlike Path.is_file, it does not raise for impossible names
         return path, STANDARD_GRAVITY
+    if os.path.isdir(path):
+        raise RobotNotFound(f"'{shortened(str(path))}' is a folder", "give a URDF file in it")
     if not entries:
         raise RobotNotFound(f"'{shortened(str(path))}' is not a file", "give a file, or a robot's name as a string")
     close = difflib.get_close_matches(str(path_or_name), entries)

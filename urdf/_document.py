@@ -100,10 +100,12 @@ def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> Ma
             path=path,
             line=error.lineno,
         )
-    code = "malformed-xml"
     if not content.strip():
-        code = "empty-file"
-    elif number == _EMPTY:
+        return MalformedXML("the file is empty", "give a URDF file", code="empty-file", path=path)
+    if b"<" not in content.replace(b"\0", b""):
+        return MalformedXML("the file has no XML element", "give a URDF file", code="not-a-robot", path=path)
+    code = "malformed-xml"
+    if number == _EMPTY:
         code = "text-before-xml"
     elif number == _VERSION:
         code = "xml-version"

@@ -7,6 +7,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from errno import EACCES, EISDIR, ENOENT, ENOSPC
 from sys import stdout
 
 import typer
@@ -23,6 +24,14 @@ SHOWN = 40
 
 INTERVAL = 10.0
 """Time from one line of progress to the next where nobody watches a bar [s]."""
+
+REMEDIES = {
+    ENOENT: "check the name and the folder",
+    EACCES: "check who may read and write it",
+    EISDIR: "name a file",
+    ENOSPC: "make room, or write elsewhere",
+}
+"""By number of an error of the system."""
 
 Advance = Callable[[str, int], None]
 """Called with what was just done, and the number of its steps."""
@@ -47,7 +56,15 @@ def say(text: str, style: str | None = None) -> None:
 def complain(error: Exception, context: typer.Context) -> None:
     """Print an error that the user can correct, as one line."""
     trace(error, context)
-    say(f"error: {error}", "red")
+    say(f"error: {in_words(error)}", "red")
+
+
+def in_words(error: Exception) -> str:
+    """The message; of an error of the system the file, the reason and the remedy, without its number."""
+    if not isinstance(error, OSError) or error.filename is None or not error.strerror:
+        return str(error)
+    remedy = f"; {REMEDIES[error.errno]}" if error.errno in REMEDIES else ""
+    return f"{error.filename}: {error.strerror.lower()}{remedy}"
 
 
 def trace(error: BaseException, context: typer.Context) -> None:

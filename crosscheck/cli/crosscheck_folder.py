@@ -67,7 +67,7 @@ def compare_folder(
         file.write(finished=True)
     rows = [
         compared_row(file.records[robot]) if robot in file.records else failed_row(file.failures[robot])
-        for robot in robots
+        for robot in (*robots, *(given for given in file.failures if given not in robots))
     ]
     detailed = [comparisons[robot] for robot in robots if robot in comparisons]
     deliver(folder_report(rows, detailed), html_file)

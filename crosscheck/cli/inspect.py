@@ -47,8 +47,8 @@ def run(
 ) -> None:
     """Find what is odd or wrong in URDF files.
 
-    Every fault and oddity with its line, what other readers make of it, and what to do; and whether the file is fit
-    for dynamics. Several files are inspected in parallel. Exit code 0: all are fit for dynamics; 1: some file is
+    Every fault and oddity with its line, what other readers make of it, and what to do; and whether the file is good
+    for dynamics. Several files are inspected in parallel. Exit code 0: all are good for dynamics; 1: some file is
     refused or good for kinematics only; 2: a file or folder cannot be found or read.
     """
     from crosscheck.cli.inspect_many import inspect_files

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-FUNCTIONS_HELP = """\\b
+FUNCTIONS_HELP = """\b
 Functions, after their arguments:
   q, v, a               inverse_dynamics power joint_wrenches multipliers frame_acceleration
                         dtau_dq dtau_dv dwrenches_dq dwrenches_dv dwrenches_da

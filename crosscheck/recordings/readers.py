@@ -31,6 +31,8 @@ def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...
     suffix = "".join(path.suffixes[-2:]).lower() if path.suffix.lower() == ".gz" else path.suffix.lower()
     if not path.exists():
         raise FileNotFoundError(ENOENT, "no such file", str(path))
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise BadRecordingFile(f"{path}: is a folder, and no ROS 2 bag: it has no metadata.yaml; give a file")
     if suffix in BAGS or path.is_dir():
         return read_bag(path, mapping.topic if mapping else None, (mapping and mapping.joints) or joints)
     if suffix.removesuffix(".gz") in TEXT:

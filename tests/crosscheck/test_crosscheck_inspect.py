@@ -66,14 +66,14 @@ class TestCommand:
         assert done.stderr == ""
         assert "│ note     │ mass-matrix" in done.stdout
         assert done.stdout.startswith(
-            "a_dynamics.urdf: dynamics\nDynamics can be computed (0 errors, 0 warnings, 2 notes)\n"
+            "a_dynamics.urdf: good for dynamics\nDynamics can be computed (0 errors, 0 warnings, 2 notes)\n"
         )
         assert str(folder / "a_dynamics.urdf") in done.stdout.replace("\n", "")
 
     def test_a_robot_of_the_catalogue(self):
         done = run("kr500")
         assert done.exit_code == 0
-        assert done.stdout.startswith("kr500: dynamics\nDynamics can be computed (0 errors, ")
+        assert done.stdout.startswith("kr500: good for dynamics\nDynamics can be computed (0 errors, ")
 
     @pytest.mark.parametrize(("meshes", "told"), [("summary", False), ("detail", True), ("off", False)])
     def test_meshes(self, tmp_path, meshes, told):
@@ -87,7 +87,7 @@ class TestCommand:
     def test_kinematics_only(self, folder):
         done = run(folder / "b_kinematics.urdf")
         assert done.exit_code == 1
-        assert done.stdout.startswith("b_kinematics.urdf: kinematics only\n0 errors, ")
+        assert done.stdout.startswith("b_kinematics.urdf: good for kinematics only\n0 errors, ")
         assert "1 note: the mass matrix has rank 1 of 2 over 5 random states" in done.stdout
 
     def test_refused(self, folder):
@@ -126,9 +126,10 @@ class TestCommand:
         done = run(folder)
         assert done.exit_code == 1
         assert done.stdout.startswith(
-            f"3 robot files: 1 refused, 1 kinematics only, 1 dynamics\nIn the folder {folder}"
+            f"3 robot files: 1 refused, 1 good for kinematics only, 1 good for dynamics\nIn the folder {folder}"
         )
-        parts = re.split("^(?:Refused|Kinematics only|Dynamics): 1 file +$", done.stdout, flags=re.MULTILINE)
+        heading = re.compile("^(?:Refused|Good for kinematics only|Good for dynamics): 1 file +$", re.MULTILINE)
+        parts = heading.split(done.stdout)
         for name, part in zip(("c_refused", "b_kinematics", "a_dynamics"), parts[1:], strict=True):
             assert re.search(rf"│ (more/)?{name}.urdf +│ +\d │ +\d │ +\d │", part)
         assert re.search(r"│ rotor-inertia +│ +3 │", done.stdout)
@@ -137,7 +138,7 @@ class TestCommand:
     def test_files_and_names_together(self, folder):
         done = run(folder / "a_dynamics.urdf", "kr500")
         assert done.exit_code == 0
-        assert done.stdout.startswith("2 robot files: 2 dynamics\n")
+        assert done.stdout.startswith("2 robot files: 2 good for dynamics\n")
 
     @pytest.mark.parametrize(
         ("argument", "message"),
@@ -152,7 +153,7 @@ class TestCommand:
         done = run(argument or empty, folder / "a_dynamics.urdf")
         assert done.exit_code == 2
         assert re.search(rf"error: {message}", done.stderr)
-        assert "a_dynamics.urdf: dynamics" in done.stdout.replace("\n", "")
+        assert "a_dynamics.urdf: good for dynamics" in done.stdout.replace("\n", "")
 
     def test_nothing_but_bad_input(self, tmp_path):
         file = tmp_path / "page.html"
@@ -179,7 +180,7 @@ class TestCommand:
 
     def test_help_tells_the_exit_codes(self):
         said = " ".join(run("--help").stdout.split())
-        assert "Exit code 0: all are fit for dynamics; 1: some file is refused or good for kinematics only; 2: " in said
+        assert "Exit code 0: all are good for dynamics; 1: some file is refused or good for kinematics only; 2:" in said
 
 
 class TestJson:
@@ -219,13 +220,14 @@ class TestPage:
             for finding in report.findings:
                 assert finding.message in text
                 assert finding.remedy in text
-        assert words(root.find(".//title")) == "3 robot files: 1 refused, 1 kinematics only, 1 dynamics"
+        title = words(root.find(".//title"))
+        assert title == "3 robot files: 1 refused, 1 good for kinematics only, 1 good for dynamics"
         assert not root.xpath("//link | //img | //iframe | //script[@src]")
 
     def test_worst_files_first_and_folded_findings(self, folder):
         root = parsed(page_of(*sorted(folder.rglob("*.urdf"))))
         assert [words(title) for title in root.xpath("//section/h2")] == [
-            "Refused: ✗ 1 file", "Kinematics only: ? 1 file", "Dynamics: ✓ 1 file",
+            "Refused: ✗ 1 file", "Good for kinematics only: ? 1 file", "Good for dynamics: ✓ 1 file",
         ]  # fmt: skip
         (link,) = root.xpath("//a[contains(., 'c_refused')]")
         (group,) = root.xpath(f"//*[@id='{link.get('href')[1:]}']")
@@ -278,7 +280,7 @@ class TestPage:
 
     def test_one_file(self, folder):
         text = page_of(folder / "a_dynamics.urdf")
-        assert "<title>a_dynamics.urdf: dynamics</title>" in text
+        assert "<title>a_dynamics.urdf: good for dynamics</title>" in text
         assert "How many files" not in text
 
     def test_names_are_escaped(self, tmp_path):

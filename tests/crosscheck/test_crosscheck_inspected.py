@@ -1,4 +1,4 @@
-"""Whatever urdf.inspect calls fit for dynamics loads, and agrees with Pinocchio on the same file."""
+"""Whatever urdf.inspect calls good for dynamics loads, and agrees with Pinocchio on the same file."""
 
 import warnings
 from dataclasses import replace

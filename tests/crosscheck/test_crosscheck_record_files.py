@@ -301,6 +301,8 @@ def test_bags_without_stamps_without_efforts_without_joint_states(tmp_path, monk
         BadRecordingFile, match=r"d.mcap: not a readable bag \(.*\); record it again, or give the whole"
     ):
         load_recording(tmp_path / "d.mcap")
+    with pytest.raises(BadRecordingFile, match=r"is a folder, and no ROS 2 bag: it has no metadata.yaml; give a file$"):
+        load_recording(tmp_path)
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     with pytest.raises(BadRecordingFile, match=r"to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"):
         load_recording(folder)

@@ -330,7 +330,7 @@ class TestIdentified:
                 (["log.parquet", "--cutoff", "10", *terms], "friction with memory, and settings that are to be found,")
                 for terms in (["--terms", "slip"], ["--terms", "coulomb", "--width", "fit"])
             ),
-            (["none*.parquet", "--cutoff", "10"], "no such file or folder: 'none*.parquet'"),
+            (["none*.parquet", "--cutoff", "10"], "none*.parquet: no such file or folder; check the name"),
         ],
     )
     def test_refused(self, folder, small_arm, monkeypatch, words, options, message):

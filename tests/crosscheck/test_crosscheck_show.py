@@ -368,7 +368,7 @@ class TestState:
             ("0,0,0,0,0,0;0,inf,0,0,0,0", "v contains inf at joint 'shoulder_lift_joint'"),
             ("home", "--state home: 'home' is not a row of numbers; give numbers with commas, a JSON file"),
             ("random:x", "--state random:x: 'x' is not a seed, a whole number from 0 on"),
-            ("missing.json", "No such file or directory: 'missing.json'"),
+            ("missing.json", "error: missing.json: no such file or directory; check the name and the folder"),
             ("empty.json", "--state empty.json: is not a JSON file (Expecting value"),
             ("nested.json", "--state nested.json: is not a JSON file (maximum recursion depth"),
             ("list.json", '--state list.json: has no field q; write {"q": […], "v": […]}'),

@@ -200,6 +200,7 @@ class TestArguments:
         assert done.code == BAD_INPUT
         assert re.fullmatch(r"error: no \*\.urdf in the folder .*empty.*\n", done.err)
         assert here == []
+        assert done.out.startswith("graphdyn against Pinocchio: incomplete\n1 robot: agrees 0,")
         (failure,) = written(tmp_path / "r.json")["failures"]
         assert failure["robot"] == str(folder / "empty")
 

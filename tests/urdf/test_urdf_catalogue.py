@@ -93,7 +93,7 @@ def test_nothing_close():
 def test_missing_path_is_not_a_name(tmp_path):
     with pytest.raises(urdf.RobotNotFound, match=r"'ur5' is not a file; give a file, or a robot's name as a string"):
         urdf.load(Path("ur5"))
-    with pytest.raises(urdf.RobotNotFound, match=r"is not a file"):
+    with pytest.raises(urdf.RobotNotFound, match=r"' is a folder; give a URDF file in it$"):
         urdf.load(tmp_path)
 
 

@@ -63,7 +63,7 @@ def test_finding(inspected, code):
 
 
 DOCUMENTS = {
-    "empty-file": (b" \n", "not well-formed XML: Start tag expected"),
+    "empty-file": (b" \n", "the file is empty"),
     "text-before-xml": (b'Expanded.\n<robot name="r"/>', "not well-formed XML: Start tag expected"),
     "xml-version": (b'<?xml version="0.0"?><robot name="r"/>', "not well-formed XML: Unsupported version '0.0'"),
     "malformed-xml": (b'<robot name="r">\n<link name="a">\n</robot>', "not well-formed XML: Opening and ending tag"),

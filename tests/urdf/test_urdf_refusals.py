@@ -170,7 +170,8 @@ def test_unsupported_joint_type(arm, kind):
 
 
 DOCUMENTS = {
-    "empty": (b"", r"robot.urdf:1: not well-formed XML: Document is empty.*; repair the file with an XML editor"),
+    "empty": (b"", r"robot.urdf: the file is empty; give a URDF file$"),
+    "no XML": (b"hello", r"robot.urdf: the file has no XML element; give a URDF file$"),
     "text before": (b'Expanded.\n<robot name="r"/>', r"not well-formed XML"),
     "version 0.0": (b'<?xml version="0.0"?><robot name="r"/>', r"not well-formed XML: Unsupported version '0.0'"),
     "undeclared prefix": (b'<robot name="r"><xacro:foo/></robot>', r"not well-formed XML: Namespace prefix xacro"),

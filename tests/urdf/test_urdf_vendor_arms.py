@@ -50,7 +50,7 @@ KINEMATICS_ONLY = {
     "rv7frl",
     "tx2_60l",
 }
-"""Their mass matrix is singular; every other file is fit for dynamics."""
+"""Their mass matrix is singular; every other file is good for dynamics."""
 
 WARNINGS = {
     "aubo_i5": {"duplicate-material"},

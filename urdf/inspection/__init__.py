@@ -1,4 +1,4 @@
-"""urdf.inspect: every fault and every oddity of a URDF file, and whether it is fit for dynamics."""
+"""urdf.inspect: every fault and every oddity of a URDF file, and whether it is good for dynamics."""
 
 from urdf.inspection.findings import Finding, Inspection, Severity, Verdict
 from urdf.inspection.inspecting import inspect

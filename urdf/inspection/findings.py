@@ -51,7 +51,7 @@ class Inspection:
 
     @property
     def verdict(self) -> Verdict:
-        """ "refused": urdf.load raises; "kinematics only": torques do not determine accelerations; "dynamics": fit."""
+        """ "refused": urdf.load raises; "kinematics only": torques do not determine accelerations; else "dynamics"."""
         if self.count("error"):
             return "refused"
         return "kinematics only" if self.reasons else "dynamics"

@@ -38,7 +38,7 @@ Meshes = Literal["summary", "detail", "off"]
 
 
 def inspect(source: Given, *, xacro: Xacro | None = None, meshes: Meshes = "summary") -> Inspection:
-    """Everything odd or wrong about a URDF file or a robot of the catalogue, and whether it is fit for dynamics.
+    """Everything odd or wrong about a URDF file or a robot of the catalogue, and whether it is good for dynamics.
 
     source: as urdf.load takes it: name, path, XML as text or bytes, an open file; xacro: for a .xacro file
     meshes: inertials are compared with the meshes of their links where these are found: "detail" tells of every

@@ -37,16 +37,16 @@ WORST = 4
 """Codes told per file in the table of several."""
 
 MANY_FILES = 20
-"""Files fit for dynamics from which their table is folded."""
+"""Files good for dynamics from which their table is folded."""
 
 SEVERITIES: dict[str, State] = {"error": "disagrees", "warning": "undecided", "note": "plain"}
 
-VERDICTS: dict[str, tuple[State, str]] = {
-    "refused": ("disagrees", "Cannot be loaded"),
-    "kinematics only": ("undecided", "Torques do not determine accelerations"),
-    "dynamics": ("agrees", "Dynamics can be computed"),
+VERDICTS: dict[str, tuple[State, str, str]] = {
+    "refused": ("disagrees", "refused", "Cannot be loaded"),
+    "kinematics only": ("undecided", "good for kinematics only", "Torques do not determine accelerations"),
+    "dynamics": ("agrees", "good for dynamics", "Dynamics can be computed"),
 }
-"""Per verdict, the worst first: how it looks, and what it means."""
+"""Per verdict, the worst first: how it looks, in words, and what it means."""
 
 
 def inspect_report(inspected: Sequence[urdf.Inspection], failures: Sequence[Mapping[str, str]]) -> Report:
@@ -77,13 +77,13 @@ def worst(file: urdf.Inspection) -> list[str]:
 
 
 def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
-    state, meaning = VERDICTS[file.verdict]
+    state, words, meaning = VERDICTS[file.verdict]
     told = [kind[0].text for kind in _kinds(file.findings) if kind[0].text in file.reasons][:REASONS]
     more = [f"and {len(file.reasons) - len(told)} more"] if len(file.reasons) > len(told) else []
     reason = f"{_counts(file)}: {'; '.join([*told, *more])}" if told else f"{meaning} ({_counts(file)})"
-    verdict = Verdict(state, file.verdict, reason)
+    verdict = Verdict(state, words, reason)
     if missing.notes:
-        verdict = Verdict("disagrees", f"{file.verdict}; {len(missing.notes)} more could not be inspected", reason)
+        verdict = Verdict("disagrees", f"{words}; {len(missing.notes)} more could not be inspected", reason)
     return Report(
         Path(file.robot).name,
         verdict,
@@ -97,7 +97,7 @@ def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recor
     by_verdict = {
         verdict: files for verdict in VERDICTS if (files := [file for file in inspected if file.verdict == verdict])
     }
-    number = [f"{len(files)} {verdict}" for verdict, files in by_verdict.items()]
+    number = [f"{len(files)} {VERDICTS[verdict][1]}" for verdict, files in by_verdict.items()]
     number += [f"{len(missing.notes)} could not be inspected"] if missing.notes else []
     state = "disagrees" if missing.notes else VERDICTS[next(iter(by_verdict))][0]
     often = Table(
@@ -120,7 +120,7 @@ def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recor
 
 def _of_verdict(verdict: str, files: Sequence[urdf.Inspection], folder: str) -> Section:
     """The files of one verdict in a table, and the findings of each of them."""
-    state, meaning = VERDICTS[verdict]
+    state, words, meaning = VERDICTS[verdict]
     key = verdict.replace(" ", "-")
     names = [os.path.relpath(file.robot, folder) if folder else file.robot for file in files]
     many = verdict == "dynamics" and len(files) > MANY_FILES
@@ -142,8 +142,8 @@ def _of_verdict(verdict: str, files: Sequence[urdf.Inspection], folder: str) -> 
         for k, (name, file) in enumerate(zip(names, files, strict=True), start=1)
     )
     findings = Group(details, title="Findings of each file", folded=True, on=("page",))
-    words = f"{len(files)} file{'s' if len(files) > 1 else ''}"
-    return Section(key, verdict.capitalize(), (table, findings), Verdict(state, words, f"{meaning}."))
+    number = f"{len(files)} file{'s' if len(files) > 1 else ''}"
+    return Section(key, words.capitalize(), (table, findings), Verdict(state, number, f"{meaning}."))
 
 
 def _findings(file: urdf.Inspection) -> tuple[Block, ...]:

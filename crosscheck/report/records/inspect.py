@@ -79,7 +79,7 @@ class InspectRecord:
     command: Command
 
     usable: bool
-    """Every file is fit for dynamics, and no argument failed."""
+    """Every file is good for dynamics, and no argument failed."""
 
     files: Sequence[FileRecord]
     """One record per file, in the order of the arguments; those of a folder by path."""
