@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import graphdyn
+from crosscheck.recordings import mapping
+from crosscheck.recordings.mapping import mapping_of
 from crosscheck.referee.quantities import BY_NAME
 from crosscheck.referee.tolerances import EPS
 from crosscheck.studies.errata import ERRATA
@@ -143,6 +145,14 @@ def test_the_guide_to_the_dynamics_names_every_function_with_these_keywords():
     }
     named = {name for row in table_rows("docs/dynamics.md", r"`.*") for name in re.findall(r"`(\w+)[(`]", row[0])}
     assert with_keywords - {"rollout"} <= named  # which docs/simulation.md is about
+
+
+def test_the_guide_to_recordings_shows_a_mapping_that_is_read_and_names_every_key():
+    text = (ROOT / "docs/recordings.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+    assert mapping_of(tomllib.loads(example), "docs/recordings.md").joints == ("shoulder", "elbow")
+    for key in {*mapping._TOP, *mapping._CHANNEL, *(key for keys in mapping._ONLY_IN.values() for key in keys)}:
+        assert re.search(rf"`(\[{key}\]|{key}|{key}: .*)`", text), key
 
 
 def test_the_places_that_recipes_name_exist():

@@ -1,31 +1,4 @@
-"""The mapping of columns to joint coordinates, a small TOML file.
-
-joints = ["shoulder", "elbow"]         # names, in the order of the robot
-rate = 1000                            # [Hz], where no column holds the time
-prismatic = [false, false]             # only where a joint slides
-delimiter = ";"                        # of text files, where it is not found by itself
-topic = "/joint_states"                # of a bag with several topics
-
-[time]
-column = "stamp"                       # name, or number from 1; unit = "s" unless given
-nanoseconds = "stamp_ns"               # only where a stamp has two columns, seconds and nanoseconds
-[q]                                    # and [v], [a], [tau]
-columns = "pos_{number}"               # or "q_{joint}", or a list of names or numbers, in the order of joints
-unit = "deg"                           # or one per joint
-file = "pos_*.csv"                     # where several files hold the columns of the same rows
-side = "motor"                         # the columns are in front of the transmission; "joint" unless given
-sign = [1, -1]                         # per column
-gain = [0.11, 0.11]                    # [tau] only: torque in SI per unit of the column, from a current
-delay = 0.02                           # [tau] only: by how many seconds it was recorded late, or one per joint
-offset = [0, 90]                       # [q] only: added to the joint coordinate
-offset_unit = "deg"
-[temperature]                          # of motors or gears, for drifting friction: unit = "degC"
-columns = "motor_temp_{number}"        # or the name of one column, for all joints
-[transmission]
-ratio = [100, -80]                     # q_motor = diag(ratio) q; or with coupled joints
-matrix = [[100, 0], [20, -80]]         # q_motor = R q: q = R^-1 q_motor, and tau = R_tau tau_motor
-torque_matrix = [[100, 20], [0, -80]]  # R_tau, the transpose of R (equal power) unless given
-"""
+"""The mapping of columns to joint coordinates, a small TOML file; docs/recordings.md describes its keys."""
 
 from __future__ import annotations
 
