@@ -93,7 +93,7 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tupl
             names += [f"{field}.{joint}" for joint in joints]
             missing = np.full(len(joints), np.nan)
             columns += list(np.array([missing if row is None else row for row in rows]).T)
-    return RecordedTable(path, tuple(names), np.column_stack(columns), findings=tuple(findings))
+    return RecordedTable(path, tuple(names), np.column_stack(columns), findings=tuple(findings), in_si=True)
 
 
 def _in_order(message: Any, field: str, joints: tuple[str, ...]) -> Any:

@@ -48,7 +48,7 @@ def time_column(
             raise BadMapping(f"{where}: no column of time (t, time_s, stamp, …); give the rate, or a mapping")
         return None
     column = families["time"][""]
-    if not column.unit and column.number - 1 not in table.seconds:
+    if not column.unit and column.number - 1 not in table.seconds and not table.in_si:
         message = f"time in a column without unit ({in_words([column.name])})"
         findings.append(noted(where, "assumed-unit", message, "s is assumed; give the unit in the header"))
     return TimeColumn(column.number, known_unit_of(where, "time", column).factor)
@@ -64,5 +64,7 @@ def _two_parts(table: RecordedTable) -> tuple[Named, Named] | None:
                 found.append((Named(number, name, "s", part[1]), Named(other, beside, "ns", part[1])))
     if len(found) > 1:
         listed = "; ".join(in_words(column.name for column in pair) for pair in found)
-        raise AmbiguousColumns(f"{table.path}: {len(found)} candidates for time: {listed}; say in a mapping which")
+        raise AmbiguousColumns(
+            f"{table.path}: {len(found)} candidates for time: {listed}; say in a mapping (docs/recordings.md) which"
+        )
     return found[0] if found else None

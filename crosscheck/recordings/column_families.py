@@ -42,7 +42,7 @@ def candidates(table: RecordedTable, joints: Sequence[str] | None) -> dict[str, 
             other = family[joint]
             raise AmbiguousColumns(
                 f"{table.path}: {other.name!r} (column {other.number}) and {name!r} (column {number}) are both "
-                f"{said.quantity} of {joint!r}; say in a mapping which to take"
+                f"{said.quantity} of {joint!r}; say in a mapping (docs/recordings.md) which to take"
             )
         family[joint] = Named(number, name, said.unit, said.path)
     return found
@@ -54,7 +54,7 @@ def only(table: RecordedTable, found: dict[str, dict[str, Family]]) -> dict[str,
         if len(families) > 1:
             names = "; ".join(listed(family) for family in families.values())
             raise AmbiguousColumns(
-                f"{table.path}: {len(families)} candidates for {quantity}: {names}; say in a mapping which to take"
+                f"{table.path}: {len(families)} candidates for {quantity}: {names}; say in a mapping (docs/recordings.md) which to take"
             )
     return {name: next(iter(families.values())) for name, families in found.items() if families}
 

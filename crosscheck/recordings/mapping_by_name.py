@@ -33,7 +33,7 @@ def mapping_by_name(
             f"{in_words(table.names)}; give a mapping"
         )
     order = _order(where, list(families["q"]), joints)
-    channels = {name: _channel(where, name, families[name], order, findings) for name in QUANTITIES if name in families}
+    channels = {name: _channel(table, name, families[name], order, findings) for name in QUANTITIES if name in families}
     currents = [name for name in table.names if CURRENTS.fullmatch(name)]
     if "tau" not in channels and currents:
         message = f"currents instead of torques ({in_words(currents)})"
@@ -77,14 +77,17 @@ def _order(where: str, found: list[str], joints: Sequence[str] | None) -> list[s
     return list(joints or found)
 
 
-def _channel(where: str, name: str, family: Family, order: list[str], findings: list[RecordingFinding]) -> Channel:
+def _channel(
+    table: RecordedTable, name: str, family: Family, order: list[str], findings: list[RecordingFinding]
+) -> Channel:
+    where = str(table.path)
     if not set(order) <= set(family):
         raise BadMapping(
             f"{where}: {name} has columns for {in_words(family)}, joints are {in_words(order)}; give a mapping"
         )
     columns = [family[joint] for joint in order]
     units = [known_unit_of(where, name, column) for column in columns]
-    if not all(column.unit for column in columns):
+    if not table.in_si and not all(column.unit for column in columns):
         message = f"{name} in columns without units ({listed(family)})"
         remedy = f"{SI_UNITS[name]} is assumed; give units in the header"
         findings.append(noted(where, "assumed-unit", message, remedy))

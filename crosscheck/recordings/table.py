@@ -29,6 +29,7 @@ class RecordedTable:
     texts: per column number, the text of cells that are not numbers
     lines: line of row 0 in the file; None where the file has no lines
     left_out: names in the file that are not columns, and why
+    in_si: the format says that all numbers are in SI units, as ROS messages do
     """
 
     path: Path
@@ -40,6 +41,7 @@ class RecordedTable:
     starts: Mapping[int, int] = field(default_factory=dict)
     seconds: Mapping[int, float] = field(default_factory=dict)
     findings: tuple[RecordingFinding, ...] = ()
+    in_si: bool = False
 
     @classmethod
     def of(cls, path: Path, names: Sequence[str], columns: Sequence[Cells], **more: Any) -> RecordedTable:

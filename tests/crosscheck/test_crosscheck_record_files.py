@@ -248,6 +248,7 @@ def test_bags_with_one_topic(tmp_path, storage):
     folder = write_bag(tmp_path / "bag", {"/joint_states": ARM}, storage)
     recording = load_recording(folder, joints=["joint_1", "joint_2"])
     assert_whole(recording, BY_STAMP)
+    assert recording.findings == ()  # the messages are in SI units
     (file,) = [path for path in folder.iterdir() if path.suffix in (".mcap", ".db3")]
     assert_whole(load_recording(file, joints=["joint_1", "joint_2"]), BY_STAMP)
     assert load_recording(file).joint_names == ("joint_2", "joint_1")

@@ -133,7 +133,7 @@ def test_what_is_assumed_is_said(tmp_path):
             None,
             r"2 candidates for q: q_a_1 … q_a_2; q_b_1 … q_b_2; say in a mapp",
         ),
-        (["stamp_s", "q_1"], None, r"2 candidates for time: t_s; stamp_s; say in a mapping which to take"),
+        (["stamp_s", "q_1"], None, r"2 candidates for time: t_s; stamp_s; say in a mapping \(docs/.*\) which to take"),
         (
             ["q_1", "q_1 [rad]"],
             None,

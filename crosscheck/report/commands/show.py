@@ -187,7 +187,7 @@ def _graph(robot: ShowRecord) -> tuple[Block, ...]:
         ),
         tuple(rows),
         title="Body-joint vectors C",
-        caption="S_ij times the way from the center of mass of body i to joint j, in axes of i",
+        caption="S_ij times the vector from the center of mass of body i to joint j, in axes of i",
     )
     words = Prose("Row = body, column = joint; of T: row = joint, column = body.", soft=True)
     return words, *matrices, table
