@@ -54,7 +54,8 @@ def only(table: RecordedTable, found: dict[str, dict[str, Family]]) -> dict[str,
         if len(families) > 1:
             names = "; ".join(listed(family) for family in families.values())
             raise AmbiguousColumns(
-                f"{table.path}: {len(families)} candidates for {quantity}: {names}; say in a mapping (docs/recordings.md) which to take"
+                f"{table.path}: {len(families)} candidates for {quantity}: {names}; "
+                "say in a mapping (docs/recordings.md) which to take"
             )
     return {name: next(iter(families.values())) for name, families in found.items() if families}
 

@@ -170,7 +170,7 @@ def optimised(
     progress: Callable[[float], None] | None = None,
     start: Trajectory | None = None,
 ) -> OptimisedMotion:
-    """The best motion that is found from the first start from which one is found.
+    """The best motion that is found from the first start from which a better one is found.
 
     progress: called with the criterion after every iteration
     start: up to STARTS random motions of this seed if left out
@@ -178,15 +178,22 @@ def optimised(
     Raises NoFeasibleMotion where no limit-keeping motion is found.
     """
     rng = np.random.default_rng([seed, 1])
+    best: OptimisedMotion | None = None
     with one_thread():
         for _ in range(1 if start else STARTS):
             trajectory = start or random_trajectory(
                 problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng, STILL
             )
             found = _searched(problem, trajectory, seed, progress or (lambda value: None))
-            if isinstance(found, OptimisedMotion):
-                return found
-            worst = found
+            if not isinstance(found, OptimisedMotion):
+                worst = found
+                continue
+            if best is None or found.value < best.value:
+                best = found
+            if found.value < problem.value(trajectory):  # else SLSQP has failed at once
+                break
+    if best is not None:
+        return best
     raise NoFeasibleMotion(f"no motion within all limits was found from seed {seed}: {_violation(worst)}")
 
 

@@ -22,6 +22,7 @@ from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from crosscheck.exciting.noise import assumed_noise
 from crosscheck.recordings import load_recording
 from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.report.commands.excite import random_is_better
 from graphdyn import InvalidInput, joint_torques
 from graphdyn.excitation import FourierBasis, Trajectory
 
@@ -157,6 +158,18 @@ def test_the_program(program, small_arm, tmp_path):
     for row, whole in zip(examined["parameters"], record["parameters"], strict=True):
         assert row["recorded"] == pytest.approx(row["sigma"], rel=0.05)  # the rates differ, and the borders
         assert whole["sigma"] < row["sigma"]  # two motions determine more than one
+
+
+@pytest.mark.parametrize(
+    ("best_random", "seed", "better"), [(0.9, 3, True), (1.1, 3, False), (0.9, None, False), (None, 3, False)]
+)
+def test_a_better_random_motion_is_told(best_random, seed, better):
+    found = SimpleNamespace(
+        motions=[SimpleNamespace(seed=seed)],
+        plan=SimpleNamespace(geometric_mean=1.0),
+        best_random=best_random and SimpleNamespace(geometric_mean=best_random),
+    )
+    assert random_is_better(found) is better
 
 
 def test_motion_beyond_a_limit(program, small_arm, tmp_path):

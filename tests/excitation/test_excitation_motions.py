@@ -15,6 +15,7 @@ from graphdyn.excitation import (
     FourierBasis,
     MotionLimits,
     NoFeasibleMotion,
+    OptimisedMotion,
     Plane,
     SplineBasis,
     TabulatedCourse,
@@ -314,6 +315,18 @@ def test_other_starts_of_a_seed(monkeypatch):
     with pytest.raises(NoFeasibleMotion):
         optimised(problem, 2, start=tried[0])
     assert tried[optimising.STARTS :] == [tried[0]]
+
+
+def test_the_next_start_is_tried_where_a_search_ends_where_it_began(monkeypatch):
+    """As SLSQP does where its subproblem fails at once."""
+    problem, gains = problem_of(), iter([0.0, -1.0])
+
+    def searched(_, start, seed, __):
+        return OptimisedMotion(start, (), problem.value(start) + next(gains), seed, 1)
+
+    monkeypatch.setattr(optimising, "_searched", searched)
+    found = optimised(problem, 2)
+    assert found.value == problem.value(found.trajectory) - 1
 
 
 def test_no_motion_within_limits(monkeypatch):

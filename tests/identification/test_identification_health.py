@@ -12,6 +12,7 @@ from graphdyn import InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.health import Piece, RecordedColumns, excitation, recording_health
 from graphdyn.identification.health.bounded_fit import BoundedFit
+from graphdyn.identification.health.channels import rate_gain
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -144,6 +145,12 @@ class TestFaults:
         (fault,) = found.faults
         assert (fault.change.kind, fault.change.alone) == ("reversed position", "position")
         assert found.channels.velocity_gain[1] == pytest.approx(-1, abs=1e-3)
+
+    def test_the_noise_of_a_joint_at_rest_is_no_rate(self):
+        still = np.diag([1, 1e-6, 1, 1, 1, 1])
+        gain = rate_gain([changed(position=still, velocity=still @ signs(1))])
+        assert np.isnan(gain[1])
+        np.testing.assert_allclose(np.delete(gain, 1), 1, rtol=1e-2)
 
     def test_columns_in_front_of_a_coupled_transmission(self):
         """The motor of the last axis turns along with the fifth: its reversed column spoils two joints."""

@@ -47,6 +47,9 @@ GAINS = (
 )
 
 
+MORE_SEEDS = "The best random motion determines the parameters better than the one found: search from more --seeds."
+
+
 def excite_report(found: Excited, written: Sequence[str]) -> Report:
     """written: names of the files of the motions."""
     name, many = Path(found.robot).name, len(found.motions) > 1
@@ -178,9 +181,17 @@ def _parameters(found: Excited) -> Section:
     notes = [Note(GAINS)]
     if "not" in plan.verdicts:
         notes.insert(0, Note("Parameters that are not determined need another motion, a longer one, or less noise."))
+    if random_is_better(found):
+        notes.insert(0, Note(MORE_SEEDS))
     if sums:
         notes.append(Note(f"{sums} parameters of the bodies are determined in sums alone, by whatever motion."))
     return Section("parameters", "What the motion will determine", (_table(found), bars, Notes(tuple(notes))))
+
+
+def random_is_better(found: Excited) -> bool:
+    """Whether the search has ended in a worse motion than one of those that were drawn for comparison."""
+    searched = found.motions[0].seed is not None
+    return searched and found.best_random is not None and found.best_random.geometric_mean < found.plan.geometric_mean
 
 
 def _table(found: Excited) -> Table:

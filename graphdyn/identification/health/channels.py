@@ -79,11 +79,12 @@ def _held(tau: Array, lowest: Array, highest: Array) -> Array:
 
 
 def rate_gain(pieces: Sequence[Piece]) -> Array:
-    """Gain of v on the rate of q, of each joint (n,); NaN where it does not move."""
-    products, squares = 0.0, 0.0
+    """Gain of v on the rate of q, of each joint (n,); NaN where neither shows a motion: noise is no rate."""
+    products, squares, fastest = 0.0, 0.0, np.zeros(pieces[0].samples.q.shape[1])
     for piece in pieces:
         rate = np.gradient(piece.samples.q, piece.period, axis=0)
+        fastest = np.maximum(fastest, np.maximum(np.abs(rate), np.abs(piece.samples.v)).max(axis=0))
         products = products + np.sum(rate * piece.samples.v, axis=0)
         squares = squares + np.sum(rate**2, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(np.asarray(squares) > 0, products / squares, np.nan)
+        return np.where((squares > 0) & (fastest > MOVING), products / squares, np.nan)
