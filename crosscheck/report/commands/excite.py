@@ -58,7 +58,7 @@ def excite_report(found: Excited, written: Sequence[str]) -> Report:
         for number, motion in enumerate(found.motions, start=1)
     )
     return Report(
-        f"{name}, excited",
+        f"{name}: exciting motion",
         _verdict(found),
         (
             Section("plan", "", _overview(found, name, written)),
