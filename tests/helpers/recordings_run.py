@@ -1,8 +1,11 @@
-"""All methods on the recordings of three arms, as one table: python tests/helpers/recordings_run.py FOLDER.
+"""All methods on the recordings of three arms, as one table.
+
+    python tests/helpers/recordings_run.py FOLDER           of all methods, some minutes
+    python tests/helpers/recordings_run.py FOLDER wls,ml    of these, named as in --methods
 
 The commands are those of docs/identification.md with --methods all, but that every arm is fitted once and the rest of
 its recording predicted: ‖e‖ / ‖τ‖ in percent over moving rows, mean over the joints, in brackets where bodies cannot be
-real. FOLDER keeps what they write; an arm whose file is there is not identified again. Some minutes.
+real. FOLDER keeps what they write; an arm whose file is there is not identified again.
 """
 
 import json
@@ -44,12 +47,12 @@ def inputs(folder):
     (folder / "smooth.toml").write_text(models[models.index("[smooth]") :], encoding="utf-8")
 
 
-def identified(folder, arm):
+def identified(folder, arm, methods):
     """The record of an arm."""
-    path = folder / f"{arm}.json"
+    path = folder / f"{arm}-{methods}.json"
     if not path.exists():
         inputs(folder)
-        command = [sys.executable, "-m", "crosscheck", "identify", *COMMANDS[arm], "--methods", "all", "--json", path]
+        command = [sys.executable, "-m", "crosscheck", "identify", *COMMANDS[arm], "--methods", methods, "--json", path]
         environment = {**os.environ, "KR300_JSON": str(KR300 / "kr300.json")}
         done = subprocess.run(list(map(str, command)), cwd=folder, env=environment, check=False)
         if done.returncode not in (0, 1):
@@ -74,9 +77,9 @@ def cell(result):
     return f"{100 * error:.1f}" if real else f"({100 * error:.1f})"
 
 
-def main(folder):
+def main(folder, methods="all"):
     folder.mkdir(parents=True, exist_ok=True)
-    arms = {arm: results(identified(folder, arm)) for arm in COMMANDS}
+    arms = {arm: results(identified(folder, arm, methods)) for arm in COMMANDS}
     print(f"| method | {' | '.join(TITLES[arm] for arm in arms)} |")
     print("|---|" + "---|" * len(arms))
     for method in next(iter(arms.values())):
@@ -84,6 +87,6 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if len(sys.argv) not in (2, 3):
         raise SystemExit(__doc__)
-    main(Path(sys.argv[1]).resolve())
+    main(Path(sys.argv[1]).resolve(), *sys.argv[2:])
