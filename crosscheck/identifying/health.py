@@ -35,6 +35,10 @@ UNITS, ALIKE = 2.0, 2.5
 """Gain from which the unit of all torques is in doubt, and the factor within which all joints must then agree: CAD that
 is wrong is wrong by another factor in each link."""
 
+FAR = 10.0
+"""Gain from which it is enough that most joints agree: CAD may be wrong in a wrist, but the heavier links, which most
+joints carry, are not ten times as heavy or as light all together."""
+
 
 @dataclass(frozen=True)
 class HealthFinding:
@@ -164,22 +168,25 @@ def _of_channels(found: RecordingHealth) -> list[HealthFinding]:
 
 
 def _of_units(found: RecordingHealth) -> list[HealthFinding]:
-    """Of the unit of all torques; nothing where links and drives say little, or the joints disagree."""
+    """Of the unit of all torques; nothing where links and drives say little."""
     g = found.gains
     with np.errstate(invalid="ignore"):
         clear = np.flatnonzero((g.share >= CLEAR) & (g.deviation <= EXACT * np.abs(g.gain)))
     if not clear.size:
         return []
     sizes = np.abs(g.gain[clear])
-    usual = float(np.median(sizes))
-    if 1 / UNITS < usual < UNITS:
+    alike = max((sizes[(least <= sizes) & (sizes <= ALIKE * least)] for least in sizes), key=len)
+    most = 1 < len(alike) > len(clear) / 2
+    usual = float(np.median(alike if most else sizes))
+    away = max(usual, 1 / usual)
+    if away < UNITS:
         return []
     listed = ", ".join(f"{found.joint_names[j]} {g.gain[j]:.3g} ± {g.deviation[j]:.2g}" for j in clear)
     message = f"measured torques are {usual:.3g} times those of CAD and drives ({listed})"
-    if len(clear) > 1 and sizes.max() <= ALIKE * sizes.min():
+    if most and (len(alike) == len(clear) or away >= FAR):
         remedy = (
             "give their unit, or their gain in N m at the joint; torques at the motors need "
-            '[transmission] and side = "motor"'
+            '[transmission] and side = "motor"; if the unit is right, the masses of the robot\'s file are not'
         )
         lines = ("[tau]", f"gain = {1 / usual:.6g}  # times the gain that is there")
         return [HealthFinding("torque-unit", "fault", found.joint_names, message, remedy, lines)]

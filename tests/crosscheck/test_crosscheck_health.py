@@ -24,6 +24,7 @@ from crosscheck.report.commands.identify import identify_report
 from crosscheck.report.records.identify import record
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
+from graphdyn.identification.health.gain import Gains
 from graphdyn.identification.terms import MaxwellSlip, RigidBodies
 
 RATE = 100.0
@@ -148,6 +149,27 @@ class TestWords:
         assert (finding.code, finding.severity) == ("torque-unit", "fault")
         assert finding.lines[0] == "[tau]"
         assert float(finding.lines[1].split()[2]) == pytest.approx(1e-3, rel=0.3)
+
+    @pytest.mark.parametrize(
+        ("gain", "severity"),
+        [
+            ([1, 1.1, 0.95, 11.6], None),
+            ([3, 3.3, 2.9, 3], "fault"),
+            ([3, 3.3, 2.9, 36], "warning"),
+            ([0.01, 0.011, 0.0095, 0.116], "fault"),
+            ([0.01, 0.011, 0.116, 0.12], "warning"),
+        ],
+        ids=["of-one-joint", "all", "most", "most-and-far", "half"],
+    )
+    def test_of_units_on_which_joints_agree(self, monkeypatch, right, gain, severity):
+        gains = np.array(gain + [np.nan] * 2)
+        found = replace(right.measures, gains=Gains(gains, 0.1 * gains, np.ones(6), gains))
+        monkeypatch.setattr("crosscheck.identifying.health.recording_health", lambda *_, **__: found)
+        said = health_of(arm().fitted).findings
+        assert [(finding.code, finding.severity) for finding in said] == [("torque-unit", severity)] * bool(severity)
+        if severity == "fault":
+            assert float(said[0].lines[1].split()[2]) == pytest.approx(1 / gain[0], rel=0.1)
+            assert said[0].remedy.endswith("if the unit is right, the masses of the robot's file are not")
 
     def test_of_noise(self):
         found = health_of(spoilt_recordings.noise(arm().fitted))
