@@ -164,7 +164,7 @@ def run(
     if logs:
         options.refuse_with_log(seconds=seconds, seed=seed)
     if logs and in_parts:
-        with warnings_shown():
+        with warnings_shown(), workers_of(jobs, scheduler).kept() as workers:
             found = identify_parts.found(
                 robot,
                 logs,
@@ -173,7 +173,7 @@ def run(
                 preparation,
                 mapping,
                 rate,
-                workers_of(jobs, scheduler),
+                workers,
                 lock=frozen.lock,
                 chain=frozen.chain,
                 gravity=frozen.gravity,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.distributing import DaskWorkers, LocalProcesses, Workers
+from crosscheck.distributing import DaskWorkers, LocalProcesses
 from graphdyn.kernels.running import cores
 
 SchedulerOption = Annotated[
@@ -20,7 +20,7 @@ SchedulerOption = Annotated[
 ]
 
 
-def workers_of(jobs: int | None, scheduler: str | None) -> Workers:
+def workers_of(jobs: int | None, scheduler: str | None) -> DaskWorkers | LocalProcesses:
     """What --jobs and --scheduler choose; as many processes as processors without both. Raises typer.BadParameter."""
     if jobs and scheduler:
         raise typer.BadParameter("--jobs and --scheduler exclude each other; the scheduler has workers of its own")

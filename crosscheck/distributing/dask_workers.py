@@ -10,7 +10,7 @@ import os
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import chdir
+from contextlib import chdir, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -76,6 +76,10 @@ class DaskWorkers:
                 start(k)
                 future, _ = running.pop(_next(ended, cluster))
                 yield k, _answer(future, cluster)
+
+    def kept(self) -> nullcontext[DaskWorkers]:
+        """As in LocalProcesses; those of a scheduler go on anyway."""
+        return nullcontext(self)
 
 
 def _next(ended: SimpleQueue[str], cluster: Cluster) -> str:

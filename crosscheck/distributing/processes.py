@@ -6,8 +6,8 @@ import os
 import signal
 import threading
 from collections import Counter, deque
-from collections.abc import Callable, Generator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from multiprocessing.connection import Connection, wait
@@ -31,38 +31,74 @@ class LocalProcesses:
         self, function: Callable[[Task], Answer], tasks: Sequence[Task]
     ) -> Generator[tuple[int, Answer | Lost], None, None]:
         """As in Workers."""
+        with self.kept() as workers:
+            yield from workers.each(function, tasks)
+
+    @contextmanager
+    def kept(self) -> Iterator[KeptProcesses]:
+        """Workers whose processes go on between calls of `each`, and know what they have imported and compiled."""
+        workers = KeptProcesses(self.count, self.tries)
+        try:
+            yield workers
+        finally:
+            workers.end()
+
+
+class KeptProcesses:
+    """Those of LocalProcesses, of which one that has no task left waits for the next work."""
+
+    def __init__(self, count: int, tries: int):
+        self._count, self._tries = count, tries
+        self._idle: list[_Process] = []
+
+    def each(
+        self, function: Callable[[Task], Answer], tasks: Sequence[Task]
+    ) -> Generator[tuple[int, Answer | Lost], None, None]:
+        """As in Workers."""
         waiting = deque(range(len(tasks)))
         deaths = Counter[int]()
         busy: dict[Connection, tuple[_Process, int]] = {}
 
-        def give_next(process: _Process) -> None:
-            k = waiting.popleft()
+        def give_next() -> None:
+            process, k = self._waiting_process(), waiting.popleft()
             busy[process.pipe] = process, k
-            process.give(tasks[k])
+            process.give(function, tasks[k])
 
         try:
-            while waiting and len(busy) < self.count:
-                give_next(_Process(function))
+            while waiting and len(busy) < self._count:
+                give_next()
             while busy:
                 for ready in wait(list(busy)):
                     process, k = busy.pop(cast(Connection, ready))
                     answer = process.answer()
                     if isinstance(answer, _Died):
                         deaths[k] += 1
-                        if deaths[k] < self.tries:
+                        if deaths[k] < self._tries:
                             waiting.appendleft(k)
-                            give_next(_Process(function))
+                            give_next()
                             continue
                         answer = Lost(f"its process died with code {answer.code}, tries: {deaths[k]}")
-                        process = _Process(function) if waiting else process
-                    if waiting:
-                        give_next(process)
                     else:
-                        process.end()
+                        self._idle.append(process)
+                    if waiting:
+                        give_next()
                     yield k, answer
         finally:
             for process, _ in busy.values():
                 process.end()
+
+    def _waiting_process(self) -> _Process:
+        """A new one where none that is alive waits."""
+        while self._idle:
+            process = self._idle.pop()
+            if process.alive:
+                return process
+            process.end()
+        return _Process()
+
+    def end(self) -> None:
+        while self._idle:
+            self._idle.pop().end()
 
 
 @dataclass(frozen=True)
@@ -75,16 +111,24 @@ class _Died:
 class _Process:
     """One that answers what comes through a pipe."""
 
-    def __init__(self, function: Callable[[Any], Any]) -> None:
+    def __init__(self) -> None:
         context = get_context("spawn")
         self.pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_work, args=(function, theirs), daemon=True)
+        self._process = context.Process(target=_work, args=(theirs,), daemon=True)
         self._process.start()
         theirs.close()
+        self._function: Callable[[Any], Any] | None = None
 
-    def give(self, task: object) -> None:
+    @property
+    def alive(self) -> bool:
+        return self._process.is_alive()
+
+    def give(self, function: Callable[[Any], Any], task: object) -> None:
+        """The function travels once, with its first task."""
+        new = None if function is self._function else function
+        self._function = function
         with suppress(OSError):  # that the process has died is noticed when its answer is awaited
-            self.pipe.send(task)
+            self.pipe.send((new, task))
 
     def answer(self) -> Any:
         try:
@@ -112,10 +156,13 @@ def end_with_parent() -> None:
     threading.Thread(target=watch, daemon=True).start()
 
 
-def _work(function: Callable[[Any], Any], theirs: Connection) -> None:
+def _work(theirs: Connection) -> None:
     """Answer until the pipe is closed. Ctrl-C is ignored: the main process ends its workers."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
+    function: Any = None
     with suppress(EOFError, OSError):
         while True:
-            theirs.send(function(theirs.recv()))
+            new, task = theirs.recv()
+            function = new or function
+            theirs.send(function(task))

@@ -27,6 +27,10 @@ def deadly(task):
     return os.kill(os.getpid(), signal.SIGKILL)
 
 
+def own_number(_task):
+    return os.getpid()
+
+
 class TestProcesses:
     def test_one_that_dies(self, tmp_path):
         """Its task is tried again, and known if that does not help; the others go on."""
@@ -41,6 +45,19 @@ class TestProcesses:
         answers = LocalProcesses(2).each(deadly, [1, 2, 3])
         next(answers)
         answers.close()
+        assert multiprocessing.active_children() == []
+
+    def test_kept_between_two_works(self):
+        """One that has died in the meantime is replaced; none is left at the end."""
+        with LocalProcesses(1).kept() as workers:
+            ((_, first),) = workers.each(own_number, [1])
+            assert dict(workers.each(deadly, [2, 3])) == {0: 4, 1: 9}
+            ((_, again),) = workers.each(own_number, [1])
+            (process,) = multiprocessing.active_children()
+            process.kill()
+            process.join()
+            ((_, other),) = workers.each(own_number, [1])
+        assert first == again == process.pid != other
         assert multiprocessing.active_children() == []
 
 
