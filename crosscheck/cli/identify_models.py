@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Literal
@@ -155,8 +156,20 @@ def methods_of(text: str | None) -> list[str | Estimator]:
 
 
 def made(option: str, text: str, *needed: str) -> Any:
-    """What a user's function or class makes. Raises typer.BadParameter where something that is needed is missing."""
-    made: Any = foreign_function(option, text)()
+    """What a user's function or class makes, without arguments.
+
+    Raises typer.BadParameter where it takes some, or something that is needed is missing from what it makes.
+    """
+    function = foreign_function(option, text)
+    try:
+        inspect.signature(function).bind()
+    except TypeError as error:
+        raise typer.BadParameter(
+            f"{option} {text}: {error}; give a function or class that is called without arguments and makes one"
+        ) from None
+    except ValueError:  # what is written in C may have no signature
+        pass
+    made: Any = function()
     missing = [name for name in needed if not hasattr(made, name)]
     if missing:
         raise typer.BadParameter(f"{option} {text}: what it makes has no {', '.join(missing)}")

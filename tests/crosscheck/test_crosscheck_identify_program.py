@@ -407,6 +407,7 @@ class TestOptions:
             (["--methods", "magic"], "there is no method 'magic'"),
             (["--methods", "own.py:empty"], "what it makes has no name, reference, assumptions, needs, estimate"),
             (["--term", "own.py:empty"], "--term own.py:empty: what it makes has no columns, rows"),
+            (["--term", "own.py:nothing"], "--term own.py:nothing: missing a required argument: 'q'; give a"),
             (["--terms", "magic"], "there is no term 'magic'"),
             (["--choose", "magic", "--methods", "wls", "--cutoff", "10"], "there is no method 'magic'; known: WLS"),
             (["--drop", "magic"], "drop has 'magic'; rows can be dropped for"),
