@@ -1,4 +1,4 @@
-"""The worked examples of docs/identification.md on the recordings of three arms; skipped where the data are absent.
+"""The worked examples of docs/industrial_arms.md on the recordings of three arms; skipped where the data are absent.
 
 The commands are those of the document, with fewer methods and poses; the numbers are those of its tables. Where the
 document chooses the strength of a prior in every fold, the test takes one strength for all.
@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 import urdf
 from crosscheck.cli import app, own_process
 
-DOCUMENT = REPOSITORY / "docs" / "identification.md"
+DOCUMENT = REPOSITORY / "docs" / "industrial_arms.md"
 RECORDINGS = {"ur10": DATA / "data" / "ur10", "tx40": DATA / "data" / "tx40", "kr300": DATA / "data" / "kr300"}
 
 UR10_HELD_OUT = [1.54, 2.88, 1.56, 0.38, 0.49]

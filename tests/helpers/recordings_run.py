@@ -3,7 +3,7 @@
     python tests/helpers/recordings_run.py FOLDER           of all methods, some minutes
     python tests/helpers/recordings_run.py FOLDER wls,ml    of these, named as in --methods
 
-The commands are those of docs/identification.md with --methods all, but that every arm is fitted once and the rest of
+The commands are those of docs/industrial_arms.md with --methods all, but that every arm is fitted once and the rest of
 its recording predicted: ‖e‖ / ‖τ‖ in percent over moving rows, mean over the joints, in brackets where bodies cannot be
 real. FOLDER keeps what they write; an arm whose file is there is not identified again.
 """
