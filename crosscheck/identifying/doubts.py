@@ -29,7 +29,7 @@ REPEATABLE = 0.01
 
 UNCONSTRAINED = 2.0
 """Largest residual of real bodies relative to that of parameters without constraints, which is noise and what the
-torque model lacks. On the recordings of docs/industrial_arms.md it is 1.0 to 1.3, with one torque reversed 1.5 to 30."""
+torque model lacks. For the arms of docs/industrial_arms.md it is 1.0 to 1.3, with one torque reversed 1.5 to 30."""
 
 
 def doubts(

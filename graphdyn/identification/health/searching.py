@@ -23,7 +23,7 @@ from graphdyn.layout import Array
 
 CONVINCING = 0.5
 """Fall of Σ log ‖e_j‖ from which a change is a finding: the residual of one joint falls by 40 %, or that of six by 8 %.
-Of the three recordings in docs/industrial_arms.md no wrong change gains more than 0.1, and no fault that is listed there
+Of the recordings in docs/industrial_arms.md no wrong change gains more than 0.1, and no fault that is listed there
 less than 0.9."""
 
 LATE, SIGNIFICANT, LEAST_DELAY = 0.15, 4.0, 0.005
