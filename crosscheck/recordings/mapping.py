@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from reprlib import repr as shown
 from typing import Any
 
 import numpy as np
@@ -136,13 +137,14 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
         raise BadMapping(f"{source}: without [q]; say which columns hold the joint positions")
     rate, prismatic = document.get("rate"), document.get("prismatic")
     if rate is not None and not (is_number(rate) and rate > 0):
-        raise BadMapping(f"{source}: rate is {rate!r}; give samples per second")
+        raise BadMapping(f"{source}: rate is {shown(rate)}; give samples per second")
     if rate is None and "time" not in document:
         raise BadMapping(f"{source}: without [time]; name its column, or give the rate in samples per second")
     if prismatic is not None and (
         not isinstance(prismatic, list) or [type(slides) for slides in prismatic] != [bool] * len(joints)
     ):
-        raise BadMapping(f"{source}: prismatic is {prismatic!r}; give true or false for each of {len(joints)} joints")
+        given = shown(prismatic)
+        raise BadMapping(f"{source}: prismatic is {given}; give true or false for each of {len(joints)} joints")
     channels = {
         name: _channel(name, toml_table(document, name, source), tuple(joints), f"{source}, [{name}]")
         for name in QUANTITIES
@@ -159,7 +161,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
         raise BadMapping(f'{source}: [transmission] without side = "motor"; say which columns are in front of it')
     delimiter = toml_text(document, "delimiter", source)
     if delimiter is not None and (len(delimiter) != 1 or delimiter in '\r\n"'):
-        raise BadMapping(f"{source}: delimiter is {delimiter!r}; give the one character between two cells")
+        raise BadMapping(f"{source}: delimiter is {shown(delimiter)}; give the one character between two cells")
     return ColumnMapping(
         source,
         tuple(joints),
@@ -184,21 +186,22 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
         ]
     if not isinstance(columns, list) or len(columns) != n or not all(type(column) in (str, int) for column in columns):
         raise BadMapping(
-            f"{where}: columns is {columns!r}; give {n} names or numbers from 1, or a text with {{number}} or {{joint}}"
+            f"{where}: columns is {shown(columns)}; give {n} names or numbers from 1, or a text with {{number}} or "
+            "{joint}"
         )
     units = table.get("unit", SI_UNITS[name])
     units = [units] * n if isinstance(units, str) else units
     if not isinstance(units, list) or len(units) != n or not all(isinstance(unit, str) for unit in units):
-        raise BadMapping(f"{where}: unit is {units!r}; give one text, or one per joint")
+        raise BadMapping(f"{where}: unit is {shown(units)}; give one text, or one per joint")
     known: list[Unit] = [known_unit(name, unit, where) for unit in units]
     if any(unit.needs_gain for unit in known) and "gain" not in table:
         raise BadMapping(f"{where}: {units[0]!r} is not a unit of torque; give the gain in N m per {units[0]}")
     side = table.get("side", "joint")
     if side not in ("joint", "motor"):
-        raise BadMapping(f'{where}: side is {side!r}; use "joint" or "motor"')
+        raise BadMapping(f'{where}: side is {shown(side)}; use "joint" or "motor"')
     sign = toml_numbers(table, "sign", n, 1.0, where)
     if np.any(np.abs(sign) != 1):
-        raise BadMapping(f"{where}: sign is {table['sign']!r}; use 1 and -1")
+        raise BadMapping(f"{where}: sign is {shown(table['sign'])}; use 1 and -1")
     offset_unit = known_unit(name, table.get("offset_unit", SI_UNITS[name]), f"{where}: offset_unit")
     return Channel(
         tuple(columns),

@@ -66,7 +66,7 @@ def commands(arm):
 
 def table(arm_heading, number=0):
     """Rows of a table in the section of an arm, by method: numbers, joint by joint."""
-    text = DOCUMENT.read_text(encoding="utf-8").partition(f"### {arm_heading}")[2].partition("\n### ")[0]
+    text = DOCUMENT.read_text(encoding="utf-8").partition(f"## {arm_heading}")[2].partition("\n## ")[0]
     part = text.split("| method |")[number + 1]
     rows = {}
     for line in part.splitlines()[2:]:

@@ -174,9 +174,15 @@ def test_truncated_matlab_files(tmp_path, options):
     [
         ("x=" + "[" * 5000, r"m.toml: not TOML \(.*\); write it as docs/recordings shows"),
         ("x=" + "{a=" * 3000, r"m.toml: not TOML \(.*\)"),
-        ('joints=["a"]\nrate' + ".a" * 3000 + "=1\n[q]\ncolumns=[1]", r"m.toml: not TOML \(.*\)"),
+        (  # too deep for TOML, or not, by the version of Python
+            'joints=["a"]\nrate' + ".a" * 3000 + "=1\n[q]\ncolumns=[1]",
+            r"m.toml: (not TOML \(.*\)|rate is .{1,100}; give samples per second)",
+        ),
         ("rate=" + "9" * 5000, r"m.toml: not TOML \(.*5000 digits.*\)"),
-        ('joints=["a"]\nrate=' + "9" * 400 + "\n[q]\ncolumns=[1]", r"m.toml: rate is 9+; give samples per second"),
+        (
+            'joints=["a"]\nrate=' + "9" * 400 + "\n[q]\ncolumns=[1]",
+            r"m.toml: rate is 9{18}\.{3}9{19}; give samples per second",
+        ),
         ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=' + "9" * 400, r"m.toml, \[q\]: offset is 9+; give 1 numbers"),
         ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=nan', r"m.toml, \[q\]: offset is nan; give 1 numbers"),
         ('joints=["a"]\nrate=1\ndelimiter=""\n[q]\ncolumns=[1]', r"m.toml: delimiter is ''; give the one character"),
