@@ -1,5 +1,7 @@
 """Derivatives of the dynamics: finite differences, properties of the equations of motion, refusals."""
 
+import functools
+
 import numpy as np
 import pytest
 from long_check import LONG
@@ -36,27 +38,54 @@ def differences(verb, model, arguments, k, read):
     return np.stack(columns, axis=-1)
 
 
-@robots
-@methods
-@bases
-def test_of_inverse_dynamics(model, method, base):
-    q, v, a = random_state(model, 3)
-    wrenches = random_wrenches(model, 4)
+def differences_of(names, verb, model, arguments, k):
+    """The same of several parts of the answer, in the order of their names, from one evaluation for all."""
+    here = [np.asarray(getattr(verb(model, *arguments), name)) for name in names]
+
+    def read(found):
+        return np.concatenate([np.ravel(getattr(found, name)) for name in names])
+
+    parts = np.split(differences(verb, model, arguments, k, read), np.cumsum([x.size for x in here])[:-1])
+    return [part.reshape(*x.shape, -1) for part, x in zip(parts, here, strict=True)]
+
+
+@functools.cache
+def inverse_dynamics_and_differences(model, base):
+    """State and loads, the answer there, and its differences by q, v and a, for all methods."""
+    state, wrenches = random_state(model, 3), random_wrenches(model, 4)
 
     def verb(*arguments):
         return graphdyn.inverse_dynamics(*arguments, wrenches, base=base)
 
-    found = graphdyn.inverse_dynamics_derivatives(model, q, v, a, wrenches, base=base, method=method)
-    reactions = graphdyn.reaction_derivatives(model, q, v, a, wrenches, base=base, method=method)
-    here = verb(model, q, v, a)
-    for k, name in enumerate("qva"):
-        for answer, read in (
-            (getattr(found, f"dtau_d{name}"), lambda x: x.tau),
-            (getattr(reactions, f"dmultipliers_d{name}"), lambda x: x.multipliers),
-            (getattr(reactions, f"dwrenches_d{name}"), lambda x: x.joint_wrenches),
-        ):
-            expected = differences(verb, model, (q, v, a), k, read)
-            assert relative_error(answer, expected, here.joint_wrenches) < DIFFERENCE
+    names = ("tau", "multipliers", "joint_wrenches")
+    return state, wrenches, verb(model, *state), [differences_of(names, verb, model, state, k) for k in range(3)]
+
+
+@functools.cache
+def forward_dynamics_and_differences(model, base):
+    state, wrenches = random_state(model, 5), random_wrenches(model, 6)
+
+    def verb(*arguments):
+        return graphdyn.forward_dynamics(*arguments, wrenches, base=base)
+
+    return state, wrenches, verb(model, *state), [differences_of(["a"], verb, model, state, k) for k in range(3)]
+
+
+@robots
+@methods
+@bases
+def test_of_inverse_dynamics(model, method, base):
+    state, wrenches, here, expected = inverse_dynamics_and_differences(model, base)
+    found = graphdyn.inverse_dynamics_derivatives(model, *state, wrenches, base=base, method=method)
+    reactions = graphdyn.reaction_derivatives(model, *state, wrenches, base=base, method=method)
+    for by, differences_by in zip("qva", expected, strict=True):
+        answers = (
+            getattr(found, f"dtau_d{by}"),
+            getattr(reactions, f"dmultipliers_d{by}"),
+            getattr(reactions, f"dwrenches_d{by}"),
+        )
+        for answer, difference in zip(answers, differences_by, strict=True):
+            assert relative_error(answer, difference, here.joint_wrenches) < DIFFERENCE
 
 
 @pytest.mark.parametrize(
@@ -73,15 +102,16 @@ def test_second_ones_of_inverse_dynamics(model, method, base):
         return graphdyn.inverse_dynamics_derivatives(*arguments, wrenches, base=base, method="recursive")
 
     found = graphdyn.inverse_dynamics_second_derivatives(model, q, v, a, wrenches, base=base, method=method)
-    for answer, k, column in (
-        (found.d2tau_dqdq, 0, "dtau_dq"),
-        (found.d2tau_dqdv, 0, "dtau_dv"),
-        (found.d2tau_dqda, 0, "dtau_da"),
-        (found.d2tau_dvdv, 1, "dtau_dv"),
+    here = first(model, q, v, a)
+    by_q = differences_of(["dtau_dq", "dtau_dv", "dtau_da"], first, model, (q, v, a), 0)
+    by_v = differences_of(["dtau_dv"], first, model, (q, v, a), 1)
+    for answer, expected, value in (
+        (found.d2tau_dqdq, by_q[0], here.dtau_dq),
+        (found.d2tau_dqdv, by_q[1], here.dtau_dv),
+        (found.d2tau_dqda, by_q[2], here.dtau_da),
+        (found.d2tau_dvdv, by_v[0], here.dtau_dv),
     ):
-        expected = differences(first, model, (q, v, a), k, lambda x, column=column: getattr(x, column))
-        here = getattr(first(model, q, v, a), column)
-        assert relative_error(answer, np.swapaxes(expected, -1, -2), here) < DIFFERENCE
+        assert relative_error(answer, np.swapaxes(expected, -1, -2), value) < DIFFERENCE
     for symmetric in (found.d2tau_dqdq, found.d2tau_dvdv):
         assert relative_error(symmetric, np.swapaxes(symmetric, -1, -2)) < IDENTITY
 
@@ -99,16 +129,10 @@ def test_the_hessian_of_the_potential_energy_is_symmetric(model, method):
 @methods
 @bases
 def test_of_forward_dynamics(model, method, base):
-    q, v, tau = random_state(model, 5)
-    wrenches = random_wrenches(model, 6)
-
-    def verb(*arguments):
-        return graphdyn.forward_dynamics(*arguments, wrenches, base=base)
-
-    found = graphdyn.forward_dynamics_derivatives(model, q, v, tau, wrenches, base=base, method=method)
-    for k, name in enumerate(("q", "v", "tau")):
-        expected = differences(verb, model, (q, v, tau), k, lambda x: x.a)
-        assert relative_error(getattr(found, f"da_d{name}"), expected, verb(model, q, v, tau).a) < DIFFERENCE
+    state, wrenches, here, expected = forward_dynamics_and_differences(model, base)
+    found = graphdyn.forward_dynamics_derivatives(model, *state, wrenches, base=base, method=method)
+    for by, (difference,) in zip(("q", "v", "tau"), expected, strict=True):
+        assert relative_error(getattr(found, f"da_d{by}"), difference, here.a) < DIFFERENCE
 
 
 @robots
