@@ -152,19 +152,28 @@ class Outcome:
         self.code, self.out, self.err = code, out, err
 
 
-@pytest.fixture
-def program(monkeypatch, capsys):
-    """program("crosscheck", "ur5"): exit code and what was written, through main as the script calls it."""
-
+def _through_main(monkeypatch, capture):
     def run(*arguments):
         monkeypatch.setattr(console, "INTERVAL", math.inf)  # however slow the machine, no line of progress
         monkeypatch.setattr(sys, "argv", ["graphdyn", *map(str, arguments)])
         with pytest.raises(SystemExit) as caught:
             main()
-        captured = capsys.readouterr()
+        captured = capture.readouterr()
         return Outcome(caught.value.code or 0, captured.out, captured.err)
 
     return run
+
+
+@pytest.fixture
+def program(monkeypatch, capsys):
+    """program("crosscheck", "ur5"): exit code and what was written, through main as the script calls it."""
+    return _through_main(monkeypatch, capsys)
+
+
+@pytest.fixture
+def program_with_processes(monkeypatch, capfd):
+    """The same with what the processes write that it starts."""
+    return _through_main(monkeypatch, capfd)
 
 
 @pytest.fixture

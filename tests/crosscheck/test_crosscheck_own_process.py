@@ -56,21 +56,30 @@ def method_that_divides():
 ENDS = "import os\nos._exit(0)\n"
 
 
+def judge(name, *options):
+    return ("judge", "ur5", "--inverse-dynamics", f"own.py:{name}", "--samples", 1, *options)
+
+
 @pytest.fixture
-def judged(script, tmp_path):
-    """judged("ends"): what `graphdyn judge` says of a function of CODE."""
+def folder(tmp_path, monkeypatch):
+    """The working folder, with CODE in it."""
     (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
-    return lambda name, *options: script(
-        "judge", "ur5", "--inverse-dynamics", f"own.py:{name}", "--samples", 1, *options
-    )
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def judged(folder, program_with_processes):
+    """judged("ends"): what `graphdyn judge` says of a function of CODE, which runs in another process than this one."""
+    return lambda name, *options: program_with_processes(*judge(name, *options))
 
 
 class TestEnds:
     """Each would be exit code 0, or a disagreement, of a program that runs the code itself."""
 
     @pytest.mark.parametrize("name", few(["ends", "closes"], "ends"))
-    def test_at_once(self, judged, name):
-        done = judged(name)
+    def test_at_once(self, folder, script, name):
+        done = script(*judge(name))
         assert (done.code, done.out) == (BAD_INPUT, "")
         assert done.err == (
             f"error: the process ended itself with exit code 0 while it ran --inverse-dynamics own.py:{name}; there is "
@@ -98,22 +107,21 @@ class TestEnds:
         assert done.err.startswith("error: inverse_dynamics raised SystemExit: 0 (")
 
     @pytest.mark.parametrize("option", few(["--term", "--known-torque", "--methods"], "--term"))
-    def test_when_imported_for_an_identification(self, script, tmp_path, option):
-        (tmp_path / "own.py").write_text(ENDS, encoding="utf-8")
-        done = script("identify", "log.csv", "--robot", "ur5", option, "own.py:f")
+    def test_when_imported_for_an_identification(self, folder, program_with_processes, option):
+        (folder / "own.py").write_text(ENDS, encoding="utf-8")
+        done = program_with_processes("identify", "log.csv", "--robot", "ur5", option, "own.py:f")
         assert (done.code, done.out) == (BAD_INPUT, "")
         assert f"ended itself with exit code 0 while it ran {option} own.py:f" in done.err
 
-    def test_all_that_ran_is_named(self, script, tmp_path):
+    def test_all_that_ran_is_named(self, judged):
         """The last one may not be the culprit."""
-        (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
-        done = script("judge", "ur5", "--inverse-dynamics", "own.py:ends", "--mass-matrix", "own.py:exits")
+        done = judged("ends", "--mass-matrix", "own.py:exits")
         assert "while it ran --inverse-dynamics own.py:ends and --mass-matrix own.py:exits; " in done.err
 
 
 class TestOutput:
-    def test_what_the_code_prints_is_no_result(self, judged):
-        done = judged("talks", "--json", "-")
+    def test_what_the_code_prints_is_no_result(self, folder, script):
+        done = script(*judge("talks", "--json", "-"))
         assert done.code == AGREED
         assert json.loads(done.out)["verdict"] == "agrees"
         assert done.err.count("printed\n") == done.err.count("written\n") > 1
@@ -128,10 +136,9 @@ class TestOutput:
 @pytest.mark.parametrize(
     ("number", "code"), few([(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)], (signal.SIGINT, 130))
 )
-def test_the_program_is_ended(started, tmp_path, number, code):
+def test_the_program_is_ended(started, folder, number, code):
     """With the process of its command, which holds its output open as long as it lives."""
-    (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
-    program = started("judge", "ur5", "--inverse-dynamics", "own.py:waits")
+    program = started(*judge("waits"))
     assert program.stderr.readline() == "waiting\n"
     program.send_signal(number)
     assert program.communicate() == ("", "")
@@ -142,13 +149,11 @@ class TestErrors:
     """In this process."""
 
     @pytest.fixture
-    def own(self, tmp_path, monkeypatch):
-        (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
-        monkeypatch.chdir(tmp_path)
+    def own(self, folder, monkeypatch):
         monkeypatch.setattr(sys, "path", [*sys.path])
         monkeypatch.delitem(sys.modules, "own", raising=False)
         monkeypatch.setattr(own_process, "tell", lambda _: None)
-        return tmp_path / "own.py"
+        return folder / "own.py"
 
     @pytest.mark.parametrize(
         ("name", "after", "words"),
@@ -157,9 +162,10 @@ class TestErrors:
             ("Method", "    def estimate(self, problem):", "in estimate raised Own: no base"),
         ],
     )
-    def test_they_are_not_errors_of_the_program(self, program, own, name, after, words):
+    def test_they_are_not_errors_of_the_program(self, program, own, small_arm, name, after, words):
         """Nor, as of an exception that nobody catches, a disagreement."""
-        done = program("identify", "--methods", f"own.py:{name}", "--cutoff", 10, "--seconds", 10, "--poses", 1)
+        options = ("--robot", small_arm, "--cutoff", 10, "--seconds", 10, "--poses", 1)
+        done = program("identify", "--methods", f"own.py:{name}", *options)
         assert done.code == BAD_INPUT
         line = CODE.splitlines().index(after) + 2
         assert done.err.startswith(f"error: {own}, line {line}, {words}")
