@@ -38,6 +38,15 @@ def _recursive(back_end, monkeypatch):
 
 
 @pytest.fixture
+def interpreted(monkeypatch):
+    """Programs of the recursive method run without being compiled, for tests of what they compute.
+
+    tests/kernels shows that compiled ones give the same, test_verbs that every verb has one.
+    """
+    monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")
+
+
+@pytest.fixture
 def rng():
     return np.random.default_rng(0)
 

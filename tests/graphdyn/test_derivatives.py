@@ -22,6 +22,8 @@ MOVING = BaseMotion(velocity=[0.1, 0.2, -0.3, 0.5, -0.4, 0.3], acceleration=[1.0
 ROBOTS = ["kr500", "mixed_chain", "branched"]
 """With turning and sliding joints, in a chain and with branches."""
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 robots = pytest.mark.parametrize("model", [NAMED[name] for name in ROBOTS], ids=ROBOTS)
 methods = pytest.mark.parametrize("method", ["dense", "projected", "recursive"])
 bases = pytest.mark.parametrize("base", [None, MOVING], ids=["fixed", "moving"])

@@ -38,6 +38,8 @@ def with_frames(model):
     return replace(model, frames=(tool, Frame("stand", 0, random_placement(rng))))
 
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 ROBOTS = ["kr500", "mixed_chain", "branched"]
 robots = pytest.mark.parametrize("model", [with_frames(NAMED[name]) for name in ROBOTS], ids=ROBOTS)
 methods = pytest.mark.parametrize("method", METHODS)

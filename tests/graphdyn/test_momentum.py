@@ -22,6 +22,8 @@ ROBOTS = ["kr500", "mixed_chain", "branched"]
 
 VERBS = ("center_of_mass", "center_of_mass_velocity", "center_of_mass_jacobian", "momentum", "centroidal_map")
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 robots = pytest.mark.parametrize("model", [NAMED[name] for name in ROBOTS], ids=ROBOTS)
 methods = pytest.mark.parametrize("method", ["dense", "projected", "recursive"])
 

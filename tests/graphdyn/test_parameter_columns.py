@@ -25,6 +25,8 @@ MOVING = BaseMotion(
     acceleration=[1.0, -2.0, 0.5, 0.3, 0.2, -0.7],
 )
 
+pytestmark = pytest.mark.usefixtures("interpreted")
+
 robots = pytest.mark.parametrize("model", [NAMED[name] for name in ROBOTS], ids=ROBOTS)
 methods = pytest.mark.parametrize("method", ["dense", "projected", "recursive"])
 bases = pytest.mark.parametrize("base", [None, MOVING], ids=["fixed", "moving"])
