@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from long_check import few
+from long_check import LONG, few
 from random_trees import NAMED
 from shared_data import DATA, existing
 
@@ -29,6 +29,18 @@ def method(request, monkeypatch):
 def default_method(request, monkeypatch):
     """The same for tests that name no method."""
     return _recursive(BACK_ENDS[request.param], monkeypatch) if request.param in BACK_ENDS else request.param
+
+
+COMPILED_ROBOT = "mixed_chain"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Compiled programs of one robot stand for all: tests/kernels compares them with interpreted ones."""
+    for item in items:
+        chosen = item.callspec.params if hasattr(item, "callspec") else {}
+        if "recursive, compiled" in chosen.values() and chosen.get("robot", COMPILED_ROBOT) != COMPILED_ROBOT:
+            item.add_marker(LONG)
 
 
 def _recursive(back_end, monkeypatch):
