@@ -70,6 +70,7 @@ def compare(found, wanted, tolerance=ROUNDING):
         assert np.nanmax(np.abs(ours - theirs), initial=0.0) <= tolerance * scale, name
 
 
+@pytest.mark.usefixtures("interpreted")
 @pytest.mark.parametrize("kind", CHORD_ROWS)
 def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
     model, q = closed_chain(kind)
@@ -93,12 +94,19 @@ def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
     assert relative_error(moved, answers[0].a) < 1e-12  # ten motors move fewer freedoms: other torques, same motion
 
 
-@methods
-def test_the_palletiser_is_what_its_closed_form_says(method):
+@pytest.fixture(scope="module")
+def moving_palletiser():
+    """A palletising arm, k of its closed form v = k u̇, and states q and v (20, 10)."""
     model, k = palletiser(existing(DATA / "loops").parent)
     rng, count = np.random.default_rng(2), 20
     u = rng.uniform((-3, -0.6, -0.5, -3), (3, 0.6, 0.5, 3), (count, 4))
-    q, v = u @ k.T, rng.uniform(-2, 2, (count, 4)) @ k.T
+    return model, k, u @ k.T, rng.uniform(-2, 2, (count, 4)) @ k.T
+
+
+@methods
+def test_the_palletiser_is_what_its_closed_form_says(moving_palletiser, method):
+    model, k, q, v = moving_palletiser
+    rng, count = np.random.default_rng(7), len(q)
     tau, wrenches = np.zeros((count, 10)), rng.normal(size=(count, 10, 6)) * 50
     motors = [model.joint_names.index(name) for name in model.actuated]
     tau[:, motors] = rng.normal(size=(count, 4)) * 300
@@ -112,6 +120,11 @@ def test_the_palletiser_is_what_its_closed_form_says(method):
     compare(answer, graphdyn.forward_dynamics(model, q, v, tau, wrenches, method="projected"))
     back = graphdyn.inverse_dynamics(model, q, v, a, wrenches, method=method if method != "dense" else "projected")
     assert relative_error(back.tau, tau) < ROUNDING
+
+
+def test_torques_of_a_palletiser_are_linear_in_its_parameters_by_every_method(moving_palletiser):
+    model, k, q, v = moving_palletiser
+    a = graphdyn.assemble(model, q, v, np.random.default_rng(8).uniform(-5, 5, (len(q), 4)) @ k.T)[2]
     regressor = graphdyn.joint_torque_regressor(model, q, v, a)
     without = graphdyn.joint_torques(model, q, v, a)
     assert relative_error(regressor @ model.inertial_parameters, without) < ROUNDING
