@@ -177,12 +177,14 @@ class TestDebug:
 
 class TestCompletion:
     @pytest.fixture
-    def complete(self, script):
+    def complete(self, program, monkeypatch):
         """Candidates that bash is offered for the last word of a line."""
 
         def run(line):
-            words = {"COMP_WORDS": line, "COMP_CWORD": str(len(line.split(" ")) - 1)}
-            return script(env={"_GRAPHDYN_COMPLETE": "complete_bash", **words}).out.splitlines()
+            monkeypatch.setenv("_GRAPHDYN_COMPLETE", "complete_bash")
+            monkeypatch.setenv("COMP_WORDS", line)
+            monkeypatch.setenv("COMP_CWORD", str(len(line.split(" ")) - 1))
+            return program().out.splitlines()
 
         return run
 
@@ -207,10 +209,13 @@ print(*{"pinocchio", "yourdfpy", "scipy", "matplotlib"} & set(sys.modules))
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
         assert done.stdout == "\n"
 
+    def test_the_installed_program_writes_a_script(self, script):
+        assert "_GRAPHDYN_COMPLETE=complete_" in script(env={"_GRAPHDYN_COMPLETE": "source_bash"}).out
+
     @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
-    def test_every_shell_gets_its_script(self, script, shell):
-        done = script(env={"_GRAPHDYN_COMPLETE": f"source_{shell}"})
-        assert "_GRAPHDYN_COMPLETE=complete_" in done.out
+    def test_every_shell_gets_its_script(self, program, monkeypatch, shell):
+        monkeypatch.setenv("_GRAPHDYN_COMPLETE", f"source_{shell}")
+        assert "_GRAPHDYN_COMPLETE=complete_" in program().out
 
 
 class TestExamples:

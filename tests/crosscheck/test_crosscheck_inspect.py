@@ -310,12 +310,16 @@ class TestSweep:
         return sorted(map(str, place.iterdir()))
 
     def test_in_processes(self, many):
+        """With an error of the program for one of them."""
+        (many / "03.urdf").rename(many / "03_broken.urdf")
         seen = []
         robots = self.names(many)
-        reports = inspect_files(robots, lambda robot, steps: seen.append((robot, steps)))
+        reports = inspect_files(robots, lambda robot, steps: seen.append((robot, steps)), broken)
         assert [report.robot for report in reports] == robots
         assert sorted(seen) == [(robot, 1) for robot in robots]
         assert reports[0] == urdf.inspect(robots[0])
+        failed = [report.reasons for report in reports if not report.usable]
+        assert failed == [("the inspection failed: ZeroDivisionError: no reason",)]
 
     def test_a_file_that_kills_its_process(self, many, monkeypatch):
         monkeypatch.setattr(inspect_many, "FEW", 1)
@@ -329,12 +333,6 @@ class TestSweep:
         assert failed[0].reasons == ("the inspection was lost: its process died with code 1, tries: 2",)
         assert failed[0].codes == ("inspection-failed",)
         assert failed[0].findings[0].remedy == "report it, with the file"
-
-    def test_an_error_of_the_program(self, many):
-        (many / "03.urdf").rename(many / "03_broken.urdf")
-        reports = inspect_files(self.names(many), lambda *_: None, broken)
-        failed = [report for report in reports if not report.usable]
-        assert [report.reasons for report in failed] == [("the inspection failed: ZeroDivisionError: no reason",)]
 
     def test_progress(self, many, monkeypatch):
         for name, value in {"FORCE_COLOR": "1", "TERM": "xterm", "COLUMNS": "140"}.items():
