@@ -154,15 +154,6 @@ def any_trees(draw, max_bodies=MAX_BODIES):
     return random_tree(draw(SEEDS), inside, [draw(st.sampled_from(JOINT_KINDS)) for _ in inside])
 
 
-@pytest.fixture(scope="module")
-def interpreted():
-    """Each tree has programs of its own, which are not compiled here: those of the robots above are."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("GRAPHDYN_BACKEND", "numpy")
-        yield
-
-
-@pytest.mark.usefixtures("interpreted")
 @EXAMPLES
 @given(model=any_trees())
 def test_random_trees(model):
