@@ -39,7 +39,8 @@ def pytest_collection_modifyitems(items):
     """Compiled programs of one robot stand for all: tests/kernels compares them with interpreted ones."""
     for item in items:
         chosen = item.callspec.params if hasattr(item, "callspec") else {}
-        if "recursive, compiled" in chosen.values() and chosen.get("robot", COMPILED_ROBOT) != COMPILED_ROBOT:
+        back_ends = chosen.get("method"), chosen.get("default_method")
+        if "robot" in chosen and "recursive, compiled" in back_ends and chosen["robot"] != COMPILED_ROBOT:
             item.add_marker(LONG)
 
 
