@@ -18,6 +18,9 @@ def emit_long(program: LongProgram, lanes: int) -> str:
     """Code of batch and single, as graphdyn.kernels.emitter.emit gives; scratch: a copy of long_scratch."""
     widths = {**program.inputs, **{name: len(columns) for name, columns in program.outputs.items()}}
     functions, code = [], VectorCode(lanes)
+    for name, width in widths.items():
+        if width == len(program.kinds):  # a number for each body: lines that it would wait for
+            code.fetch_ahead(code.rows_of(name, width), width, turns=1, to_write=name in program.outputs)
     for number, (outwards, steps) in enumerate(program.passes):
         names = {kind: f"step_{number}_{place}" for place, kind in enumerate(steps)}
         functions += [line for kind, name in names.items() for line in _step(steps[kind], name, program, widths, lanes)]

@@ -17,7 +17,7 @@ WATCH_STARTS = (0.0, 0.0, float("inf"))
 
 AHEAD = 4
 """Turns of a loop by which memory is asked for before it is read, where other traffic leaves the processor's own
-guesses too late."""
+guesses too late. Of long rows, one turn is far enough."""
 
 ALIGNED_STACK = '"frame-pointer"="all"'
 """What lets LLVM align the stack of a function to whole vectors: otherwise most registers that are set aside lie
@@ -215,12 +215,12 @@ class VectorCode:
                     value = self.let(f"extractelement {self.vector} {columns[column]}, i64 {lane}")
                     self.store(f"double {value}", block, lane * width + column)
 
-    def fetch_ahead(self, block: str, width: int) -> None:
-        """Ask for the rows of AHEAD turns of the loop later, which may lie beyond the array."""
+    def fetch_ahead(self, block: str, width: int, turns: int = AHEAD, to_write: bool = False) -> None:
+        """Ask for the rows of some turns of the loop later, which may lie beyond the array."""
         rows = self.lanes * width
         for first in range(0, rows, LINE // 8):
-            address = self.element(block, AHEAD * rows + first)
-            self.do(f"call void @llvm.prefetch.p0(ptr {address}, i32 0, i32 3, i32 1)")
+            address = self.element(block, turns * rows + first)
+            self.do(f"call void @llvm.prefetch.p0(ptr {address}, i32 {int(to_write)}, i32 3, i32 1)")
 
     def _joined(self, parts: list[str]) -> str:
         """Short vectors one after the other."""
