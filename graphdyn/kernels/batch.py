@@ -69,7 +69,7 @@ def evaluate(
     """
     batch = x["q"].shape[:-1]
     count = prod(batch)
-    inputs = {name: _as_rows(array, batch) for name, array in x.items()}
+    inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(ground_columns(model, base, batch), batch)
     shapes = {name: (*batch, *ARRAYS[name].shape_for(model)) for name in outputs}
@@ -85,11 +85,14 @@ def evaluate(
     return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else NONE)
 
 
-def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
-    """(…, *trailing) seen as (N, width), or a copy where compiled code could not read it."""
+def _plain(array: Array) -> Array:
+    """The array itself, or a copy where compiled code could not read it."""
     flags = array.flags
-    if not (flags.c_contiguous and flags.aligned):
-        array = array.copy()
+    return array if flags.c_contiguous and flags.aligned else array.copy()
+
+
+def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
+    """(…, *trailing) seen as (N, width)."""
     if array.ndim == 2 and len(batch) == 1:
         return array
     return array.reshape(prod(batch), prod(array.shape[len(batch) :]))

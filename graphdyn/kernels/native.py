@@ -36,11 +36,11 @@ if hasattr(os, "register_at_fork"):
 
 @dataclass(frozen=True, eq=False)
 class RowCall:
-    """A call on one row of memory: function(table), and what they need to live."""
+    """A call on one row of memory: function(table), and the program that the function belongs to."""
 
     function: Any
     table: Any
-    owned: tuple[object, ...]
+    program: CompiledProgram
 
     def __call__(self) -> None:
         self.function(self.table)
@@ -68,15 +68,14 @@ class CompiledProgram:
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """run(first, last) for C-contiguous arrays (N, width), as Interpreter.bind gives."""
-        given = places(self._arrays(inputs, outputs))
+        arrays = self._arrays(inputs, outputs)
         bypass = sum(outputs[name].nbytes for name in self._program.outputs) > CACHE
 
         def run(first: int, last: int) -> dict[Watch, float]:
             if last - first < self.lanes:
                 return self._short(first, last, inputs, outputs)
             watched = watch_memory(self.lanes)
-            own = places([self._own_scratch(), watched])
-            self._batch(first, last, bypass, self._table(own[0][0], *given[0], own[0][1]))
+            self._batch(first, last, bypass, self._table_of(arrays, watched))
             return watches(self._program, watched)
 
         return run
@@ -86,8 +85,14 @@ class CompiledProgram:
 
         Not for several threads at once.
         """
-        given = places([self._own_scratch(), *self._arrays(inputs, outputs), watch_memory(self.lanes)])
-        return RowCall(self._single, self._table(*given[0]), (self, given))
+        return RowCall(self._single, self._table_of(self._arrays(inputs, outputs), watch_memory(self.lanes)), self)
+
+    def _table_of(self, arrays: list[Array], watched: Array) -> Any:
+        """What the code reads, with scratch of its own. It keeps alive whatever it leads to."""
+        found, owned = places([self._own_scratch(), *arrays, watched])
+        table = self._table(*found)
+        table.owned = owned  # type: ignore[attr-defined]
+        return table
 
     def _arrays(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> list[Array]:
         return [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]
