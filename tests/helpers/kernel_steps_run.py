@@ -37,7 +37,9 @@ REQUESTS = {
 }
 REDUCTIONS = {"recursions": (), "slid, turned": (slid, turned), "regrouped": (slid, turned, regrouped)}
 
-STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
+Replaced = tuple[tuple[object, str, object], ...]
+
+STEPS: dict[str, Replaced] = {
     "all reductions": ((programs, "REDUCTIONS", ()),),
     "short_chains": ((recursions, "is_short", lambda links: False),),
     "watching": ((programs, "sufficient", lambda recorder, inputs, outputs: inputs),),
@@ -45,8 +47,6 @@ STEPS: dict[str, tuple[tuple[object, str, object], ...]] = {
     "ALIGNED_STACK": ((vector_code, "ALIGNED_STACK", ""), (body_by_body_code, "ALIGNED_STACK", "")),
 }
 """What replaces a step."""
-
-Replaced = tuple[tuple[object, str, object], ...]
 
 NOT_FETCHED: Replaced = ((vector_code.VectorCode, "fetch_ahead", lambda self, block, width, **_: None),)
 

@@ -120,18 +120,23 @@ def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
     program = record(model, request)
     instructions, products = fused_instructions(program)
     size = 8 * (sum(program.inputs.values()) + sum(map(len, program.outputs.values())))
-    needed = instructions / on.instructions, 2 * products / on.operations, size / on.bandwidth
-    return Floor(floating_point_operations(program), instructions, products, size, max(needed))
+    seconds = max(_needed(instructions, products, size, on).values())
+    return Floor(floating_point_operations(program), instructions, products, size, seconds)
+
+
+def _needed(instructions: int, products: int, size: int, on: Machine) -> dict[str, float]:
+    """Seconds that all instructions, those that multiply, and the bytes take at least, by the loop that takes them."""
+    return {
+        "mix": instructions / on.instructions,
+        "multiply": 2 * products / on.operations,
+        "copy": size / on.bandwidth,
+    }
 
 
 def limit(floor: Floor, on: Machine) -> Callable[[int], None]:
     """run(samples) takes the least time of as many samples: a loop of what takes longest on this machine."""
     loops = Loops()
-    needed = {
-        "mix": floor.instructions / on.instructions,
-        "multiply": 2 * floor.products / on.operations,
-        "copy": floor.bytes / on.bandwidth,
-    }
+    needed = _needed(floor.instructions, floor.products, floor.bytes, on)
     longest = max(needed, key=lambda name: needed[name])
     if longest == "mix" and on.operations / 2 >= on.instructions:  # one kind of pipeline for all
         return lambda samples: loops.multiply(round(floor.instructions * samples / (CHAINS * on.lanes)))
