@@ -1,9 +1,11 @@
 from . import identifying as identifying
 from .assertions import Disagreement, WrongDynamics, assert_agrees, assert_correct
+from .comparing.compare import compare
+from .comparing.comparison import Comparison, QuantityResult
 from .distributing import DaskWorkers, LocalProcesses
 from .identifying import Identified, identify
 from .judging.judge import judge
-from .judging.judgement import Diagnosis, JudgedFunction, Judgement
+from .judging.judgment import Diagnosis, JudgedFunction, Judgement
 from .recordings import (
     DirtyRecording,
     PartitionedRecording,
@@ -23,8 +25,6 @@ from .recordings import (
     split_by_time,
     time_folds,
 )
-from .referee.compare import compare
-from .referee.comparison import Comparison, QuantityResult
 
 __all__ = [
     "Comparison",

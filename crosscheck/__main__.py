@@ -1,6 +1,6 @@
 """`python -m crosscheck` is the program `graphdyn`."""
 
-from crosscheck.cli import main
+from crosscheck.commands import main
 
 if __name__ == "__main__":
     main()

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from crosscheck.commands.crosscheck.report import crosscheck_report
+from crosscheck.commands.judge.report import judge_report
+from crosscheck.comparing.compare import compare
+from crosscheck.comparing.comparison import Comparison
 from crosscheck.judging.judge import judge
-from crosscheck.judging.judgement import Judgement
-from crosscheck.referee.compare import compare
-from crosscheck.referee.comparison import Comparison
-from crosscheck.referee.subject import Robot
-from crosscheck.report.commands.crosscheck import crosscheck_report
-from crosscheck.report.commands.judge import judge_report
+from crosscheck.judging.judgment import Judgement
+from crosscheck.reference.subject import Robot
 from crosscheck.report.text import as_text
 
 

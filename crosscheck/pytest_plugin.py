@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from crosscheck.judging.judgement import Judgement
+    from crosscheck.judging.judgment import Judgement
 
 
 @pytest.fixture(scope="session")

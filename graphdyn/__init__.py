@@ -10,41 +10,12 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from graphdyn import layout, motion_laws
-from graphdyn._answers import (
-    EnergyRegressor,
-    ForwardDynamics,
-    ForwardDynamicsDerivatives,
-    InverseDynamics,
-    InverseDynamicsDerivatives,
-    InverseDynamicsSecondDerivatives,
-    Momentum,
-    ReactionDerivatives,
-)
-from graphdyn._assemble import assemble
-from graphdyn._base_motion import BaseMotion
-from graphdyn._chord import Chord
-from graphdyn._compiled import CompiledModel, compile
-from graphdyn._coupling import Coupling
-from graphdyn._derivatives import (
-    forward_dynamics_derivatives,
-    forward_dynamics_parameter_derivatives,
-    inverse_dynamics_derivatives,
-    inverse_dynamics_second_derivatives,
-    reaction_derivatives,
-)
-from graphdyn._dynamics import (
-    bias_torque,
-    forward_dynamics,
-    gravity_torque,
-    inverse_dynamics,
-    joint_accelerations,
-    joint_torques,
-    kkt_system,
-    solve_kkt,
-    static_torque,
-)
-from graphdyn._energies import energy_regressor, kinetic_energy, potential_energy, power
-from graphdyn._errors import (
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.equations.joint_readings import joint_acceleration, joint_state
+from graphdyn.equations.kinematics import MaximalState, frame_placement, maximal_state
+from graphdyn.equations.kkt import KKTSolution, KKTSystem
+from graphdyn.equations.loops.analysis import LoopAnalysis, analyze_loops
+from graphdyn.errors import (
     EstimationFailed,
     GimbalLock,
     GraphDynError,
@@ -56,16 +27,49 @@ from graphdyn._errors import (
     SingularMassMatrix,
     UnknownFrame,
 )
-from graphdyn._experiment import record
-from graphdyn._frames import frame_acceleration, frame_jacobian, frame_jacobian_derivative, frame_velocity
-from graphdyn._graph import Graph
-from graphdyn._inertia import Consistency
-from graphdyn._joint_readings import joint_acceleration, joint_state
-from graphdyn._kinematics import MaximalState, frame_placement, maximal_state
-from graphdyn._kkt import KKTSolution, KKTSystem
-from graphdyn._kr500 import kr500, kr500_experiment
-from graphdyn._loop_analysis import LoopAnalysis, analyze_loops
-from graphdyn._matrices import (
+from graphdyn.experiments.experiment import record
+from graphdyn.experiments.kr500 import kr500, kr500_experiment
+from graphdyn.experiments.virtual_recording import VirtualRecording
+from graphdyn.model.chord import Chord
+from graphdyn.model.coupling import Coupling
+from graphdyn.model.graph import Graph
+from graphdyn.model.inertia import Consistency
+from graphdyn.model.parts import Body, Frame, Joint, JointLimits
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.model.spatial import Placement
+from graphdyn.verbs.answers import (
+    EnergyRegressor,
+    ForwardDynamics,
+    ForwardDynamicsDerivatives,
+    InverseDynamics,
+    InverseDynamicsDerivatives,
+    InverseDynamicsSecondDerivatives,
+    Momentum,
+    ReactionDerivatives,
+)
+from graphdyn.verbs.assembly import assemble
+from graphdyn.verbs.compiled import CompiledModel, compile
+from graphdyn.verbs.derivatives import (
+    forward_dynamics_derivatives,
+    forward_dynamics_parameter_derivatives,
+    inverse_dynamics_derivatives,
+    inverse_dynamics_second_derivatives,
+    reaction_derivatives,
+)
+from graphdyn.verbs.dynamics import (
+    bias_torque,
+    forward_dynamics,
+    gravity_torque,
+    inverse_dynamics,
+    joint_accelerations,
+    joint_torques,
+    kkt_system,
+    solve_kkt,
+    static_torque,
+)
+from graphdyn.verbs.energies import energy_regressor, kinetic_energy, potential_energy, power
+from graphdyn.verbs.frames import frame_acceleration, frame_jacobian, frame_jacobian_derivative, frame_velocity
+from graphdyn.verbs.matrices import (
     body_regressor,
     coriolis_matrix,
     joint_torque_regressor,
@@ -73,18 +77,14 @@ from graphdyn._matrices import (
     mass_matrix_inverse,
     momentum_regressor,
 )
-from graphdyn._model import RobotModel
-from graphdyn._momentum import (
+from graphdyn.verbs.momentum import (
     center_of_mass,
     center_of_mass_jacobian,
     center_of_mass_velocity,
     centroidal_map,
     momentum,
 )
-from graphdyn._parts import Body, Frame, Joint, JointLimits
-from graphdyn._placement import Placement
-from graphdyn._recorded_function import RecordedFunction
-from graphdyn._virtual_recording import VirtualRecording
+from graphdyn.verbs.recorded_function import RecordedFunction
 
 if TYPE_CHECKING:
     from graphdyn import excitation, identification

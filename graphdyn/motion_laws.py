@@ -17,8 +17,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
 __all__ = [

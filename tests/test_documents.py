@@ -9,11 +9,10 @@ from pathlib import Path
 import pytest
 
 import graphdyn
-from crosscheck.recordings import mapping
-from crosscheck.recordings.mapping import mapping_of
-from crosscheck.referee.quantities import BY_NAME
-from crosscheck.referee.tolerances import EPS
-from crosscheck.studies.errata import ERRATA
+from crosscheck.paper.errata import ERRATA
+from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities.tolerances import EPS
+from crosscheck.recordings.mapping.mapping import mapping, mapping_of
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

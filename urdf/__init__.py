@@ -3,8 +3,9 @@
 Strict where other parsers guess: a missing value is refused, with file, line, element and remedy.
 """
 
-from urdf._catalogue import RobotEntry, robots
-from urdf._errors import (
+from urdf.document.catalogue import RobotEntry, robots
+from urdf.document.opening import Xacro
+from urdf.errors import (
     AxisNotNormalizedWarning,
     CannotSave,
     CannotUpdate,
@@ -35,15 +36,14 @@ from urdf._errors import (
     XacroNotInstalled,
     XacroWarning,
 )
-from urdf._loading import fused_links, load
-from urdf._loops import Loop
-from urdf._mesh_inertials import InertialsFromMeshes
-from urdf._opening import Xacro
-from urdf._saving import save
-from urdf._shapes import shapes
-from urdf._updating import Update, update
 from urdf.geometry.shape import MissingShape, Shape, Shapes
 from urdf.inspection import Finding, Inspection, inspect
+from urdf.loops.loops import Loop
+from urdf.reading.loading import fused_links, load
+from urdf.reading.mesh_inertials import InertialsFromMeshes
+from urdf.reading.shapes import shapes
+from urdf.writing.saving import save
+from urdf.writing.updating import Update, update
 
 __all__ = [
     "AxisNotNormalizedWarning",

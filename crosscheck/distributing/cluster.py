@@ -8,8 +8,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
-from crosscheck.distributing.errors import NoWorkers
-from crosscheck.distributing.versions import differences, versions
+from crosscheck.distributing.workers import NoWorkers, differences, versions
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -18,8 +18,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 from crosscheck.distributing.cluster import Cluster
-from crosscheck.distributing.errors import NoWorkers
-from crosscheck.distributing.workers import Answer, Lost, Task
+from crosscheck.distributing.workers import Answer, Lost, NoWorkers, Task
 
 if TYPE_CHECKING:
     from distributed import Future

@@ -1,10 +1,40 @@
-"""Whatever works on many tasks at once."""
+"""What can be wrong with the workers themselves, whatever the tasks.
+
+What must be the same on all machines for answers that are the same to the last bit.
+
+Whatever works on many tasks at once.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+import platform
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Protocol, TypeVar
+
+from graphdyn import GraphDynError
+
+
+class NoWorkers(GraphDynError):
+    """A scheduler or workers that cannot be used; the message says why and what to do."""
+
+
+LIBRARIES = ("graphdyn", "numpy", "scipy")
+
+
+def versions() -> dict[str, str]:
+    """Of this process."""
+    python = ".".join(platform.python_version_tuple()[:2])
+    return {"python": python, **{name: version(name) for name in LIBRARIES}}
+
+
+def differences(here: Mapping[str, str], there: Mapping[str, str]) -> str:
+    """In words; empty where there is none."""
+    return ", ".join(
+        f"{name} {there.get(name)} in place of {here[name]}" for name in here if there.get(name) != here[name]
+    )
+
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from crosscheck.exciting.self_collision import SelfCollision
 from graphdyn.excitation import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised, sample_times
-from graphdyn.excitation.optimising import CHECK_RATE
+from graphdyn.excitation.optimizing import CHECK_RATE
 
 TRIES = 6
 """Searches at most, each with more distance between the balls of links that collided in the one before."""

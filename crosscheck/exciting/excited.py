@@ -19,8 +19,8 @@ from graphdyn.excitation import (
     random_trajectory,
     sample_times,
 )
-from graphdyn.excitation.optimising import CHECK_RATE
-from graphdyn.identification.one_thread import one_thread
+from graphdyn.excitation.optimizing import CHECK_RATE
+from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.layout import Array
 
 PIECE = 1000

@@ -1,18 +1,18 @@
 """From recordings and a robot to a model that predicts: preparation, methods side by side, recommendation."""
 
-from crosscheck.identifying.candidate_models import CandidateModel
-from crosscheck.identifying.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings
-from crosscheck.identifying.identified_model import Candidate, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.identify import identify
 from crosscheck.identifying.long_recordings import identify_long
-from crosscheck.identifying.methods import METHODS, STANDARD_METHODS, method_named, method_with
-from crosscheck.identifying.pinocchio_method import WithPinocchio
-from crosscheck.identifying.preparation import Preparation
-from crosscheck.identifying.recommending import Recommendation, recommendation
-from crosscheck.identifying.result import Identified
-from crosscheck.identifying.torque_terms import TERMS, friction_terms, term_with
+from crosscheck.identifying.methods.candidate_models import CandidateModel
+from crosscheck.identifying.methods.methods import METHODS, STANDARD_METHODS, method_named, method_with
+from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
+from crosscheck.identifying.methods.torque_terms import TERMS, friction_terms, term_with
+from crosscheck.identifying.methods.wrench_method import FromWrenches
+from crosscheck.identifying.preparing.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings
+from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.identifying.results.identified_model import Candidate, IdentifiedModel, TorqueCurve
+from crosscheck.identifying.results.recommending import Recommendation, recommendation
+from crosscheck.identifying.results.result import Identified
 from crosscheck.identifying.virtual import VirtualRobot, virtual_robot
-from crosscheck.identifying.wrench_method import FromWrenches
 
 __all__ = [
     "METHODS",

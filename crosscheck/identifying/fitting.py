@@ -8,19 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.identifying.candidate_models import CandidateModel
-from crosscheck.identifying.holding_out import Division, Trial
-from crosscheck.identifying.identified_model import HeldOutPrediction, IdentifiedModel
-from crosscheck.identifying.loop_methods import in_loop, with_exogeneity
-from crosscheck.identifying.methods import method_named
-from crosscheck.identifying.pinocchio_method import WithPinocchio
-from crosscheck.identifying.pooling import pooled
-from crosscheck.identifying.preparation import Preparation
-from crosscheck.identifying.trial_problems import problems_of
-from crosscheck.identifying.wrench_method import FromWrenches
+from crosscheck.identifying.methods.candidate_models import CandidateModel
+from crosscheck.identifying.methods.loop_methods import in_loop, with_exogeneity
+from crosscheck.identifying.methods.methods import method_named
+from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
+from crosscheck.identifying.methods.wrench_method import FromWrenches
+from crosscheck.identifying.preparing.holding_out import Division, Trial
+from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.identifying.preparing.trials import pooled, problems_of
+from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
 from crosscheck.recordings import Recording
-from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.referee.subject import Subject
+from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.reference.subject import Subject
 from graphdyn.identification import (
     ClosedLoop,
     Estimator,

@@ -7,23 +7,23 @@ from dataclasses import fields, replace
 
 from numpy.typing import ArrayLike
 
-from crosscheck.identifying.baselines import constant_errors
-from crosscheck.identifying.candidate_models import CandidateModel, with_links_of_cad
+from crosscheck.identifying.data_quality.data_quality import health
 from crosscheck.identifying.fitting import identified_model
-from crosscheck.identifying.health import health
-from crosscheck.identifying.holding_out import Folds, HeldOut, LastPart, OtherRecordings
-from crosscheck.identifying.loop_methods import as_prepared
-from crosscheck.identifying.methods import STANDARD_METHODS
-from crosscheck.identifying.preparation import Preparation
-from crosscheck.identifying.result import Identified
-from crosscheck.identifying.torque_terms import STANDARD_TERMS, friction_terms
+from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
+from crosscheck.identifying.methods.loop_methods import as_prepared
+from crosscheck.identifying.methods.methods import STANDARD_METHODS
+from crosscheck.identifying.methods.torque_terms import STANDARD_TERMS, friction_terms
+from crosscheck.identifying.preparing.holding_out import Folds, HeldOut, LastPart, OtherRecordings
+from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.identifying.results.baselines import constant_errors
+from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import Recording
-from crosscheck.referee.subject import IDENTIFY_CLOSED, Lock, Robot, refuse_chords, subject
+from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import ClosedLoop, Estimator
-from graphdyn.identification.plausibility import POSES
+from graphdyn.identification.estimation.plausibility import POSES
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
-from urdf._cutting import Chain
+from urdf.reading.cutting import Chain
 
 
 def identify(

@@ -8,20 +8,20 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.identifying.baselines import constant_model, fitted_constant
-from crosscheck.identifying.candidate_models import CandidateModel, with_links_of_cad
-from crosscheck.identifying.health import health
-from crosscheck.identifying.holding_out import Division, Trial
-from crosscheck.identifying.identified_model import HeldOutPrediction, IdentifiedModel
-from crosscheck.identifying.loop_methods import IN_LOOP
-from crosscheck.identifying.methods import method_named
-from crosscheck.identifying.pinocchio_method import WithPinocchio
+from crosscheck.identifying.data_quality.data_quality import health
+from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
+from crosscheck.identifying.methods.loop_methods import IN_LOOP
+from crosscheck.identifying.methods.methods import method_named
+from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
+from crosscheck.identifying.methods.wrench_method import FromWrenches
 from crosscheck.identifying.predicted_parts import PredictedParts
-from crosscheck.identifying.preparation import Preparation
-from crosscheck.identifying.result import Identified
-from crosscheck.identifying.wrench_method import FromWrenches
+from crosscheck.identifying.preparing.holding_out import Division, Trial
+from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.identifying.results.baselines import constant_model, fitted_constant
+from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
+from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import PartitionedRecording, Provenance, Recording, concatenated
-from crosscheck.referee.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
+from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import (
     Estimator,
@@ -34,9 +34,9 @@ from graphdyn.identification import (
     Tunable,
     compare_methods,
 )
-from graphdyn.identification.one_thread import one_thread
-from graphdyn.identification.plausibility import POSES
-from urdf._cutting import Chain
+from graphdyn.identification.algebra.least_squares import one_thread
+from graphdyn.identification.estimation.plausibility import POSES
+from urdf.reading.cutting import Chain
 
 EXCERPT = 100_000
 """Rows from the beginnings of the logs that are in memory: for their health, and for the curves of a page."""

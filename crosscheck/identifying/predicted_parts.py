@@ -7,11 +7,11 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from crosscheck.identifying.identified_model import HeldOutPrediction, PieceSquares, TorqueCurve
+from crosscheck.identifying.results.identified_model import HeldOutPrediction, PieceSquares, TorqueCurve
 from crosscheck.recordings import PartitionedRecording
 from graphdyn.identification import Problem
-from graphdyn.identification.problem import own_rows
-from graphdyn.identification.residual_statistics import MOVING
+from graphdyn.identification.problem.problem import own_rows
+from graphdyn.identification.statistics.residual_statistics import MOVING
 from graphdyn.layout import Array
 
 

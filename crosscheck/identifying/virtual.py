@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosscheck.recordings import Provenance, Recording, recording_of, samples_of
-from crosscheck.referee.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
+from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn import record as virtual_experiment
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.motion_laws import FourierSeries
-from urdf._cutting import Chain
+from urdf.reading.cutting import Chain
 
 FREQUENCY, HARMONICS = 0.1, 5
 """Fundamental frequency of the excitation [Hz], and number of its harmonics."""

@@ -11,22 +11,22 @@ from typing import Literal
 from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
-from crosscheck.judging.conventions import check_declared
-from crosscheck.judging.diagnosis import merged
-from crosscheck.judging.explaining import diagnoses_of
-from crosscheck.judging.foreign import BatchFunction, ForeignFunction, joint_order
 from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.judging.judgement import UNCOUPLED, Diagnosis, JudgedFunction, Judgement
-from crosscheck.judging.references import References
+from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgement
+from crosscheck.judging.observing.conventions import check_declared
+from crosscheck.judging.observing.function_under_test import BatchFunction, ForeignFunction, joint_order
+from crosscheck.judging.observing.references import References
+from crosscheck.judging.searching.diagnosis import merged
+from crosscheck.judging.searching.explaining import diagnoses_of
+from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts import judged
-from crosscheck.referee.mujoco_model import MujocoRefuses
-from crosscheck.referee.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject
-from crosscheck.referee.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
+from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
+from crosscheck.reference.mujoco_model import MujocoRefuses
+from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
-from urdf._cutting import Chain
-from urdf._misreading import Misreadings
+from urdf.reading.cutting import Chain
+from urdf.reading.misreading import Misreadings
 
 Foreign = Callable[..., ArrayLike] | BatchFunction
 """A function of one state: arrays of shape (n,) in the order of joint_names; or foreign code that is given batches."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from crosscheck.judging.conventions import FoundConventions, found_conventions, relative_errors
-from crosscheck.judging.foreign import Answers, ForeignFunction
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.judging.judgement import FailedState, JudgedFunction, WorstCall, largest_errors
-from crosscheck.judging.references import BACKWARD_SCALE, References, backward_errors
-from crosscheck.judging.repetition import repeated
+from crosscheck.judging.judgment import FailedState, JudgedFunction, WorstCall, largest_errors
+from crosscheck.judging.observing.conventions import FoundConventions, found_conventions, relative_errors
+from crosscheck.judging.observing.function_under_test import Answers, ForeignFunction
+from crosscheck.judging.observing.references import BACKWARD_SCALE, References, backward_errors
+from crosscheck.judging.observing.repetition import repeated
+from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn.layout import Array
 
 

@@ -1,20 +1,33 @@
 """Recordings: read from files of many formats, checked, filtered, differentiated and split."""
 
-from crosscheck.recordings.decimation import decimated_columns
-from crosscheck.recordings.derivatives import chosen_cutoff, derivative, differentiated
-from crosscheck.recordings.errors import AmbiguousColumns, BadMapping, BadRecordingFile, DirtyRecording
-from crosscheck.recordings.filtering import lowpass
-from crosscheck.recordings.findings import DROPPABLE, RecordingFinding
+from crosscheck.recordings.errors import (
+    DROPPABLE,
+    AmbiguousColumns,
+    BadMapping,
+    BadRecordingFile,
+    DirtyRecording,
+    RecordingFinding,
+)
+from crosscheck.recordings.formats.virtual_recording_files import load_virtual_recording, save_virtual_recording
 from crosscheck.recordings.loading import inspect_recording, load_recording
-from crosscheck.recordings.mapping import ColumnMapping, load_mapping, mapping_of
-from crosscheck.recordings.noise_floor import ResidualAnalysis, residual_analysis
-from crosscheck.recordings.partitioned import PartitionedRecording
+from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping, mapping_of
+from crosscheck.recordings.parts.partitioned import PartitionedRecording
+from crosscheck.recordings.parts.streaming import StreamedRecording
+from crosscheck.recordings.preparation.decimation import decimated_columns
+from crosscheck.recordings.preparation.derivatives import chosen_cutoff, derivative, differentiated
+from crosscheck.recordings.preparation.filtering import lowpass
+from crosscheck.recordings.preparation.noise_floor import ResidualAnalysis, residual_analysis
+from crosscheck.recordings.preparation.resampling import resampled, sampling_rate
+from crosscheck.recordings.preparation.row_filters import samples_of
+from crosscheck.recordings.preparation.splits import (
+    Split,
+    fold_numbers,
+    split_by_file,
+    split_by_rows,
+    split_by_time,
+    time_folds,
+)
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
-from crosscheck.recordings.resampling import resampled, sampling_rate
-from crosscheck.recordings.row_filters import samples_of
-from crosscheck.recordings.splits import Split, fold_numbers, split_by_file, split_by_rows, split_by_time, time_folds
-from crosscheck.recordings.streaming import StreamedRecording
-from crosscheck.recordings.virtual_recording_files import load_virtual_recording, save_virtual_recording
 
 __all__ = [
     "DROPPABLE",

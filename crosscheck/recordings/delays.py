@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.recordings.errors import BadMapping
-from crosscheck.recordings.mapping import ColumnMapping
+from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.recording import Recording
 from graphdyn.layout import Array
 

@@ -1,9 +1,100 @@
-"""Errors of reading recordings."""
+"""Findings about a recording: what is wrong or odd, and in which rows.
+
+Errors of reading recordings.
+"""
 
 from __future__ import annotations
 
-from crosscheck.recordings.findings import RecordingFinding
+from collections.abc import Iterable
+from dataclasses import dataclass
+from reprlib import Repr
+from typing import Literal
+
+import numpy as np
+
 from graphdyn import InvalidInput
+
+SHOWN_SPANS = 5
+"""Largest number of runs of rows that a message lists; RecordingFinding.rows has them all."""
+
+DROPPED_UNASKED = ("truncated-last-line", "blank-line")
+"""Codes of rows that are always dropped: they hold no measurement, or the last one cut off."""
+
+DROPPABLE = (
+    *DROPPED_UNASKED,
+    "wrong-column-count",
+    "not-a-number",
+    "implausible-value",
+    "repeated-stamp",
+    "backward-stamp",
+    "saturation",
+    "unterminated-last-line",
+)
+"""Codes of findings whose rows can be dropped."""
+
+LONGEST = 80
+"""Largest number of characters of a name or cell that a message quotes."""
+
+
+def quoted(value: object) -> str:
+    """A name or cell of a file in a message: as Python writes it, a long one without its middle."""
+    shortened = Repr()
+    shortened.maxstring = shortened.maxother = LONGEST
+    return shortened.repr(value)
+
+
+@dataclass(frozen=True)
+class RecordingFinding:
+    """One kind of fault or oddity in one file.
+
+    code: stable name of its kind ("repeated-stamp")
+    severity: "error": refused unless its rows are dropped; "warning": doubtful; "note": good to know
+    file, column: where; column is None where it concerns whole rows
+    rows: rows of data, counted from 0 as NumPy and pandas do, including malformed lines; empty: all rows
+    lines: line of row 0 in the file; None where the file has no lines
+    """
+
+    code: str
+    severity: Literal["error", "warning", "note"]
+    file: str
+    column: str | None
+    rows: tuple[int, ...]
+    message: str
+    remedy: str
+    lines: int | None = None
+
+    @property
+    def text(self) -> str:
+        """File, column, rows, message and remedy, in one line."""
+        place = [
+            self.file,
+            *([f"column {quoted(self.column)}"] if self.column else []),
+            *([where] if (where := self._where) else []),
+        ]
+        return f"{', '.join(place)}: {self.message}; {self.remedy} [{self.code}]"
+
+    @property
+    def _where(self) -> str:
+        if not self.rows:
+            return ""
+        where = f"row{'s' if len(self.rows) > 1 else ''} {spans(self.rows)}"
+        if self.lines is None:
+            return where
+        lines = [row + self.lines for row in self.rows]
+        return f"{where} (line{'s' if len(lines) > 1 else ''} {spans(lines)})"
+
+
+def noted(file: str, code: str, message: str, remedy: str) -> RecordingFinding:
+    """A note about a whole file."""
+    return RecordingFinding(code, "note", file, None, (), message, remedy)
+
+
+def spans(rows: Iterable[int]) -> str:
+    """ "3, 7–9, 12" of increasing rows, the first few runs of them."""
+    rows = np.fromiter(rows, dtype=int)
+    runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
+    texts = [str(run[0]) if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:SHOWN_SPANS]]
+    return ", ".join(texts) + (f", … ({len(rows)} in all)" if len(runs) > SHOWN_SPANS else "")
 
 
 class BadRecordingFile(InvalidInput):

@@ -11,17 +11,29 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.recordings.checks import cell_findings, channel_findings, motion_findings, value_findings
-from crosscheck.recordings.clock import blocks_of, stamp_findings, step_findings
-from crosscheck.recordings.conversion import RecordedColumn, joint_channels, mapped_columns, sliding_joints
+from crosscheck.recordings.checks.clock import blocks_of, stamp_findings, step_findings
+from crosscheck.recordings.checks.stamps import Origin, times
+from crosscheck.recordings.checks.values import cell_findings, channel_findings, motion_findings, value_findings
 from crosscheck.recordings.delays import with_delays_undone
-from crosscheck.recordings.errors import BadMapping, BadRecordingFile, DirtyRecording
-from crosscheck.recordings.findings import DROPPABLE, DROPPED_UNASKED, RecordingFinding, spans
-from crosscheck.recordings.mapping import ColumnMapping, load_mapping
-from crosscheck.recordings.mapping_by_name import mapping_by_name
-from crosscheck.recordings.readers import read_table
+from crosscheck.recordings.errors import (
+    DROPPABLE,
+    DROPPED_UNASKED,
+    BadMapping,
+    BadRecordingFile,
+    DirtyRecording,
+    RecordingFinding,
+    spans,
+)
+from crosscheck.recordings.formats.readers import read_table
+from crosscheck.recordings.mapping.conversion import (
+    RecordedColumn,
+    joint_channels,
+    mapped_columns,
+    sliding_joints,
+)
+from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
+from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
-from crosscheck.recordings.stamps import Origin, times
 from crosscheck.recordings.table import in_words
 from graphdyn import InvalidInput
 from graphdyn.layout import Array

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.recordings.findings import RecordingFinding
-from crosscheck.recordings.mapping import ColumnMapping
-from crosscheck.recordings.virtual_recording_columns import JOINT_UNITS
+from crosscheck.recordings.errors import RecordingFinding
+from crosscheck.recordings.formats.virtual_recording_columns import JOINT_UNITS
+from crosscheck.recordings.mapping.mapping import ColumnMapping
 from graphdyn import InvalidInput
-from graphdyn._virtual_recording import VirtualRecording
+from graphdyn.experiments.virtual_recording import VirtualRecording
 from graphdyn.layout import Array
 
 MOTION_CHANNELS = ("q", "v", "a", "tau")

@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 import urdf
+from crosscheck.comparing.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.judging.functions.known_function import LOADS
-from crosscheck.judging.judgement import UNCOUPLED, JudgedFunction, Judgement
-from crosscheck.referee.comparison import Comparison, QuantityResult, WorstState
-from crosscheck.referee.quantities import BY_NAME, COUPLED, LOOPED, QUANTITIES, RECURSIVE
+from crosscheck.judging.judgment import UNCOUPLED, JudgedFunction, Judgement
+from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
-from graphdyn._verbs import VERBS
 from graphdyn.layout import Array
+from graphdyn.verbs.table import VERBS
 
 _REFERENCE = "reference = referee.evaluate(*(np.array([x]) for x in (q, v, a, tau, external_wrenches)))"
 _MULTIPLIERS = "multipliers_of(model, reference.rotation, reference.{})[0]"
@@ -161,11 +161,11 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     looped = not LOOPED.keys().isdisjoint(comparison.quantities)
     lines = ["import numpy as np", "", "import graphdyn"]
     lines += ["import urdf"] if comparison.file else []
-    lines += ["from crosscheck.referee.pinocchio_model import PinocchioModel"] if referee else []
-    lines += ["from crosscheck.referee.multipliers import multipliers_of"] if "multipliers_of" in text else []
-    lines += ["from crosscheck.referee.frame_choices import of_frames"] if "of_frames" in text else []
-    lines += ["from graphdyn._kinematics import link_origins"] if "link_origins" in text else []
-    lines += ["from urdf._catalogue import locate"] if referee and worst.route == "urdf" else []
+    lines += ["from crosscheck.reference.pinocchio_model import PinocchioModel"] if referee else []
+    lines += ["from crosscheck.reference.reference_values import multipliers_of"] if "multipliers_of" in text else []
+    lines += ["from crosscheck.reference.frame_choices import of_frames"] if "of_frames" in text else []
+    lines += ["from graphdyn.equations.kinematics import link_origins"] if "link_origins" in text else []
+    lines += ["from urdf.document.catalogue import locate"] if referee and worst.route == "urdf" else []
     lines += [
         "",
         *_robot(

@@ -9,6 +9,6 @@ LIBRARIES = ("graphdyn", "numpy", "scipy", "yourdfpy", "example-robot-data")
 
 def versions() -> dict[str, str]:
     """Versions of everything that takes part in a comparison."""
-    from crosscheck.referee.pinocchio_model import VERSION as PINOCCHIO_VERSION
+    from crosscheck.reference.pinocchio_model import VERSION as PINOCCHIO_VERSION
 
     return {**{name: version(name) for name in LIBRARIES}, "pinocchio": PINOCCHIO_VERSION}

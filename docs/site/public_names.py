@@ -13,7 +13,7 @@ MODULES = {
     "graphdyn.excitation": "Exciting motions",
     "graphdyn.identification": "Identification",
     "graphdyn.identification.terms": "Terms of the torque",
-    "graphdyn.identification.health": "Health of recordings",
+    "graphdyn.identification.data_quality": "Health of recordings",
     "urdf": "URDF files",
     "crosscheck": "Cross-check, judge, recordings, identification from files",
     "crosscheck.identifying": "Options of an identification from files",

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from crosscheck.report.commands.study import study_report
+from crosscheck.commands.study.report import study_report
 
 
 def picture(folder, title):

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from graphdyn._errors import InvalidInput
+from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
 SPLINE_DEGREE = 5

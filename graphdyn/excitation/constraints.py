@@ -7,15 +7,13 @@ from functools import cache
 
 import numpy as np
 
-from graphdyn._derivatives import inverse_dynamics_derivatives
-from graphdyn._dynamics import joint_torques
-from graphdyn._model import RobotModel
-from graphdyn.excitation.clearances import clearance_signal
+from graphdyn.excitation.clearances import Ball, Poses, clearance_signal
 from graphdyn.excitation.limits import MotionLimits, Plane
-from graphdyn.excitation.signal import Signal
-from graphdyn.excitation.trajectory import JointMotion
-from graphdyn.excitation.watched_points import Ball, Poses
+from graphdyn.excitation.trajectory import JointMotion, Signal
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.verbs.derivatives import inverse_dynamics_derivatives
+from graphdyn.verbs.dynamics import joint_torques
 
 ENDLESS = 1.0
 """Positions with one limit alone are measured in this [rad or m]; speeds of planes likewise in m."""

@@ -16,16 +16,16 @@ from functools import cached_property
 
 import numpy as np
 
-from graphdyn._matrices import joint_torque_regressor
+from graphdyn.compiler.programs import record_regressor_gradient
+from graphdyn.compiler.running import Prepared, chosen_backend
 from graphdyn.excitation.criteria import Criterion
 from graphdyn.excitation.trajectory import JointMotion
-from graphdyn.identification.samples import Samples
-from graphdyn.identification.structure import random_samples, structure
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.structure import random_samples, structure
+from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
-from graphdyn.identification.torque_model import TorqueModel
-from graphdyn.kernels.programs import record_regressor_gradient
-from graphdyn.kernels.running import Prepared, chosen_backend
 from graphdyn.layout import Array
+from graphdyn.verbs.matrices import joint_torque_regressor
 
 STEP = 1e-6
 """Of central differences [rad or m, …/s, …/s²]: truncation and rounding are both near 1e-10 of the slope of a smooth

@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
-from graphdyn.excitation.watched_points import Ball, ball_around
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.excitation.clearances import Ball, ball_around
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 KINDS = ("position", "velocity", "acceleration", "jerk", "torque")
 

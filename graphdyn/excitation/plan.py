@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from graphdyn._errors import InvalidInput
+from graphdyn.errors import InvalidInput
 from graphdyn.excitation.criteria import covariance
-from graphdyn.identification.base_parameters import BaseParameters
-from graphdyn.identification.prior import model_prior
-from graphdyn.identification.structure import STATES_PER_PARAMETER, random_samples, structure
-from graphdyn.identification.torque_model import TorqueModel
+from graphdyn.identification.algebra.base_parameters import BaseParameters
+from graphdyn.identification.problem.prior import model_prior
+from graphdyn.identification.problem.structure import STATES_PER_PARAMETER, random_samples, structure
+from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 DRIVE_SHARE = 0.1

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from graphdyn._model import RobotModel
 from graphdyn.excitation.bases import Basis
+from graphdyn.excitation.clearances import Ball
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.limits import MotionLimits
-from graphdyn.excitation.signal import usage
-from graphdyn.excitation.trajectory import Trajectory
-from graphdyn.excitation.watched_points import Ball
+from graphdyn.excitation.trajectory import Trajectory, usage
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 POINTS = 240
 """Of time at which limits are looked at: a random motion for comparison may violate them in between, by a little."""

@@ -4,14 +4,18 @@ Public are the names in `__all__` here, and those of graphdyn.identification.ter
 modules may change without notice.
 """
 
-from graphdyn.identification.accumulator import Accumulator
-from graphdyn.identification.base_parameters import BaseParameters, base_parameters
-from graphdyn.identification.body_wrenches import WrenchData, body_wrenches, link_wrenches
+from graphdyn.identification.algebra.accumulator import Accumulator
+from graphdyn.identification.algebra.base_parameters import BaseParameters, base_parameters
+from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.least_squares import LeastSquares, ordinary_least_squares
+from graphdyn.identification.algebra.rank_revealing import ParameterEstimate
 from graphdyn.identification.closed_loop import ClosedLoop
-from graphdyn.identification.comparison import MethodComparison, MethodResult, compare_methods
-from graphdyn.identification.compressed import CompressedEquations
 from graphdyn.identification.consistent import PhysicalLimits
-from graphdyn.identification.estimate import Estimate, Estimator
+from graphdyn.identification.data.filtering import RowFilter
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.estimation.comparison import MethodComparison, MethodResult, compare_methods
+from graphdyn.identification.estimation.estimate import Estimate, Estimator
+from graphdyn.identification.estimation.plausibility import Plausibility, plausibility
 from graphdyn.identification.estimators import (
     ClosedLoopOutputError,
     ConsistentLeastSquares,
@@ -29,18 +33,27 @@ from graphdyn.identification.estimators import (
     TotalLeastSquares,
     WeightedLeastSquares,
 )
-from graphdyn.identification.extended_kalman import ExtendedKalmanFilter
-from graphdyn.identification.identified_bodies import IdentifiedBodies
-from graphdyn.identification.inertial_parameters import (
+from graphdyn.identification.online.extended_kalman import ExtendedKalmanFilter
+from graphdyn.identification.online.recursive import RecursiveLeastSquares
+from graphdyn.identification.problem.prior import Prior, model_prior
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.tuning import Tunable, Tuned, tuned
+from graphdyn.identification.statistics.residual_statistics import (
+    ResidualSizes,
+    ResidualStatistics,
+    residual_statistics,
+)
+from graphdyn.identification.wrenches.body_wrenches import WrenchData, body_wrenches, link_wrenches
+from graphdyn.identification.wrenches.identified_bodies import IdentifiedBodies
+from graphdyn.identification.wrenches.inertial_parameters import (
     IdentifiedInertia,
     identified_inertia,
     identify_inertial_parameters,
     identify_inertial_parameters_together,
     joint_wrench_regressor,
 )
-from graphdyn.identification.least_squares import LeastSquares, ordinary_least_squares
-from graphdyn.identification.plausibility import Plausibility, plausibility
-from graphdyn.identification.principal_parameters import (
+from graphdyn.identification.wrenches.principal_parameters import (
     PRINCIPAL_PARAMETER_NAMES,
     identify_principal_parameters,
     identify_principal_parameters_together,
@@ -48,15 +61,6 @@ from graphdyn.identification.principal_parameters import (
     moment_rows,
     principal_regressor,
 )
-from graphdyn.identification.prior import Prior, model_prior
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.rank_revealing import ParameterEstimate
-from graphdyn.identification.recursive import RecursiveLeastSquares
-from graphdyn.identification.residual_statistics import ResidualSizes, ResidualStatistics, residual_statistics
-from graphdyn.identification.row_filter import RowFilter
-from graphdyn.identification.samples import Samples
-from graphdyn.identification.torque_model import TorqueModel
-from graphdyn.identification.tuning import Tunable, Tuned, tuned
 
 __all__ = [
     "PRINCIPAL_PARAMETER_NAMES",

@@ -9,11 +9,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
-from graphdyn.kernels.simulated import Law
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.compiler.simulated import Law
+from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 from graphdyn.motion_laws import MotionLaw
 
 Target = ArrayLike | Sequence[MotionLaw]

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,19 +9,17 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats, joint_arrays
-from graphdyn._errors import InvalidInput
-from graphdyn._experiment import CarriageLaw
-from graphdyn._model import RobotModel, check_model
-from graphdyn.kernels.batch import Options
-from graphdyn.kernels.stepping import Stretch
+from graphdyn.arguments.arrays import as_floats, joint_arrays
+from graphdyn.compiler.batch import Options
+from graphdyn.compiler.stepping.stepping import Stretch
+from graphdyn.errors import InvalidInput
+from graphdyn.experiments.experiment import CarriageLaw
 from graphdyn.layout import Array
-from graphdyn.simulation.compiled import (
-    can_compile,
-)
+from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller
 from graphdyn.simulation.drives import Friction, JointStops, finite, refuse_loops
-from graphdyn.simulation.methods import FIXED_STEPS
+from graphdyn.simulation.integration.compiled import can_compile
+from graphdyn.simulation.integration.steps import FIXED_STEPS
 from graphdyn.simulation.plant import make_plant
 from graphdyn.simulation.runs import MeasurementNoise, Runs
 from graphdyn.simulation.torques import FOREVER, GAINS, check_controller, whole_steps

@@ -9,26 +9,26 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats, one_state
-from graphdyn._errors import InvalidInput
-from graphdyn._experiment import CarriageLaw
-from graphdyn._loop_dynamics import closed, refuse_massless_motions
-from graphdyn._matrices import mass_matrix
-from graphdyn._model import RobotModel, check_model
-from graphdyn._projected import refuse_singular
+from graphdyn.arguments.arrays import as_floats, one_state
+from graphdyn.equations.loops.dynamics import closed, refuse_massless_motions
+from graphdyn.equations.projected import refuse_singular
+from graphdyn.errors import InvalidInput
+from graphdyn.experiments.experiment import CarriageLaw
 from graphdyn.layout import Array
-from graphdyn.simulation.adaptive import Ticks, Tolerances, adaptive
+from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller
-from graphdyn.simulation.course import Course, Event
 from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_loops
-from graphdyn.simulation.fixed import fixed
-from graphdyn.simulation.loop_adaptive import loop_adaptive
-from graphdyn.simulation.loop_equations import LoopEquations, equations_of, refuse_dry_friction
-from graphdyn.simulation.maximal import Stabilisation, maximal
-from graphdyn.simulation.methods import FIXED_STEPS
+from graphdyn.simulation.integration.adaptive import Ticks, Tolerances, adaptive
+from graphdyn.simulation.integration.course import Course, Event
+from graphdyn.simulation.integration.fixed import fixed
+from graphdyn.simulation.integration.maximal import Stabilisation, maximal
+from graphdyn.simulation.integration.steps import FIXED_STEPS
+from graphdyn.simulation.loops.adaptive import loop_adaptive
+from graphdyn.simulation.loops.equations import LoopEquations, equations_of, refuse_dry_friction
 from graphdyn.simulation.plant import Plant, Wrenches, make_plant
 from graphdyn.simulation.result import Simulation
 from graphdyn.simulation.torques import DIVIDES, TorqueFunction, Torques, torques
+from graphdyn.verbs.matrices import mass_matrix
 
 Method = Literal["dop853", "rk8", "rk4", "euler"]
 RTOL, ATOL = 1e-10, 1e-10

@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._experiment import CarriageLaw
-from graphdyn._model import RobotModel, check_model
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.experiments.experiment import CarriageLaw
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, Array
+from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.drives import Friction, JointStops, effort_limits, finite, per_joint, position_limits
 
 Wrenches = Callable[[float, Array, Array], ArrayLike]

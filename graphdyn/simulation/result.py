@@ -7,19 +7,19 @@ from functools import cached_property
 
 import numpy as np
 
-from graphdyn._answers import InverseDynamics
-from graphdyn._base_motion import BaseMotion
-from graphdyn._dynamics import forward_dynamics, inverse_dynamics
-from graphdyn._energies import kinetic_energy, potential_energy
-from graphdyn._errors import InvalidInput
-from graphdyn._experiment import carriage, observed
-from graphdyn._kinematics import MaximalState, maximal_state
-from graphdyn._model import RobotModel, check_model
-from graphdyn._virtual_recording import VirtualRecording
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.equations.kinematics import MaximalState, maximal_state
+from graphdyn.errors import InvalidInput
+from graphdyn.experiments.experiment import carriage, observed
+from graphdyn.experiments.virtual_recording import VirtualRecording
 from graphdyn.layout import Array
-from graphdyn.simulation.course import Occurrence
+from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.drives import refuse_loops
+from graphdyn.simulation.integration.course import Occurrence
 from graphdyn.simulation.plant import Plant
+from graphdyn.verbs.answers import InverseDynamics
+from graphdyn.verbs.dynamics import forward_dynamics, inverse_dynamics
+from graphdyn.verbs.energies import kinetic_energy, potential_energy
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.kernels.native import host_lanes
-from graphdyn.kernels.stepping import Stretch, in_blocks
+from graphdyn.compiler.native import host_lanes
+from graphdyn.compiler.stepping.stepping import Stretch, in_blocks
 from graphdyn.layout import Array
-from graphdyn.simulation.compiled import (
+from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
+from graphdyn.simulation.drives import finite, per_joint
+from graphdyn.simulation.integration.compiled import (
     compiled_steps,
     constants_of,
     fitting_lanes,
@@ -19,13 +21,10 @@ from graphdyn.simulation.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
-from graphdyn.simulation.course import COLUMNS
-from graphdyn.simulation.drives import finite, per_joint
-from graphdyn.simulation.equations import Equations
-from graphdyn.simulation.methods import tableau
+from graphdyn.simulation.integration.course import COLUMNS
+from graphdyn.simulation.integration.equations import Equations
+from graphdyn.simulation.integration.steps import python_steps, tableau
 from graphdyn.simulation.plant import Plant
-from graphdyn.simulation.steps import python_steps
 from graphdyn.simulation.torques import GAINS, Torques
 
 

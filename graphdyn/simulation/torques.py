@@ -9,15 +9,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._compiled import SingleState
-from graphdyn._compiled import compile as compiled
-from graphdyn._errors import IntegrationFailed, InvalidInput
-from graphdyn._model import RobotModel, check_model
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller, PDControl, reference
 from graphdyn.simulation.drives import finite, per_joint, refuse_loops
-from graphdyn.simulation.equations import answer
+from graphdyn.simulation.integration.equations import answer
+from graphdyn.verbs.compiled import SingleState
+from graphdyn.verbs.compiled import compile as compiled
 
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
 

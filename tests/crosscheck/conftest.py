@@ -15,9 +15,10 @@ from textbook import TextbookArm
 from urdf_text import joint, link, robot_text
 
 import urdf
-from crosscheck.cli import console, main, own_process
-from crosscheck.referee import compare as comparing
-from crosscheck.studies import errata
+from crosscheck.commands import main
+from crosscheck.commands.program import console, own_process
+from crosscheck.comparing import compare as comparing
+from crosscheck.paper import errata
 
 MY_CODE = """
 import graphdyn, urdf
@@ -211,7 +212,7 @@ def started(tmp_path):
     code = (
         "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
         "[signal.signal(number, signal.SIG_DFL) for number in (signal.SIGTERM, signal.SIGHUP)]; "
-        "from crosscheck.cli import main; main()"
+        "from crosscheck.commands import main; main()"
     )
     running = []
 

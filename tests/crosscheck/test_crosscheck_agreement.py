@@ -16,11 +16,11 @@ from shared_data import ARMS
 
 import crosscheck
 import urdf
-from crosscheck.cli.crosscheck import DEFAULT_ROBOTS
-from crosscheck.referee.quantities import BY_NAME, DERIVED, RECURSIVE
-from crosscheck.referee.states import RANDOM, cases
+from crosscheck.commands.crosscheck.command import DEFAULT_ROBOTS
+from crosscheck.comparing.states import RANDOM, cases
+from crosscheck.quantities.quantities import BY_NAME, DERIVED, RECURSIVE
 from graphdyn import Body, Joint, Placement, RobotModel, kr500
-from graphdyn._parts import JOINT_KINDS
+from graphdyn.model.parts import JOINT_KINDS
 
 SAMPLES = 20
 TREE_SAMPLES = 5

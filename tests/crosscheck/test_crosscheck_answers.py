@@ -11,14 +11,14 @@ import pytest
 
 import graphdyn
 import urdf
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, PENDING
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, PENDING
 from crosscheck.judging.exchange import questions as question_ids
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer, read_answers
 from crosscheck.judging.exchange.questions import SameId, once, question
 from crosscheck.judging.exchange.replay import AnswersPending, Replay
 from crosscheck.judging.exchange.rounds import Setting, answered_functions, first_round, judge_answers
-from crosscheck.judging.foreign import ForeignFailure, Refusal
 from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.judging.observing.function_under_test import ForeignFailure, Refusal
 from graphdyn import InvalidInput, UnknownFrame
 
 NAMES = "inverse_dynamics,mass_matrix,bias_torque"

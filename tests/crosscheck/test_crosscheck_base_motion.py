@@ -6,7 +6,7 @@ from planting import mixed_tree
 from random_trees import random_rotation, random_tree
 
 import urdf
-from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import BaseMotion, forward_dynamics, inverse_dynamics, kr500, mass_matrix
 
 AGREEMENT = 1e-13

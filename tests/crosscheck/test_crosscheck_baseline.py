@@ -5,8 +5,8 @@ import pytest
 import torque_data
 
 import urdf
-from crosscheck.referee.baseline import PinocchioBodies
-from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.comparing.baseline import PinocchioBodies
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import BaseMotion, InvalidInput
 from graphdyn.identification import (
     EssentialParameters,

@@ -7,11 +7,12 @@ import pytest
 import small_benchmark
 from small_benchmark import DERIVED, PEERS, SAMPLES, SMALL, WORKS
 
+from crosscheck.bench import cold, identification
+from crosscheck.bench.calls import CALLS
+from crosscheck.bench.forms import casadi_forms, mujoco_forms
+from crosscheck.bench.machine.floor import REQUESTS
+from crosscheck.commands.bench.record import record as record_of
 from crosscheck.report.json import plain
-from crosscheck.report.records.bench import record as record_of
-from crosscheck.studies.bench import casadi_forms, cold, identification, mujoco_forms
-from crosscheck.studies.bench.calls import CALLS
-from crosscheck.studies.bench.floor import REQUESTS
 
 ROUNDED = 1e-12
 """Quotients of times that were written to a file and read again."""

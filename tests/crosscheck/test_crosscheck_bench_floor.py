@@ -2,10 +2,10 @@
 
 import pytest
 
-from crosscheck.studies.bench.floor import Loops, Machine, floor, limit, machine
-from crosscheck.studies.bench.instructions import floating_point_operations, fused_instructions
+from crosscheck.bench.machine.floor import Loops, Machine, floor, limit, machine
+from crosscheck.bench.machine.instructions import floating_point_operations, fused_instructions
 from graphdyn import kr500
-from graphdyn.kernels.expressions import Recorder
+from graphdyn.scalars.expressions import Recorder
 
 
 class TestFloor:

@@ -8,15 +8,15 @@ import pytest
 from small_benchmark import DERIVED, PEERS, SAMPLES
 
 import graphdyn
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.studies.bench import casadi_forms, graphdyn_forms
-from crosscheck.studies.bench.calls import CallWork, contenders
-from crosscheck.studies.bench.chains import chain
-from crosscheck.studies.bench.floor import REQUESTS
-from crosscheck.studies.bench.states import FEW, random_states
-from crosscheck.studies.bench.works import DESCRIPTIONS, OURS
+from crosscheck.bench.calls import CallWork, contenders
+from crosscheck.bench.curves import chain
+from crosscheck.bench.forms import casadi_forms, graphdyn_forms
+from crosscheck.bench.machine.floor import REQUESTS
+from crosscheck.bench.states import FEW, random_states
+from crosscheck.bench.works import DESCRIPTIONS, OURS
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import kr500
-from graphdyn.kernels.programs import record
+from graphdyn.compiler.programs import record
 
 needs_a_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler (cc)")
 

@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from crosscheck.cli import app
-from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
-from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.studies.bench import benchmark, casadi_forms
-from crosscheck.studies.bench.casadi_forms import CasadiRefuses
-from crosscheck.studies.bench.cold import in_fresh_process
-from crosscheck.studies.bench.pinocchio_forms import instruction_set
-from crosscheck.studies.bench.states import random_states
+from crosscheck.bench import benchmark
+from crosscheck.bench.cold import in_fresh_process
+from crosscheck.bench.forms import casadi_forms
+from crosscheck.bench.forms.casadi_forms import CasadiRefuses
+from crosscheck.bench.forms.pinocchio_forms import instruction_set
+from crosscheck.bench.states import random_states
+from crosscheck.commands import app
+from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
 
 

@@ -17,19 +17,19 @@ from rich.cells import cell_len
 from small_benchmark import SAMPLES, WORKS, quiet
 from typer.testing import CliRunner
 
-from crosscheck.cli import app
-from crosscheck.report.commands.bench import bench_report, facts
-from crosscheck.report.durations import ratio_span_text, ratio_text, span_text, time_text
+from crosscheck.bench import benchmark
+from crosscheck.bench.machine.floor import Floor, Machine
+from crosscheck.bench.machine.load import Load, load
+from crosscheck.bench.machine.timing import Times
+from crosscheck.commands import app
+from crosscheck.commands.bench.record import record as record_of
+from crosscheck.commands.bench.report import bench_report, facts
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
-from crosscheck.report.records.bench import record as record_of
+from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, time_text
 from crosscheck.report.report import Plot
 from crosscheck.report.text import as_text
 from crosscheck.report.versions import versions
-from crosscheck.studies.bench import benchmark
-from crosscheck.studies.bench.floor import Floor, Machine
-from crosscheck.studies.bench.load import Load, load
-from crosscheck.studies.bench.timing import Times
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = Draft202012Validator(json.loads((ROOT / "docs/schemas/bench-2.schema.json").read_text(encoding="utf-8")))

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from crosscheck.studies.bench import cold, identification
-from crosscheck.studies.bench.benchmark import thread_numbers
-from crosscheck.studies.bench.contender import LEAST_SHARE, Entry, Measured
-from crosscheck.studies.bench.curves import Line, long_notes
-from crosscheck.studies.bench.timing import CoreShare, Ratio, Times, fitting_count, in_turns, ratio
-from graphdyn.kernels.running import interpreted
+from crosscheck.bench import cold, identification
+from crosscheck.bench.benchmark import thread_numbers
+from crosscheck.bench.contender import LEAST_SHARE, Entry, Measured
+from crosscheck.bench.curves import Line, long_notes
+from crosscheck.bench.machine.timing import CoreShare, Ratio, Times, fitting_count, in_turns, ratio
+from graphdyn.compiler.running import interpreted
 
 
 class TestTimes:

@@ -9,22 +9,22 @@ import pytest
 from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
 
 import crosscheck
-from crosscheck.cli import main
-from crosscheck.cli.exits import DISAGREED
-from crosscheck.referee import compare as comparing
-from crosscheck.referee.baseline import BaselineIdentification
-from crosscheck.referee.error_record import ErrorRecord
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.quantities import BY_NAME, DERIVED, QUANTITIES, RECURSIVE
-from crosscheck.referee.reference_values import RefereeValues
-from crosscheck.referee.states import cases
+from crosscheck.commands import main
+from crosscheck.commands.crosscheck.record import robot_record
+from crosscheck.commands.program.exits import DISAGREED
+from crosscheck.comparing import compare as comparing
+from crosscheck.comparing.baseline import BaselineIdentification
+from crosscheck.comparing.error_record import ErrorRecord
+from crosscheck.comparing.states import cases
+from crosscheck.paper.errata import world_axis_rows
+from crosscheck.quantities.quantities import BY_NAME, DERIVED, QUANTITIES, RECURSIVE
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.reference_values import RefereeValues
 from crosscheck.report.json import plain
-from crosscheck.report.records.crosscheck import robot_record
-from crosscheck.studies.printed_forms import world_axis_rows
 from graphdyn import Placement, inverse_dynamics, kr500
-from graphdyn._constraints import constraints
-from graphdyn._rotation import rotation_about
-from graphdyn._unconstrained import mass_terms
+from graphdyn.equations.constraints import constraints
+from graphdyn.equations.unconstrained import mass_terms
+from graphdyn.model.spatial import rotation_about
 
 PLANTED = 1e-11
 """Relative error planted in one entry: ten times the widest bound without a condition number."""

@@ -13,15 +13,15 @@ from urdf_text import joint, link, robot_text
 
 import crosscheck
 import urdf
-from crosscheck.cli import app
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.commands import app
+from crosscheck.commands.crosscheck.record import robot_record
+from crosscheck.commands.crosscheck.report import crosscheck_report
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.html import page as page_of
 from crosscheck.report.json import plain
-from crosscheck.report.records.crosscheck import robot_record
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput, kr500
-from urdf._catalogue import locate
+from urdf.document.catalogue import locate
 
 SAMPLES = 10
 TORSO = ("torso_2_link", "gripper_left_base_link")

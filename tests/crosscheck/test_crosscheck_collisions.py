@@ -9,7 +9,7 @@ import pytest
 from urdf_text import inertial, joint, robot_text
 
 import urdf
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.exciting import collision_free as searching
 from crosscheck.exciting import self_collision as pairing
 from crosscheck.exciting.ball_cover import ball_cover
@@ -30,7 +30,7 @@ from graphdyn.excitation import (
     TabulatedCourse,
 )
 from graphdyn.excitation.clearances import clearance_signal, smallest_distances
-from graphdyn.excitation.signal import smooth_maximum, smooth_slope
+from graphdyn.excitation.trajectory import smooth_maximum, smooth_slope
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies
 

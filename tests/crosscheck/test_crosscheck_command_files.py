@@ -9,11 +9,11 @@ import pytest
 from planting import PLANTED, Plant
 
 import urdf
-from crosscheck.cli import output_files
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.quantities import BY_NAME
-from crosscheck.referee.states import cases
+from crosscheck.commands.program import output_files
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.comparing.states import cases
+from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.versions import versions
 from graphdyn import inverse_dynamics
 

@@ -16,15 +16,16 @@ from planting import mixed_tree
 
 import crosscheck
 import urdf
-from crosscheck.cli import app, console
-from crosscheck.cli.crosscheck import DEFAULT_ROBOTS
-from crosscheck.cli.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
-from crosscheck.referee import compare as comparing
-from crosscheck.referee.quantities import BY_NAME
+from crosscheck.bench.benchmark import Effort
+from crosscheck.commands import app
+from crosscheck.commands.crosscheck.command import DEFAULT_ROBOTS
+from crosscheck.commands.program import console
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
+from crosscheck.comparing import compare as comparing
+from crosscheck.paper import errata
+from crosscheck.paper.errata import EFFECTS, ERRATA, measure
+from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.report.versions import versions
-from crosscheck.studies import errata
-from crosscheck.studies.bench.benchmark import Effort
-from crosscheck.studies.errata import EFFECTS, ERRATA, measure
 from graphdyn import __version__
 
 COMMANDS = (
@@ -201,8 +202,8 @@ class TestCompletion:
         code = """
 import sys
 import crosscheck.pytest_plugin
-from crosscheck.cli import app
-from crosscheck.cli.options import robot_names
+from crosscheck.commands import app
+from crosscheck.commands.program.options import robot_names
 assert "ur5" in robot_names("ur")
 print(*{"pinocchio", "yourdfpy", "scipy", "matplotlib"} & set(sys.modules))
 """
@@ -242,8 +243,8 @@ class TestExamples:
 
         monkeypatch.setattr("socketserver.BaseServer.serve_forever", interrupted)
         monkeypatch.setattr("webbrowser.open", lambda address: True)
-        monkeypatch.setattr("crosscheck.studies.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
-        monkeypatch.setattr("crosscheck.studies.bench.contender.STEADY", 1e-3)
+        monkeypatch.setattr("crosscheck.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
+        monkeypatch.setattr("crosscheck.bench.contender.STEADY", 1e-3)
 
     FAST = tuple(name for name in COMMANDS if name != "study")
     """A study takes minutes; test_crosscheck_study runs a small one."""

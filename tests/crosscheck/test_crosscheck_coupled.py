@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 import crosscheck
 import graphdyn
 import urdf
-from crosscheck.cli import app
-from crosscheck.referee.coupled import PinocchioModel
-from crosscheck.referee.quantities import BY_NAME, COUPLED
+from crosscheck.commands import app
+from crosscheck.comparing.coupled import PinocchioModel
+from crosscheck.quantities.quantities import BY_NAME, COUPLED
 from crosscheck.report.snippets import worst_call
 from graphdyn import Coupling
 

@@ -15,11 +15,11 @@ from shared_data import existing
 from textbook import TextbookArm
 
 import urdf
+from crosscheck.commands.judge.record import record
+from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.faults.recursion import Code, torques_of
 from crosscheck.judging.judge import judge
-from crosscheck.report.commands.judge import judge_report
 from crosscheck.report.json import plain
-from crosscheck.report.records.judge import record
 from crosscheck.report.text import as_text
 from graphdyn import inverse_dynamics
 

@@ -12,10 +12,10 @@ from uuid import uuid4
 import pytest
 from typer.testing import CliRunner
 
-from crosscheck.cli import app
-from crosscheck.cli.exits import AGREED
+from crosscheck.commands import app
+from crosscheck.commands.program.exits import AGREED
 from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, cluster, dask_workers
-from crosscheck.distributing.versions import versions
+from crosscheck.distributing.workers import versions
 
 
 def deadly(task):

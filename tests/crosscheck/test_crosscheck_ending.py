@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from long_check import few
 
-from crosscheck.cli import console, ending_signals
+from crosscheck.commands.program import console, ending_signals
 
 HANGS = 60
 """Time after which a process that should have ended counts as left alive [s]; it ends in a second."""

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 
 import urdf
-from crosscheck.studies.errata import COSINES, ERRATA, measure
-from crosscheck.studies.printed_forms import with_unit_d33, without_d_transposed, world_axis_rows
+from crosscheck.paper.errata import COSINES, ERRATA, measure, with_unit_d33, without_d_transposed, world_axis_rows
 from graphdyn import kkt_system, kr500, maximal_state
-from graphdyn._cardano import cardano_form
-from graphdyn._constraints import constraints
-from graphdyn._kinematics import null_space
+from graphdyn.equations.cardano import cardano_form
+from graphdyn.equations.constraints import constraints
+from graphdyn.equations.kinematics import null_space
 
 SAMPLES = 20
 

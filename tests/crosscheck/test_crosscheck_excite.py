@@ -13,8 +13,9 @@ from jsonschema import Draft202012Validator
 from planting import mixed_tree
 
 import urdf
-from crosscheck.cli import excite_search
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.excite import search as excite_search
+from crosscheck.commands.excite.report import random_is_better
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.distributing import LocalProcesses, Lost
 from crosscheck.exciting.motion_formats.krl import AxisSettings
 from crosscheck.exciting.motion_formats.motion_file import WRITTEN, document, read_motion, slides
@@ -22,7 +23,6 @@ from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from crosscheck.exciting.noise import assumed_noise
 from crosscheck.recordings import load_recording
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.report.commands.excite import random_is_better
 from graphdyn import InvalidInput, joint_torques
 from graphdyn.excitation import FourierBasis, Trajectory
 

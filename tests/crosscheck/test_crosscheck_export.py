@@ -15,12 +15,13 @@ from textbook import TextbookArm
 
 import graphdyn
 import urdf
-from crosscheck.cli.exits import AGREED, BAD_INPUT
-from crosscheck.report.exports.c_model import c_text
-from crosscheck.report.exports.matlab_model import matlab_text
-from crosscheck.report.json import plain, schemas
-from crosscheck.report.records.export import record
-from graphdyn._rotation import rotation_about
+from crosscheck.commands.export.c_model import c_text
+from crosscheck.commands.export.matlab_model import matlab_text
+from crosscheck.commands.export.record import record
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT
+from crosscheck.commands.schemas import schemas
+from crosscheck.report.json import plain
+from graphdyn.model.spatial import rotation_about
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
 AWKWARD = "a\"b\\c'd/*x*/?é\n"

@@ -8,7 +8,7 @@ from long_check import LONG
 from planting import flagged, with_body, with_joint
 
 import crosscheck
-from crosscheck.referee.quantities import BY_NAME
+from crosscheck.quantities.quantities import BY_NAME
 from graphdyn import Body, InvalidInput, Joint, JointLimits, Placement, RobotModel, kr500
 
 SAMPLES = 5

@@ -10,9 +10,9 @@ import pytest
 from long_check import LONG
 
 import urdf
-from crosscheck.cli import console, own_process
-from crosscheck.cli.encodings import spelled
-from crosscheck.cli.exits import AGREED, BAD_INPUT, INTERNAL_ERROR
+from crosscheck.commands.program import console, own_process
+from crosscheck.commands.program.encodings import spelled
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, INTERNAL_ERROR
 from crosscheck.report.html import page
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.plain_text import UNSEEN, printable

@@ -16,17 +16,17 @@ from shared_data import DATA, existing
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import app
+from crosscheck.commands import app
+from crosscheck.commands.identify.record.record import record
+from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
-from crosscheck.identifying.baselines import Baselines
-from crosscheck.identifying.doubts import doubts, residual_ratio
-from crosscheck.identifying.health import health
+from crosscheck.identifying.data_quality.data_quality import health
+from crosscheck.identifying.results.baselines import Baselines
+from crosscheck.identifying.results.doubts import doubts, residual_ratio
 from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
-from crosscheck.report.commands.identify import identify_report
-from crosscheck.report.records.identify import record
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
-from graphdyn.identification.health.gain import Gains
+from graphdyn.identification.data_quality.gain import Gains
 from graphdyn.identification.terms import MaxwellSlip, RigidBodies
 
 RATE = 100.0
@@ -177,7 +177,7 @@ class TestWords:
     def test_of_units_on_which_joints_agree(self, monkeypatch, right, gain, severity):
         gains = np.array(gain + [np.nan] * 2)
         found = replace(right.measures, gains=Gains(gains, 0.1 * gains, np.ones(6), gains))
-        monkeypatch.setattr("crosscheck.identifying.health.recording_health", lambda *_, **__: found)
+        monkeypatch.setattr("crosscheck.identifying.data_quality.data_quality.recording_health", lambda *_, **__: found)
         said = health_of(arm().fitted).findings
         assert [(finding.code, finding.severity) for finding in said] == [("torque-unit", severity)] * bool(severity)
         if severity == "fault":

@@ -13,13 +13,13 @@ from jsonschema import Draft202012Validator
 from planted_records import planted
 
 import graphdyn
+from crosscheck.commands.identify.record.record import record
 from crosscheck.identifying import METHODS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
-from crosscheck.identifying.baselines import constant_errors
-from crosscheck.identifying.parameters import base_rows, body_rows, deviations_of
-from crosscheck.identifying.torque_terms import with_setting
-from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.identifying.methods.torque_terms import with_setting
+from crosscheck.identifying.results.baselines import constant_errors
+from crosscheck.identifying.results.parameters import base_rows, body_rows, deviations_of
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.json import plain
-from crosscheck.report.records.identify import record
 from graphdyn import InvalidInput, mass_matrix
 from graphdyn.identification import Problem, Samples, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous

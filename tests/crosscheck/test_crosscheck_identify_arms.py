@@ -16,7 +16,8 @@ from shared_data import DATA, REPOSITORY, existing
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import app, own_process
+from crosscheck.commands import app
+from crosscheck.commands.program import own_process
 
 DOCUMENT = REPOSITORY / "docs" / "industrial_arms.md"
 RECORDINGS = {"ur10": DATA / "data" / "ur10", "tx40": DATA / "data" / "tx40", "kr300": DATA / "data" / "kr300"}

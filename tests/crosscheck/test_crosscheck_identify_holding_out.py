@@ -7,7 +7,7 @@ import pytest
 from identified_arm import CUTOFF, NOISE_FLOOR, identified, identified_from, virtual
 
 from crosscheck.identifying import ByRows, ByTime, Folds, FromWrenches, LastPart, OtherRecordings, Preparation
-from crosscheck.identifying.pooling import pooled_sizes
+from crosscheck.identifying.preparing.trials import pooled_sizes
 from crosscheck.recordings import Recording, concatenated
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import ResidualSizes, WeightedLeastSquares

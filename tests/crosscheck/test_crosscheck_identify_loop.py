@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import own_process
-from crosscheck.cli.application import app
-from crosscheck.identifying.loop_methods import with_exogeneity
+from crosscheck.commands.application import app
+from crosscheck.commands.program import own_process
+from crosscheck.identifying.methods.loop_methods import with_exogeneity
 from graphdyn.identification import Problem, WeightedLeastSquares, compare_methods
 
 CONTROL = """

@@ -12,7 +12,8 @@ from planting import mixed_tree
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import app, own_process
+from crosscheck.commands import app
+from crosscheck.commands.program import own_process
 from crosscheck.identifying import friction_terms, virtual_robot
 from graphdyn import InvalidInput
 

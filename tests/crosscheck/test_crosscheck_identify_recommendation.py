@@ -8,7 +8,7 @@ from identified_arm import CUTOFF, POSES, compared, identified, identified_from,
 
 import crosscheck
 from crosscheck.identifying import Candidate, OtherRecordings, recommendation
-from crosscheck.identifying.result_errors import joint_errors, mean_error
+from crosscheck.identifying.results.recommending import joint_errors, mean_error
 from graphdyn import InvalidInput
 from graphdyn.identification import Plausibility
 

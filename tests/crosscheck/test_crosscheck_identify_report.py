@@ -6,8 +6,8 @@ import identified_arm
 import numpy as np
 import pytest
 
+from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import Folds
-from crosscheck.report.commands.identify import identify_report
 from crosscheck.report.report import Plot, Table
 from crosscheck.report.text import as_text
 

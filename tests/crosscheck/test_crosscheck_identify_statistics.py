@@ -11,10 +11,10 @@ from long_check import LONG
 from planting import mixed_tree
 
 import crosscheck
+from crosscheck.commands.identify.record.record import record
+from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import LastPart, Preparation, friction_terms, virtual_robot
-from crosscheck.identifying.parameters import base_rows, correlation_of, deviations_of
-from crosscheck.report.commands.identify import identify_report
-from crosscheck.report.records.identify import record
+from crosscheck.identifying.results.parameters import base_rows, correlation_of, deviations_of
 from crosscheck.report.text import as_text
 from graphdyn.identification.terms import KnownTorque, RigidBodies, UserColumns
 

@@ -9,7 +9,7 @@ from planting import mixed_tree
 
 import urdf
 from crosscheck.identifying import friction_terms, virtual_robot
-from crosscheck.identifying.parameters import base_rows
+from crosscheck.identifying.results.parameters import base_rows
 from graphdyn import InvalidInput
 
 ALIKE = 1e-10

@@ -15,12 +15,14 @@ from pages import parsed
 from typer.testing import CliRunner
 
 import urdf
-from crosscheck.cli import app, console, inspect_many
-from crosscheck.cli.inspect_many import FEW, inspect_files
-from crosscheck.report.commands.inspect import MANY_FILES, inspect_report, worst
+from crosscheck.commands import app
+from crosscheck.commands.inspect import many_files as inspect_many
+from crosscheck.commands.inspect.many_files import FEW, inspect_files
+from crosscheck.commands.inspect.record import file_record
+from crosscheck.commands.inspect.report import MANY_FILES, inspect_report, worst
+from crosscheck.commands.program import console
 from crosscheck.report.html import MANY_NOTES, page
 from crosscheck.report.json import plain
-from crosscheck.report.records.inspect import file_record
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs/schemas/inspect-1.schema.json").read_text(encoding="utf-8"))
 NARROW = 80

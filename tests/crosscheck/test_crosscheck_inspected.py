@@ -10,11 +10,11 @@ from shared_data import ARMS, existing
 
 import crosscheck
 import urdf
-from crosscheck.referee.answers import forward_answers, passive_answers
-from crosscheck.referee.errors import forward_errors, passive_errors
-from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.referee.quantities import BY_NAME
-from crosscheck.referee.states import cases
+from crosscheck.comparing.states import cases
+from crosscheck.quantities.answers import forward_answers, passive_answers
+from crosscheck.quantities.errors import forward_errors, passive_errors
+from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 
 SAMPLES = 5
 

@@ -10,7 +10,7 @@ from textbook import TextbookArm
 
 import crosscheck
 import urdf
-from crosscheck.referee.mujoco_model import MujocoModel, MujocoRefuses
+from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import inverse_dynamics, joint_torque_regressor, kr500
 
 SAMPLES = 5

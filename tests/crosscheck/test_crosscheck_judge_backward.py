@@ -10,10 +10,10 @@ from shared_data import ARMS, existing
 import crosscheck
 import graphdyn
 import urdf
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.report.commands.judge import judge_report
+from crosscheck.commands.judge.record import record as record_of
+from crosscheck.commands.judge.report import judge_report
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.json import plain
-from crosscheck.report.records.judge import record as record_of
 from crosscheck.report.text import as_text
 
 SAMPLES = 5

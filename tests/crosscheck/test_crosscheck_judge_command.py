@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import urdf
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 
 
 class TestJudge:

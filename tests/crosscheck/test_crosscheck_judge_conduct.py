@@ -9,13 +9,13 @@ from single_precision import single_precision
 
 import crosscheck
 import graphdyn
-from crosscheck.judging.foreign import Refusal
+from crosscheck.commands.judge.record import record
+from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.functions.table import FUNCTIONS
-from crosscheck.judging.regions import region, roundest
-from crosscheck.referee.tolerances import FOREIGN, FOREIGN_SINGLE
-from crosscheck.report.commands.judge import judge_report
+from crosscheck.judging.observing.function_under_test import Refusal
+from crosscheck.judging.observing.regions import region, roundest
+from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE
 from crosscheck.report.json import plain
-from crosscheck.report.records.judge import record
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput
 
@@ -203,7 +203,8 @@ class TestSingleStates:
 
     def test_shapes_that_differ(self, ur5):
         with pytest.raises(
-            crosscheck.judging.foreign.ForeignFailure, match=r"returned different shapes at different sta"
+            crosscheck.judging.observing.function_under_test.ForeignFailure,
+            match=r"returned different shapes at different sta",
         ):
             crosscheck.judge(
                 "ur5",
@@ -238,14 +239,14 @@ class TestRegions:
 
     def test_chance_is_no_region(self, ur5):
         """Two of 71 states, at random: some quantity always separates them."""
-        states = crosscheck.judging.judged_states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
+        states = crosscheck.judging.states.judged_states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
         for seed in range(200):
             chosen = np.zeros(SAMPLES + 11, dtype=bool)
             chosen[np.random.default_rng(seed).choice(len(chosen), 2, replace=False)] = True
             assert region(chosen, states, ("q", "v", "a")) is None
 
     def test_no_state_and_all_states_are_no_region(self, ur5):
-        states = crosscheck.judging.judged_states.JudgedStates.draw(ur5, 3, 0, needs_tau=False)
+        states = crosscheck.judging.states.judged_states.JudgedStates.draw(ur5, 3, 0, needs_tau=False)
         for all_or_none in (np.ones(14, dtype=bool), np.zeros(14, dtype=bool)):
             assert region(all_or_none, states, "q") is None
 

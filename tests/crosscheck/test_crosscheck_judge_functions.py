@@ -13,11 +13,11 @@ from typer.testing import CliRunner
 import crosscheck
 import graphdyn
 import urdf
-from crosscheck.cli.application import app
-from crosscheck.cli.judge_options import FUNCTIONS_HELP
+from crosscheck.commands.application import app
+from crosscheck.commands.judge.report import judge_report
+from crosscheck.commands.program.judged_functions import FUNCTIONS_HELP
 from crosscheck.judging import judge as judging
 from crosscheck.judging.functions.table import FUNCTIONS
-from crosscheck.report.commands.judge import judge_report
 from crosscheck.report.html import page as page_of
 from crosscheck.report.snippets import worst_call
 from crosscheck.report.text import as_text
@@ -366,7 +366,9 @@ class TestOptions:
             batched=True,
         )
         assert judgement.agrees
-        with pytest.raises(crosscheck.judging.foreign.ForeignFailure, match="called with all states at once, arr"):
+        with pytest.raises(
+            crosscheck.judging.observing.function_under_test.ForeignFailure, match="called with all states at once, arr"
+        ):
             judged(mass_matrix=lambda q: graphdyn.mass_matrix(ur5, q[0]), batched=True)
 
     def test_a_batch_whose_rows_are_mixed_up(self, ur5):

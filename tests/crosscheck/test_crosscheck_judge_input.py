@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import crosscheck
-from crosscheck.judging.foreign import ForeignFailure
+from crosscheck.judging.observing.function_under_test import ForeignFailure
 from graphdyn import InvalidInput, SingularMassMatrix, kr500
 
 SAMPLES = 5

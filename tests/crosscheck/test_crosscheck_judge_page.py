@@ -9,7 +9,7 @@ from judged_functions import DIAGNOSIS, STATES, judged, judgement, judgement_pag
 from pages import balanced, executed, parsed, rows, snippets
 
 import graphdyn
-from crosscheck.report.commands.judge import judge_report
+from crosscheck.commands.judge.report import judge_report
 from crosscheck.report.report import Plot
 
 SYMBOLS = {"agrees": "✓", "DISAGREES": "✗", "UNDECIDED": "?"}

@@ -13,9 +13,9 @@ import pytest
 from rich.cells import cell_len
 
 import crosscheck
-from crosscheck.report.commands.judge import judge_report
+from crosscheck.commands.judge.record import record as record_of
+from crosscheck.commands.judge.report import judge_report
 from crosscheck.report.json import plain
-from crosscheck.report.records.judge import record as record_of
 from crosscheck.report.text import as_text
 
 pytest_plugins = ["pytester"]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from crosscheck.cli import app
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, PENDING
+from crosscheck.commands import app
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, PENDING
 from crosscheck.judging.exchange.library import library_function
 from crosscheck.judging.exchange.line_process import ProgramFailed
-from crosscheck.judging.foreign import Refusal
+from crosscheck.judging.observing.function_under_test import Refusal
 
 EXAMPLES = Path(__file__).parents[2] / "docs/languages"
 COMPILER = shutil.which("cc") or shutil.which("gcc")

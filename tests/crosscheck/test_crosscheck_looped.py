@@ -8,9 +8,9 @@ from shared_data import DATA, existing
 
 import crosscheck
 import urdf
-from crosscheck.cli.exits import BAD_INPUT
-from crosscheck.referee import looped
-from crosscheck.referee.quantities import BY_NAME, LOOPED
+from crosscheck.commands.program.exits import BAD_INPUT
+from crosscheck.comparing import looped
+from crosscheck.quantities.quantities import BY_NAME, LOOPED
 from graphdyn import Chord
 
 SAMPLES = 2

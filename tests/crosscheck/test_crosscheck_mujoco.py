@@ -5,7 +5,7 @@ import pytest
 from planting import mixed_tree
 
 import urdf
-from crosscheck.referee.mujoco_model import MujocoModel
+from crosscheck.reference.mujoco_model import MujocoModel
 from graphdyn import (
     center_of_mass,
     center_of_mass_jacobian,

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 import typer
 
-from crosscheck.cli import app, output_files
-from crosscheck.cli.exits import AGREED, BAD_INPUT, Command
-from crosscheck.cli.output_files import OutputFile
+from crosscheck.commands import app
+from crosscheck.commands.program import output_files
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, Command
+from crosscheck.commands.program.output_files import OutputFile
 
 READS = {
     "crosscheck": ("{robot}",),
@@ -144,7 +145,7 @@ class TestSpellings:
         installed = tmp_path / "installed"
         installed.write_text(small_arm.read_text(encoding="utf-8"), encoding="utf-8")
         entry = type("Entry", (), {"name": "arm", "path": installed})
-        monkeypatch.setattr("urdf._catalogue.robots", lambda: (entry,))
+        monkeypatch.setattr("urdf.document.catalogue.robots", lambda: (entry,))
         assert "reads this file" in refuses("show", "arm", "--json", installed)
 
     def test_a_module_by_name(self, refuses, tmp_path):

@@ -8,8 +8,8 @@ import sys
 import pytest
 from long_check import few
 
-from crosscheck.cli import own_process
-from crosscheck.cli.exits import AGREED, BAD_INPUT
+from crosscheck.commands.program import own_process
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 
 CODE = """
 import ctypes, os, signal, sys

@@ -20,7 +20,7 @@ from pages import COMMAND, balanced, comparison_page, complaints, parsed, rows
 from planting import compared
 
 import crosscheck
-from crosscheck.report.commands.identify import identify_report
+from crosscheck.commands.identify.report import identify_report
 from crosscheck.report.html import page as page_of
 from crosscheck.report.versions import versions
 

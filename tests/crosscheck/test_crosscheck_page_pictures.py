@@ -8,12 +8,12 @@ import numpy as np
 
 import crosscheck
 import graphdyn
-from crosscheck.referee.comparison import QUANTILES
-from crosscheck.referee.quantities import BY_NAME
+from crosscheck.commands.crosscheck.record import robot_record
+from crosscheck.comparing.comparison import QUANTILES
+from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.report.json import plain
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT, pose, pose_text, stick_figure
-from crosscheck.report.records.crosscheck import robot_record
 from graphdyn import Joint, Placement
 
 

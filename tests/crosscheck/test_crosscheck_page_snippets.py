@@ -8,9 +8,9 @@ from pages import COMMAND, comparison_page, executed, snippets
 from planting import PLANTED, SAMPLES, SEED, with_body
 
 import urdf
-from crosscheck.referee.comparison import WorstState
-from crosscheck.referee.quantities import BY_NAME
-from crosscheck.referee.states import cases
+from crosscheck.comparing.comparison import WorstState
+from crosscheck.comparing.states import cases
+from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.report.snippets import CALLS, worst_state
 
 

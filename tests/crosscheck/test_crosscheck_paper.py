@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from reproduced_paper import reproduced
 
-from crosscheck.studies.errata import ERRATA
-from crosscheck.studies.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
-from crosscheck.studies.paper.identification import SEEDS
-from crosscheck.studies.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
-from crosscheck.studies.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4
+from crosscheck.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
+from crosscheck.paper.errata import ERRATA
+from crosscheck.paper.identification import SEEDS
+from crosscheck.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
+from crosscheck.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4
 from graphdyn import kr500
 
 LARGEST_PRINTED_ERROR = 0.0424

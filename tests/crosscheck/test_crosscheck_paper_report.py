@@ -16,19 +16,20 @@ from reproduced_paper import reproduced
 from rich.cells import cell_len
 from typer.testing import CliRunner
 
-from crosscheck.cli import app, console
-from crosscheck.report.commands.paper import paper_report
-from crosscheck.report.commands.paper_over_time import MARKED
-from crosscheck.report.commands.paper_texts import error_text, misprints, printed_text, value_text
+from crosscheck.commands import app
+from crosscheck.commands.paper.over_time_report import MARKED
+from crosscheck.commands.paper.record import record as record_of
+from crosscheck.commands.paper.report import paper_report
+from crosscheck.commands.paper.texts import error_text, misprints, printed_text, value_text
+from crosscheck.commands.program import console
+from crosscheck.paper.checks import REFEREE, Check
+from crosscheck.paper.printed import TABLE_2, Printed
+from crosscheck.paper.reproduction import PARTS, reproduce
 from crosscheck.report.html import page as html_page
 from crosscheck.report.json import plain
-from crosscheck.report.records.paper import record as record_of
 from crosscheck.report.report import Plot
 from crosscheck.report.text import renderables
 from crosscheck.report.versions import versions
-from crosscheck.studies.paper.checks import REFEREE, Check
-from crosscheck.studies.paper.printed import TABLE_2, Printed
-from crosscheck.studies.paper.reproduction import PARTS, reproduce
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = json.loads((ROOT / "docs/schemas/paper-1.schema.json").read_text(encoding="utf-8"))
@@ -125,7 +126,7 @@ class TestCommand:
 
     def test_failure_is_exit_code_1(self, found, monkeypatch):
         broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
-        monkeypatch.setattr("crosscheck.studies.paper.reproduction.reproduce", lambda *_: broken)
+        monkeypatch.setattr("crosscheck.paper.reproduction.reproduce", lambda *_: broken)
         assert paper().exit_code == 1
 
     def test_bad_input(self, tmp_path):

@@ -11,12 +11,12 @@ import pytest
 from long_check import few
 from test_crosscheck_ending import HANGS, alive
 
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.judging.exchange import line_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed, end_in_words
 from crosscheck.judging.exchange.program import ProgramFunction
 from crosscheck.judging.exchange.protocols import PROTOCOLS, Unreadable, number_text
-from crosscheck.judging.foreign import Refusal
+from crosscheck.judging.observing.function_under_test import Refusal
 
 SOON = 0.3
 """Time limit where an answer never comes [s]."""

@@ -11,8 +11,8 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.clock import increasing
-from crosscheck.recordings.findings import spans
+from crosscheck.recordings.checks.clock import increasing
+from crosscheck.recordings.errors import spans
 from graphdyn import InvalidInput
 
 N = 60

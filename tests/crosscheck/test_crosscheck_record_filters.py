@@ -22,9 +22,9 @@ from crosscheck.recordings import (
     samples_of,
     sampling_rate,
 )
-from crosscheck.recordings.decimation import PADDING, rows_needed
-from crosscheck.recordings.filtering import BORDER_DECAY, border
-from crosscheck.recordings.noise_floor import white_noise
+from crosscheck.recordings.preparation.decimation import PADDING, rows_needed
+from crosscheck.recordings.preparation.filtering import BORDER_DECAY, border
+from crosscheck.recordings.preparation.noise_floor import white_noise
 from graphdyn import InvalidInput
 
 RATE = 500.0

@@ -20,8 +20,8 @@ from crosscheck.recordings import (
     load_mapping,
     load_recording,
     mapping_of,
-    sizes,
 )
+from crosscheck.recordings.formats import files as sizes
 from graphdyn import InvalidInput
 
 T = np.arange(20) / 10
@@ -103,8 +103,8 @@ def test_what_expands_too_far(tmp_path, small_bound, name):
 
 def test_a_bomb_is_not_expanded_further_than_the_bound(tmp_path, monkeypatch):
     """16 MB of zeros: no more is read than the bound."""
-    monkeypatch.setattr("crosscheck.recordings.text_files.LARGEST_EXPANDED", 1 << 20)
-    monkeypatch.setattr("crosscheck.recordings.sizes.LARGEST_EXPANDED", 1 << 20)
+    monkeypatch.setattr("crosscheck.recordings.formats.files.LARGEST_EXPANDED", 1 << 20)
+    monkeypatch.setattr("crosscheck.recordings.formats.files.LARGEST_EXPANDED", 1 << 20)
     read = []
     original = gzip.GzipFile.read
 

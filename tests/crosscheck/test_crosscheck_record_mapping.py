@@ -17,9 +17,9 @@ from crosscheck.recordings import (
     recording_of,
     save_virtual_recording,
 )
-from crosscheck.recordings.column_names import meaning
 from crosscheck.recordings.loading import reordered
-from crosscheck.recordings.units import DRIVE_UNITS, SLIDING_UNITS, TIME_UNITS, TURNING_UNITS, unit_of
+from crosscheck.recordings.mapping.column_names import meaning
+from crosscheck.recordings.mapping.units import DRIVE_UNITS, SLIDING_UNITS, TIME_UNITS, TURNING_UNITS, unit_of
 from graphdyn import InvalidInput
 
 ROWS = np.random.default_rng(0).uniform(-1, 1, (30, 12)).cumsum(axis=0) / 10

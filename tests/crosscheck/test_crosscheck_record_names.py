@@ -14,7 +14,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.column_names import meaning
+from crosscheck.recordings.mapping.column_names import meaning
 
 N = 20
 EPOCH = 1_700_000_000

@@ -14,11 +14,11 @@ from planting import mixed_tree
 from pyarrow import parquet
 from typer.testing import CliRunner
 
-from crosscheck.cli import app
+from crosscheck.commands import app
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers
 from crosscheck.identifying import CandidateModel
 from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, OF_SAMPLES, STANDARD_METHODS_OF_SUMS, identify_long
-from crosscheck.identifying.methods import METHODS, method_named
+from crosscheck.identifying.methods.methods import METHODS, method_named
 from crosscheck.recordings import (
     BadRecordingFile,
     PartitionedRecording,
@@ -29,7 +29,7 @@ from crosscheck.recordings import (
 )
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, TorqueModel, WeightedLeastSquares, residual_statistics
-from graphdyn.identification.partitions import merged_in_tree
+from graphdyn.identification.data.partitions import merged_in_tree
 from graphdyn.identification.terms import Drift, KnownBodies, Viscous
 
 CUTOFF, ROWS = 20.0, 700

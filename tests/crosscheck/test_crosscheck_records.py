@@ -15,7 +15,7 @@ from random_trees import random_tree
 import graphdyn
 from crosscheck.recordings import BadRecordingFile, load_virtual_recording, save_virtual_recording
 from graphdyn import InvalidInput, VirtualRecording
-from graphdyn._virtual_recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
+from graphdyn.experiments.virtual_recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
 from graphdyn.motion_laws import ConstantAcceleration, Rail
 
 SUFFIXES = [".csv", ".parquet"]

@@ -8,14 +8,14 @@ from planting import SAMPLES, compared, mixed_tree
 
 import crosscheck
 import urdf
-from crosscheck.referee import compare as comparing
-from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.comparing import compare as comparing
+from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from graphdyn import InvalidInput, Placement, RobotModel, frame_placement, inverse_dynamics, kr500
-from graphdyn._rotation import rotation_about
 from graphdyn.layout import BODY_PARAMETERS
+from graphdyn.model.spatial import rotation_about
 
 SMALL = 1e-13
-"""Two recursions of some ten products each, relative to the largest term: crosscheck.referee.tolerances.AGREEMENT."""
+"""Two recursions of some ten products each, relative to the largest term: crosscheck.quantities.tolerances.AGREEMENT."""
 
 NO_LOCK: dict[str, float] = {}
 

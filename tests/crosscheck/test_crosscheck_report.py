@@ -12,15 +12,15 @@ from planting import SAMPLES, SEED, compared
 from rich.cells import cell_len
 
 import crosscheck
-from crosscheck.referee.quantities import BY_NAME
-from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.commands.crosscheck.record import robot_record
+from crosscheck.commands.crosscheck.report import crosscheck_report
+from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.report.json import as_bytes, plain
-from crosscheck.report.records.crosscheck import robot_record
 from crosscheck.report.report import ROOMY
 from crosscheck.report.text import as_text
 from crosscheck.report.versions import versions
 from graphdyn import Body
-from urdf._files import write_whole
+from urdf.document.files import write_whole
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,7 @@ import pytest
 from planting import mixed_tree
 from random_trees import random_tree
 
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.scales import (
+from crosscheck.quantities.scales import (
     SHORTEST_LEVER,
     acceleration_scale,
     backward_error,
@@ -16,7 +15,8 @@ from crosscheck.referee.scales import (
     relative,
     term_sizes,
 )
-from crosscheck.referee.tolerances import BACKWARD, FOREIGN
+from crosscheck.quantities.tolerances import BACKWARD, FOREIGN
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import (
     Body,
     Joint,
@@ -28,7 +28,7 @@ from graphdyn import (
     mass_matrix,
     maximal_state,
 )
-from graphdyn._kinematics import link_origins
+from graphdyn.equations.kinematics import link_origins
 
 ERROR = 1e-9
 

@@ -17,13 +17,15 @@ from typer.testing import CliRunner
 
 import crosscheck
 import urdf
-from crosscheck.cli import app, own_process
-from crosscheck.report.describing import describe
-from crosscheck.report.json import main, plain, schemas
-from crosscheck.report.records import crosscheck as crosscheck_records
-from crosscheck.report.records import errata as errata_records
-from crosscheck.report.records import judge as judge_records
-from crosscheck.studies.errata import Effect
+from crosscheck.commands import app
+from crosscheck.commands.crosscheck import record as crosscheck_records
+from crosscheck.commands.errata import record as errata_records
+from crosscheck.commands.judge import record as judge_records
+from crosscheck.commands.program import own_process
+from crosscheck.commands.schemas import main, schemas
+from crosscheck.commands.show.describing import describe
+from crosscheck.paper.errata import Effect
+from crosscheck.report.json import plain
 
 ROOT = Path(__file__).parents[2]
 SCHEMAS = {path.name: json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "docs/schemas").glob("*.json")}
@@ -97,14 +99,14 @@ class TestSchemas:
         assert {file_name(form) for form in formats} == set(SCHEMAS)
 
     def test_generated_from_the_records(self):
-        """Else: python -m crosscheck.report.json docs/schemas"""
+        """Else: python -m crosscheck.commands.schemas docs/schemas"""
         assert schemas() == SCHEMAS
 
     def test_command_that_generates_them(self, tmp_path):
         folder = tmp_path / "new"
         main(["program", str(folder)])
         assert {path.name: json.loads(path.read_text(encoding="utf-8")) for path in folder.iterdir()} == SCHEMAS
-        with pytest.raises(SystemExit, match=r"usage: python -m crosscheck.report.json FOLDER"):
+        with pytest.raises(SystemExit, match=r"usage: python -m crosscheck.commands.schemas FOLDER"):
             main(["program"])
 
     def test_writing_needs_no_pydantic(self):
@@ -113,7 +115,7 @@ class TestSchemas:
 import json
 import sys
 sys.modules["pydantic"] = None  # as if it were not installed
-from crosscheck.report.commands.robots import robots_report
+from crosscheck.commands.robots.report import robots_report
 from crosscheck.report.json import plain
 import urdf
 print(json.dumps(plain(robots_report(urdf.robots()).record([]))))

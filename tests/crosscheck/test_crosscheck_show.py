@@ -12,19 +12,20 @@ from typer.testing import CliRunner
 
 import graphdyn
 import urdf
-from crosscheck.cli import app, console
-from crosscheck.referee.subject import tip
-from crosscheck.report.commands.show import show_report
-from crosscheck.report.describing import describe
-from crosscheck.report.describing_state import describe_state
+from crosscheck.commands import app
+from crosscheck.commands.program import console
+from crosscheck.commands.show.character_pattern import BRAILLE, HALF_BLOCKS, picture
+from crosscheck.commands.show.describing import describe
+from crosscheck.commands.show.describing_state import describe_state
+from crosscheck.commands.show.report import show_report
+from crosscheck.reference.subject import tip
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
-from crosscheck.report.pattern import BRAILLE, HALF_BLOCKS, picture
 from crosscheck.report.plain_text import matrix_lines, vector_text
 from crosscheck.report.text import renderables
 from crosscheck.report.versions import versions
 from graphdyn import kkt_system, kr500
-from graphdyn._rotation import rotation_about
+from graphdyn.model.spatial import rotation_about
 
 NARROW = 80
 

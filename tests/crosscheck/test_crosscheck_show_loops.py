@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 import graphdyn
 import urdf
-from crosscheck.cli import app
-from crosscheck.report.commands.show import show_report
-from crosscheck.report.describing import describe
+from crosscheck.commands import app
+from crosscheck.commands.show.describing import describe
+from crosscheck.commands.show.report import show_report
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
 from crosscheck.report.pictures.stick_figure import pose, pose_text

@@ -10,20 +10,21 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from planting import compared
 
-from crosscheck.identifying.parameters import BaseRow, base_rows
+from crosscheck.bench.contender import SpeedRatio
+from crosscheck.bench.machine.timing import Ratio
+from crosscheck.commands.bench import ratio_bars
+from crosscheck.commands.crosscheck.report import crosscheck_report
+from crosscheck.commands.identify import method_errors, parameter_bars
+from crosscheck.commands.identify.report import identify_report
+from crosscheck.commands.judge.function_report import function_section
+from crosscheck.identifying.results.parameters import BaseRow, base_rows
 from crosscheck.judging.judge import judge
-from crosscheck.report.commands.crosscheck import crosscheck_report
-from crosscheck.report.commands.errors import error_text, span_text
-from crosscheck.report.commands.identify import identify_report
-from crosscheck.report.commands.judge_function import function_section
-from crosscheck.report.durations import ratio_span_text, ratio_text, threads_text, time_text
-from crosscheck.report.durations import span_text as span_of_times
-from crosscheck.report.pictures import method_errors, parameter_bars, plot, ratio_bars, spread
-from crosscheck.report.plain_text import vector_text
+from crosscheck.report.error_tables import error_text, span_text
+from crosscheck.report.pictures import plot, spread
+from crosscheck.report.plain_text import ratio_span_text, ratio_text, threads_text, time_text, vector_text
+from crosscheck.report.plain_text import span_text as span_of_times
 from crosscheck.report.report import Panel, Plot, Series, Table
 from crosscheck.report.text import as_text
-from crosscheck.studies.bench.contender import SpeedRatio
-from crosscheck.studies.bench.timing import Ratio
 from graphdyn import inverse_dynamics
 
 RMS = (1.25, 3.5, 0.75)

@@ -15,12 +15,12 @@ from shared_data import DATA, existing
 
 import crosscheck
 import urdf
-from crosscheck.cli.exits import AGREED, BAD_INPUT
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.identifying import Preparation
 from crosscheck.recordings import BadRecordingFile, load_recording, load_virtual_recording
-from crosscheck.recordings.motion_files import SUFFIXES, motion_document
-from crosscheck.referee.mujoco_model import MujocoModel
-from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.recordings.formats.motion_files import SUFFIXES, motion_document
+from crosscheck.reference.mujoco_model import MujocoModel
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import ComputedTorqueControl, Friction, InvalidInput, kr500, rollout, simulate
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries

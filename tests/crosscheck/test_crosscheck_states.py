@@ -8,10 +8,10 @@ from planting import mixed_tree
 from random_trees import random_placement
 
 import urdf
-from crosscheck.referee.states import ACCELERATION_RANGE, AWKWARD, FAST, cases, turned, unit_turn
+from crosscheck.comparing.states import ACCELERATION_RANGE, AWKWARD, FAST, cases, turned, unit_turn
 from graphdyn import inverse_dynamics, kr500, maximal_state
-from graphdyn._kinematics import joint_axes
-from graphdyn._rotation import cos_beta
+from graphdyn.equations.kinematics import joint_axes
+from graphdyn.model.spatial import cos_beta
 
 ALIGNED = 1e-14
 """The world is turned by one product of rotations: some eps. Cosines of angles that should be right."""

@@ -13,16 +13,16 @@ import small_study as small
 from long_check import few
 from small_study import ARM, InThisProcess, backwards, small_study, study_of
 
-from crosscheck.cli import own_process
-from crosscheck.cli.exits import AGREED, BAD_INPUT
+from crosscheck.commands.program import own_process
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.distributing import LocalProcesses
-from crosscheck.studies.identification import tasks as computing
-from crosscheck.studies.identification.configuration import SHIPPED, read_configuration
-from crosscheck.studies.identification.database import opened
-from crosscheck.studies.identification.running import DATABASE, DIED, Remaining, run_study, tasks_of
-from crosscheck.studies.identification.scenarios import AXES, Scenario
-from crosscheck.studies.identification.settings import BadConfiguration
-from crosscheck.studies.identification.tables import RESULTS, SCENARIOS, TIMES
+from crosscheck.study import tasks as computing
+from crosscheck.study.database import opened
+from crosscheck.study.running import DATABASE, DIED, Remaining, run_study, tasks_of
+from crosscheck.study.settings.configuration import SHIPPED, read_configuration
+from crosscheck.study.settings.scenarios import AXES, Scenario
+from crosscheck.study.settings.settings import BadConfiguration
+from crosscheck.study.tables import RESULTS, SCENARIOS, TIMES
 from graphdyn import InvalidInput
 
 INTERRUPTED = 130

@@ -7,14 +7,14 @@ import pytest
 import small_study as small
 from small_study import ARM, study_of
 
-from crosscheck.studies.identification import records
-from crosscheck.studies.identification.mechanisms import flexible
-from crosscheck.studies.identification.motions import PAPER_ACCELERATION, reference
-from crosscheck.studies.identification.plants import plant_of, torque_model_of
-from crosscheck.studies.identification.records import known_model, simulated
-from crosscheck.studies.identification.robot_settings import ErrorSettings
-from crosscheck.studies.identification.scenarios import Scenario
-from crosscheck.studies.identification.yardsticks import yardstick
+from crosscheck.study.settings.robot_settings import ErrorSettings
+from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.simulated import runs as records
+from crosscheck.study.simulated.mechanisms import flexible
+from crosscheck.study.simulated.motions import PAPER_ACCELERATION, reference
+from crosscheck.study.simulated.plants import plant_of, torque_model_of
+from crosscheck.study.simulated.runs import known_model, simulated
+from crosscheck.study.validation import yardstick
 from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
 from graphdyn.identification import Samples
 from graphdyn.identification.terms import Coulomb, PayloadMass

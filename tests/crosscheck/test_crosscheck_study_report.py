@@ -12,15 +12,15 @@ from lxml import html
 from pyarrow.parquet import write_table
 from study_tables import METHODS, NOISES, study_tables
 
-from crosscheck.report.commands.study import study_report
+from crosscheck.commands.study.pareto_picture import Trade, efficient
+from crosscheck.commands.study.rank_picture import bar_columns
+from crosscheck.commands.study.report import study_report
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
-from crosscheck.report.pictures.study_pareto import Trade, efficient
-from crosscheck.report.pictures.study_ranks import bar_columns
 from crosscheck.report.text import as_text
-from crosscheck.studies.identification.statistics.grid import grid_of
-from crosscheck.studies.identification.statistics.outcomes import outcomes, read_outcomes
-from crosscheck.studies.identification.statistics.summary import summarised
+from crosscheck.study.statistics.grid import grid_of
+from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
+from crosscheck.study.statistics.summary import summarised
 
 SCHEMA = Path(__file__).parents[2] / "docs/schemas/study-1.schema.json"
 RUNS = 5
@@ -134,7 +134,7 @@ def test_classes_are_apart(shown):
 
 def test_largest_studies_keep_a_page(folder, monkeypatch):
     """The first runs of every scenario have their tables; links and dots of others are left out."""
-    monkeypatch.setattr("crosscheck.report.commands.study_scenarios.MOST_RUNS", 8)
+    monkeypatch.setattr("crosscheck.commands.study.scenarios_report.MOST_RUNS", 8)
     report = study_report(folder, [], repeat)
     groups = [group for section in report.sections for group in section.blocks if getattr(group, "title", "") == "Runs"]
     assert len(groups) == 2 * len(NOISES)

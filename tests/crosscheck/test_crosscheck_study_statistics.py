@@ -7,11 +7,10 @@ import pytest
 import scipy.stats
 from study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
-from crosscheck.studies.identification.statistics.bootstrap import drawn_means, ends
-from crosscheck.studies.identification.statistics.intervals import deviations, means, median, share
-from crosscheck.studies.identification.statistics.outcomes import outcomes, read_outcomes
-from crosscheck.studies.identification.statistics.ranking import critical_distance, friedman, record_ranks
-from crosscheck.studies.identification.statistics.summary import summarised
+from crosscheck.study.statistics.intervals import deviations, drawn_means, ends, means, median, share
+from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
+from crosscheck.study.statistics.ranking import critical_distance, friedman, record_ranks
+from crosscheck.study.statistics.summary import summarised
 from graphdyn import InvalidInput
 
 # Demšar 2006, Table 6: ranks of C4.5 and three variants on 14 data sets

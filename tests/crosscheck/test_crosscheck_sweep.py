@@ -13,17 +13,18 @@ from jsonschema import Draft202012Validator
 from planting import Plant
 from shared_data import ARMS, REPOSITORY, existing
 
-from crosscheck.cli import console, main
-from crosscheck.cli import crosscheck_worker as sweeping
-from crosscheck.cli.crosscheck_folder_file import SweepFile
-from crosscheck.cli.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
-from crosscheck.cli.output_files import OutputFile
+from crosscheck.commands import main
+from crosscheck.commands.crosscheck import folder_report as report_of_folder
+from crosscheck.commands.crosscheck import summary
+from crosscheck.commands.crosscheck import worker as sweeping
+from crosscheck.commands.crosscheck.folder_file import SweepFile
+from crosscheck.commands.program import console
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
+from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.comparing import compare as comparing
+from crosscheck.comparing.comparison import part_of_bound
 from crosscheck.distributing import LocalProcesses, Lost
-from crosscheck.referee import compare as comparing
-from crosscheck.referee.comparison import part_of_bound
-from crosscheck.referee.subject import content_sha256
-from crosscheck.report import summary
-from crosscheck.report.commands import crosscheck_folder as report_of_folder
+from crosscheck.reference.subject import content_sha256
 
 SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-2.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
@@ -288,7 +289,7 @@ class TestResume:
         assert sweep(*options)[0] == ["good.urdf", "bare.urdf"]
 
     def test_other_versions(self, sweep, monkeypatch):
-        monkeypatch.setattr("crosscheck.referee.pinocchio_model.VERSION", "0")
+        monkeypatch.setattr("crosscheck.reference.pinocchio_model.VERSION", "0")
         assert sweep()[0] == ["good.urdf", "bare.urdf"]
 
     def test_failures_are_tried_again(self, sweep, good_folder):
@@ -328,7 +329,7 @@ class TestResume:
         file, writes = SweepFile(OutputFile(str(tmp_path / "r.json")), [], [], []), []
         monkeypatch.setattr(OutputFile, "write", lambda *_: writes.append(clock.pop()))
         clock = [1000.0, 11.0, 1.0]
-        monkeypatch.setattr("crosscheck.cli.crosscheck_folder_file.time.monotonic", lambda: times.pop(0))
+        monkeypatch.setattr("crosscheck.commands.crosscheck.folder_file.time.monotonic", lambda: times.pop(0))
         times = [0.0, 1.0, 9.9, 10.1, 10.2, 10.3, 10.4]
         file.write()
         file.write()

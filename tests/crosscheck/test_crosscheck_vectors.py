@@ -12,13 +12,13 @@ from jsonschema import Draft202012Validator
 from textbook import TextbookArm
 
 import urdf
-from crosscheck.cli.exits import AGREED, BAD_INPUT
-from crosscheck.cli.output_folder import write_folder
-from crosscheck.judging.conventions import relative_errors
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT
+from crosscheck.commands.program.output_files import write_folder
+from crosscheck.commands.schemas import schemas
 from crosscheck.judging.exchange.rounds import Setting, drawn_states
 from crosscheck.judging.exchange.vectors import confirmed_functions, tolerances, vector_tables
 from crosscheck.judging.functions.table import FUNCTIONS
-from crosscheck.report.json import schemas
+from crosscheck.judging.observing.conventions import relative_errors
 from graphdyn import InvalidInput
 
 BOUND = 1e-9

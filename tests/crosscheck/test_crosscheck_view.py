@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import graphdyn
-from crosscheck.cli.exits import AGREED, BAD_INPUT
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.recordings import Recording
 from crosscheck.recordings.recording import recording_of
 from crosscheck.viewing.figures import Figure, ShownRobot, inertia_ellipsoid, standing_position

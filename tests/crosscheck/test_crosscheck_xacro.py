@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 from urdf_text import joint, link, robot_text
 
 import crosscheck
-from crosscheck.cli import app
-from crosscheck.referee.subject import content_sha256
+from crosscheck.commands import app
+from crosscheck.reference.subject import content_sha256
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("xacro") is None, reason="the extra xacro is not installed")
 

@@ -13,7 +13,7 @@ import reference
 import typer
 
 import graphdyn
-from crosscheck.cli import app
+from crosscheck.commands import app
 from graphdyn.identification import Estimator
 
 

@@ -24,16 +24,15 @@ from graphdyn.excitation import (
     log_det,
     mean_sigma,
     optimised,
-    optimising,
     prior_spread,
     random_motions,
     random_trajectory,
     sample_times,
 )
+from graphdyn.excitation import optimizing as optimising
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.information import Information
-from graphdyn.excitation.signal import smooth_maximum, smooth_slope
-from graphdyn.excitation.trajectory import JointMotion
+from graphdyn.excitation.trajectory import JointMotion, smooth_maximum, smooth_slope
 from graphdyn.identification import OrdinaryLeastSquares, Problem, TorqueModel
 from graphdyn.identification.terms import Coulomb, CoupledWrist, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries

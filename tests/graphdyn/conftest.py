@@ -8,7 +8,7 @@ from long_check import LONG, few
 from random_trees import NAMED
 from shared_data import DATA, existing
 
-from graphdyn import _methods as methods
+from graphdyn.arguments import choices as methods
 
 
 @pytest.fixture(params=few(NAMED, *(NAMED.keys() - {"revolute_chain", "prismatic_inside_and_out"})))

@@ -10,7 +10,7 @@ from witnesses import relative_error
 
 import graphdyn
 from graphdyn import BaseMotion, Body, InvalidInput, Joint, Placement, RobotModel
-from graphdyn._rotation import rotation_about
+from graphdyn.model.spatial import rotation_about
 
 SUM = 1e-13
 """Two recursions of some hundred roundings, on the scale of the joint wrenches."""

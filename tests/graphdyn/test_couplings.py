@@ -19,8 +19,8 @@ from graphdyn import (
     RobotModel,
     identification,
 )
-from graphdyn._verbs import VERBS
 from graphdyn.motion_laws import FourierSeries
+from graphdyn.verbs.table import VERBS
 
 ROUNDING = 1e-13
 """Against the projection by K, relative to the largest term: measured 4e-15."""

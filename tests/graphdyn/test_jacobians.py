@@ -22,19 +22,19 @@ from witnesses import (
 
 import graphdyn
 from graphdyn import MaximalState
-from graphdyn._constraints import constraints
-from graphdyn._kinematics import bias_acceleration, link_origins, null_space
-from graphdyn._linear import cross
-from graphdyn._rotation import (
+from graphdyn.equations.constraints import constraints
+from graphdyn.equations.kinematics import bias_acceleration, link_origins, null_space
+from graphdyn.layout import constraint_row_names
+from graphdyn.model.spatial import (
     cardano_angles,
     cardano_matrix,
     cardano_rate_matrix,
     cardano_rate_matrix_derivative,
     cos_beta,
+    cross,
     rotation_about,
     skew,
 )
-from graphdyn.layout import constraint_row_names
 
 EPS = np.finfo(float).eps
 

@@ -20,10 +20,10 @@ from graphdyn import (
     RobotModel,
     identification,
 )
-from graphdyn import _random_states as random_states
-from graphdyn._chord import CHORD_ROWS
-from graphdyn._loops import Loops
-from graphdyn._rotation import rotation_about
+from graphdyn.model import random_states
+from graphdyn.model.chord import CHORD_ROWS
+from graphdyn.model.loops import Loops
+from graphdyn.model.spatial import rotation_about
 
 ROUNDING = 1e-13
 """Of accelerations and torques relative to the largest: measured 1e-14, at poses with a well-conditioned J."""

@@ -8,7 +8,7 @@ from witnesses import acceleration_scale, derivative, relative_error
 
 import graphdyn
 from graphdyn import Body, MaximalState, RobotModel
-from graphdyn._projected import singular
+from graphdyn.equations.projected import singular
 
 EPS = np.finfo(float).eps
 

@@ -17,7 +17,7 @@ from graphdyn import (
     RobotModel,
     UnknownFrame,
 )
-from graphdyn._inertia import consistency_problems
+from graphdyn.model.inertia import consistency_problems
 
 
 @pytest.mark.parametrize(

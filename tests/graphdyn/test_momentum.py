@@ -8,8 +8,8 @@ from witnesses import derivative, masses, momenta, origins, relative_error, worl
 
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput, Placement
-from graphdyn import _body_sums as body_sums
-from graphdyn._complex_steps import STEP
+from graphdyn.equations import body_sums
+from graphdyn.equations.complex_steps import STEP
 
 DIFFERENCE = 1e-11
 """Sixth-order central differences, relative to the largest term: measured 2e-13."""

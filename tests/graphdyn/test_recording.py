@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphdyn import InvalidInput, VirtualRecording
-from graphdyn._rotation import cardano_matrix
-from graphdyn._virtual_recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
+from graphdyn.experiments.virtual_recording import BODY_CHANNELS, CHANNELS, JOINT_CHANNELS
+from graphdyn.model.spatial import cardano_matrix
 
 N_TIMES = 5
 

@@ -7,10 +7,10 @@ from witnesses import relative_error
 
 import graphdyn
 from graphdyn import Body, Frame, Joint, Placement, RobotModel
-from graphdyn._constraints import constraints
-from graphdyn._kinematics import link_origins, null_space
-from graphdyn._kr500 import cylinder
-from graphdyn._rotation import rotation_about, skew
+from graphdyn.equations.constraints import constraints
+from graphdyn.equations.kinematics import link_origins, null_space
+from graphdyn.experiments.kr500 import cylinder
+from graphdyn.model.spatial import rotation_about, skew
 
 FULL_PRECISION = 1e-13
 """Reference numbers with 15 digits, relative to the largest wrench or entry: measured 5e-15."""

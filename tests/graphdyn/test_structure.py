@@ -14,7 +14,6 @@ from random_trees import NAMED, SEEDS, body_of_points, random_placement, random_
 
 import graphdyn
 from graphdyn import Body, Frame, Graph, Joint, JointLimits, Placement, RobotModel
-from graphdyn._inertia import pseudo_inertia
 from graphdyn.layout import (
     block_diagonal,
     body_rows,
@@ -25,6 +24,7 @@ from graphdyn.layout import (
     stacked,
     stacked_rows,
 )
+from graphdyn.model.inertia import pseudo_inertia
 
 ROUNDING = 1e-14
 """A handful of products of numbers of size one."""

@@ -9,9 +9,9 @@ from random_trees import NAMED, random_state
 
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput
-from graphdyn._methods import KEYWORDS, METHODS
-from graphdyn._verbs import VERBS
-from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
+from graphdyn.arguments.choices import KEYWORDS, METHODS
+from graphdyn.recursions.table import ARRAYS, RECURSIONS
+from graphdyn.verbs.table import VERBS
 
 MODEL = NAMED["mixed_chain"]
 AGREEMENT = 1e-12

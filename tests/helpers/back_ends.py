@@ -7,7 +7,9 @@ from unittest import mock
 import pytest
 from long_check import LONG
 
-from graphdyn.kernels import body_by_body, gram, native, running
+from graphdyn.compiler import native, running
+from graphdyn.compiler.gram import gram
+from graphdyn.compiler.rolled import rolling as body_by_body
 
 COMPILED = ("host", *(pytest.param(lanes, marks=LONG) for lanes in ("2 lanes", "4 lanes")))
 BACK_ENDS = ("numpy", *COMPILED)

@@ -32,7 +32,7 @@ from graphdyn.identification import (
     TotalLeastSquares,
     WeightedLeastSquares,
 )
-from graphdyn.identification.one_thread import one_thread
+from graphdyn.identification.algebra.least_squares import one_thread
 
 NOISE = {
     "1e-4/.05": (1e-4, 0.05),

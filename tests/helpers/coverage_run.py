@@ -22,8 +22,8 @@ from graphdyn.identification import (
     TorqueModel,
     WeightedLeastSquares,
 )
-from graphdyn.identification.comparison import ENOUGH
-from graphdyn.identification.residual_statistics import residual_statistics
+from graphdyn.identification.estimation.comparison import ENOUGH
+from graphdyn.identification.statistics.residual_statistics import residual_statistics
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 

@@ -38,7 +38,7 @@ from graphdyn.excitation import (
     sample_times,
 )
 from graphdyn.identification import Problem, TorqueModel, WeightedLeastSquares
-from graphdyn.identification.one_thread import one_thread
+from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.terms import Coulomb, RigidBodies, Viscous
 
 RATE = 250.0

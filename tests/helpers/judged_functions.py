@@ -5,9 +5,9 @@ from pages import COMMAND
 from planting import SEED
 
 import graphdyn
+from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.functions.table import FUNCTIONS
-from crosscheck.judging.judgement import Diagnosis, JudgedFunction, Judgement, WorstCall
-from crosscheck.report.commands.judge import judge_report
+from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgement, WorstCall
 from crosscheck.report.html import page as page_of
 from crosscheck.report.versions import versions
 

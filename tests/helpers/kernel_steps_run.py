@@ -20,12 +20,16 @@ from random_trees import random_tree
 
 import graphdyn
 import urdf
-from graphdyn.kernels import body_by_body, body_by_body_code, emitter, programs, recursions, running, vector_code
-from graphdyn.kernels.aligned import aligned
-from graphdyn.kernels.gram import torque_gram
-from graphdyn.kernels.joint_frames import slid, turned
-from graphdyn.kernels.programs import Request, record
-from graphdyn.kernels.regrouping import regrouped
+from graphdyn.compiler import programs, running
+from graphdyn.compiler.gram.gram import torque_gram
+from graphdyn.compiler.llvm import emitter, vector_code
+from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.rolled import rolled_code as body_by_body_code
+from graphdyn.compiler.rolled import rolling as body_by_body
+from graphdyn.recursions import table as recursions
+from graphdyn.recursions.mechanism.joint_frames import slid, turned
+from graphdyn.recursions.mechanism.regrouping import regrouped
 
 SAMPLES, PAIRS, BUILDS, CHAIN = 100_000, 31, 4, 60
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from lxml import etree
 
 import urdf
-from urdf._elements import describe, tag_of
+from urdf.document.elements import describe, tag_of
 
 NEW_NAME = "renamed"
 UNLIMITED = {"effort": "1e6", "velocity": "1e6"}

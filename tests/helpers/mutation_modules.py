@@ -1,12 +1,12 @@
 """The modules in which mutation_run.py plants faults, and the changes that make no difference."""
 
 MODULES = {
-    "crosscheck/recordings/units.py": "tests/crosscheck/test_crosscheck_record_mapping.py",
-    "crosscheck/referee/scales.py": "tests/crosscheck/test_crosscheck_scales.py",
-    "crosscheck/report/durations.py": "tests/crosscheck/test_crosscheck_shown_numbers.py",
-    "graphdyn/identification/correlation_length.py": "tests/identification/test_identification_small_samples.py",
-    "graphdyn/identification/jackknife.py": "tests/identification/test_identification_small_samples.py",
-    "urdf/_checks.py": "tests/urdf/test_urdf_thresholds.py tests/urdf/test_urdf_refusals.py",
+    "crosscheck/recordings/mapping/units.py": "tests/crosscheck/test_crosscheck_record_mapping.py",
+    "crosscheck/quantities/scales.py": "tests/crosscheck/test_crosscheck_scales.py",
+    "crosscheck/report/plain_text.py": "tests/crosscheck/test_crosscheck_shown_numbers.py",
+    "graphdyn/identification/statistics/correlation_length.py": "tests/identification/test_identification_small_samples.py",
+    "graphdyn/identification/statistics/jackknife.py": "tests/identification/test_identification_small_samples.py",
+    "urdf/reading/checks.py": "tests/urdf/test_urdf_thresholds.py tests/urdf/test_urdf_refusals.py",
 }
 """The tests of each."""
 
@@ -16,7 +16,7 @@ _INVERSE_NORM = "inverse_norm = np.abs(np.linalg.inv(mass)).sum(axis=-1).max(axi
 _UNIT_MATRIX = "mass = np.where(finite[:, None, None], mass, np.eye(mass.shape[-1]))"
 
 EQUIVALENT: dict[str, dict[tuple[str, str], str]] = {
-    "crosscheck/report/durations.py": {
+    "crosscheck/report/plain_text.py": {
         (
             'return f"{ratio:.3g}×" if ratio < 999.5 else f"{ratio:.0f}×"',
             'return f"{ratio:.3g}×" if ratio < 998.5 else f"{ratio:.0f}×"',
@@ -26,7 +26,7 @@ EQUIVALENT: dict[str, dict[tuple[str, str], str]] = {
             'return f"{ratio:.3g}×" if ratio <= 999.5 else f"{ratio:.0f}×"',
         ): "999.5 itself is printed as 1e+03 or as 1000, which no measured ratio is",
     },
-    "crosscheck/referee/scales.py": {
+    "crosscheck/quantities/scales.py": {
         (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[+1]")): _SQUARE,
         (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[~1]")): _SQUARE,
         (_UNIT_MATRIX, _UNIT_MATRIX.replace("[-1]", "[1]")): _SQUARE,

@@ -5,7 +5,7 @@ import re
 
 from lxml import etree
 
-from crosscheck.report.commands.crosscheck import crosscheck_report
+from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.report.html import page as page_of
 from crosscheck.report.versions import versions
 

@@ -8,11 +8,11 @@ import numpy as np
 from random_trees import random_tree
 
 import crosscheck
-from crosscheck.referee import answers, quantities
-from crosscheck.referee import compare as comparing
-from crosscheck.referee.pinocchio_model import PinocchioModel
+from crosscheck.comparing import compare as comparing
+from crosscheck.quantities import answers, quantities
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import RobotModel
-from graphdyn._kkt import KKTSystem
+from graphdyn.equations.kkt import KKTSystem
 
 SEED = 3
 SAMPLES = 2
@@ -172,7 +172,7 @@ class Plant:
         self._patch.setattr(KKTSystem, "solve_unchecked", solve_unchecked)
 
     def in_quantities(self, name: str, replacement: Callable) -> None:
-        """Replace a function that crosscheck.referee.quantities calls."""
+        """Replace a function that crosscheck.quantities.quantities calls."""
         self._patch.setattr(quantities, name, replacement)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from graphdyn.identification import CompressedEquations
-from graphdyn.identification.problem import Rows
+from graphdyn.identification.problem.problem import Rows
 
 
 class ReplayedProblem:

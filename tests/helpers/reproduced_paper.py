@@ -2,7 +2,7 @@
 
 import functools
 
-from crosscheck.studies.paper.reproduction import reproduce
+from crosscheck.paper.reproduction import reproduce
 
 SAMPLES = 20
 

@@ -5,10 +5,10 @@ import numpy as np
 import graphdyn
 from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.functions.table import FUNCTIONS
-from graphdyn._frame_choice import frame_choice
-from graphdyn.kernels.interpreter import Interpreter
-from graphdyn.kernels.programs import Request, record
-from graphdyn.kernels.recursions import ARRAYS, RECURSIONS
+from graphdyn.arguments.choices import frame_choice
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.compiler.programs import Request, record
+from graphdyn.recursions.table import ARRAYS, RECURSIONS
 
 RECURSION = {
     "inverse_dynamics": ("inverse_dynamics", "tau"),

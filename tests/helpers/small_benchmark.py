@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import pytest
 
-from crosscheck.studies.bench import benchmark
-from crosscheck.studies.bench.benchmark import PARTS, Effort
-from crosscheck.studies.bench.calls import CALLS
-from crosscheck.studies.bench.load import Load
-from crosscheck.studies.bench.timing import Times
+from crosscheck.bench import benchmark
+from crosscheck.bench.benchmark import PARTS, Effort
+from crosscheck.bench.calls import CALLS
+from crosscheck.bench.machine.load import Load
+from crosscheck.bench.machine.timing import Times
 from graphdyn import kr500
 
 SMALL = Effort(duration=1e-3, repeats=3, processes=1, most_loop=300, lengths=(2, 3, 4))
@@ -46,7 +46,7 @@ def measured():
     steps = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(benchmark, "QUICK", SMALL)
-        patch.setattr("crosscheck.studies.bench.contender.STEADY", SMALL.duration)
+        patch.setattr("crosscheck.bench.contender.STEADY", SMALL.duration)
         result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
     assert sum(steps) == PARTS
     return result

@@ -5,7 +5,7 @@ from pathlib import Path
 from urdf_text import joint, link, robot_text
 
 from crosscheck.distributing import Lost
-from crosscheck.studies.identification.configuration import configuration_of
+from crosscheck.study.settings.configuration import configuration_of
 
 ARM = robot_text(
     "small",

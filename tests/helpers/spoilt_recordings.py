@@ -22,7 +22,7 @@ import numpy as np
 import crosscheck
 import urdf
 from crosscheck.identifying import ByRows, ByTime, Folds, Preparation, friction_terms, virtual_robot
-from crosscheck.identifying.health import Health, health
+from crosscheck.identifying.data_quality.data_quality import Health, health
 from crosscheck.recordings import load_mapping, load_recording
 from graphdyn import RobotModel
 from graphdyn.identification import ConsistentWithPrior, TorqueModel

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from graphdyn._experiment import record
-from graphdyn._virtual_recording import VirtualRecording
+from graphdyn.experiments.experiment import record
+from graphdyn.experiments.virtual_recording import VirtualRecording
 
 PAPER_TIMES = (0.3, 0.6, 0.9, 1.2, 1.5)
 """The five samples of section 3.1 [s]."""

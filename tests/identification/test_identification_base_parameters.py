@@ -9,7 +9,7 @@ import pytest
 import urdf
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, joint_torque_regressor, kr500
 from graphdyn.identification import TorqueModel, base_parameters
-from graphdyn.identification.base_parameters import DROPPED_COLUMN, RANK
+from graphdyn.identification.algebra.base_parameters import DROPPED_COLUMN, RANK
 from graphdyn.identification.terms import RigidBodies
 
 STATES = 40

@@ -19,8 +19,8 @@ from graphdyn.identification import (
     plausibility,
     residual_statistics,
 )
-from graphdyn.identification.plausibility import mass_matrices
-from graphdyn.identification.residual_statistics import MOVING
+from graphdyn.identification.estimation.plausibility import mass_matrices
+from graphdyn.identification.statistics.residual_statistics import MOVING
 from graphdyn.identification.terms import KnownBodies, KnownPayload, RigidBodies, RotorInertia
 
 POSES = 50

@@ -11,7 +11,6 @@ import pytest
 import torque_data
 
 from graphdyn import EstimationFailed, InvalidInput, mass_matrix
-from graphdyn._inertia import pseudo_inertia_from_parameters
 from graphdyn.identification import (
     ConsistentLeastSquares,
     ConsistentWithPrior,
@@ -30,6 +29,7 @@ from graphdyn.identification.consistent.coordinates import CLEAREST
 from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
 from graphdyn.identification.estimators.robust_consistent import SETTLED
 from graphdyn.identification.terms import Coulomb, KnownBodies, Payload, RigidBodies, Viscous
+from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
 EXACT = 1e-8
 """Relative error of every base parameter from data without noise; measured 1e-11."""

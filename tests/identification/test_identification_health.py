@@ -12,9 +12,9 @@ from scipy.signal import butter, sosfiltfilt
 import graphdyn
 from graphdyn import Body, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
-from graphdyn.identification.health import Piece, RecordedColumns, excitation, recording_health
-from graphdyn.identification.health.bounded_fit import BoundedFit
-from graphdyn.identification.health.channels import rate_gain
+from graphdyn.identification.data_quality import Piece, RecordedColumns, excitation, recording_health
+from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.channels import rate_gain
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 

@@ -4,13 +4,6 @@ import numpy as np
 import pytest
 
 from graphdyn import InvalidInput
-from graphdyn._inertia import (
-    inertia_from_parameters,
-    parameters_from_inertia,
-    parameters_from_pseudo_inertia,
-    pseudo_inertia,
-    pseudo_inertia_from_parameters,
-)
 from graphdyn.identification.consistent.manifold import (
     MASS,
     RADIUS,
@@ -19,6 +12,13 @@ from graphdyn.identification.consistent.manifold import (
     inertial_prior,
     pullback_distance,
     upper_factor,
+)
+from graphdyn.model.inertia import (
+    inertia_from_parameters,
+    parameters_from_inertia,
+    parameters_from_pseudo_inertia,
+    pseudo_inertia,
+    pseudo_inertia_from_parameters,
 )
 
 EXACT = 1e-12

@@ -10,9 +10,8 @@ from scipy.optimize import least_squares
 import graphdyn
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import MaximumLikelihood, Problem, Samples, TorqueModel, WeightedLeastSquares
-from graphdyn.identification.measured_motion import joined
+from graphdyn.identification.statistics.errors_in_variables import joined, torque_slopes
 from graphdyn.identification.terms import Drift, MaxwellSlip, RigidBodies, Viscous
-from graphdyn.identification.torque_slopes import torque_slopes
 from graphdyn.motion_laws import FourierSeries
 
 RUNS = 15

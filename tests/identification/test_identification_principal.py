@@ -10,15 +10,15 @@ from wrench_data import PAPER_TIMES, random_recording, recorded
 from graphdyn import InvalidInput, kr500, kr500_experiment
 from graphdyn.identification import (
     PRINCIPAL_PARAMETER_NAMES,
-    body_wrenches,
     identify_principal_parameters,
     identify_principal_parameters_together,
     mass_rows,
     moment_rows,
     principal_regressor,
 )
-from graphdyn.identification.rank_revealing import MARGIN
-from graphdyn.identification.wrench_equations import LARGEST_TOLERANCE
+from graphdyn.identification.algebra.rank_revealing import MARGIN
+from graphdyn.identification.wrenches import body_wrenches
+from graphdyn.identification.wrenches.wrench_equations import LARGEST_TOLERANCE
 
 EXACT = 1e-12
 """Relative error with exact data: some hundred eps times a condition number of 27; measured 3e-13."""

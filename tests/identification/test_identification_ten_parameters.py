@@ -8,7 +8,6 @@ from wrench_data import PAPER_TIMES, random_recording
 
 import urdf
 from graphdyn import BaseMotion, InvalidInput, body_regressor, inverse_dynamics, kr500, kr500_experiment
-from graphdyn._inertia import PARAMETER_NAMES
 from graphdyn.identification import (
     identified_inertia,
     identify_inertial_parameters,
@@ -16,7 +15,8 @@ from graphdyn.identification import (
     joint_wrench_regressor,
     link_wrenches,
 )
-from graphdyn.identification.rank_revealing import rank_revealing_least_squares
+from graphdyn.identification.algebra.rank_revealing import rank_revealing_least_squares
+from graphdyn.model.inertia import PARAMETER_NAMES
 
 EXACT = 1e-12
 """Relative to the largest parameter of its kind in the robot, with exact data; measured 5e-14."""

@@ -8,10 +8,9 @@ import torque_data
 
 import graphdyn
 from graphdyn import BaseMotion, Body, Coupling, InvalidInput, Joint, Placement, RobotModel
-from graphdyn._inertia import parameters_from_inertia
 from graphdyn.identification import Problem, Samples, TorqueModel
-from graphdyn.identification.motion import Motion
-from graphdyn.identification.structure import structure
+from graphdyn.identification.data.samples import Motion
+from graphdyn.identification.problem.structure import structure
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,
@@ -35,6 +34,7 @@ from graphdyn.identification.terms import (
     UserColumns,
     Viscous,
 )
+from graphdyn.model.inertia import parameters_from_inertia
 
 SAME = 1e-13
 """Two sums of some tens of terms, relative to the largest torque."""

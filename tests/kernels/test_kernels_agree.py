@@ -17,9 +17,9 @@ from random_trees import (
 from witnesses import acceleration_scale, relative_error
 
 import graphdyn
-from graphdyn.kernels.programs import Request
-from graphdyn.kernels.recursions import RECURSIONS
-from graphdyn.kernels.running import run
+from graphdyn.compiler.programs import Request
+from graphdyn.compiler.running import run
+from graphdyn.recursions.table import RECURSIONS
 
 EPS = np.finfo(float).eps
 

@@ -17,14 +17,16 @@ from random_trees import NAMED, random_state, random_tree
 
 import graphdyn
 from graphdyn import InvalidInput
-from graphdyn._methods import WORTH_COMPILING
-from graphdyn.kernels import body_by_body, gram, running
-from graphdyn.kernels.body_steps import Pass
-from graphdyn.kernels.gram import CompiledGram, InterpretedGram, torque_gram
-from graphdyn.kernels.interpreter import Interpreter
-from graphdyn.kernels.long_program import LongProgram
-from graphdyn.kernels.native import CompiledProgram
-from graphdyn.kernels.programs import Request, record
+from graphdyn.arguments.choices import WORTH_COMPILING
+from graphdyn.compiler import running
+from graphdyn.compiler.gram import gram
+from graphdyn.compiler.gram.gram import CompiledGram, InterpretedGram, torque_gram
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.compiler.native import CompiledProgram
+from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.rolled import rolling as body_by_body
+from graphdyn.compiler.rolled.body_steps import Pass
+from graphdyn.compiler.rolled.long_program import LongProgram
 
 MODEL = NAMED["one_revolute"]
 X = np.zeros((3, 1))
@@ -69,7 +71,7 @@ def broken():
 def test_without_llvmlite_there_is_one_warning_and_the_same_results(monkeypatch):
     q, v, a = random_state(MODEL, 1, (5,))
     expected = graphdyn.joint_torques(MODEL, q, v, a, method="recursive")
-    monkeypatch.setattr("graphdyn.kernels.native._binding", broken)
+    monkeypatch.setattr("graphdyn.compiler.native._binding", broken)
     model = fresh()
     running._can_compile.cache_clear()
     try:
@@ -134,7 +136,7 @@ def test_after_a_fork_the_child_computes_too():
         import os, threading, warnings
         import numpy as np
         import graphdyn
-        from graphdyn.kernels import running
+        from graphdyn.compiler import running
 
         warnings.simplefilter("ignore", DeprecationWarning)  # Python 3.12 and later: fork beside threads
         running.WORTH_A_THREAD = 1000

@@ -9,9 +9,10 @@ from back_ends import BACK_ENDS, COMPILED, LONG_ROBOTS, on
 from random_trees import NAMED, random_base_motion, random_state, random_wrenches
 
 import graphdyn
-from graphdyn.kernels import emitter, interpreter, running
-from graphdyn.kernels.gram import PORTION, torque_gram
-from graphdyn.kernels.native import CACHE, host_lanes
+from graphdyn.compiler import interpreter, running
+from graphdyn.compiler.gram.gram import PORTION, torque_gram
+from graphdyn.compiler.llvm import emitter
+from graphdyn.compiler.native import CACHE, host_lanes
 
 MODEL = NAMED["mixed_chain"]
 """Four joints, one of them prismatic."""

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from graphdyn.kernels.differentiation import directional, gradient, jacobian, substituted
-from graphdyn.kernels.expressions import Recorder
-from graphdyn.kernels.interpreter import Interpreter
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.scalars.differentiation import directional, gradient, jacobian, substituted
+from graphdyn.scalars.expressions import Recorder
 
 ROUNDING = 1e-14
 """Of some ten operations on numbers near one, against the derivative worked out by hand."""

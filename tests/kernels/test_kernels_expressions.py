@@ -5,11 +5,11 @@ import pytest
 from random_trees import NAMED
 
 import urdf
-from graphdyn.kernels.expressions import Expression, Recorder
-from graphdyn.kernels.interpreter import Interpreter
-from graphdyn.kernels.native import CompiledProgram
-from graphdyn.kernels.programs import Request, record
-from graphdyn.kernels.vectors import scalars
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.compiler.native import CompiledProgram
+from graphdyn.compiler.programs import Request, record
+from graphdyn.scalars.expressions import Expression, Recorder
+from graphdyn.scalars.vectors import scalars
 
 
 class Sheet:

@@ -5,8 +5,8 @@ import threading
 import numpy as np
 import pytest
 
-from graphdyn.kernels import aligned as module
-from graphdyn.kernels.aligned import LARGE, LINE, aligned
+from graphdyn.compiler.llvm import memory as module
+from graphdyn.compiler.llvm.memory import LARGE, LINE, aligned
 
 SIZE = LARGE // 8
 

@@ -12,11 +12,11 @@ from witnesses import relative_error
 
 import graphdyn
 from graphdyn import Placement
-from graphdyn._rotation import rotation_about
-from graphdyn.kernels import programs
-from graphdyn.kernels.batch import ground_columns
-from graphdyn.kernels.interpreter import Interpreter
-from graphdyn.kernels.programs import REDUCTIONS, Request, record
+from graphdyn.compiler import programs
+from graphdyn.compiler.batch import ground_columns
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.compiler.programs import REDUCTIONS, Request, record
+from graphdyn.model.spatial import rotation_about
 
 SUM = 1e-13
 """The same torques from other constants, relative to the largest wrench: measured 2.3e-15."""

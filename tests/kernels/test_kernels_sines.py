@@ -8,12 +8,12 @@ from random_trees import NAMED
 
 import graphdyn
 from graphdyn import Body, Joint, Placement, RobotModel
-from graphdyn.kernels.expressions import Recorder
-from graphdyn.kernels.interpreter import Interpreter
-from graphdyn.kernels.native import CompiledProgram, host_lanes
-from graphdyn.kernels.programs import pivot_scales
-from graphdyn.kernels.running import turned_back
-from graphdyn.kernels.sines import FARTHEST
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.compiler.llvm.vector_code import FARTHEST
+from graphdyn.compiler.native import CompiledProgram, host_lanes
+from graphdyn.compiler.programs import pivot_scales
+from graphdyn.compiler.running import turned_back
+from graphdyn.scalars.expressions import Recorder
 
 ULPS = {100.0: 1.5, FARTHEST: 2.5}
 """Largest error in units in the last place of the value, by largest angle: the angle is rounded once or twice as it is

@@ -9,8 +9,8 @@ import pytest
 
 import graphdyn
 from graphdyn import InvalidInput, kr500
-from graphdyn._compiled import SingleState
-from graphdyn.kernels import array_layout
+from graphdyn.compiler.llvm import memory as array_layout
+from graphdyn.verbs.compiled import SingleState
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,10 @@ from back_ends import BACK_ENDS, on
 from random_trees import NAMED, random_state, random_tree
 
 import graphdyn
-from graphdyn import InvalidInput, _compiled
-from graphdyn._compiled import SINGLE
-from graphdyn.kernels import running
-from graphdyn.kernels.python_calls import can_call
+from graphdyn import InvalidInput
+from graphdyn.compiler import running
+from graphdyn.compiler.python_calls import can_call
+from graphdyn.verbs.compiled import SINGLE
 
 MODEL = NAMED["mixed_chain"]
 """Four joints."""
@@ -101,9 +101,9 @@ class TestThreads:
         def make(*of):
             monkeypatch.undo()
             first.append(compiled.gravity_torque)
-            return _compiled.SingleState(*of)
+            return compiled.SingleState(*of)
 
-        monkeypatch.setattr(_compiled, "SingleState", make)
+        monkeypatch.setattr(compiled, "SingleState", make)
         assert compiled.gravity_torque is first[0]
 
     def test_taking_turns(self):

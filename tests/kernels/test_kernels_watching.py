@@ -7,9 +7,8 @@ from random_trees import NAMED, random_state
 
 import graphdyn
 from graphdyn import InvalidInput
-from graphdyn.kernels.expressions import Recorder
-from graphdyn.kernels.programs import Request, record
-from graphdyn.kernels.watching import sufficient
+from graphdyn.compiler.programs import Request, record, sufficient
+from graphdyn.scalars.expressions import Recorder
 
 
 def watched(outputs):

@@ -20,9 +20,10 @@ from graphdyn import (
     rollout,
     simulate,
 )
-from graphdyn.kernels import stepping_code
+from graphdyn.compiler.stepping import code as stepping_code
 from graphdyn.motion_laws import ConstantAcceleration, FourierSeries, Rail, Turntable
-from graphdyn.simulation import compiled, fixed, many_robots
+from graphdyn.simulation import many_robots
+from graphdyn.simulation.integration import compiled, fixed
 
 ROUNDING = 1e-12
 """Of compiled steps against Python, relative to the largest number of a column; measured 5e-14 (computed torque)."""

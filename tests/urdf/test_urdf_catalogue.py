@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import urdf
-from urdf import _catalogue as catalogue
+from urdf.document import catalogue
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from urdf_text import joint, link, robot_text
 
 import graphdyn
 import urdf
-from urdf._rpy import rotation_from_rpy
+from urdf.document.numbers import rotation_from_rpy
 
 LINKS = [link(name, 1.0 + k, xyz=f"0.1 0.0{k} 0.2") for k, name in enumerate(
     ("ground", "torso", "mount", "head", "camera", "upper", "fore", "hand", "finger", "nail", "other")

@@ -7,9 +7,9 @@ from inspection_sample import CLEAN, TOOL, changed
 from urdf_text import joint, link, robot_text
 
 import urdf
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from urdf._loop_elements import FORMS
-from urdf._vocabulary import CHANGES, CLOSES
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from urdf.document.vocabulary import CHANGES, CLOSES
+from urdf.loops.loop_elements import FORMS
 
 DRAKE = 'xmlns:drake="http://drake.mit.edu"'
 CONSTRAINTS = {

@@ -12,8 +12,8 @@ from long_check import few
 from urdf_text import joint, link, robot_text
 
 import urdf
-from urdf._document import LARGEST_FILE, MOST_TAGS
-from urdf._source import MOST_LINKS
+from urdf.document.document import LARGEST_FILE, MOST_TAGS
+from urdf.document.source import MOST_LINKS
 
 SECONDS = 300
 """After which a test counts as hung, and its process is ended; the longest takes two."""

@@ -23,10 +23,11 @@ from test_urdf_inspect_meshes import MESH_CODES
 from urdf_text import joint, link, robot_text
 
 import urdf
-from urdf import _errors as errors
-from urdf.inspection import inspecting, unread_rules
+from urdf import errors
+from urdf.inspection import inspecting
 from urdf.inspection.findings import SEVERITIES
-from urdf.inspection.telling import ELSEWHERE
+from urdf.inspection.messages import ELSEWHERE
+from urdf.inspection.rules import document_rules as unread_rules
 
 ALWAYS = ("rotor-inertia", "mass-matrix")
 """Codes of a file without a flaw."""

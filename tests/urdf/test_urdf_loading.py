@@ -9,8 +9,8 @@ from urdf_text import joint, link
 
 import graphdyn
 import urdf
-from graphdyn._inertia import parallel_axis
-from graphdyn._rotation import rotation_about
+from graphdyn.model.inertia import parallel_axis
+from graphdyn.model.spatial import rotation_about
 
 E1, E2, E3 = np.eye(3)
 

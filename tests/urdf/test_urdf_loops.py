@@ -14,7 +14,7 @@ import graphdyn
 import urdf
 from crosscheck import judge
 from graphdyn import Chord, Coupling, InvalidInput, Placement, RobotModel
-from graphdyn._rotation import rotation_about
+from graphdyn.model.spatial import rotation_about
 
 TURNED = Placement(rotation_about(np.array([0.0, 0.0, 1.0]), 0.3), np.array([1.0, 2.0, 3.0]))
 PLACE = 'xyz="1 2 3" rpy="0 0 0.3"'

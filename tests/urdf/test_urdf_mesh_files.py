@@ -10,9 +10,9 @@ import pytest
 from mesh_files import box, collada, mesh, one_link, only, visual
 
 import urdf
-from urdf.geometry import collada as collada_reader
-from urdf.geometry import mesh_files as readers
 from urdf.geometry import reading
+from urdf.geometry.meshes import collada as collada_reader
+from urdf.geometry.meshes import mesh_files as readers
 
 
 class TestFiles:

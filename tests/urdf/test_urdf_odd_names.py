@@ -8,8 +8,8 @@ from inspection_sample import CLEAN, TOOL, changed
 from urdf_text import joint, link, robot_text
 
 import urdf
-from urdf._wording import one_line
-from urdf.inspection.telling import of_file
+from urdf.errors import one_line
+from urdf.inspection.messages import of_file
 
 ODD = "a\nb\r\x1b[31m\x9bc\u2028d"
 SAID = r"a\nb\r\x1b[31m\x9bc\u2028d"

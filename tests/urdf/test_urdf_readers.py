@@ -7,7 +7,7 @@ import pytest
 from inspection_sample import CLEAN, LIMIT, TOOL, changed
 
 import urdf
-from crosscheck.referee.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 
 REFUSED = "Pinocchio refuses the file"
 

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 import graphdyn
 import urdf
 from graphdyn import Body, Frame, Joint, JointLimits, Placement, RobotModel
-from graphdyn._rotation import rotation_about
-from urdf._rpy import rpy_from_rotation
+from graphdyn.model.spatial import rotation_about
+from urdf.document.numbers import rpy_from_rotation
 
 ROUNDING = 1e-15
 """Largest entry by which a reloaded rotation may differ: angles are rounded, then four products. Measured: 8e-16."""

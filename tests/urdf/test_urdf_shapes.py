@@ -13,8 +13,9 @@ from urdf_text import joint, link, robot_text
 
 import graphdyn
 import urdf
-from urdf.geometry import decimation, reading
-from urdf.geometry import mesh_files as readers
+from urdf.geometry import reading
+from urdf.geometry.meshes import decimation
+from urdf.geometry.meshes import mesh_files as readers
 
 
 def bounds(shape):

@@ -8,9 +8,8 @@ from inspection_sample import AXIS, FORE, INERTIA, LIMIT, MASS, changed
 from urdf_text import joint, link, robot_text
 
 import urdf
-from urdf._document import check_size
-from urdf._errors import TooLarge
-from urdf._wording import listed, shortened
+from urdf.document.document import check_size
+from urdf.errors import TooLarge, listed, shortened
 
 
 @pytest.fixture

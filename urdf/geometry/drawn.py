@@ -9,14 +9,12 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import Placement
-from urdf._drawings import Drawing, children
-from urdf._elements import name_of, tag_of
-from urdf._numerals import BadNumber, numbers
-from urdf._rpy import rotation_from_rpy
-from urdf._wording import shortened
+from urdf.document.elements import Drawing, children, name_of, tag_of
+from urdf.document.numbers import BadNumber, numbers, rotation_from_rpy
+from urdf.errors import shortened
 from urdf.geometry.errors import Unreadable
-from urdf.geometry.mesh_files import LONGEST
-from urdf.geometry.primitives import SIZES
+from urdf.geometry.meshes.mesh_files import LONGEST
+from urdf.geometry.meshes.primitives import SIZES
 from urdf.geometry.shape import Color
 
 MESH = "mesh"

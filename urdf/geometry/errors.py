@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from urdf._wording import one_line
+from urdf.errors import one_line
 
 
 class Unreadable(Exception):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from urdf._drawings import GEOMETRIES, Geometry
-from urdf._source import Source
+from urdf.document.elements import GEOMETRIES, Geometry
+from urdf.document.source import Source
 from urdf.geometry.drawn import MESH
 from urdf.geometry.errors import Unreadable
 from urdf.geometry.mass_properties import Filled, filled, together

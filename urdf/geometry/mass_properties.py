@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from graphdyn import Placement
-from graphdyn._inertia import parallel_axis
 from graphdyn.layout import Array
+from graphdyn.model.inertia import parallel_axis
 from urdf.geometry.drawn import MESH, Drawn
 from urdf.geometry.errors import Unreadable
-from urdf.geometry.triangles import Triangles, joined, welded
+from urdf.geometry.meshes.triangles import Triangles, joined, welded
 
 if TYPE_CHECKING:
     import trimesh

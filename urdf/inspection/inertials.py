@@ -9,9 +9,9 @@ import numpy as np
 from lxml import etree
 
 from graphdyn.layout import Array
-from urdf._elements import name_of
-from urdf._numerals import values
-from urdf._source import Source
+from urdf.document.elements import name_of
+from urdf.document.numbers import values
+from urdf.document.source import Source
 
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 

@@ -9,26 +9,25 @@ from typing import Literal, get_args
 import numpy as np
 
 from graphdyn import InvalidInput
-from graphdyn._model import STANDARD_GRAVITY
-from urdf._checks import faults
-from urdf._closing import all_closures, closure_faults, stated_beside
-from urdf._errors import URDFError
-from urdf._loops import Beside
-from urdf._opening import Given, Opened, Xacro, open_document, path_of, said
-from urdf._parsing import build, parse
-from urdf._source import Source, reduced
-from urdf._tree import carriers, tree_faults
-from urdf.inspection.document_rules import document_findings
+from graphdyn.model.robot_model import STANDARD_GRAVITY
+from urdf.document.opening import Given, Opened, Xacro, open_document, path_of, said
+from urdf.document.source import Source, reduced
+from urdf.document.tree import carriers, tree_faults
+from urdf.errors import URDFError
 from urdf.inspection.findings import Finding, Inspection, report
-from urdf.inspection.joint_rules import joint_findings
-from urdf.inspection.link_rules import link_findings
-from urdf.inspection.mesh_rules import mesh_findings
-from urdf.inspection.model_rules import model_findings
-from urdf.inspection.name_rules import name_findings
-from urdf.inspection.reader_rules import reader_findings
+from urdf.inspection.messages import of_file, refusal
+from urdf.inspection.rules.document_rules import document_findings, unread_findings
+from urdf.inspection.rules.joint_rules import joint_findings
+from urdf.inspection.rules.link_rules import link_findings
+from urdf.inspection.rules.mesh_rules import mesh_findings
+from urdf.inspection.rules.model_rules import model_findings
+from urdf.inspection.rules.name_rules import name_findings
+from urdf.inspection.rules.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
-from urdf.inspection.telling import of_file, refusal
-from urdf.inspection.unread_rules import unread_findings
+from urdf.loops.closing import all_closures, closure_faults, stated_beside
+from urdf.loops.loops import Beside
+from urdf.reading.checks import faults
+from urdf.reading.parsing import build, parse
 
 MOST_FINDINGS = 1000
 """Largest number of findings that a stage reports."""

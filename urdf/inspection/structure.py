@@ -7,8 +7,8 @@ from functools import cached_property
 
 from lxml import etree
 
-from urdf._source import Source
-from urdf._tree import carriers, joint_into, joints_by, root_links
+from urdf.document.source import Source
+from urdf.document.tree import carriers, joint_into, joints_by, root_links
 from urdf.inspection.inertials import LinkInertial, inertials
 
 

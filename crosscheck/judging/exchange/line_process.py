@@ -1,4 +1,6 @@
-"""A program that reads a line per question and writes a line per answer, in a process of its own.
+"""A process that ends another one with us, however we end.
+
+A program that reads a line per question and writes a line per answer, in a process of its own.
 
 Lines are written and read at the same time, so that neither side waits for the other with full pipes.
 """
@@ -17,8 +19,30 @@ from contextlib import suppress
 from errno import ENOEXEC
 from pathlib import Path
 
-from crosscheck.judging.exchange.watcher import Watcher
 from graphdyn import GraphDynError
+
+
+class Watcher:
+    """Kills a group of processes as soon as this program has ended, even if that was killed.
+
+    group: number of the group
+    """
+
+    def __init__(self, group: int):
+        end_of_input = f"read -r _; kill -9 -{group}"  # only we hold the other end open
+        self._process = subprocess.Popen(
+            ["/bin/sh", "-c", end_of_input],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+    def close(self) -> None:
+        """Watch no longer."""
+        self._process.kill()
+        self._process.communicate()
+
 
 PATIENCE = 1.0
 """Time that a program has to end, or to write what it holds back, once its input is closed [s]."""

@@ -7,7 +7,7 @@ from types import TracebackType
 
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed
 from crosscheck.judging.exchange.protocols import Protocol, Shape, Unreadable
-from crosscheck.judging.foreign import Refusal
+from crosscheck.judging.observing.function_under_test import Refusal
 from graphdyn.layout import Array
 
 

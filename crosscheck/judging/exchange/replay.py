@@ -9,7 +9,7 @@ import numpy as np
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.protocols import Shape, Unreadable, shaped
 from crosscheck.judging.exchange.questions import Question, once, question
-from crosscheck.judging.foreign import ForeignFailure, Refusal
+from crosscheck.judging.observing.function_under_test import ForeignFailure, Refusal
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 

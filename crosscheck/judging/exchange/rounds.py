@@ -12,15 +12,15 @@ import numpy as np
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.questions import Question, once, questions
 from crosscheck.judging.exchange.replay import STAGES, AnswersPending, Replay, listed
-from crosscheck.judging.foreign import ForeignFunction, joint_order
 from crosscheck.judging.functions.known_function import LOADS, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judge import check_frame, judge
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.judging.judgement import Judgement
-from crosscheck.referee.subject import Lock, Robot, check_counts, refuse_chords, subject
+from crosscheck.judging.judgment import Judgement
+from crosscheck.judging.observing.function_under_test import ForeignFunction, joint_order
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.reference.subject import Lock, Robot, check_counts, refuse_chords, subject
 from graphdyn import RobotModel
-from urdf._cutting import Chain
+from urdf.reading.cutting import Chain
 
 
 @dataclass(frozen=True, kw_only=True)

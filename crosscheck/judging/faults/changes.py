@@ -1,4 +1,7 @@
-"""What the faults are made of: numbers of joints and bodies changed, and who has the fault in words."""
+"""Fitted numbers: which of them are round, and so a step of a code rather than a value.
+
+What the faults are made of: numbers of joints and bodies changed, and who has the fault in words.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,26 @@ import numpy as np
 from crosscheck.judging.faults.fault import Fault
 from crosscheck.judging.faults.recursion import Code, Numbers
 from graphdyn import RobotModel
-from graphdyn._rotation import rotation_about
 from graphdyn.layout import Array
+from graphdyn.model.spatial import rotation_about
+
+ROUND = 1e-6
+"""Relative distance from a round number within which a fitted factor is that number."""
+
+
+def rounded(x: float) -> float:
+    """The integer or power of ten next to x, or x."""
+    x = float(x)
+    if abs(x - round(x)) < ROUND * max(1.0, abs(x)):
+        return float(round(x))
+    power = np.log10(abs(x))
+    return float(np.sign(x) * 10.0 ** round(power)) if abs(power - round(power)) < ROUND else x
+
+
+def is_round(x: float) -> bool:
+    """0, ±1, ±2, powers of ten."""
+    return x in (0.0, 1.0, -1.0, 2.0) or (x != 0 and float(np.log10(abs(x))).is_integer())
+
 
 E1, E2, E3 = np.eye(3)
 

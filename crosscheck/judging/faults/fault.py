@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from crosscheck.judging.faults.recursion import Code
-from crosscheck.judging.judgement import FittedNumber
+from crosscheck.judging.judgment import FittedNumber
 from graphdyn.layout import Array
 
 Change = Callable[[Code], Code]

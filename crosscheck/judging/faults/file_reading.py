@@ -12,8 +12,8 @@ from crosscheck.judging.faults.changes import named, rotation_from
 from crosscheck.judging.faults.fault import Fault
 from crosscheck.judging.faults.recursion import Code
 from graphdyn.layout import Array
-from urdf._misreading import Misreadings
-from urdf._rpy import rpy_from_rotation
+from urdf.document.numbers import rpy_from_rotation
+from urdf.reading.misreading import Misreadings
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Joint, Link, Robot

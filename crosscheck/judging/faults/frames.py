@@ -9,9 +9,9 @@ import numpy as np
 from crosscheck.judging.faults.changes import E1, E2, E3, Changed, of_joints
 from crosscheck.judging.faults.fault import Fault
 from graphdyn import RobotModel
-from graphdyn._rotation import rotation_about
 from graphdyn.layout import Array
-from urdf._rpy import rpy_from_rotation
+from graphdyn.model.spatial import rotation_about
+from urdf.document.numbers import rpy_from_rotation
 
 
 def frames(model: RobotModel) -> Iterator[Fault]:

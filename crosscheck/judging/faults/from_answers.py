@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from crosscheck.judging.faults.fault import Fault, Said
 from crosscheck.judging.faults.joint_terms import RIGID
-from crosscheck.judging.judgement import FittedNumber
+from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from crosscheck.judging.faults.fault import Family, Said
-from crosscheck.judging.judgement import FittedNumber
+from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from crosscheck.judging.faults.fault import Family, Said
 from crosscheck.judging.faults.recursion import Code, State
-from crosscheck.judging.judgement import FittedNumber
+from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from crosscheck.judging.faults.changes import is_round, rounded
 from crosscheck.judging.faults.fault import Family, Said
 from crosscheck.judging.faults.inertials import NAMES, UPPER
-from crosscheck.judging.faults.numbers import is_round, rounded
 from crosscheck.judging.faults.recursion import Code
-from crosscheck.judging.judgement import FittedNumber
+from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

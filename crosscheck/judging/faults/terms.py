@@ -8,9 +8,8 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.changes import factor_said
+from crosscheck.judging.faults.changes import factor_said, is_round, rounded
 from crosscheck.judging.faults.fault import Family, Said
-from crosscheck.judging.faults.numbers import is_round, rounded
 from crosscheck.judging.faults.recursion import Code, State
 from crosscheck.judging.faults.velocity_terms import velocity_terms
 from graphdyn import RobotModel

@@ -10,7 +10,7 @@ from crosscheck.judging.functions.measures import (
     through_mass_matrix,
     wrench_size,
 )
-from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import relative_to
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.scales import center_offset, largest, relative
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.scales import center_offset, largest, relative
 from graphdyn.layout import Array
 
 WORLD_ORIGIN = "at the height of the world's origin"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import product
 
 from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
-from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 Chosen = Mapping[str, str]

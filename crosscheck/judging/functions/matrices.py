@@ -7,8 +7,8 @@ import numpy as np
 import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import rate_size, relative_to, through_mass_matrix
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.scales import largest, ratio, relative
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.scales import largest, ratio, relative
 from graphdyn.layout import Array
 
 CHRISTOFFEL = "of the Christoffel symbols"

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from crosscheck.judging.functions.known_function import Chosen, Measure
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.scales import by_parameter_type, by_part, largest, ratio, relative
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.scales import by_parameter_type, by_part, largest, ratio, relative
 from graphdyn.layout import Array
 
 Size = Callable[[JudgedStates], Array]

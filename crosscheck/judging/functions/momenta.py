@@ -8,8 +8,8 @@ import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to, relative_to
 from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.scales import center_offset, largest, largest_tensor
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.scales import center_offset, largest, largest_tensor
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 CENTER, ORIGIN = "the center of mass", "the world's origin"

@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.frame_choices import REFERENCES, compared_frames
-from crosscheck.referee.pinocchio_model import PinocchioModel
-from crosscheck.referee.reference_values import RefereeValues
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.reference.frame_choices import REFERENCES, compared_frames
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.reference_values import RefereeValues
 from graphdyn.layout import Array
 
 

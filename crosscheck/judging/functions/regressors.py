@@ -8,8 +8,8 @@ import graphdyn
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.measures import columns_relative_to, nothing
 from crosscheck.judging.functions.spans import span_errors
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.scales import by_parameter_type, largest
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.scales import by_parameter_type, largest
 from graphdyn.layout import ANGULAR, Array
 
 

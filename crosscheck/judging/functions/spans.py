@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.judging.functions.known_function import Chosen
-from crosscheck.judging.judged_states import JudgedStates
+from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn.layout import Array
 
 NO_COLUMN = 1e-10

@@ -6,11 +6,10 @@ from difflib import get_close_matches
 
 from crosscheck.judging.functions.derivatives import DERIVATIVES
 from crosscheck.judging.functions.energies import ENERGIES
-from crosscheck.judging.functions.frames import FRAMES
+from crosscheck.judging.functions.frames import FRAMES, PLACEMENTS
 from crosscheck.judging.functions.known_function import KnownFunction
 from crosscheck.judging.functions.matrices import MATRICES
 from crosscheck.judging.functions.momenta import MOMENTA
-from crosscheck.judging.functions.placements import PLACEMENTS
 from crosscheck.judging.functions.regressors import REGRESSORS
 from crosscheck.judging.functions.torques import TORQUES
 from graphdyn import InvalidInput

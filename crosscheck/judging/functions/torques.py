@@ -8,9 +8,9 @@ import graphdyn
 from crosscheck.judging.functions.known_function import LOADS, Chosen, KnownFunction
 from crosscheck.judging.functions.measures import ORDER, linear_first, parts_relative_to, relative_to, wrench_size
 from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
-from crosscheck.judging.judged_states import JudgedStates
-from crosscheck.referee.multipliers import multipliers_of
-from crosscheck.referee.scales import acceleration_scale, largest, ratio
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.scales import acceleration_scale, largest, ratio
+from crosscheck.reference.reference_values import multipliers_of
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 TORQUE_SCALE = "largest entry of the joint wrenches"

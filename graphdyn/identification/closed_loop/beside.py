@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from graphdyn.identification.motion import Motion
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.rows import Rows
-from graphdyn.identification.samples import Samples, joined_samples
+from graphdyn.identification.data.rows import Rows
+from graphdyn.identification.data.samples import Motion, Samples, joined_samples
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 WINDOW = 4096

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.algebra.solution import EPS
 from graphdyn.identification.closed_loop.beside import Beside
-from graphdyn.identification.jackknife import left_out_covariance
-from graphdyn.identification.solution import EPS
+from graphdyn.identification.statistics.jackknife import left_out_covariance
 from graphdyn.layout import Array
 
 

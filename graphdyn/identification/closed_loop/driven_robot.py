@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import Coulomb, Offset, RotorInertia, Viscous
 from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
-from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.layout import Array
 from graphdyn.simulation import Friction
 

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 UNCORRELATED = 0.1

@@ -8,10 +8,10 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
-from graphdyn.identification.prior import model_prior
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.prior import model_prior
 from graphdyn.layout import Array
 
 MOVED = 0.1

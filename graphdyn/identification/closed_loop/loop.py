@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._errors import InvalidInput
-from graphdyn.identification.samples import Samples
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
 from graphdyn.layout import Array
 from graphdyn.simulation import ComputedTorqueControl, PDControl
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from graphdyn.identification.accumulator import Accumulator
+from graphdyn.identification.algebra.accumulator import Accumulator
+from graphdyn.identification.algebra.compressed import CompressedEquations, merged
+from graphdyn.identification.algebra.solution import leverages, residual_deviations, solve
 from graphdyn.identification.closed_loop.beside import Beside
-from graphdyn.identification.compressed import CompressedEquations, merged
-from graphdyn.identification.jackknife import jackknife_covariance
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import leverages, residual_deviations, solve
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.layout import Array
 
 

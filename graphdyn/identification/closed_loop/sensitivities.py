@@ -13,11 +13,11 @@ from typing import Literal
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
 from graphdyn.identification.closed_loop.beside import Beside
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
-from graphdyn.identification.prior import model_prior
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.prior import model_prior
 from graphdyn.layout import Array
 
 OutputName = Literal["position", "torque"]

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
 from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.stretch import Stretch
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 NO_LOOP = "needs the controller of the loop in which the recording was made, with its reference (loop=ClosedLoop(…))"

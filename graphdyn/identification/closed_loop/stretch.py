@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import EstimationFailed, InvalidInput
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
 from graphdyn.identification.closed_loop.loop import ClosedLoop, held_torque
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.samples import Samples, joined_samples
+from graphdyn.identification.data.samples import Samples, joined_samples
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 from graphdyn.motion_laws import Course, MotionLaw
 from graphdyn.simulation import ComputedTorqueControl, PDControl, Rollout, rollout

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
 from graphdyn.identification.consistent.manifold import inertial_prior
-from graphdyn.identification.prior import Prior, model_prior
+from graphdyn.identification.problem.prior import Prior, model_prior
+from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,
@@ -21,7 +22,6 @@ from graphdyn.identification.terms import (
     RotorInertia,
     Viscous,
 )
-from graphdyn.identification.torque_model import TorqueModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 NOT_NEGATIVE = (

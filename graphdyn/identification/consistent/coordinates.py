@@ -18,11 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn._inertia import parameters_from_pseudo_inertia
-from graphdyn.identification.base_parameters import RANK, BaseParameters, base_parameters
+from graphdyn.identification.algebra.base_parameters import RANK, BaseParameters, base_parameters
+from graphdyn.identification.algebra.solution import solve_triangle
 from graphdyn.identification.consistent.manifold import upper_factor
-from graphdyn.identification.solution import solve_triangle
 from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.model.inertia import parameters_from_pseudo_inertia
 
 _ROWS, _COLUMNS = np.triu_indices(4)
 _WEIGHT = np.where(_ROWS == _COLUMNS, 1.0, np.sqrt(0.5))

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
 from graphdyn.identification.consistent.fit import ConsistentFit
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.layout import Array
 
 

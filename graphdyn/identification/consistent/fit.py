@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
 from graphdyn.identification.consistent.certificate import suboptimality
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
 from graphdyn.identification.consistent.limits import Inequalities

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
 from graphdyn.identification.consistent.bodies import Bodies
 from graphdyn.layout import Array
 

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn._errors import EstimationFailed, InvalidInput
+from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.consistent.certificate import suboptimality
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
 from graphdyn.identification.consistent.fit import KEPT, MARGIN, VIOLATED

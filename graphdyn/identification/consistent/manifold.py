@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn._errors import InvalidInput
-from graphdyn._inertia import pseudo_inertia_from_parameters
+from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
+from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
 RADIUS = 1e-3
 """[m] No prior is thinner (root mean square distance of its mass from a plane through the center of mass)."""

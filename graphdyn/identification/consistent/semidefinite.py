@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
 from graphdyn.identification.consistent.coordinates import SYMMETRIC, PriorCoordinates
 from graphdyn.identification.consistent.polishing import FURTHER, Metric
 from graphdyn.layout import BODY_PARAMETERS, Array

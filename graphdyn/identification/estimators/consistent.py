@@ -24,10 +24,10 @@ from graphdyn.identification.consistent.coordinates import prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate
 from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
 from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
-from graphdyn.identification.prior import Prior
-from graphdyn.identification.problem import Problem
+from graphdyn.identification.problem.prior import Prior
+from graphdyn.identification.problem.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)

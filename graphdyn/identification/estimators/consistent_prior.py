@@ -20,19 +20,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from graphdyn._errors import InvalidInput
-from graphdyn.identification.compressed import CompressedEquations
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.consistent.bodies import unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate
 from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
 from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
 from graphdyn.identification.consistent.polishing import Metric
-from graphdyn.identification.cross_validation import Trained, cross_validation
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
-from graphdyn.identification.prior import Prior
-from graphdyn.identification.problem import Problem
+from graphdyn.identification.problem.prior import Prior
+from graphdyn.identification.problem.problem import Problem
 
 STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
 

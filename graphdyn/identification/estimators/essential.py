@@ -14,11 +14,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.solution import Solution, solve
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import Solution, solve
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
-from graphdyn.identification.accumulator import Accumulator
-from graphdyn.identification.compressed import CompressedEquations, merged
-from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.algebra.accumulator import Accumulator
+from graphdyn.identification.algebra.compressed import CompressedEquations, merged
+from graphdyn.identification.algebra.solution import EPS, leverages, solve
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
-from graphdyn.identification.jackknife import jackknife_covariance
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import EPS, leverages, solve
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.layout import Array
 
 LEAST_SAMPLES = 10

@@ -17,16 +17,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.identification.algebra.solution import residual_deviations
 from graphdyn.identification.closed_loop.beside import beside
 from graphdyn.identification.closed_loop.crossed_equations import Crossed, CrossedEquations
 from graphdyn.identification.closed_loop.iterating import MOST, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.starting import Beginning, starts, told
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.samples import Samples
-from graphdyn.identification.solution import residual_deviations
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 

@@ -17,17 +17,17 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
+from graphdyn.errors import EstimationFailed
 from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate, constraint_remark
 from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
 from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
 from graphdyn.identification.consistent.log_cholesky_fit import STRENGTH, log_cholesky_fit
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
-from graphdyn.identification.prior import Prior
-from graphdyn.identification.problem import Problem
+from graphdyn.identification.problem.prior import Prior
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 

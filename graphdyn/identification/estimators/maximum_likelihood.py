@@ -27,16 +27,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._errors import EstimationFailed
-from graphdyn.identification.accumulator import Accumulator
-from graphdyn.identification.compressed import CompressedEquations, merged
-from graphdyn.identification.errors_in_variables import whitened
-from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.algebra.accumulator import Accumulator
+from graphdyn.identification.algebra.compressed import CompressedEquations, merged
+from graphdyn.identification.algebra.solution import residual_deviations, solve
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
-from graphdyn.identification.jackknife import jackknife_covariance
-from graphdyn.identification.measured_motion import measured_motion
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import residual_deviations, solve
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.errors_in_variables import measured_motion, whitened
+from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 

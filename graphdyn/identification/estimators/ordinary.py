@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.estimate import Estimate, base_estimate
-from graphdyn.identification.jackknife import jackknife_covariance
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import Solution, leverages, residual_deviations, solve
+from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.solution import Solution, leverages, residual_deviations, solve
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.layout import Array
 
 

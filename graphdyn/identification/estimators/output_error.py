@@ -14,17 +14,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graphdyn._errors import EstimationFailed, InvalidInput
+from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.closed_loop.driven_robot import not_simulated
 from graphdyn.identification.closed_loop.iterating import MOST, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.output_equations import Output, output_step
 from graphdyn.identification.closed_loop.sensitivities import OutputName, outputs
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.starting import Beginning, starts, told
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 

@@ -18,10 +18,11 @@ from typing import Literal
 
 import numpy as np
 
-from graphdyn._errors import InvalidInput
-from graphdyn.identification.accumulator import Accumulator
-from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.accumulator import Accumulator
+from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.solution import Solution, leverages, solve
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.robust_weights import (
     Norm,
     huber,
@@ -31,9 +32,8 @@ from graphdyn.identification.estimators.robust_weights import (
     weighted_blocks,
 )
 from graphdyn.identification.estimators.weighted import weighted_solution
-from graphdyn.identification.jackknife import jackknife_covariance
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import Solution, leverages, solve
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.layout import Array
 
 MOST_ITERATIONS = 50

@@ -14,14 +14,14 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphdyn.identification.base_parameters import RANK
-from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.cross_validation import Trained, cross_validation
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.algebra.base_parameters import RANK
+from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.solution import EPS
+from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
-from graphdyn.identification.prior import Prior, model_prior
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import EPS
+from graphdyn.identification.problem.prior import Prior, model_prior
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 STRENGTHS = tuple(10.0**k for k in range(-8, 9))

@@ -19,15 +19,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from graphdyn.identification.compressed import CompressedEquations, merged
+from graphdyn.identification.algebra.compressed import CompressedEquations, merged
 from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate
 from graphdyn.identification.consistent.fit import MARGIN, WEAK, ConsistentFit, ConsistentProblem
 from graphdyn.identification.consistent.limits import Inequalities, PhysicalLimits, inequalities
 from graphdyn.identification.consistent.polishing import Metric
-from graphdyn.identification.cross_validation import Trained, cross_validation
-from graphdyn.identification.estimate import Estimate
+from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.consistent_prior import STRENGTHS
 from graphdyn.identification.estimators.robust_weights import (
     HUBER,
@@ -38,8 +38,8 @@ from graphdyn.identification.estimators.robust_weights import (
     weighted_blocks,
 )
 from graphdyn.identification.estimators.weighted import weighted_solution
-from graphdyn.identification.prior import Prior
-from graphdyn.identification.problem import Problem, together
+from graphdyn.identification.problem.prior import Prior
+from graphdyn.identification.problem.problem import Problem, together
 from graphdyn.layout import Array
 
 SETTLED = 1e-2

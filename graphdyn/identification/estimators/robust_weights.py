@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.accumulator import Accumulator
-from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import EPS
+from graphdyn.identification.algebra.accumulator import Accumulator
+from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.solution import EPS
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 MEDIAN = 0.6745

@@ -6,14 +6,14 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
 from graphdyn.identification.closed_loop.exogeneity import EXOGENEITY, exogeneity
 from graphdyn.identification.closed_loop.iterating import Iterated, Start
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
-from graphdyn.identification.estimate import Estimate, base_estimate
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
-from graphdyn.identification.problem import Problem
+from graphdyn.identification.problem.problem import Problem
 
 Beginning = ArrayLike | Literal["wls", "cad"]
 

@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn._errors import EstimationFailed
-from graphdyn.identification.estimate import Estimate
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.algebra.solution import EPS
+from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
-from graphdyn.identification.prior import model_prior
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import EPS
+from graphdyn.identification.problem.prior import model_prior
+from graphdyn.identification.problem.problem import Problem
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,12 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphdyn.identification.base_parameters import DROPPED_COLUMN, RANK
-from graphdyn.identification.compressed import CompressedEquations
-from graphdyn.identification.estimate import Estimate, base_estimate
-from graphdyn.identification.jackknife import jackknife_covariance
-from graphdyn.identification.problem import Problem
-from graphdyn.identification.solution import Solution, residual_deviations, solve
+from graphdyn.identification.algebra.base_parameters import DROPPED_COLUMN, RANK
+from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.solution import Solution, residual_deviations, solve
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.layout import Array
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import Column, Term
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 UNITS = {"time": "s", "temperature": "K"}
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._kinematics import maximal_state, null_space
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.equations.kinematics import maximal_state, null_space
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.friction import smooth_sign
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import ANGULAR, Array
+from graphdyn.model.robot_model import RobotModel
 
 UNIT = 1e-6
 """Deviation of the length of an axis from 1 that rounding in a file explains."""

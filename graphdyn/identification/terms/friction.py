@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 TORQUE = ("N m", "N")
 DAMPING = ("N m s/rad", "N s/m")

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._dynamics import gravity_torque
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.friction import TORQUE, each_positive, smooth_sign
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.verbs.dynamics import gravity_torque
 
 WIDTHS = (0.02, 0.1, 0.5)
 """[rad/s or m/s] Default widths of SmoothCoulomb: stiction, Stribeck's range, half the speed of slow motions."""

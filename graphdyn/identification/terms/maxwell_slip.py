@@ -7,7 +7,7 @@ to sample, as long as nothing slips, by the motion of the joint:
 
 Far from reversals z = sign(v): an element of its own is Coulomb friction with presliding (Dahl's, with corners).
 Several elements with different d are the hysteresis of the generalised Maxwell-slip model without its Stribeck curve,
-which Stribeck(…) adds. The torque is linear in F_m; d is not, see graphdyn.identification.tuning.
+which Stribeck(…) adds. The torque is linear in F_m; d is not, see graphdyn.identification.problem.tuning.
 
 Lampaert, Al-Bender and Swevers, "A generalized Maxwell-slip friction model appropriate for control purposes", IEEE
 PhysCon 2003; Al-Bender, Lampaert and Swevers, IEEE Transactions on Automatic Control 50(11), 2005.
@@ -22,11 +22,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.friction import TORQUE, each_positive
 from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 DEFLECTION = 0.01
 """[rad or m] Default deflection: half a degree, as of gears with some elasticity."""

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._inertia import parameters_from_inertia
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.rigid_bodies import RigidBodies, inertial_columns, ten_parameters
 from graphdyn.identification.terms.term import Column
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
+from graphdyn.model.inertia import parameters_from_inertia
+from graphdyn.model.robot_model import RobotModel
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._inertia import PARAMETER_NAMES
-from graphdyn._matrices import joint_torque_regressor
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import Column
 from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.model.inertia import PARAMETER_NAMES
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.verbs.matrices import joint_torque_regressor
 
 SYMBOLS = ("M", "MX", "MY", "MZ", "XX", "XY", "YY", "XZ", "YZ", "ZZ")
 UNITS = ("kg", *["kg m"] * 3, *["kg m²"] * 6)

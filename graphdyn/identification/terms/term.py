@@ -7,9 +7,9 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.identification.data.samples import Samples
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 
 @dataclass(frozen=True)

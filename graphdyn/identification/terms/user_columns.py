@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn._arrays import as_floats
-from graphdyn._errors import InvalidInput
-from graphdyn._model import RobotModel
-from graphdyn.identification.samples import Samples
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import Column
 from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
 
 Law = Callable[[Array, Array, Array], Array]
 """A function of q, v, a (N, n)."""

@@ -1,0 +1,201 @@
+"""The whole benchmark of one robot."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from crosscheck.bench import curves
+from crosscheck.bench.cold import in_fresh_process
+from crosscheck.bench.contender import Measured, measure
+from crosscheck.bench.curves import ScalingCurve
+from crosscheck.bench.forms.casadi_forms import NAME as CASADI
+from crosscheck.bench.forms.pinocchio_forms import instruction_set
+from crosscheck.bench.identification import Identifications, identifications
+from crosscheck.bench.machine.floor import Floor, Machine, floor, limit, machine
+from crosscheck.bench.machine.load import Load, load
+from crosscheck.bench.machine.timing import Times
+from crosscheck.bench.states import random_states
+from crosscheck.bench.works import DESCRIPTIONS, Peers, work, works_of
+from crosscheck.reference.pinocchio_model import VERSION as PINOCCHIO
+from crosscheck.reference.subject import check_counts
+from graphdyn import InvalidInput, RobotModel
+from graphdyn.compiler.running import chosen_backend, cores
+
+LONGER = 10
+"""Factor on the given number of samples for the recording of the identification and for the largest batch."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long the benchmark may take.
+
+    duration: of one run of a slow contender, which gets fewer samples [s]; repeats: of every measurement
+    processes: number of fresh processes for imports and for each identification, and of first calls of a chain
+    most_loop: largest number of samples for identification with Pinocchio's loop
+    lengths: numbers of bodies of the chains
+    """
+
+    duration: float
+    repeats: int
+    processes: int
+    most_loop: int
+    lengths: tuple[int, ...]
+
+
+FULL = Effort(0.25, 9, 2, 10**9, (2, 3, 4, 6, 8, 12, 16, 24, 32, 40, 50, 60))
+QUICK = Effort(0.02, 5, 2, 5000, (2, 4, 8, 16))
+
+
+@dataclass(frozen=True, eq=False)
+class Benchmark:
+    """All measurements.
+
+    threads: the numbers of threads compared; machine: limits with each of them, empty where nothing can be compiled
+    floors: least times on one thread of the works that have a program
+    peers: a description by library; left_out: libraries that were not measured, and why
+    load: of the machine, before and after
+    imports, first_calls: seconds in fresh processes, by module and by function
+    """
+
+    robot: str
+    model: RobotModel
+    samples: int
+    seed: int
+    quick: bool
+    effort: Effort
+    threads: tuple[int, ...]
+    backend: str
+    cores: int
+    load: tuple[Load, Load]
+    machine: tuple[Machine, ...]
+    floors: Mapping[str, Floor]
+    peers: Mapping[str, str]
+    left_out: Mapping[str, str]
+    works: tuple[Measured, ...]
+    imports: Mapping[str, Times]
+    first_calls: Mapping[str, Times]
+    identification: Identifications
+    curves: tuple[ScalingCurve, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether our answers agree with Pinocchio's within the bounds."""
+        return all(measured.agrees for measured in self.works)
+
+
+PARTS = len(DESCRIPTIONS) + len(("machine", "first calls", "identification", "batches", "batches", "chains", "threads"))
+"""Number of steps of the progress bar."""
+
+
+def benchmark(
+    robot: str,
+    model: RobotModel,
+    samples: int,
+    seed: int,
+    threads: int | None,
+    quick: bool,
+    done: Callable[[str, int], None],
+) -> Benchmark:
+    """Measure. done: called with the current step, and the number of PARTS that it finishes.
+
+    threads: largest number of threads, all cores if None
+    Raises InvalidInput, PinocchioRefuses, SingularMassMatrix.
+    """
+    check_counts(samples, seed)
+    if threads is not None and threads < 1:
+        raise InvalidInput(f"threads is {threads!r}; give a number from 1, or None for all cores")
+    effort = QUICK if quick else FULL
+    counts = thread_numbers(cores() if threads is None else threads)
+    compared = (1, counts[-1]) if counts[-1] > 1 else (1,)
+    states = random_states(model, samples, seed)
+    before = load()
+
+    done("machine", 0)
+    machines = tuple(measured for used in compared if (measured := machine(used)) is not None)
+    floors = {name: least for name in DESCRIPTIONS if machines and (least := floor(model, name, machines[0]))}
+    done("machine", 1)
+    with TemporaryDirectory(prefix="graphdyn-bench-") as folder:
+        peers, works = Peers(states, Path(folder)), []
+        for name in works_of(states):
+            title = DESCRIPTIONS[name][0]
+            done(title, 0)
+            loop = limit(floors[name], machines[0]) if name in floors else None
+            works.append(measure(work(name, states, compared, peers), samples, effort.duration, effort.repeats, loop))
+            if works[-1].limit is not None:
+                floors[name] = replace(floors[name], seconds=works[-1].limit.median)
+            done(title, 1)
+        (Path(folder) / "model.pickle").write_bytes(pickle.dumps(model))
+        fresh = []
+        for _ in range(effort.processes):
+            done("first calls", 0)
+            fresh.append(in_fresh_process("first_calls", Path(folder)))
+        done("first calls", 1)
+    found = identifications(
+        model, LONGER * samples, seed, compared, effort.processes, effort.most_loop, lambda what: done(what, 0)
+    )
+    done("identification", 1)
+    lines = [curves.thread_counts(states, counts, effort.duration, effort.repeats)]
+    done("threads", 1)
+    states = random_states(model, LONGER * samples, seed)
+    for name in ("inverse_dynamics", "forward_dynamics"):
+        lines.append(
+            curves.batch_sizes(states, name, compared, effort.duration, effort.repeats, lambda what: done(what, 0))
+        )
+        done("batches", 1)
+    lines += curves.chain_lengths(
+        effort.lengths, effort.duration, effort.repeats, effort.processes, lambda what: done(what, 0)
+    )
+    done("chains", 1)
+    return Benchmark(
+        robot=robot,
+        model=model,
+        samples=samples,
+        seed=seed,
+        quick=quick,
+        effort=effort,
+        threads=compared,
+        backend=chosen_backend(),
+        cores=cores(),
+        load=(before, load()),
+        machine=machines,
+        floors=floors,
+        peers=_peers(works),
+        left_out=peers.left_out,
+        works=tuple(works),
+        imports=_times(fresh, "imports"),
+        first_calls=_times(fresh, "first_calls"),
+        identification=found,
+        curves=tuple(lines),
+    )
+
+
+def thread_numbers(most: int) -> tuple[int, ...]:
+    """1, 2, 4, … and the largest number itself."""
+    doubled = [2**k for k in range(most.bit_length()) if 2**k < most]
+    return (*doubled, most)
+
+
+def _peers(works: list[Measured]) -> dict[str, str]:
+    """A description of each library that was measured: version and build."""
+    taking_part = {entry.name.split()[0] for measured in works for entry in measured.entries}
+    described = {"pinocchio": f"{PINOCCHIO}, as installed, built for {instruction_set()}"}
+    if "mujoco" in taking_part:
+        from importlib.metadata import version
+
+        described["mujoco"] = f"{version('mujoco')}, as installed; constraints, contacts and limits off"
+    if CASADI.split()[0] in taking_part:
+        from importlib.metadata import version
+
+        described["casadi"] = (
+            f"{version('casadi')}: C code of graphdyn's recorded recursions, one state at a time, "
+            "built for this machine; Pinocchio's own pinocchio.casadi is not used"
+        )
+    return described
+
+
+def _times(records: list[dict[str, dict[str, float]]], kind: str) -> dict[str, Times]:
+    return {name: Times(tuple(record[kind][name] for record in records)) for name in records[0][kind]}

@@ -1,0 +1,189 @@
+"""A work (one task of the benchmark), its contenders (implementations of it), and their measurements."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from crosscheck.bench.machine.timing import (
+    STEADY,
+    CoreShare,
+    Ratio,
+    Times,
+    fitting_count,
+    in_turns,
+    linear_algebra_threads,
+    ratio,
+)
+from crosscheck.bench.states import States
+from graphdyn.layout import Array
+
+ALL = sys.maxsize
+"""Largest number of samples of a contender without a limit of its own."""
+
+AMORTISED = 10_000
+"""Number of samples per call from which the overhead of the call is negligible."""
+
+LEAST_SHARE = 0.95
+"""Part of their time for which runs on one thread need a core, so that ratios are to be trusted. Measured: 0.99 and
+more on a quiet machine, 0.5 where two other programs keep both of two cores busy."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """One implementation of a work.
+
+    name, threads: of the implementation, and the number of threads it may use
+    run: run(count) computes the first count samples and returns the result
+    errors: of that result against Pinocchio's, per sample; None where nothing is judged
+    included: what the time includes besides the arithmetic
+    ours: whether it is the form of graphdyn that the ratios refer to
+    least, most: smallest number of samples of a run, where a call has an overhead, and largest
+    """
+
+    name: str
+    threads: int
+    run: Callable[[int], Array]
+    errors: Callable[[Array], Array] | None
+    included: str
+    ours: bool = False
+    least: int = 1
+    most: int = ALL
+
+
+Forms = Callable[[States, Sequence[int]], list[Contender]]
+"""The contenders of a work by one library, with each number of threads."""
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """One task, and the contenders that do it.
+
+    error: what errors are relative to, in words; bound: the largest error that counts as agreement
+    """
+
+    name: str
+    title: str
+    error: str
+    bound: float
+    contenders: tuple[Contender, ...]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A contender with its times.
+
+    samples: of each run; error: largest over judged samples, None where nothing was judged; judged: their number
+    """
+
+    name: str
+    threads: int
+    ours: bool
+    samples: int
+    times: Times
+    error: float | None
+    judged: int
+    included: str
+
+
+@dataclass(frozen=True)
+class SpeedRatio:
+    """The ratio of two entries with the same number of threads. undisturbed: whether the runs had the cores."""
+
+    ours: str
+    theirs: str
+    threads: int
+    ratio: Ratio
+    undisturbed: bool = True
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the machine was quiet enough for it."""
+        return self.undisturbed and self.ratio.steady
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A measured work. agrees: whether the errors of our answers are within the bound.
+
+    core_share: part of the time of its runs on one thread for which they had a core
+    limit: times of a loop that does as much and never waits, on one thread; None where there is none
+    """
+
+    name: str
+    title: str
+    error: str
+    bound: float
+    entries: tuple[Entry, ...]
+    core_share: float = 1.0
+    limit: Times | None = None
+
+    @property
+    def undisturbed(self) -> bool:
+        return self.core_share >= LEAST_SHARE
+
+    @property
+    def comparisons(self) -> tuple[SpeedRatio, ...]:
+        """Our form against every other entry with the same number of threads."""
+        return tuple(
+            SpeedRatio(ours.name, theirs.name, ours.threads, ratio(ours.times, theirs.times), self.undisturbed)
+            for ours in self.entries
+            if ours.ours
+            for theirs in self.entries
+            if not theirs.ours and theirs.threads == ours.threads
+        )
+
+    @property
+    def above_limit(self) -> Ratio | None:
+        """How many times as long as the limit our first form on one thread takes."""
+        if self.limit is None:
+            return None
+        return ratio(self.limit, next(entry.times for entry in self.entries if entry.ours and entry.threads == 1))
+
+    @property
+    def agrees(self) -> bool:
+        return all(entry.error is None or entry.error <= self.bound for entry in self.entries if entry.ours)
+
+
+def measure(
+    work: Work, samples: int, duration: float, repeats: int, limit: Callable[[int], object] | None = None
+) -> Measured:
+    """Measure all contenders of a work in turns.
+
+    duration: of one run of slow ones, which get fewer samples [s]
+    limit: a loop for so many samples that takes turns with them, directly after the first
+    """
+    counts = []
+    for contender in work.contenders:
+        with linear_algebra_threads(contender.threads):
+            most = min(samples, contender.most)
+            counts.append(fitting_count(contender.run, min(contender.least, most), most, duration))
+    errors = [_largest_error(contender, count) for contender, count in zip(work.contenders, counts, strict=True)]
+    runs: list[Callable[[], object]] = [partial(c.run, count) for c, count in zip(work.contenders, counts, strict=True)]
+    threads = [contender.threads for contender in work.contenders]
+    if limit is not None:
+        runs.insert(1, partial(limit, samples))
+        threads.insert(1, 1)
+    share = CoreShare()
+    rows = in_turns(runs, threads, repeats, STEADY, share)
+    limited = None if limit is None else _per_sample(rows.pop(1), samples)
+    entries = tuple(
+        Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
+        for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
+    )
+    return Measured(work.name, work.title, work.error, work.bound, entries, share.share, limited)
+
+
+def _per_sample(seconds: Sequence[float], samples: int) -> Times:
+    return Times(tuple(second / samples for second in seconds))
+
+
+def _largest_error(contender: Contender, count: int) -> tuple[float | None, int]:
+    if contender.errors is None:
+        return None, 0
+    errors = contender.errors(contender.run(count))
+    return float(np.where(np.isnan(errors), np.inf, errors).max()), len(errors)

@@ -1,0 +1,184 @@
+"""Serial chains of any number of bodies.
+
+Time per sample against the size of a batch, the number of bodies and the number of threads.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+import graphdyn
+from crosscheck.bench.contender import Contender, Entry, Work, measure
+from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms
+from crosscheck.bench.machine.floor import REQUESTS
+from crosscheck.bench.machine.timing import Times, in_turns
+from crosscheck.bench.states import States, random_states
+from crosscheck.bench.works import OURS, PINOCCHIO
+from graphdyn import Body, Joint, Placement, RobotModel
+from graphdyn.compiler.rolled.rolling import UNROLLED, is_long
+from graphdyn.compiler.running import chosen_backend, cores
+from graphdyn.layout import Array
+from graphdyn.model.spatial import rotation_about
+
+LENGTH, RADIUS, MASS = 0.2, 0.04, 1.0
+"""Length, radius and mass of each body, a cylinder along z [m, m, kg]."""
+
+TWIST = 1.0
+"""Angle about z between consecutive joint frames [rad]: it leaves no zeros that a compiler could exploit."""
+
+
+def chain(n_bodies: int) -> RobotModel:
+    """A serial chain of revolute joints with axes normal to the chain."""
+    across = MASS * (3 * RADIUS**2 + LENGTH**2) / 12
+    tensor = np.diag([across, across, MASS * RADIUS**2 / 2])
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), TWIST)
+    bodies, joints = [], []
+    for k in range(n_bodies):
+        place = Placement(turn, np.array([0.0, 0.0, LENGTH if k else 0.0]))
+        bodies.append(Body(f"body_{k + 1}", MASS, np.array([0.0, 0.0, LENGTH / 2]), tensor))
+        joints.append(Joint(f"joint_{k + 1}", "revolute", k, place, np.array([1.0, 0.0, 0.0])))
+    return RobotModel(f"chain of {n_bodies}", tuple(bodies), tuple(joints))
+
+
+CHAIN_SAMPLES = 2000
+"""Largest number of samples per run of a chain."""
+
+DEFAULT = "graphdyn by default"
+FIRST_CALL = "graphdyn first call"
+
+
+@dataclass(frozen=True)
+class Line:
+    """Times of one contender over x."""
+
+    name: str
+    threads: int
+    x: tuple[int, ...]
+    times: tuple[Times, ...]
+
+    @property
+    def exponent(self) -> float | None:
+        """k of a time that grows as x^k, fitted to the fastest repeats of the upper half of the points; None for fewer
+        than 3 points."""
+        if len(self.x) < 3:
+            return None
+        half = len(self.x) // 2
+        x, y = self.x[half:], [times.fastest for times in self.times[half:]]
+        return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+@dataclass(frozen=True)
+class ScalingCurve:
+    """Lines over a common x. seconds: what one time is for; notes: what a reader must know"""
+
+    name: str
+    title: str
+    x: str
+    seconds: str
+    lines: tuple[Line, ...]
+    notes: tuple[str, ...] = ()
+
+
+def batch_sizes(
+    states: States, work: str, threads: Sequence[int], duration: float, repeats: int, done: Callable[[str], None]
+) -> ScalingCurve:
+    """1, 10, 100 … samples per call; a line ends where a call takes half of the duration or longer [s]."""
+    sizes = [10**k for k in range(len(str(len(states))))]
+    contenders = [c for c in _forms(states, work, threads) if c.name != graphdyn_forms.DENSE]
+    if work == "inverse_dynamics":
+        contenders.append(_by_default(states))
+    rows: list[list[tuple[int, Times]]] = [[] for _ in contenders]
+    for size in sizes:
+        done(f"{size} samples")
+        chosen = [k for k, row in enumerate(rows) if not row or _call(row[-1]) <= duration / 2]
+        runs = [partial(contenders[k].run, size) for k in chosen]
+        for k, seconds in zip(chosen, in_turns(runs, [contenders[k].threads for k in chosen], repeats), strict=True):
+            rows[k].append((size, Times(tuple(second / size for second in seconds))))
+    lines = [
+        Line(c.name, c.threads, tuple(x for x, _ in row), tuple(times for _, times in row))
+        for c, row in zip(contenders, rows, strict=True)
+    ]
+    return ScalingCurve(
+        f"batch_{work}", f"{work.replace('_', ' ')}: size of the batch", "samples per call", "sample", tuple(lines)
+    )
+
+
+def _call(point: tuple[int, Times]) -> float:
+    size, times = point
+    return size * times.median
+
+
+def chain_lengths(
+    lengths: Sequence[int], duration: float, repeats: int, first_calls: int, done: Callable[[str], None]
+) -> list[ScalingCurve]:
+    """Times of all accelerations and multipliers of chains, and of the first call for each."""
+    rows: dict[tuple[str, int], list[tuple[int, Times]]] = {}
+    first: list[tuple[int, Times]] = []
+    for n in lengths:
+        done(f"{n} bodies")
+        states = random_states(chain(n), CHAIN_SAMPLES, 0)
+        first.append((n, Times(tuple(_first_call(n) for _ in range(first_calls)))))
+        contenders = tuple(replace(c, errors=None) for c in _forms(states, "everything", (1,)))
+        for entry in measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries:
+            rows.setdefault((entry.name, entry.threads), []).append((n, entry.times))
+    lines = tuple(
+        Line(name, threads, tuple(n for n, _ in row), tuple(times for _, times in row))
+        for (name, threads), row in rows.items()
+    )
+    notes = long_notes(lengths)
+    call = Line(FIRST_CALL, 1, tuple(n for n, _ in first), tuple(times for _, times in first))
+    return [
+        ScalingCurve(
+            "bodies", "all accelerations and multipliers: length of a chain", "bodies", "sample", lines, notes
+        ),
+        ScalingCurve(
+            "first_call", "recording and compiling: length of a chain", "bodies", "first call", (call,), notes
+        ),
+    ]
+
+
+def long_notes(lengths: Sequence[int]) -> tuple[str, ...]:
+    """From where chains have other code."""
+    long = chosen_backend() == "llvm" and is_long(chain(max(lengths)), REQUESTS["everything"])
+    return (f"beyond {UNROLLED} bodies, code for one body after the other",) if long else ()
+
+
+def thread_counts(states: States, threads: Sequence[int], duration: float, repeats: int) -> ScalingCurve:
+    """Forward dynamics with 1, 2, … threads."""
+    contenders = tuple(
+        replace(c, errors=None)
+        for c in _forms(states, "forward_dynamics", threads)
+        if c.name in (graphdyn_forms.our_name(), pinocchio_forms.PARALLEL)
+    )
+    entries = measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries
+    names = dict.fromkeys(entry.name for entry in entries)
+    lines = tuple(_over_threads(name, [entry for entry in entries if entry.name == name]) for name in names)
+    return ScalingCurve("threads", "forward dynamics: number of threads", "threads", "sample", lines)
+
+
+def _over_threads(name: str, entries: Sequence[Entry]) -> Line:
+    return Line(name, 0, tuple(entry.threads for entry in entries), tuple(entry.times for entry in entries))
+
+
+def _forms(states: States, work: str, threads: Sequence[int]) -> list[Contender]:
+    return [*OURS[work](states, threads), *PINOCCHIO[work](states, threads)]
+
+
+def _by_default(states: States) -> Contender:
+    def run(count: int) -> Array:
+        return graphdyn.joint_torques(states.model, states.q[:count], states.v[:count], states.a[:count])
+
+    return Contender(DEFAULT, cores(), run, None, graphdyn_forms.MADE)
+
+
+def _first_call(n_bodies: int) -> float:
+    """Time of the first call for a new chain [s]."""
+    model, x = chain(n_bodies), np.zeros((1, n_bodies))
+    start = time.perf_counter()
+    graphdyn.forward_dynamics(model, x, x, x, method="recursive")
+    return time.perf_counter() - start

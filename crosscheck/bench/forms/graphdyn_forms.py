@@ -1,0 +1,207 @@
+"""graphdyn's implementations ("forms") of each work: compiled, on NumPy arrays, projected, dense."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import graphdyn
+from crosscheck.bench.contender import ALL, AMORTISED, Contender, Forms
+from crosscheck.bench.states import REFERENCE, States
+from crosscheck.quantities import scales
+from crosscheck.reference.subject import tip
+from graphdyn import RobotModel
+from graphdyn.arguments.choices import Method
+from graphdyn.compiler.gram.gram import TorqueGram, torque_gram
+from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.compiler.running import CHOICE, chosen_backend
+from graphdyn.identification import TorqueModel
+from graphdyn.identification.problem.structure import structure
+from graphdyn.identification.terms import RigidBodies
+from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
+from graphdyn.recursions.table import ARRAYS
+from graphdyn.verbs.table import VERBS
+
+COMPILED, RECURSIVE, PROJECTED, DENSE = "graphdyn compiled", "graphdyn NumPy", "graphdyn projected", "dense NumPy"
+
+LARGEST_OUTPUT = 100_000
+"""Largest number of samples of a regressor that is written out: 300 MB for a six-axis arm."""
+
+WRITTEN = "arguments checked, results written to given memory"
+MADE = "arguments checked, results in new arrays"
+
+
+@contextmanager
+def backend(name: str) -> Iterator[None]:
+    """graphdyn uses this back end within the context."""
+    before = os.environ.get(CHOICE)
+    os.environ[CHOICE] = name
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[CHOICE]
+        else:
+            os.environ[CHOICE] = before
+
+
+def our_name() -> str:
+    """Name of the form that the method "auto" uses for batches on this machine."""
+    return COMPILED if chosen_backend() == "llvm" else RECURSIVE
+
+
+def inverse(states: States, threads: Sequence[int]) -> list[Contender]:
+    inputs, out = (states.q, states.v, states.a), aligned(states.q.shape)
+    into, projected = _calls(graphdyn.joint_torques, states.model, inputs, out)
+    return [*_recursive(into, threads, states.torque_errors), _projected(projected, states.torque_errors)]
+
+
+def forward(states: States, threads: Sequence[int]) -> list[Contender]:
+    inputs, out = (states.q, states.v, states.tau), aligned(states.q.shape)
+    into, projected = _calls(graphdyn.joint_accelerations, states.model, inputs, out)
+    return [*_recursive(into, threads, states.acceleration_errors), _projected(projected, states.acceleration_errors)]
+
+
+def everything(states: States, threads: Sequence[int]) -> list[Contender]:
+    """All accelerations and all multipliers; the multipliers are judged."""
+    n = states.model.n_bodies
+    out = aligned((len(states), n, BODY_FREEDOMS)), aligned((len(states), n, JOINT_CONSTRAINTS))
+
+    def run(count: int, method: Method, **options: Any) -> Array:
+        q, v, tau = (x[:count] for x in (states.q, states.v, states.tau))
+        _, multipliers = graphdyn.solve_kkt(states.model, q, v, tau, method=method, **options)
+        return multipliers
+
+    def into(count: int, used: int) -> Array:
+        return run(count, "recursive", threads=used, out=(out[0][:count], out[1][:count]))
+
+    size = (BODY_FREEDOMS + JOINT_CONSTRAINTS) * n
+    dense = f"the {size}×{size} system of Eq. (111) solved for each sample"
+    return [
+        *_recursive(into, threads, states.multiplier_errors),
+        _projected(lambda count: run(count, "projected"), states.multiplier_errors),
+        Contender(DENSE, 1, lambda count: run(count, "dense"), states.multiplier_errors, f"{dense}; {MADE}"),
+    ]
+
+
+def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
+    n = states.model.n_bodies
+    inputs = states.q, states.v, states.a
+    out = aligned((min(len(states), LARGEST_OUTPUT), n, BODY_PARAMETERS * n))
+    into, projected = _calls(graphdyn.joint_torque_regressor, states.model, inputs, out)
+    return [
+        *_recursive(into, threads, states.regressor_errors, LARGEST_OUTPUT, ", written out"),
+        *_streamed(states, threads),
+        _projected(projected, states.regressor_errors),
+    ]
+
+
+def verb(name: str, answer: Callable[..., Any] | None = None) -> Forms:
+    """The forms of a work that is one verb.
+
+    answer: the class that holds its arrays, all of one shape, where there are several
+    """
+
+    def forms(states: States, threads: Sequence[int]) -> list[Contender]:
+        function, outputs = getattr(graphdyn, name), VERBS[name].outputs
+        if VERBS[name].of_frame:
+            function = partial(function, frame=tip(states.model), reference=REFERENCE)
+        inputs = [getattr(states, array) for array in VERBS[name].inputs]
+        out = aligned((len(outputs), len(states), *ARRAYS[outputs[0]].shape_for(states.model)))
+
+        def into(count: int, used: int) -> Array:
+            written = out[:, :count]
+            memory = answer(*written) if answer else written[0]
+            function(states.model, *(x[:count] for x in inputs), method="recursive", threads=used, out=memory)
+            return written
+
+        return _recursive(into, threads, states.derived_errors(outputs))
+
+    return forms
+
+
+def _calls(
+    function: Callable[..., Array], model: RobotModel, inputs: Sequence[Array], out: Array
+) -> tuple[Callable[..., Array], Callable[[int], Array]]:
+    """The function of the first samples: recursively into given memory, and projected into a new array."""
+
+    def into(count: int, used: int) -> Array:
+        return function(model, *(x[:count] for x in inputs), method="recursive", threads=used, out=out[:count])
+
+    def projected(count: int) -> Array:
+        return function(model, *(x[:count] for x in inputs), method="projected")
+
+    return into, projected
+
+
+def _recursive(
+    run: Callable[..., Array],
+    threads: Sequence[int],
+    errors: Callable[[Array], Array],
+    most: int = ALL,
+    form: str = "",
+) -> list[Contender]:
+    """The recursive method, compiled with each number of threads, and on NumPy arrays."""
+
+    def on_arrays(count: int) -> Array:
+        with backend("numpy"):
+            return run(count, used=1)
+
+    compiled = [
+        Contender(COMPILED + form, used, partial(run, used=used), errors, WRITTEN, True, ALL, most)
+        for used in threads
+        if our_name() == COMPILED
+    ]
+    arrays = Contender(RECURSIVE + form, 1, on_arrays, errors, WRITTEN, not compiled, AMORTISED, most)
+    return [*compiled, arrays]
+
+
+def _projected(run: Callable[[int], Array], errors: Callable[[Array], Array]) -> Contender:
+    return Contender(PROJECTED, 1, run, errors, MADE)
+
+
+def _streamed(states: States, threads: Sequence[int]) -> list[Contender]:
+    """Sums of products of the regressor's independent columns, without the regressor."""
+    model, columns = states.model, independent_columns(states.model)
+    gram = torque_gram(model, columns.tolist())
+    nothing = np.empty((len(states), model.n_bodies, 0))
+
+    def run(count: int, used: int) -> Array:
+        q, v, a, tau = (x[:count] for x in (states.q, states.v, states.a, states.torque))
+        matrices, _ = gram(q, v, a, tau, nothing[:count], threads=used)
+        return np.concatenate([matrix.ravel() for matrix in matrices])
+
+    def errors(_: Array) -> Array:
+        judged = len(states.values.tau)
+        equations = np.concatenate(
+            [states.values.torque_regressor[..., columns], states.torque[:judged, :, None]], axis=-1
+        )
+        return _gram_errors(run(judged, 1), gram, equations)
+
+    name = f"{our_name()}, streamed"
+    included = f"products of the {len(columns)} independent columns summed up per joint instead of writing columns"
+    return [Contender(name, used, partial(run, used=used), errors, included, True, ALL) for used in threads]
+
+
+def independent_columns(model: RobotModel) -> NDArray[np.int64]:
+    """Independent columns of the joint-torque regressor."""
+    return structure(TorqueModel(model, (RigidBodies(),))).base.independent
+
+
+def _gram_errors(flat: Array, gram: TorqueGram, equations: Array) -> Array:
+    """Errors per joint, against the products of Pinocchio's equations (N, n, b + 1), relative to lengths of columns."""
+    lengths = np.linalg.norm(equations, axis=(0, 1))
+    errors, first = [], 0
+    for joint, columns in enumerate(gram.columns):
+        chosen = np.append(columns, equations.shape[-1] - 1)
+        rows, size = equations[:, joint, chosen], len(chosen)
+        matrix, first = flat[first : first + size**2].reshape(size, size), first + size**2
+        scale = np.outer(lengths[chosen], lengths[chosen])
+        errors.append(scales.ratio(np.abs(matrix - rows.T @ rows), scale).max())
+    return np.array(errors)

@@ -1,0 +1,252 @@
+"""Limits of this machine: multiplications with additions, and bytes to and from memory, per second."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+from crosscheck.bench.machine.instructions import floating_point_operations, fused_instructions
+from crosscheck.bench.states import REFERENCE
+from crosscheck.reference.subject import tip
+from graphdyn import RobotModel
+from graphdyn.arguments.choices import frame_choice
+from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.compiler.llvm.vector_code import VectorCode
+from graphdyn.compiler.native import MachineCode, host_lanes
+from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.running import chosen_backend, in_threads
+from graphdyn.recursions.table import RECURSIONS
+
+CHAINS = 12
+"""Number of independent sums: enough to keep every pipeline of a processor busy, fewer than AVX2 has registers."""
+
+MIXED = {8: (12, 12), 4: (7, 7), 2: (7, 7)}
+"""Sums of products and plain sums that go on together, by lanes: some processors have pipelines for both."""
+
+STEPS = 1_000_000
+"""Additions to each sum in one measurement, which takes some milliseconds."""
+
+STREAM = 4_000_000
+"""Doubles that are copied in one measurement, 32 MB: more than second-level caches hold."""
+
+TRIES = 5
+"""Number of measurements, of which the fastest counts, because a limit is measured."""
+
+REQUESTS = {
+    "inverse_dynamics": Request("inverse_dynamics", ("tau",)),
+    "forward_dynamics": Request("forward_dynamics", ("a",)),
+    "everything": Request("forward_dynamics", ("body_accelerations", "multipliers")),
+    "regressor": Request("joint_torque_regressor", ("joint_torque_regressor",)),
+    **{
+        name: Request(name, RECURSIONS[name].outputs)
+        for name in (
+            "inverse_dynamics_derivatives",
+            "forward_dynamics_derivatives",
+            "mass_matrix_inverse",
+            "coriolis_matrix",
+            "kinetic_energy",
+            "frame_jacobian",
+        )
+    },
+}
+"""The compiled program of each work."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Measured limits."""
+
+    lanes: int
+    """Doubles in a vector."""
+
+    threads: int
+    """Threads at work together."""
+
+    operations: float
+    """Floating-point operations per second, a multiplication with an addition counted as two [1/s]."""
+
+    instructions: float
+    """Of additions, multiplications, and both fused, times the doubles in a vector, in the best mixture [1/s]."""
+
+    bandwidth: float
+    """Bytes read or written per second by a copy past the caches [1/s]."""
+
+
+@dataclass(frozen=True)
+class Floor:
+    """What a sample of a work takes at least: of what takes longer, operations or bytes."""
+
+    operations: int
+    """Floating-point operations of a sample."""
+
+    instructions: int
+    """What they take: a product and the sum that is its only use are one."""
+
+    products: int
+    """Those that multiply or divide."""
+
+    bytes: int
+    """Bytes read and written per sample."""
+
+    seconds: float
+    """If nothing ever waited [s]: the longest of all instructions, those that multiply, and the bytes, in loops that
+    took turns with the work."""
+
+
+def machine(threads: int) -> Machine | None:
+    """Measure the machine; None where nothing can be compiled."""
+    if chosen_backend() != "llvm":
+        return None
+    loops = [Loops() for _ in range(threads)]
+    lanes = host_lanes()
+    work = lanes * STEPS * threads
+    operations = 2 * CHAINS * work / _best(lambda k, _: loops[k].multiply(STEPS), threads)
+    instructions = max(operations / 2, sum(MIXED[lanes]) * work / _best(lambda k, _: loops[k].mix(STEPS), threads))
+    copied = 2 * 8 * STREAM * threads / _best(lambda k, _: loops[k].copy(STREAM), threads)
+    return Machine(lanes, threads, operations, instructions, copied)
+
+
+def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
+    """The floor of one work on this machine as it was measured; None for works without a program of their own."""
+    if work not in REQUESTS:
+        return None
+    request = REQUESTS[work]
+    if RECURSIONS[request.recursion].of_frame:
+        request = replace(request, frame=frame_choice(model, tip(model), REFERENCE))
+    program = record(model, request)
+    instructions, products = fused_instructions(program)
+    size = 8 * (sum(program.inputs.values()) + sum(map(len, program.outputs.values())))
+    seconds = max(_needed(instructions, products, size, on).values())
+    return Floor(floating_point_operations(program), instructions, products, size, seconds)
+
+
+def _needed(instructions: int, products: int, size: int, on: Machine) -> dict[str, float]:
+    """Seconds that all instructions, those that multiply, and the bytes take at least, by the loop that takes them."""
+    return {
+        "mix": instructions / on.instructions,
+        "multiply": 2 * products / on.operations,
+        "copy": size / on.bandwidth,
+    }
+
+
+def limit(floor: Floor, on: Machine) -> Callable[[int], None]:
+    """run(samples) takes the least time of as many samples: a loop of what takes longest on this machine."""
+    loops = Loops()
+    needed = _needed(floor.instructions, floor.products, floor.bytes, on)
+    longest = max(needed, key=lambda name: needed[name])
+    if longest == "mix" and on.operations / 2 >= on.instructions:  # one kind of pipeline for all
+        return lambda samples: loops.multiply(round(floor.instructions * samples / (CHAINS * on.lanes)))
+    if longest == "mix":
+        return lambda samples: loops.mix(round(floor.instructions * samples / (sum(MIXED[on.lanes]) * on.lanes)))
+    if longest == "multiply":
+        return lambda samples: loops.multiply(round(floor.products * samples / (CHAINS * on.lanes)))
+    return lambda samples: loops.copy(round(floor.bytes * samples / (2 * 8)))
+
+
+class Loops:
+    """Loops that never wait, with memory of their own: for one thread."""
+
+    def __init__(self) -> None:
+        lanes, pointer = host_lanes(), ctypes.c_void_p
+        self._code = _machine_code(lanes)
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, pointer)
+        self._add, self._mixed = (self._code.function(name, prototype) for name in ("add", "mixed"))
+        self._copy = self._code.function("copy", ctypes.CFUNCTYPE(None, ctypes.c_int64, pointer, pointer))
+        self._sums = aligned((sum(MIXED[lanes]), lanes))
+        self._streams = aligned((STREAM,)), aligned((STREAM,))
+        for array in self._streams:
+            array.fill(1.0)  # memory pages are allocated before the clock starts
+
+    def multiply(self, steps: int) -> None:
+        """So many products with sums, times CHAINS and lanes."""
+        self._add(steps, self._sums.ctypes.data)
+
+    def mix(self, steps: int) -> None:
+        """So many products with sums and plain sums, times MIXED and lanes."""
+        self._mixed(steps, self._sums.ctypes.data)
+
+    def copy(self, count: int) -> None:
+        """So many doubles, up to STREAM at a time."""
+        source, target = (array.ctypes.data for array in self._streams)
+        for first in range(0, count, STREAM):
+            self._copy(min(STREAM, count - first), source, target)
+
+
+@cache
+def _machine_code(lanes: int) -> MachineCode:
+    return MachineCode(_code(lanes))
+
+
+def _best(work: Callable[[int, int], Any], threads: int) -> float:
+    ranges: Sequence[tuple[int, int]] = [(k, k + 1) for k in range(threads)]
+    seconds = []
+    for _ in range(TRIES + 1):
+        start = time.perf_counter()
+        in_threads(work, ranges, threads)
+        seconds.append(time.perf_counter() - start)
+    return min(seconds[1:])
+
+
+def _code(lanes: int) -> str:
+    """LLVM code. add(count, sums): x ← x y + z, count times for each sum; mixed: and y ← y + z for others.
+    copy(count, from, to): around the caches."""
+    vector, size = VectorCode(lanes).vector, 8 * lanes
+    return "\n".join(
+        [
+            *VectorCode(lanes).declarations,
+            *_sums("add", CHAINS, 0, lanes),
+            *_sums("mixed", *MIXED[lanes], lanes),
+            "define void @copy(i64 %count, ptr noalias %from, ptr noalias %to) {",
+            "entry:",
+            "  br label %loop",
+            "loop:",
+            "  %i = phi i64 [ 0, %entry ], [ %next, %loop ]",
+            "  %source = getelementptr double, ptr %from, i64 %i",
+            "  %target = getelementptr double, ptr %to, i64 %i",
+            f"  %value = load {vector}, ptr %source, align {size}",
+            f"  store {vector} %value, ptr %target, align {size}, !nontemporal !0",
+            f"  %next = add i64 %i, {lanes}",
+            "  %more = icmp slt i64 %next, %count",
+            "  br i1 %more, label %loop, label %exit",
+            "exit:",
+            "  fence seq_cst",
+            "  ret void",
+            "}",
+            "!0 = !{i32 1}",
+        ]
+    )
+
+
+def _sums(name: str, products: int, plain: int, lanes: int) -> list[str]:
+    """A loop over so many sums of products and so many plain ones, none of which waits for another."""
+    code, phis, results = VectorCode(lanes), [], []
+    for k in range(products + plain):
+        if k < products:
+            new = code.call("fma", f"%sum{k}", code.splat(0.999), code.splat(1e-3))
+        else:
+            new = code.let(f"fadd {code.vector} %sum{k}, {code.splat(1e-3)}")
+        results.append(new)
+        phis.append(f"  %sum{k} = phi {code.vector} [ {code.splat(1.0)}, %entry ], [ {new}, %loop ]")
+    loop, code.lines = code.lines, []
+    for k, new in enumerate(results):
+        code.store(f"{code.vector} {new}", "%sums", k * lanes)
+    return [
+        f"define void @{name}(i64 %count, ptr %sums) {{",
+        "entry:",
+        "  br label %loop",
+        "loop:",
+        "  %i = phi i64 [ 0, %entry ], [ %next, %loop ]",
+        *phis,
+        *loop,
+        "  %next = add i64 %i, 1",
+        "  %more = icmp slt i64 %next, %count",
+        "  br i1 %more, label %loop, label %exit",
+        "exit:",
+        *code.lines,
+        "  ret void",
+        "}",
+    ]

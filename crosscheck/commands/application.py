@@ -1,0 +1,89 @@
+"""The program as a whole: its commands in the order of its help, and the options that come before a command."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from crosscheck.commands.bench import command as bench
+from crosscheck.commands.crosscheck import command as crosscheck
+from crosscheck.commands.errata import command as errata
+from crosscheck.commands.excite import command as excite
+from crosscheck.commands.export import command as export
+from crosscheck.commands.identify import command as identify
+from crosscheck.commands.inspect import command as inspect
+from crosscheck.commands.judge import command as judge
+from crosscheck.commands.paper import command as paper
+from crosscheck.commands.program import own_process
+from crosscheck.commands.program.encodings import accept_all_characters
+from crosscheck.commands.program.ending_signals import ended_by_signals
+from crosscheck.commands.program.exits import AGREED, Command, CommandGroup
+from crosscheck.commands.questions import command as questions
+from crosscheck.commands.robots import command as robots
+from crosscheck.commands.show import command as show
+from crosscheck.commands.simulate import command as simulate
+from crosscheck.commands.study import command as study
+from crosscheck.commands.vectors import command as vectors
+from crosscheck.commands.view import command as view
+
+COMMANDS = (
+    (crosscheck.run, "crosscheck", crosscheck.EPILOG),
+    (judge.run, "judge", judge.EPILOG),
+    (questions.run, "questions", questions.EPILOG),
+    (show.run, "show", show.EPILOG),
+    (view.run, "view", view.EPILOG),
+    (export.run, "export", export.EPILOG),
+    (vectors.run, "vectors", vectors.EPILOG),
+    (inspect.run, "inspect", inspect.EPILOG),
+    (identify.run, "identify", identify.EPILOG),
+    (simulate.run, "simulate", simulate.EPILOG),
+    (excite.run, "excite", excite.EPILOG),
+    (study.run, "study", study.EPILOG),
+    (paper.run, "paper", paper.EPILOG),
+    (bench.run, "bench", bench.EPILOG),
+    (robots.run, "robots", robots.EPILOG),
+    (errata.run, "errata", errata.EPILOG),
+)
+"""Function, name and examples of each command."""
+
+app = typer.Typer(
+    cls=CommandGroup,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Constrained dynamics of robot arms as one linear system, checked number by number against Pinocchio.",
+    epilog="`graphdyn COMMAND --help` explains a command and ends with examples. Exit codes: 0 agreed or done, "
+    "1 disagreement found, 2 bad input, 3 error of the program itself, 4 further questions written, 130 interrupted, "
+    "143 terminated.",
+)
+for function, name, epilog in COMMANDS:
+    app.command(name, cls=Command, epilog=epilog)(function)
+
+
+@app.callback(invoke_without_command=True)
+def options(
+    show_version: Annotated[bool, typer.Option("--version", help="Print versions and exit.")] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show errors with their traceback.")] = False,
+) -> None:
+    if show_version:
+        from crosscheck.report.versions import versions
+
+        for name, number in versions().items():
+            typer.echo(f"{name} {number}")
+        raise typer.Exit(AGREED)
+
+
+def run() -> None:
+    """The command that was typed. Errors are handled in crosscheck.commands.program.exits."""
+    app()
+
+
+own_process.program = run
+
+
+def main() -> None:
+    """Entry point of the script."""
+    accept_all_characters()
+    with ended_by_signals():
+        run()

@@ -1,0 +1,255 @@
+"""`graphdyn bench`: graphdyn beside other libraries, as a report. Ratios first."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+
+from crosscheck.bench.benchmark import Benchmark
+from crosscheck.bench.contender import Measured, SpeedRatio
+from crosscheck.bench.identification import OURS, THEIRS, IdentificationRun, Identifications
+from crosscheck.bench.machine.floor import Floor
+from crosscheck.bench.machine.load import Load
+from crosscheck.bench.machine.timing import SCATTERED, Times
+from crosscheck.commands.bench.curves import curve_section
+from crosscheck.commands.bench.ratio_bars import ratio_bars
+from crosscheck.commands.bench.record import record
+from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, threads_text, time_text
+from crosscheck.report.report import (
+    ROOMY,
+    Block,
+    Column,
+    Facts,
+    Note,
+    Notes,
+    Picture,
+    Prose,
+    Report,
+    Row,
+    Section,
+    Table,
+    Verdict,
+)
+
+MORE = 100
+"""Characters of a line from which times have all their columns."""
+
+WHICH_WAY = (
+    "How many times as long others take as graphdyn's form of the same number of threads. Above 1× graphdyn is faster, "
+    "as in {faster} of {all} comparisons."
+)
+HOW = (
+    "All contenders of a work took turns in one run. Median and quartiles are those of the quotients of repeats that "
+    "followed each other."
+)
+
+
+def bench_report(found: Benchmark) -> Report:
+    return Report(
+        f"Benchmark on {Path(found.robot).name}",
+        _verdict(found),
+        (
+            Section("ratios", "Times as long as graphdyn", _ratios(found)),
+            Section("run", "Robot, libraries and machine", (Facts(tuple(facts(found))),)),
+            *(_work(measured, found.floors.get(measured.name)) for measured in found.works),
+            _identification(found.identification),
+            Section("once", "Once per process", (_once(found),)),
+            *map(curve_section, found.curves),
+        ),
+        record=partial(record, found),
+    )
+
+
+def _verdict(found: Benchmark) -> Verdict:
+    if found.agrees:
+        return Verdict("agrees", "agrees", "Every answer of graphdyn is within its bound of Pinocchio's.")
+    wrong = ", ".join(measured.title for measured in found.works if not measured.agrees)
+    return Verdict(
+        "disagrees", "DISAGREES", f"An answer of graphdyn is further from Pinocchio's than its bound: {wrong}."
+    )
+
+
+def facts(found: Benchmark) -> Iterator[tuple[str, str]]:
+    """What a reader must know before the numbers."""
+    yield "robot", f"{found.robot}: {found.model.n_bodies} bodies, {found.samples} random states, seed {found.seed}"
+    yield "repeats", f"{found.effort.repeats}, in turns"
+    yield (
+        "load",
+        " ".join(f"{_load_text(load)} {when}" for load, when in zip(found.load, ("before,", "after"), strict=True)),
+    )
+    yield "cores", f"{found.cores}, compared with {' and '.join(map(threads_text, found.threads))}"
+    yield from found.peers.items()
+    for library, reason in found.left_out.items():
+        yield library, f"left out: {reason}"
+    if found.backend != "llvm":
+        yield "graphdyn", "runs on NumPy arrays here: nothing is compiled"
+    for machine in found.machine:
+        yield (
+            f"machine, {threads_text(machine.threads)}",
+            f"{machine.operations / 1e9:.3g} GFlop/s and {machine.instructions / 1e9:.3g} G instructions/s in vectors "
+            f"of {machine.lanes}, "
+            f"{machine.bandwidth / 1e9:.3g} GB/s at best",
+        )
+
+
+def _load_text(load: Load) -> str:
+    if load.programs is None:
+        return "not known"
+    return f"{load.programs:.2g} programs on {load.cores} cores"
+
+
+def _distrust(found: Benchmark, every: Sequence[SpeedRatio]) -> Iterator[Block]:
+    """Why ratios are not to be trusted."""
+    doubtful = sum(not c.trusted for c in every)
+    waiting = [measured for measured in found.works if not measured.undisturbed]
+    reasons = [
+        *(
+            [f"the machine was busy before the benchmark began: {_load_text(found.load[0])}"]
+            if found.load[0].busy
+            else []
+        ),
+        *(f"{x.title}: runs on one thread had a core for {x.core_share:.0%} of the time" for x in waiting),
+    ]
+    scattered = sum(not c.ratio.steady for c in every)
+    if scattered:
+        reasons.append(f"{scattered} ratios have an upper quartile of more than {SCATTERED} times the lower one")
+    if reasons:
+        yield Notes(
+            tuple(map(Note, reasons)),
+            title=f"Not to be trusted: {doubtful} of {len(every)} ratios (marked ?); measure on a quiet machine",
+        )
+
+
+def _ratios(found: Benchmark) -> tuple[Block, ...]:
+    identification = found.identification
+    groups = [
+        *((measured.title, measured.comparisons) for measured in found.works),
+        (f"identification, {identification.samples} samples", _comparisons(identification)),
+    ]
+    every = [c for _, comparisons in groups for c in comparisons]
+    faster = sum(c.ratio.median > 1 for c in every)
+    table = Table(
+        (
+            Column("work"),
+            Column("graphdyn", form=lambda name: name.removeprefix("graphdyn").strip()),
+            Column("against"),
+            Column("threads", "number"),
+            Column("median", "number", meaning="times as long as graphdyn; ?: not to be trusted"),
+            Column("quartiles", "number", form=ratio_span_text, meaning="of repeats that followed each other"),
+            Column("fastest", "number", form=ratio_text, meaning="of the fastest repeats", from_width=ROOMY),
+        ),
+        tuple(row for title, comparisons in groups for row in _ratio_rows(title, comparisons)),
+        caption="Times as long as graphdyn: median and quartiles over the repeats, and of the fastest repeats",
+        compact=True,
+    )
+    which_way = Prose(WHICH_WAY.format(faster=faster, all=len(every)))
+    return which_way, *_distrust(found, every), table, Prose(HOW, soft=True)
+
+
+def _ratio_rows(title: str, comparisons: Sequence[SpeedRatio]) -> Iterator[Row]:
+    """Names of work and form where they change."""
+    before = None
+    for k, c in enumerate(comparisons):
+        names = "" if k else title, c.ours if c.ours != before else "", c.theirs
+        median = f"{'' if c.trusted else '? '}{ratio_text(c.ratio.median)}"
+        yield Row((*names, c.threads, median, c.ratio.spread, c.ratio.fastest), rule=not k)
+        before = c.ours
+
+
+def _comparisons(found: Identifications) -> tuple[SpeedRatio, ...]:
+    return tuple(SpeedRatio(OURS, THEIRS, threads, ratio) for threads, ratio in found.comparisons)
+
+
+def _work(measured: Measured, floor: Floor | None) -> Section:
+    state = Verdict("agrees", "agrees") if measured.agrees else Verdict("disagrees", "DISAGREES")
+    times = Table(
+        (
+            Column("", "name"),
+            Column("threads", "number"),
+            Column("median", "number", form=time_text),
+            Column("quartiles", "number", form=span_text),
+            Column("fastest", "number", form=time_text, from_width=MORE),
+            Column("samples", "number", from_width=MORE),
+            Column("error", "number", form=".1e"),
+        ),
+        tuple(
+            Row((e.name, e.threads, e.times.median, e.times.spread, e.times.fastest, e.samples, e.error))
+            for e in measured.entries
+        ),
+        caption="Time per sample, and largest error against Pinocchio",
+    )
+    title = f"{measured.title[:1].upper()}{measured.title[1:]}"
+    return Section(measured.name, title, (*_bars(measured.comparisons), times, _notes(measured, floor)), state)
+
+
+def _bars(comparisons: tuple[SpeedRatio, ...]) -> tuple[Block, ...]:
+    if not comparisons:
+        return ()
+    return (Picture(partial(ratio_bars, comparisons=comparisons), "Bars: medians, black: quartiles.", on=("page",)),)
+
+
+def _notes(measured: Measured, floor: Floor | None) -> Facts:
+    """What the times of each contender are of, what errors are relative to, what the machine could do."""
+    items = {entry.name: entry.included for entry in measured.entries}
+    items["errors"] = (
+        f"largest of all samples judged, against Pinocchio, relative to: {measured.error}; "
+        f"graphdyn agrees up to {measured.bound:.0e}"
+    )
+    above = measured.above_limit
+    if floor is not None and above is not None:
+        items["at best"] = (
+            f"{floor.operations} floating-point operations in {floor.instructions} instructions, and {floor.bytes} "
+            f"bytes, per sample take at least {time_text(floor.seconds)}; measured {ratio_text(above.median)} as much "
+            f"(quartiles {ratio_span_text(above.spread)}), at best {ratio_text(above.fastest)}"
+        )
+    return Facts(tuple(items.items()), title="What the times include, and what errors are relative to", folded=True)
+
+
+def _identification(found: Identifications) -> Section:
+    words = Prose(
+        f"From {found.samples} samples to the inertial parameters, each in a fresh process; the clock starts when "
+        "libraries are imported and the recording is in memory, so compiling is included."
+    )
+    table = Table(
+        (
+            Column("", "name"),
+            Column("threads", "number"),
+            Column("median", "number"),
+            Column("memory", "number", form=lambda extra: f"{extra / 1e6:.0f} MB", meaning="beside the recording"),
+            Column("error", "number", form=".1e", meaning="of torques predicted at other states"),
+        ),
+        tuple(Row((e.name, e.threads, _whole_time(e, found.samples), e.extra_bytes, e.error)) for e in found.entries),
+        caption="Time of the whole recording, peak of the memory beside it, largest error of predicted torques",
+    )
+    fewer = {entry.name: entry.samples for entry in found.entries if entry.samples < found.samples}
+    notes = [
+        (
+            name,
+            f"measured on {count} samples and extrapolated in proportion to {found.samples}; its memory is that of "
+            f"{count} samples",
+        )
+        for name, count in fewer.items()
+    ]
+    blocks = words, *_bars(_comparisons(found)), table, Facts(tuple(notes))
+    return Section("identification", "Identification", blocks)
+
+
+def _whole_time(entry: IdentificationRun, samples: int) -> str:
+    """Of the whole recording; extrapolated where fewer samples were worked on."""
+    prefix = "" if entry.samples == samples else "≈ "
+    return prefix + time_text(entry.times.median * samples)
+
+
+def _once(found: Benchmark) -> Table:
+    once: dict[str, Times] = {f"import {name}": times for name, times in found.imports.items()}
+    return Table(
+        (
+            Column("", "name"),
+            Column("median", "number", form=time_text),
+            Column("quartiles", "number", form=span_text),
+            Column("fastest", "number", form=time_text),
+        ),
+        tuple(Row((n, t.median, t.spread, t.fastest)) for n, t in {**once, **found.first_calls}.items()),
+        caption="Imports, and the first call of each verb, which records and compiles",
+    )

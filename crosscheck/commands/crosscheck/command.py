@@ -1,0 +1,123 @@
+"""`graphdyn crosscheck`: graphdyn against Pinocchio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated
+
+import typer
+
+from crosscheck.commands.crosscheck.folder import compare_folder
+from crosscheck.commands.program.console import complain, err, progress, warnings_shown
+from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.options import (
+    EXAMPLES,
+    ChainOption,
+    HtmlOption,
+    JsonOption,
+    LockOption,
+    RobotsArgument,
+    SamplesOption,
+    SchedulerOption,
+    SeedOption,
+    locked_joints,
+    workers_of,
+)
+from crosscheck.commands.program.robot_files import is_folder
+from crosscheck.commands.program.three_d import ThreeDOption, refuse_without_page, standing
+from graphdyn import GraphDynError
+
+DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
+    ("kr500", {}),
+    ("ur3", {}),
+    ("ur5", {}),
+    ("ur10", {}),
+    ("kinova", {}),
+    ("z1", {"jointGripper": 0.0}),
+)
+"""The robots of `graphdyn crosscheck` without arguments, with locked joints: six-joint arms, grippers locked."""
+
+JobsOption = Annotated[
+    int | None, typer.Option(min=1, metavar="N", help="Parallel processes for a folder; one per processor if left out.")
+]
+ResumeOption = Annotated[
+    bool, typer.Option("--resume", help="Take over the results in --json FILE whose robot and options are unchanged.")
+]
+
+EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
+  graphdyn crosscheck z1 --lock jointGripper=0 --json result.json
+  graphdyn crosscheck talos_left_arm --chain torso_2_link gripper_left_base_link
+  graphdyn crosscheck kr500 my_arm.urdf --html result.html
+  graphdyn crosscheck my_robots/ --samples 200 --json sweep.json --resume
+"""
+
+
+def run(
+    context: typer.Context,
+    robots: RobotsArgument = None,
+    samples: SamplesOption = 1000,
+    seed: SeedOption = 0,
+    lock: LockOption = None,
+    chain: ChainOption = None,
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+    resume: ResumeOption = False,
+) -> None:
+    """Compare graphdyn with Pinocchio on robots of your choice.
+
+    Every quantity is compared at random and special states: placements, torques, wrenches, multipliers, accelerations,
+    regressors, identified parameters. Without a robot, six arms are compared.
+    A folder stands for every *.urdf below it: one row per file; a file that cannot be compared does not stop the rest.
+    """
+    locked = locked_joints(lock)
+    folder = any(map(is_folder, robots or ()))
+    if (locked or chain) and (folder or len(robots or ()) != 1):
+        raise typer.BadParameter("--lock and --chain need exactly one robot, whose joints and links they name")
+    if (jobs or scheduler or resume) and not folder:
+        raise typer.BadParameter("--jobs, --scheduler and --resume are for folders")
+    if resume and (json_file is None or not json_file.is_regular):
+        raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
+    refuse_without_page(three_d, html_file)
+    if folder and three_d:
+        raise typer.BadParameter("--3d is not for folders; name the robots")
+    if folder:
+        workers = workers_of(jobs, scheduler)
+        raise typer.Exit(compare_folder(context, robots or [], samples, seed, workers, resume, json_file, html_file))
+    choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
+    from crosscheck.commands.crosscheck.report import crosscheck_report
+    from crosscheck.comparing.compare import compare
+    from crosscheck.report.report import with_stage
+
+    comparisons, failures = [], []
+    for number, (robot, frozen) in enumerate(choice, start=1):
+        title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
+        try:
+            total = _states(robot, samples, seed, frozen, chain) if err.is_terminal else None
+            with progress(title, total) as advance, warnings_shown():
+                comparisons.append(compare(robot, samples, seed, lock=frozen or None, chain=chain, progress=advance))
+        except (GraphDynError, OSError) as error:
+            complain(error, context)
+            failures.append({"robot": robot, "message": str(error)})
+    report = crosscheck_report(comparisons, failures)
+    if three_d and comparisons:
+        report = with_stage(report, [standing(one.robot, one.model, one.locked, one.chain) for one in comparisons])
+    deliver(report, html_file, json_file)
+    if failures:
+        raise typer.Exit(BAD_INPUT)
+    raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
+
+
+def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], chain: tuple[str, str] | None) -> int:
+    """Number of states that will be compared: drawing them takes a hundredth of the time of comparing them."""
+    import warnings
+
+    import urdf
+    from crosscheck.comparing.states import cases
+
+    with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
+        model = urdf.load(robot, chain=chain, lock=locked or None).uncoupled.opened
+    return sum(len(case.q) for case in cases(model, samples, seed))

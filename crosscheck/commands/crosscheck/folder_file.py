@@ -1,0 +1,88 @@
+"""The JSON file of a sweep: written as robots are finished, so that a later sweep can take over what is still valid."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from crosscheck.commands.crosscheck.record import CrosscheckRecord, sweep_record
+from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.reference.subject import content_sha256
+from crosscheck.report.json import as_bytes, plain
+from crosscheck.report.versions import versions
+from graphdyn import InvalidInput
+from urdf import InvalidXacro
+
+SHARE = 0.1
+"""Largest part of the time spent on writing: the file is always written whole, which takes long for many robots."""
+
+
+class SweepFile:
+    """Records and failures of a sweep, and the file they are written to, if any.
+
+    robots: all of them, in order; records, failures: by robot, those known so far
+    """
+
+    def __init__(
+        self,
+        file: OutputFile | None,
+        command: Sequence[str],
+        robots: Sequence[str],
+        failures: Sequence[Mapping[str, str]],
+    ):
+        self.robots, self.records = robots, dict[str, dict[str, Any]]()
+        self.failures = {failure["robot"]: failure for failure in failures}
+        self._file, self._command = file, command
+        self._not_before = 0.0
+
+    def write(self, finished: bool = False) -> None:
+        """Write everything known, unless too much time went into writing. Raises OSError.
+
+        finished: write in any case; a pipe or a device is written to only then
+        """
+        start = time.monotonic()
+        if self._file is None or (not finished and (start < self._not_before or not self._file.is_regular)):
+            return
+        unfinished = [robot for robot in self.robots if robot not in self.records and robot not in self.failures]
+        records = [self.records[robot] for robot in self.robots if robot in self.records]
+        record = sweep_record(records, list(self.failures.values()), unfinished, self._command)
+        self._file.write(as_bytes(plain(record)))
+        end = time.monotonic()
+        self._not_before = end + (end - start) * (1 / SHARE - 1)
+
+
+def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> dict[str, dict[str, Any]]:
+    """Records of an earlier sweep, by robot, that a new one would repeat: same content, states, lock and versions.
+
+    Empty where there is no file. Raises InvalidInput for a file of another format, OSError.
+    """
+    if not path.exists():
+        return {}
+    try:
+        earlier = json.loads(path.read_bytes())
+    except ValueError:
+        earlier = None
+    if not isinstance(earlier, dict) or earlier.get("format") != CrosscheckRecord.format:
+        raise InvalidInput(
+            f"--resume: {path} is not a file of the format '{CrosscheckRecord.format}'; name another, or delete it"
+        )
+    if earlier.get("versions") != versions():
+        return {}
+    wanted = {"samples": samples, "seed": seed, "locked": {}, "chain": None}
+    records = {
+        record["robot"]: record
+        for record in earlier["robots"]
+        if wanted.items() <= record.items() and record.get("file_sha256")
+    }
+    return {robot: records[robot] for robot in robots if robot in records and _unchanged(records[robot])}
+
+
+def _unchanged(record: Mapping[str, Any]) -> bool:
+    """Whether the file of a robot still has the content that was compared."""
+    try:
+        return bool(content_sha256(record["robot"]) == record["file_sha256"])
+    except (OSError, InvalidXacro):
+        return False

@@ -1,0 +1,283 @@
+"""Of `graphdyn excite`: which links were kept from hitting each other.
+
+`graphdyn excite`: planned motions and what they promise, as a report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.commands.excite.recorded import excite_record
+from crosscheck.commands.excite.sigma_bars import sigma_bars
+from crosscheck.exciting.excited import Excited, PlannedMotion
+from crosscheck.report.report import (
+    Block,
+    Column,
+    Facts,
+    Group,
+    Note,
+    Notes,
+    Panel,
+    Picture,
+    Plot,
+    Report,
+    Row,
+    Section,
+    Series,
+    State,
+    Table,
+    Verdict,
+)
+from crosscheck.report.robot_parts import locked_text, robot_picture
+from graphdyn import joint_torques
+from graphdyn.excitation import ExcitationPlan, FourierBasis, sample_times
+from graphdyn.excitation.limits import KINDS
+from graphdyn.excitation.optimizing import CHECK_RATE
+
+MOST = 3
+"""Links without shapes that are named, of either kind."""
+
+
+def collisions_text(found: Excited) -> str:
+    """One line on what was checked, and what was found."""
+    known = found.collisions
+    if known is None:
+        return "not looked at (--no-collisions)"
+    if not known.meshes:
+        return "not looked at: no shapes of links can be read"
+    poses = sum(motion.poses for motion in found.motions)
+    checked = f"{len(known.meshes)} links, {len(known.pairs)} pairs, {poses} poses at 1 kHz"
+    near = f" nearer than {1000 * known.margin:g} mm" if known.margin else ""
+    hits = ", ".join(f"{hit.name} in {hit.poses} poses" for hit in found.hits)
+    bare = [*known.missing, *known.without_shapes]
+    passed = f"; links without shapes pass unchecked: {_some(bare, ', ')}" if bare else ""
+    near += f", but for {len(known.near)} pairs that always are," if known.near else ""
+    return f"{hits or 'none'}{near} on the meshes ({checked}){passed}"
+
+
+def collision_sections(found: Excited) -> tuple[Section, ...]:
+    """What was left out, and what collides; nothing where all was checked and nothing found."""
+    known = found.collisions
+    if known is None:
+        return ()
+    notes = [
+        Note(f"{words}: {', '.join(names)}")
+        for words, names in (
+            (f"Kept from touching alone, because they are always nearer than {1000 * known.margin:g} mm", known.near),
+            ("Not checked, because they always collide", known.touching),
+            ("Not checked, because the SRDF file disables them", known.disabled),
+        )
+        if names
+    ]
+    if known.missing:
+        told = [f"{link} ({reason})" for link, reason in known.missing.items()]
+        notes.append(Note(f"Not checked, because their shapes cannot be read: {_some(told, '; ')}"))
+    if known.without_shapes:
+        notes.append(Note(f"Not checked, because the file gives them no shapes: {_some(known.without_shapes, ', ')}"))
+    rows = tuple(Row((hit.name, hit.poses, hit.first / CHECK_RATE), "disagrees") for hit in found.hits)
+    columns = (Column("links", "name"), Column("poses", "number"), Column("first", "number", "s", ".3f"))
+    blocks = (*((Table(columns, rows),) if rows else ()), *((Notes(tuple(notes)),) if notes else ()))
+    return (Section("collisions", "Collisions of links", blocks),) if blocks else ()
+
+
+def _some(told: Sequence[str], between: str) -> str:
+    others = [f"and {len(told) - MOST} others"] if len(told) > MOST else []
+    return between.join([*told[:MOST], *others])
+
+
+CURVE_RATE = 100.0
+"""[Hz] Of the curves."""
+
+STATES: dict[str, State] = {"well": "agrees", "roughly": "undecided", "not": "disagrees"}
+
+GAINS = (
+    "Where torques are measured as motor currents, a common factor on all torques of a joint, its drive gain, is in "
+    "all its parameters; no motion shows it, but a known payload on the last link does."
+)
+
+
+MORE_SEEDS = "The best random motion determines the parameters better than the one found: search from more --seeds."
+
+
+def excite_report(found: Excited, written: Sequence[str]) -> Report:
+    """written: names of the files of the motions."""
+    name, many = Path(found.robot).name, len(found.motions) > 1
+    motions = tuple(
+        Section(f"motion-{number}", f"Motion {number}" if many else "Motion", (_limits(motion), _curves(found, motion)))
+        for number, motion in enumerate(found.motions, start=1)
+    )
+    return Report(
+        f"{name}: exciting motion",
+        _verdict(found),
+        (
+            Section("plan", "", _overview(found, name, written)),
+            *motions,
+            _parameters(found),
+            *collision_sections(found),
+        ),
+        record=partial(excite_record, found, written),
+    )
+
+
+def _verdict(found: Excited) -> Verdict:
+    if found.hits:
+        most = max(found.hits, key=lambda hit: hit.poses)
+        margin = found.collisions.margin if found.collisions else 0.0
+        words, near = ("LINKS COME TOO NEAR", f" nearer than {1000 * margin:g} mm") if margin else ("LINKS COLLIDE", "")
+        return Verdict("disagrees", words, f"{most.name}{near} in {most.poses} of the poses at 1 kHz")
+    if found.violated:
+        worst = max(found.violated, key=lambda usage: usage.used)
+        return Verdict(
+            "disagrees",
+            "VIOLATES LIMITS",
+            f"{worst.kind} of {worst.name}: {100 * worst.used:.4g} % of its limit",
+        )
+    verdicts = found.plan.verdicts
+    words = ", ".join(f"{verdicts.count(word)} {told}" for word, told in _TOLD.items() if word in verdicts)
+    return Verdict("agrees", "keeps all limits", f"of {len(verdicts)} base parameters: {words}")
+
+
+_TOLD = {"well": "well determined", "roughly": "roughly", "not": "not"}
+
+
+def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block, ...]:
+    problem, plan = found.problem, found.plan
+    basis = problem.basis
+    shape = f"Fourier series of {basis.harmonics} harmonics" if isinstance(basis, FourierBasis) else "quintic B-splines"
+    if found.motions[0].seed is None:
+        shape = "as given"
+    seconds = " + ".join(f"{motion.course.duration:g}" for motion in found.motions)
+    facts = [
+        ("robot", f"{found.robot}: {problem.torque_model.model.n_bodies} joints{locked_text(found.locked)}"),
+        ("motion", f"{seconds} s, {shape}"),
+        ("noise", f"{', '.join(f'{x:.3g}' for x in problem.noise)} N m or N: {found.noise_words}; {problem.rate:g} Hz"),
+        ("minimised", found.criterion),
+        ("geometric mean σ", f"{100 * plan.geometric_mean:.3g} % of what is unknown before the experiment"),
+    ]
+    for words, other in (
+        (f"best of {found.random} random motions", found.best_random),
+        ("median random motion", found.median_random),
+        ("recorded motion", found.recorded),
+    ):
+        if other is not None:
+            facts.append((words, f"geometric mean σ {other.geometric_mean / plan.geometric_mean:.2f} × as large"))
+    facts.append(("condition number", _conditions(found)))
+    facts.append(("collisions", collisions_text(found)))
+    if written:
+        facts.append(("written to", ", ".join(written)))
+    start = found.motions[0].course.motion(np.zeros(1)).q[0]
+    return robot_picture(problem.torque_model.model, name, start), Group((Facts(tuple(facts)),))
+
+
+def _conditions(found: Excited) -> str:
+    others = [f"{found.best_random.condition_number:.3g} of the best random motion"] if found.best_random else []
+    others += [f"{found.recorded.condition_number:.3g} of the recorded one"] if found.recorded else []
+    return ", ".join([f"{found.plan.condition_number:.3g}", *others])
+
+
+def _limits(motion: PlannedMotion) -> Table:
+    """Joints by rows, kinds of limits by columns."""
+    used = {(usage.name, usage.kind): 100 * usage.used for usage in motion.usages if usage.kind != "plane"}
+    kinds = [kind for kind in KINDS if any(kind == key[1] for key in used)]
+    rows = [
+        Row((name, *(used.get((name, kind)) for kind in kinds)), _state([used.get((name, kind)) for kind in kinds]))
+        for name in dict.fromkeys(key[0] for key in used)
+    ]
+    for usage in motion.usages:
+        if usage.kind == "plane":
+            cells = (100 * usage.used, *[None] * (len(kinds) - 1))
+            rows.append(Row((usage.name, *cells), _state([100 * usage.used])))
+    return Table(
+        (Column("joint", "name"), *(Column(kind, "number", "%", ".4g") for kind in kinds)),
+        tuple(rows),
+        title="Limits used",
+        caption="largest part of each limit, at 1 kHz; of positions and planes, 100 % is at the limit",
+        failures_first=False,
+    )
+
+
+def _state(used: Sequence[float | None]) -> State:
+    return "disagrees" if any(x is not None and x > 100 for x in used) else "plain"
+
+
+def _curves(found: Excited, motion: PlannedMotion) -> Plot:
+    model = found.problem.torque_model.model
+    times = sample_times(motion.course.duration, CURVE_RATE)
+    q, v, a, _ = motion.course.motion(times)
+    names = model.independent_joints
+
+    def series(values: Any) -> tuple[Series, ...]:
+        return tuple(Series(name, values[:, j], color=j) for j, name in enumerate(names))
+
+    return Plot(
+        times,
+        "t [s]",
+        (
+            Panel("position", series(q), "rad or m"),
+            Panel("velocity", series(v), "rad/s or m/s"),
+            Panel("acceleration", series(a), "rad/s² or m/s²"),
+            Panel("torque of the bodies", series(joint_torques(model, q, v, a)), "N m or N"),
+        ),
+        f"Positions, velocities, accelerations and torques of {model.name} over {motion.course.duration:g} s",
+        on=("page",),
+    )
+
+
+def _parameters(found: Excited) -> Section:
+    plan = found.plan
+    bars = Picture(partial(sigma_bars, found=found), on=("page",))
+    sums = len(plan.only_in_sums)
+    notes = [Note(GAINS)]
+    if "not" in plan.verdicts:
+        notes.insert(0, Note("Parameters that are not determined need another motion, a longer one, or less noise."))
+    if random_is_better(found):
+        notes.insert(0, Note(MORE_SEEDS))
+    if sums:
+        notes.append(Note(f"{sums} parameters of the bodies are determined in sums alone, by whatever motion."))
+    return Section("parameters", "What the motion will determine", (_table(found), bars, Notes(tuple(notes))))
+
+
+def random_is_better(found: Excited) -> bool:
+    """Whether the search has ended in a worse motion than one of those that were drawn for comparison."""
+    searched = found.motions[0].seed is not None
+    return searched and found.best_random is not None and found.best_random.geometric_mean < found.plan.geometric_mean
+
+
+def _table(found: Excited) -> Table:
+    plan = found.plan
+    others: list[tuple[str, ExcitationPlan | None]] = [
+        ("best random", found.best_random),
+        ("median random", found.median_random),
+        ("recorded", found.recorded),
+    ]
+    there = [(title, other) for title, other in others if other is not None]
+    rows = []
+    for k, name in enumerate(plan.names):
+        verdict = plan.verdicts[k]
+        ratios = [other.sigma[k] / plan.sigma[k] for _, other in there]
+        known = plan.prior[k] if plan.prior[k] else None
+        rows.append(
+            Row(
+                (name, plan.units[k], known, plan.sigma[k], 100 * plan.relative[k],
+                 Verdict(STATES[verdict], verdict), *ratios)
+            )
+        )  # fmt: skip
+    return Table(
+        (
+            Column("base parameter", "name"),
+            Column("unit"),
+            Column("file", "number", form=".4g", meaning="value in the robot's file"),
+            Column("σ", "number", form=".2g", meaning="standard deviation after the experiment"),
+            Column("σ", "number", "%", ".2g", "of the file's value, or of the prior spread where that is more"),
+            Column("determined", "verdict"),
+            *(Column(title, "number", "× σ", ".2f", from_width=100) for title, _ in there),
+        ),
+        tuple(rows),
+        caption="for independent errors of the torques with the given noise; × σ: how many times as large with others",
+        failures_first=False,
+    )

@@ -1,0 +1,77 @@
+"""The search for an exciting motion from several seeds in parallel; the best is kept, also after an interruption."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import TYPE_CHECKING, NamedTuple
+
+from crosscheck.commands.program.console import say
+from crosscheck.distributing import LocalProcesses, Lost
+
+if TYPE_CHECKING:
+    from crosscheck.exciting.self_collision import SelfCollision
+    from graphdyn.excitation import ExcitationProblem, OptimisedMotion
+
+
+class Task(NamedTuple):
+    problem: ExcitationProblem
+    seed: int
+    collisions: SelfCollision | None
+
+
+class Found(NamedTuple):
+    """best: of the seeds that found a motion; failures: why the others did not; interrupted: before all were done"""
+
+    best: OptimisedMotion | None
+    failures: list[str]
+    interrupted: bool
+
+
+def search(task: Task) -> OptimisedMotion | str:
+    """The motion from one seed, or why there is none."""
+    from crosscheck.exciting.collision_free import collision_free
+    from graphdyn.excitation import NoFeasibleMotion, optimised
+
+    try:
+        if task.collisions is None:
+            return optimised(task.problem, task.seed)
+        return collision_free(task.problem, task.collisions, task.seed)
+    except NoFeasibleMotion as error:
+        return str(error)
+
+
+def one_by_one(tasks: list[Task]) -> Generator[tuple[int, OptimisedMotion | str]]:
+    """In this process: starting another takes longer than a search."""
+    for k, task in enumerate(tasks):
+        yield k, search(task)
+
+
+def best_of(
+    problem: ExcitationProblem,
+    collisions: SelfCollision | None,
+    seeds: range,
+    processes_used: int,
+    advance: Callable[[str, int], None],
+) -> Found:
+    """The best motion from these seeds. Raises KeyboardInterrupt where it comes before the first motion is found."""
+    tasks = [Task(problem, seed, collisions) for seed in seeds]
+    best: OptimisedMotion | None = None
+    failures = list[str]()
+    answers = LocalProcesses(processes_used).each(search, tasks) if processes_used > 1 else one_by_one(tasks)
+    try:
+        for k, outcome in answers:
+            if isinstance(outcome, Lost):
+                failures.append(f"the search from seed {tasks[k].seed} was lost: {outcome.reason}")
+            elif isinstance(outcome, str):
+                failures.append(outcome)
+            elif best is None or outcome.value < best.value:
+                best = outcome
+            advance(f"seed {tasks[k].seed}", 1)
+    except KeyboardInterrupt:
+        if best is None:
+            raise
+        say(f"interrupted: the best motion so far, of seed {best.seed}, is kept", "yellow")
+        return Found(best, failures, True)
+    finally:
+        answers.close()  # ends its processes
+    return Found(best, failures, False)

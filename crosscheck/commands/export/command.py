@@ -1,0 +1,71 @@
+"""`graphdyn export`: the rigid-body model of a robot as plain numbers."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+
+import typer
+
+from crosscheck.commands.program.console import warn, warnings_shown
+from crosscheck.commands.program.judged_functions import GravityOption
+from crosscheck.commands.program.options import EXAMPLES, ChainOption, LockOption, RobotArgument, locked_joints
+from crosscheck.commands.program.output_files import OutputFile
+
+EPILOG = f"""{EXAMPLES}  graphdyn export ur5 --to ur5.c
+  graphdyn export arm.urdf --lock gripper --to arm.m
+  graphdyn export arm.urdf --chain base_link tool0 --to arm.json
+"""
+
+ENDINGS = (".json", ".c", ".h", ".m")
+
+ToOption = Annotated[
+    OutputFile,
+    typer.Option(
+        "--to",
+        metavar="FILE",
+        parser=OutputFile,
+        help="Write to FILE, which ends in .json, .c, .h or .m; - for JSON on standard output.",
+    ),
+]
+
+
+def run(
+    robot: RobotArgument,
+    to: ToOption,
+    lock: LockOption = None,
+    chain: ChainOption = None,
+    gravity: GravityOption = None,
+) -> None:
+    """Write the model of a robot as JSON, C or MATLAB.
+
+    Joint placements and axes, masses, centers of mass, tensors, parents, gravity, named frames: as JSON, as constants
+    in C (and C++), or as a function for MATLAB and Octave. Units and frames are said in the file. Mimic joints are
+    joints like others, as in `graphdyn judge`; of a robot with loops only the tree is written.
+    """
+    ending = ".json" if to.is_standard_output else to.path.suffix.lower()
+    if ending not in ENDINGS:
+        raise typer.BadParameter(f"--to {to.name}: end the name in {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}")
+    if ending == ".m" and not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", to.path.stem):
+        raise typer.BadParameter(
+            f"--to {to.name}: a function of MATLAB has the name of its file; use letters, digits and _ alone"
+        )
+    locked = locked_joints(lock)
+    import urdf
+    from crosscheck.commands.export.c_model import c_text
+    from crosscheck.commands.export.matlab_model import matlab_text
+    from crosscheck.commands.export.record import record
+    from crosscheck.report.json import as_bytes, plain
+
+    with warnings_shown():
+        model = urdf.load(robot, lock=locked or None, chain=chain, mimic="independent", gravity=gravity)
+    if model.chords:
+        names = ", ".join(f"'{chord.name}'" for chord in model.chords)
+        warn(f"robot '{model.name}' has loops, closed by {names}, which are not written: the model is that of its tree")
+    exported = record(model, robot, locked)
+    if ending == ".json":
+        to.write(as_bytes(plain(exported)))
+    elif ending == ".m":
+        to.write(matlab_text(exported, to.path.stem).encode())
+    else:
+        to.write(c_text(exported).encode())

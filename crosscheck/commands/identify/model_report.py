@@ -1,0 +1,173 @@
+"""Of one result of an identification: its torques beside the measured ones, its parameters beside those of CAD."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from crosscheck.commands.identify.parameter_bars import parameter_bars
+from crosscheck.identifying import Identified, IdentifiedModel, TorqueCurve
+from crosscheck.identifying.results.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
+from crosscheck.report.report import NOTHING, ROOMY, Column, Panel, Picture, Plot, Row, Section, Series, Table
+from graphdyn.identification import MethodResult
+from graphdyn.layout import Array
+
+BLUE, RED, GREY = 0, 1, 7
+"""Colours of curves."""
+
+TORQUE_HEIGHT, RESIDUAL_HEIGHT = 0.8, 0.45
+"""Of the panels of a joint."""
+
+NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
+DEVIATION: dict[str, Any] = {"kind": "number", "form": ".2g"}
+
+
+def torques_section(found: Identified, shown: MethodResult) -> Section:
+    """For the page: every joint over the fitted rows and, beside it, over those held out and those kept aside."""
+    of_shown = found.model_of(shown)
+    sides = {
+        "fitted": of_shown.fit.curves(shown.name),
+        "held out": [curve for trial in of_shown.trials for curve in trial.curves(shown.name)],
+        "kept aside": [curve for trial in of_shown.aside for curve in trial.curves(shown.name)],
+    }
+    model = found.torque_model.model
+    plots = tuple(
+        _torque_plot(joint.name, j, joint.is_prismatic, side, curves)
+        for j, joint in enumerate(model.joints[k] for k in model.freedoms.independent)
+        for side, curves in sides.items()
+        if curves
+    )
+    return Section("torques", f"Torques by {of_shown.row_name(shown)}", plots)
+
+
+def _torque_plot(joint: str, j: int, prismatic: bool, side: str, curves: Sequence[TorqueCurve]) -> Plot:
+    """j: number of the joint, from 0."""
+    torque, unit = ("force", "N") if prismatic else ("torque", "N m")
+    measured, predicted = (_joined([getattr(c, name)[:, j] for c in curves]) for name in ("measured", "predicted"))
+    t, restarts = _times([curve.t for curve in curves])
+    residual = predicted - measured
+    error = f"root mean square error {np.sqrt(np.nanmean(residual**2)):.3g} {unit}"
+    return Plot(
+        t,
+        "t [s], recordings one after another" if restarts else "t [s]",
+        (
+            Panel(
+                torque,
+                (Series("measured", measured, color=GREY), Series("predicted", predicted, "dashed", color=BLUE)),
+                unit,
+                height=TORQUE_HEIGHT,
+            ),
+            Panel(
+                "predicted minus measured",
+                (Series("residual", residual, color=RED),),
+                unit,
+                height=RESIDUAL_HEIGHT,
+            ),
+        ),
+        f"Measured and predicted {torque} of {joint}; {side}: {error}",
+        f"{len(t) - len(curves) + 1} rows, {error}",
+        wide=False,
+        title=f"{joint}, {side}",
+    )
+
+
+def _times(pieces: Sequence[Array]) -> tuple[Array, bool]:
+    """Times of the pieces as _joined joins them, and whether some begin before the one in front of them ends.
+
+    Those follow it at once, so that the times do not decrease.
+    """
+    parts, shift, restarts = [pieces[0]], 0.0, False
+    for piece in pieces[1:]:
+        end = parts[-1][-1]
+        if piece[0] + shift < end:
+            shift, restarts = end - piece[0], True
+        parts += [np.array([end]), piece + shift]
+    return np.concatenate(parts), restarts
+
+
+def _joined(pieces: Sequence[Array]) -> Array:
+    """The pieces (N_k,) one after another with NaN between them."""
+    return np.concatenate([part for piece in pieces for part in (np.array([np.nan]), piece)][1:])
+
+
+def parameters_section(found: Identified, shown: MethodResult) -> Section:
+    rows = base_rows(found, shown)
+    source = _source(found, shown)
+    caption = (
+        "Base parameters, each in the torque that it makes over the fitted rows of all joints. "
+        f"Error bars: twice σ blocks. {source}."
+    )
+    return Section(
+        "parameters",
+        f"Parameters by {found.model_of(shown).row_name(shown)}",
+        (
+            Picture(lambda key: parameter_bars(key, rows, _torque_sizes(found.model_of(shown))), caption),
+            _base_parameters(rows, source, virtual=found.truth is not None),
+            _links(found, shown),
+        ),
+    )
+
+
+def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> Table:
+    """virtual: the truth is known."""
+    columns = {
+        "name": Column("base parameter", "name"),
+        "cad": Column("CAD", **NUMBER),
+        **({"truth": Column("truth", **NUMBER)} if virtual else {}),
+        "value": Column("identified", **NUMBER),
+        **({"error": Column("error", **NUMBER)} if virtual else {}),
+        "deviation": Column("σ white", **DEVIATION, from_width=ROOMY),
+        "block_deviation": Column("σ blocks", **DEVIATION),
+        "relative_deviation": Column("%σ blocks", **DEVIATION),
+        "unit": Column("unit"),
+        "symbol": Column("symbol", from_width=ROOMY),
+    }
+    return Table(
+        tuple(columns.values()),
+        tuple(Row(tuple(getattr(row, name) for name in columns)) for row in rows),
+        title="Base parameters",
+        caption=f"{source}; σ white: for white noise, σ blocks: allowing for correlation in time; CAD: the robot as "
+        "given, drives zero; symbol: Khalil's, with R where others are regrouped into it",
+    )
+
+
+def _source(found: Identified, shown: MethodResult) -> str:
+    """Whose standard deviations are shown, and whether they are a lower bound."""
+    result, source = deviations_of(found, shown)
+    if result is None:
+        return f"No σ: {source}"
+    if correlation_of(found, result).lower_bound:
+        return f"σ {source} (a lower bound: the recording is too short for its correlation)"
+    return f"σ {source}"
+
+
+def _links(found: Identified, shown: MethodResult) -> Table:
+    return Table(
+        (
+            Column("link", "name"),
+            Column("mass CAD", unit="kg", **NUMBER),
+            Column("mass", unit="kg", **NUMBER),
+            Column("center of mass CAD", "vector", "m", _position_text),
+            Column("center of mass", "vector", "m", _position_text),
+            Column("smallest pseudo-inertia eigenvalue", **DEVIATION),
+        ),
+        tuple(
+            Row((row.name, row.cad_mass, row.mass, row.cad_center, row.center, row.eigenvalue))
+            for row in body_rows(found, shown)
+        ),
+        title="Links",
+        caption="beyond the base parameters the values are those of CAD, or of the method's prior",
+    )
+
+
+def _position_text(position: Array) -> str:
+    return " ".join(f"{x:.4f}" for x in position) if np.all(np.isfinite(position)) else NOTHING
+
+
+def _torque_sizes(model: IdentifiedModel) -> Array:
+    """Root mean square torque that each base parameter makes at 1, over the rows that count (r,)."""
+    equations = model.problem.equations
+    factors = equations.factors[..., :-1]
+    return np.asarray(np.sqrt(np.sum(factors**2, axis=(0, 1)) / equations.counts.sum()))

@@ -1,0 +1,126 @@
+"""The health of the recordings of an identification: what was measured of each joint, findings, what nobody can see."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.identifying import Identified, IdentifiedModel
+from crosscheck.identifying.data_quality.data_quality import CLEAR, Health
+from crosscheck.report.report import Block, Code, Column, Note, Notes, Prose, Row, Section, Table
+from graphdyn.identification.data_quality import RecordingHealth, excitation
+
+OVER = "Lines of the file of --mapping, over those that are there"
+TOO_SHORT = "The recording is too short to tell whether signs, columns, units and delays are right."
+
+
+def health_section(found: Identified) -> Section:
+    """Empty blocks are not shown, so that a recording without findings has tables alone."""
+    health = found.health
+    if health is None:
+        blocks: tuple[Block, ...] = (Prose(TOO_SHORT),)
+    else:
+        blocks = (_joints(health.measures), *_findings(health), *_of_predicted(found), _unseen(health))
+    return Section("health", "Health of the recording", blocks)
+
+
+def _joints(measures: RecordingHealth) -> Table:
+    late = measures.lag
+    caption = (
+        "gain: of measured on predicted torque, CAD and fitted drives; in brackets where CAD explains less than "
+        f"{100 * CLEAR:.0f} % of the torque; sign: by how much the residual grows with this torque reversed, geometric "
+        f"mean over the joints; delay: of this torque behind the motion, of all {1e3 * late.common:.1f} ± "
+        f"{1e3 * late.deviation:.1f} ms; residual: ‖e‖/‖τ‖ of the fit with masses and friction not negative, and "
+        "without this bound"
+    )
+    rows = []
+    for j, name in enumerate(measures.joint_names):
+        rows.append(
+            Row(
+                (
+                    name,
+                    (measures.gains.gain[j], measures.gains.deviation[j], measures.gains.share[j]),
+                    float(np.exp(measures.sign_costs[j] / len(measures.joint_names))),
+                    (1e3 * late.joints[j], 1e3 * late.deviations[j]),
+                    100 * measures.errors[j],
+                    100 * measures.free_errors[j],
+                    100 * measures.channels.standstill[j],
+                    100 * measures.channels.clipped[j],
+                )
+            )
+        )
+    return Table(
+        (
+            Column("joint", "name"),
+            Column("gain", "number", form=_gain),
+            Column("sign", "number", "×", ".2f", meaning="residual with this torque reversed, relative"),
+            Column("delay", "number", "ms", form=_with_deviation),
+            Column("residual", "number", "%", ".3g"),
+            Column("without bounds", "number", "%", ".3g"),
+            Column("standstill", "number", "%", ".0f", meaning="rows with |v| ≤ 0.02 rad/s or m/s"),
+            Column("clipped", "number", "%", ".0f", meaning="rows with the torque held at an end of its range"),
+        ),
+        tuple(rows),
+        caption=caption,
+    )
+
+
+def _gain(numbers: tuple[float, float, float]) -> str:
+    gain, deviation, share = numbers
+    text = f"{gain:.3g} ± {deviation:.1g}"
+    return text if share >= CLEAR else f"({text})"
+
+
+def _with_deviation(numbers: tuple[float, float]) -> str:
+    return f"{numbers[0]:.1f} ± {numbers[1]:.1f}"
+
+
+def _findings(health: Health) -> list[Block]:
+    blocks: list[Block] = []
+    for finding in health.findings:
+        state = "disagrees" if finding.severity == "fault" else "undecided"
+        note = Note(f"{finding.severity}: {finding.message}; {finding.remedy}", finding.code, state=state)  # type: ignore[arg-type]
+        blocks.append(Notes((note,)))
+        if finding.lines:
+            blocks.append(Code("\n".join(finding.lines), title=OVER))
+    return blocks
+
+
+def _of_predicted(found: Identified) -> list[Block]:
+    """Findings of the recordings that are predicted and not fitted."""
+    blocks: list[Block] = []
+    for name, health in zip(found.predicted_recordings, found.validation_health, strict=True):
+        if health is None:
+            blocks.append(Prose(f"{name}, which is predicted, is too short to be examined."))
+        elif health.findings:
+            blocks += [Prose(f"Of {name}, which is predicted:"), *_findings(health)]
+    return blocks
+
+
+def _unseen(health: Health) -> Notes:
+    return Notes(
+        tuple(Note(words) for words in health.unseen), title="What this recording cannot show, and the test that would"
+    )
+
+
+def excitation_table(model: IdentifiedModel) -> Table:
+    rows = tuple(
+        Row((group.name, f"{group.determined} of {group.structural}", group.weakest))
+        for group in excitation(model.problem)
+        if group.structural
+    )
+    return Table(
+        (
+            Column("parameters", "name"),
+            Column("determined", "number", meaning="base parameters, of those that any motion could determine"),
+            Column("excitation", "number", form=".2g"),
+        ),
+        rows,
+        caption="excitation: smallest singular value of the part of the regressor that no other group can imitate, "
+        "joints weighted by their torque, columns at unit length; 1 is best",
+    )
+
+
+def doubts_sections(found: Identified) -> tuple[Section, ...]:
+    """Why no result is recommended, joint by joint; none where one is."""
+    notes = tuple(Note(words, state="disagrees") for words in found.recommendation.doubts)
+    return (Section("doubts", "Why no model is recommended", (Notes(notes),)),) if notes else ()

@@ -1,0 +1,160 @@
+"""`graphdyn identify`: what a recording determines, how each method predicts, which model to use, as a report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from crosscheck.commands.identify.method_errors import singular_values
+from crosscheck.commands.identify.methods_report import methods_section
+from crosscheck.commands.identify.model_report import parameters_section, torques_section
+from crosscheck.commands.identify.quality_report import doubts_sections, excitation_table, health_section
+from crosscheck.commands.identify.record.record import record
+from crosscheck.identifying import Identified, IdentifiedModel
+from crosscheck.identifying.results.parameters import correlation_of, deviations_of
+from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict
+from graphdyn.identification import MethodResult
+from graphdyn.identification.estimation.comparison import ENOUGH
+from graphdyn.layout import Array
+
+MOST_NAMES = 6
+"""Parameters that a terminal names of a long list; the page and --json have all."""
+
+
+def identify_report(found: Identified, shown: MethodResult | None) -> Report:
+    """shown: the result whose torques and parameters are shown; None where no method has an answer."""
+    chosen = found.recommendation
+    last_line = f"use {chosen.name}: it is {chosen.reason}" if chosen.name else f"no usable model: {chosen.reason}"
+    model = (torques_section(found, shown), parameters_section(found, shown)) if shown is not None else ()
+    return Report(
+        f"{Path(found.subject.name).name} identified",
+        _verdict(found),
+        (
+            Section("recording", "", (_overview(found, shown),)),
+            *doubts_sections(found),
+            health_section(found),
+            methods_section(found),
+            *model,
+            Section("excitation", "What the motion excites", _excitation(_model(found, shown))),
+            Section("end", "", (Prose(last_line, apart=True, on=("text",)),)),
+        ),
+        record=partial(record, found, shown),
+    )
+
+
+def _model(found: Identified, shown: MethodResult | None) -> IdentifiedModel:
+    """The torque model of the result that is shown."""
+    return found if shown is None else found.model_of(shown)
+
+
+def _verdict(found: Identified) -> Verdict:
+    chosen = found.recommendation
+    if chosen.name is None:
+        reason = chosen.reason.removesuffix(f": {'; '.join(chosen.doubts)}") if chosen.doubts else chosen.reason
+        return Verdict("disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.")
+    return Verdict("agrees", f"use {chosen.name}", f"It is {chosen.reason}.")
+
+
+def _overview(found: Identified, shown: MethodResult | None) -> Facts:
+    comparison, fit = _model(found, shown).comparison, found.division.fit.provenance
+    held_out_rows = sum(trial.n_rows for trial in found.trials)
+    of_model = f" of {_model(found, shown).name}" if _model(found, shown).name else ""
+    return Facts(
+        (
+            ("fitted", f"{found.fit.n_rows} rows of {', '.join(fit.files)}"),
+            ("held out", f"{found.division.words}, {held_out_rows} rows"),
+            *(("" if k else "prepared", step) for k, step in enumerate(fit.steps)),
+            (
+                f"parameters{of_model}",
+                f"{len(comparison.names)}, of which {comparison.rank} base parameters are determined; any motion could "
+                f"determine {comparison.structural_rank}",
+            ),
+            (
+                "condition number",
+                f"{comparison.condition_number:.3g}, joints weighted by their torque, columns at unit length",
+            ),
+            *_settings(_model(found, shown)),
+            *_without_effect(_model(found, shown)),
+            *_correlation(found, shown),
+            ("exogeneity", _model(found, shown).exogeneity),
+        )
+    )
+
+
+def _without_effect(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:
+    """Expected values that change nothing."""
+    names = ", ".join(model.problem.without_effect)
+    return (("no effect", f"expected values of {names}: the recording shows them in sums alone"),) if names else ()
+
+
+def _settings(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:
+    """Of the terms, where they were found: per joint, in brackets where the recording does not say."""
+    return tuple(
+        (
+            setting.name,
+            " ".join(
+                f"({value:.2g})" if end else f"{value:.2g}"
+                for value, end in zip(setting.values, setting.at_end, strict=True)
+            )
+            + ", fitted per joint; in brackets at the end of its range",
+        )
+        for setting in model.settings
+    )
+
+
+def _correlation(found: Identified, shown: MethodResult | None) -> tuple[tuple[str, str], ...]:
+    """What the residual says about the standard deviations that are shown."""
+    result = None if shown is None else deviations_of(found, shown)[0]
+    if result is None:
+        return ()
+    correlation = correlation_of(found, result)
+    if not correlation.time > 0:
+        return (("residuals", f"of {result.name} white"),)
+    words = (
+        f"of {result.name} correlated over {correlation.time:.2g} s at {correlation.joint}; the fitted rows are "
+        f"{correlation.times:.0f} times as long"
+    )
+    if correlation.lower_bound:
+        words += f", fewer than {ENOUGH}: σ is a lower bound"
+    return (("residuals", words),)
+
+
+def _excitation(model: IdentifiedModel) -> tuple[Block, ...]:
+    comparison = model.comparison
+    caption = (
+        "Singular values of the regressor, joints weighted by their torque, columns at unit length: a small one is a "
+        f"combination that the noise hides. Smallest accepted pivot {comparison.gap[0]:.2g}, largest rejected one "
+        f"{comparison.gap[1]:.2g}, relative to the first."
+    )
+    shared = (
+        f"{len(comparison.undetermined)} of {len(comparison.names)} parameters are determined in combinations only, or "
+        "not at all"
+    )
+    return (
+        excitation_table(model),
+        Picture(lambda key: singular_values(key, _singular_values(model)), caption),
+        *_listed("Not determined by this recording", comparison.lost, folded=False),
+        *_listed(shared, comparison.undetermined, folded=True),
+    )
+
+
+def _listed(title: str, names: Sequence[str], *, folded: bool) -> tuple[Block, ...]:
+    """A list of parameters: its beginning on the terminal, all of it on the page."""
+    if not names:
+        return ()
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return (
+        Prose(f"{title}: {'; '.join(names[:MOST_NAMES])}{more}", on=("text",)),
+        Prose("; ".join(names), title=title, on=("page",), folded=folded),
+    )
+
+
+def _singular_values(model: IdentifiedModel) -> Array:
+    """Of the regressor of the base parameters, joints weighted by their torque, columns at unit length (r,)."""
+    equations = model.problem.equations
+    size = np.sqrt(equations.measured_squares / np.maximum(equations.counts, 1))
+    r, _ = equations.weighted(np.where(size > 0, size, 1.0))
+    return np.asarray(np.linalg.svd(r / np.linalg.norm(r, axis=0), compute_uv=False))

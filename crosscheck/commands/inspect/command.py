@@ -1,0 +1,80 @@
+"""`graphdyn inspect`: what is odd or wrong about URDF files."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from crosscheck.commands.program.console import complain, err, progress
+from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.options import EXAMPLES, HtmlOption, JsonOption, robot_names
+from crosscheck.commands.program.robot_files import files_below
+from graphdyn import GraphDynError
+
+FilesArgument = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="FILE|NAME|FOLDER...",
+        help="URDF or .xacro files, names (`graphdyn robots`), or folders, searched for *.urdf.",
+        autocompletion=robot_names,
+    ),
+]
+
+MeshesOption = Annotated[
+    Literal["summary", "detail", "off"],
+    typer.Option(
+        help="Compare inertials with meshes that are found: those that do not fit, every tensor, or no mesh at all.",
+    ),
+]
+
+EPILOG = f"""{EXAMPLES}  graphdyn inspect kr500
+  graphdyn inspect my_arm.urdf --html findings.html
+  graphdyn inspect ur5 --meshes detail
+  graphdyn inspect my_robots/ --json findings.json
+"""
+
+
+def run(
+    context: typer.Context,
+    files: FilesArgument,
+    meshes: MeshesOption = "summary",
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+) -> None:
+    """Find what is odd or wrong in URDF files.
+
+    Every fault and oddity with its line, what other readers make of it, and what to do; and whether the file is good
+    for dynamics. Several files are inspected in parallel. Exit code 0: all are good for dynamics; 1: some file is
+    refused or good for kinematics only; 2: a file or folder cannot be found or read.
+    """
+    from crosscheck.commands.inspect.many_files import inspect_files
+    from crosscheck.commands.inspect.report import inspect_report
+    from urdf import inspect
+
+    robots, failures = [], []
+    for given in files:
+        try:
+            robots += _found(given)
+        except GraphDynError as error:
+            complain(error, context)
+            failures.append({"robot": given, "message": str(error)})
+    with progress("inspect", len(robots) if err.is_terminal else None) as advance:
+        reports = inspect_files(robots, advance, partial(inspect, meshes=meshes))
+    deliver(inspect_report(reports, failures), html_file, json_file)
+    if failures or any("unreadable-file" in report.codes for report in reports):
+        raise typer.Exit(BAD_INPUT)
+    raise typer.Exit(AGREED if all(report.usable for report in reports) else DISAGREED)
+
+
+def _found(given: str) -> list[str]:
+    """The files that an argument stands for. Raises RobotNotFound where there is none."""
+    from urdf.document.catalogue import locate
+
+    if Path(given).is_dir():
+        return files_below(given)
+    locate(given)
+    return [given]

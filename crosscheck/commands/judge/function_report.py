@@ -1,0 +1,142 @@
+"""One judged function: its errors against every reference implementation, over the states, and its worst call."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.judging.judgment import JudgedFunction, Judgement
+from crosscheck.report.error_tables import ERROR, distribution, over_states, verdict_of
+from crosscheck.report.pictures.spread import SpreadRow
+from crosscheck.report.report import Code, Column, Row, Section, Table
+from crosscheck.report.snippets import worst_call
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+MOST_ENTRIES = 12
+"""Of a matrix, the entries shown at most, those that differ most; the code to reproduce them has all."""
+
+
+def counted(errors: Array) -> Array:
+    """Errors that are no numbers count as infinite."""
+    return np.where(np.isnan(errors), np.inf, errors)
+
+
+def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
+    """For the page: the errors in detail, and the worst call."""
+    contests = [
+        *(SpreadRow(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
+        *(
+            SpreadRow(f"{who} against graphdyn", counted(errors), function.bound)
+            for who, errors in function.referees_differ.items()
+        ),
+    ]
+    backward = [
+        *(
+            SpreadRow(f"torques of {who}", counted(errors), function.bound)
+            for who, errors in function.backward_errors.items()
+        ),
+        *(
+            SpreadRow(f"{who} by torques of graphdyn", counted(errors), function.bound)
+            for who, errors in function.referees_differ_backward.items()
+        ),
+    ]
+    return Section(
+        function.name,
+        function.name,
+        (
+            _contests(contests, f"Errors over all states, relative to {function.scale}"),
+            *(
+                [_contests(backward, f"Backward errors over all states, relative to {function.backward_scale}")]
+                if backward
+                else []
+            ),
+            distribution([*contests, *backward]),
+            *over_states(
+                {contest.name: contest.errors for contest in [*contests, *backward]},
+                function.bound,
+                "relative error",
+                "state, the random ones first",
+                "Against every reference implementation.",
+            ),
+            *([_failed_states(function)] if function.failures else []),
+            _worst_call(judgement.model, function),
+            Code(
+                worst_call(judgement, function),
+                title="Python that computes the expected answer beside the one that was given",
+                on=("page",),
+            ),
+        ),
+        verdict_of(function.agrees, function.referees_agree),
+        sheet=True,
+    )
+
+
+def _contests(contests: Sequence[SpreadRow], caption: str) -> Table:
+    return Table(
+        (
+            Column("comparison", "name"),
+            Column("verdict", "verdict"),
+            *(Column(title, **ERROR) for title in ("median", "largest", "bound")),
+        ),
+        tuple(
+            Row((contest.name, verdict, _median(contest.errors), contest.largest, contest.bound), verdict.state)
+            for contest in contests
+            for verdict in [verdict_of(contest.agrees, decided=True)]
+        ),
+        caption=caption,
+        on=("page",),
+    )
+
+
+def _median(errors: Array) -> float:
+    """The lower one of an even number: an error that occurred."""
+    return float(np.sort(errors)[(len(errors) - 1) // 2])
+
+
+def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
+    """All entries of a vector in their order, or the MOST_ENTRIES of an array that differ most, worst first."""
+    shape = FUNCTIONS[function.name].shape
+    expected, answer = function.worst.expected, function.worst.answer
+    sizes = [size or -1 for size in FUNCTIONS[function.name].shape_for(model.n_bodies)]
+    places = list(np.ndindex(np.reshape(expected, sizes).shape))
+    chosen = list(range(min(len(expected), len(answer))))
+    if len(shape) > 1:
+        difference = [math.inf if math.isnan(y) else abs(x - y) for x, y in zip(expected, answer, strict=False)]
+        chosen = sorted(chosen, key=lambda k: difference[k], reverse=True)[:MOST_ENTRIES]
+    differ = "Both answers where they differ most"
+    of_joints = shape[:1] == ("n",)
+    axes = [Column("joint" if of_joints else "row", "name"), *[Column("column", "number")] * (len(shape) - 1)]
+    return Table(
+        (*axes[: len(shape)], *(Column(title, "number") for title in ("expected", "answer", "difference"))),
+        tuple(
+            Row(
+                (
+                    *(_place(model, of_joints, axis, number) for axis, number in enumerate(places[k])),
+                    f"{expected[k]:.9g}",
+                    f"{answer[k]:.9g}",
+                    f"{answer[k] - expected[k]:.2g}",
+                )
+            )
+            for k in chosen
+        ),
+        title="The worst call",
+        caption=differ if len(shape) <= 1 else f"Largest differences of {len(expected)} entries",
+        on=("page",),
+    )
+
+
+def _place(model: RobotModel, of_joints: bool, axis: int, number: int) -> str | int:
+    return model.joint_names[number] if of_joints and axis == 0 else number + 1
+
+
+def _failed_states(function: JudgedFunction) -> Table:
+    return Table(
+        (Column("state", "number"), Column("what it did")),
+        tuple(Row((failure.number + 1, failure.message)) for failure in function.failures),
+        title="States without an answer",
+        on=("page",),
+    )

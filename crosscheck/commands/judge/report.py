@@ -1,0 +1,197 @@
+"""`graphdyn judge`: foreign functions, and what is wrong with them, as a report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+
+from crosscheck.commands.judge.function_report import counted, function_section
+from crosscheck.commands.judge.record import record
+from crosscheck.judging.judgment import Diagnosis, Judgement
+from crosscheck.report.error_tables import ERROR, verdict_of
+from crosscheck.report.report import (
+    ROOMY,
+    Block,
+    Column,
+    Facts,
+    Group,
+    Note,
+    Notes,
+    Report,
+    Row,
+    Section,
+    Table,
+)
+from crosscheck.report.robot_parts import joints_table, locked_text, robot_picture
+from graphdyn.layout import Array
+
+MOST_STATES = 20
+"""Numbers of states without an answer that are listed at most; the page and the JSON file have all."""
+
+
+def judge_report(judgement: Judgement) -> Report:
+    """The verdict and the diagnoses, then the numbers of every function."""
+    diagnoses = tuple(block for diagnosis in judgement.diagnoses for block in _diagnosis(diagnosis))
+    return Report(
+        f"Foreign functions for {Path(judgement.robot).name}",
+        verdict_of(judgement.agrees, judgement.decided, _reason(judgement)),
+        (
+            *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
+            Section("errors", "Errors", (_errors(judgement), *_read(judgement), _to_be_known(judgement))),
+            Section("judged", "What was judged", _judged(judgement)),
+            *(function_section(judgement, function) for function in judgement.functions.values()),
+        ),
+        record=partial(record, judgement),
+    )
+
+
+def _reason(judgement: Judgement) -> str:
+    functions, referees = judgement.functions.values(), ", ".join(judgement.referees)
+    if judgement.agrees and judgement.decided:
+        return (
+            f"Every function gives the same numbers as every reference implementation ({referees}), within its bound."
+        )
+    faulty = [function for function in functions if function.referees_agree and not function.agrees]
+    wrong = ", ".join(function.name for function in faulty if not function.right_where_answered)
+    if judgement.decided:
+        other = f"{wrong}: other numbers than the reference implementations ({referees}), which agree among themselves."
+        told = [other] if wrong else []
+        if unanswered := ", ".join(function.name for function in faulty if function.failures):
+            told.append(f"{unanswered}: no answer at single states.")
+        if changing := ", ".join(function.name for function in faulty if not function.repeats):
+            told.append(f"{changing}: other answers when asked again.")
+        return " ".join(told)
+    undecided = ", ".join(function.name for function in functions if not function.referees_agree)
+    others = f" {wrong}: other numbers than all of them, which agree among themselves there." if wrong else ""
+    return (
+        f"The reference implementations ({referees}) differ among themselves on {undecided}: no verdict there.{others}"
+    )
+
+
+STANDINGS: Mapping[str, str] = {
+    "holds": "put into graphdyn, it gives the numbers of the function at all judged states",
+    "candidate": "put into graphdyn, it gives the numbers of the function at all judged states; so do others as simple",
+    "part": "it explains a part of the deviation",
+    "located": "this is where the deviation is, not its cause",
+    "unknown": "no explanation",
+}
+"""What each standing of a diagnosis means."""
+
+
+def _diagnosis(diagnosis: Diagnosis) -> tuple[Block, ...]:
+    left = (
+        f"a relative error of {diagnosis.explains:.1e}" if math.isfinite(diagnosis.explains) else "the whole deviation"
+    )
+    also = (("same numbers from", "; or ".join(diagnosis.also)),) if diagnosis.also else ()
+    apart = (("told apart by", diagnosis.apart),) if diagnosis.apart else ()
+    items = (
+        ("standing", f"{diagnosis.standing}: {STANDINGS[diagnosis.standing]}"),
+        ("evidence", diagnosis.evidence),
+        ("remedy", diagnosis.remedy),
+        *also,
+        *apart,
+        ("unexplained", left),
+    )
+    facts = Facts(items, title=f"{diagnosis.function}: {diagnosis.message} [{diagnosis.kind}]")
+    return (facts, _fitted(diagnosis)) if diagnosis.numbers else (facts,)
+
+
+def _fitted(diagnosis: Diagnosis) -> Table:
+    """The numbers that were fitted, theirs and ours."""
+    return Table(
+        (
+            Column("number", "name"),
+            *(Column(title, "number", form=".6g") for title in ("theirs", "ours", "difference")),
+            Column("unit"),
+        ),
+        tuple(
+            Row((number.name, number.theirs, number.ours, number.difference, number.unit))
+            for number in diagnosis.numbers
+        ),
+        caption="Fitted numbers: what the function must have, and what the robot has",
+    )
+
+
+def _errors(judgement: Judgement) -> Table:
+    """A row per function, two for accelerations: the largest error against every reference implementation."""
+    rows = [
+        row
+        for function in judgement.functions.values()
+        for row in (
+            (function, function.name, function.errors, function.scale),
+            (function, "backward_error", function.backward_errors, function.backward_scale),
+        )
+        if row[2]
+    ]
+    return Table(
+        (
+            Column("function", "name"),
+            Column("verdict", "verdict"),
+            *(Column(referee, **ERROR) for referee in judgement.referees),
+            Column("bound", **ERROR),
+            Column("relative to", from_width=ROOMY),
+        ),
+        tuple(
+            Row(
+                (
+                    name,
+                    verdict,
+                    *(_largest(errors, referee) for referee in judgement.referees),
+                    function.bound,
+                    scale,
+                ),
+                verdict.state,
+                link=function.name,
+            )
+            for function, name, errors, scale in rows
+            for verdict in [verdict_of(function.within(errors), function.referees_agree)]
+        ),
+        caption="Largest error over all states against each reference implementation",
+    )
+
+
+def _read(judgement: Judgement) -> tuple[Block, ...]:
+    """The conventions that the functions follow, and the states without an answer."""
+    functions = judgement.functions.values()
+    followed = tuple(
+        (function.name, ", ".join(f"{name}: {way}" for name, way in function.conventions.items()))
+        for function in functions
+        if function.conventions
+    )
+    failed = tuple(
+        (function.name, _states([failure.number + 1 for failure in function.failures]))
+        for function in functions
+        if function.failures
+    )
+    return (
+        *([Facts(followed, title="Conventions that the answers follow")] if followed else []),
+        *([Facts(failed, title="States without an answer")] if failed else []),
+    )
+
+
+def _states(numbers: list[int]) -> str:
+    """state 3; states 3, 7, 8"""
+    rest = len(numbers) - MOST_STATES
+    listed = ", ".join(map(str, numbers[:MOST_STATES])) + (f" and {rest} more" if rest > 0 else "")
+    return f"state{'s' if len(numbers) > 1 else ''} {listed}"
+
+
+def _largest(errors: Mapping[str, Array], referee: str) -> float | None:
+    return float(counted(errors[referee]).max()) if referee in errors else None
+
+
+def _to_be_known(judgement: Judgement) -> Notes:
+    return Notes(tuple(map(Note, judgement.notes)), title="To be known")
+
+
+def _judged(judgement: Judgement) -> tuple[Block, ...]:
+    model, names = judgement.model, judgement.joint_names
+    facts = (
+        ("robot", f"{judgement.robot}: {len(names)} joints{locked_text(judgement.locked)}"),
+        ("joint order", ", ".join(names)),
+        ("states", f"{judgement.samples} random states and special ones, seed {judgement.seed}"),
+        ("reference implementations", ", ".join(judgement.referees)),
+    )
+    return robot_picture(model, Path(judgement.robot).name), Group((Facts(facts), joints_table(model)))

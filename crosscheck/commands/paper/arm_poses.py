@@ -1,0 +1,107 @@
+"""The paper's arm as cylinders on its rail, with body frames and joint axes: Figures 2, 10 and 11."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup
+
+from crosscheck.report.pictures import colors
+from crosscheck.report.pictures.colors import CURVES, INK
+from crosscheck.report.pictures.stick_figure import AZIMUTH, ELEVATION, FAINT, GROUND, JOINT, LINK
+from crosscheck.report.pictures.svg import picture
+from graphdyn import MaximalState, kr500, maximal_state
+from graphdyn.equations.kinematics import joint_axes, link_origins
+from graphdyn.experiments.kr500 import LENGTHS, RADII
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SIZE = 3.7
+"""Width and height of a picture [inches]."""
+
+ROOM = ((-2.3, 2.1), (-0.9, 3.5))
+"""Of the picture's plane, around the base: the arm in all three poses [m]."""
+
+FRAME, AXIS, RAIL = 0.36, 0.75, 2.4
+"""Lengths of the body axes, half lengths of the joint axes and of the drawn part of the rail [m]."""
+
+LABEL = 11.0
+"""Of a joint's name from its origin, against e_3 of its body [points]."""
+
+CIRCLE = np.linspace(0.0, 2 * np.pi, 33)
+
+FRAME_STYLES = ((CURVES[0], "-", "e_1"), (CURVES[1], (0, (3, 1.2)), "e_2"), (CURVES[2], (0, (1, 1)), "e_3"))
+"""Colour and line of e_1, e_2, e_3."""
+
+_TOWARD = np.array([np.cos(AZIMUTH) * np.cos(ELEVATION), np.sin(AZIMUTH) * np.cos(ELEVATION), np.sin(ELEVATION)])
+_RIGHT = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])
+_VIEW = np.stack([_RIGHT, np.cross(_TOWARD, _RIGHT)])
+"""Right and up of the picture."""
+
+
+def arm_pose(key: str, title: str, q: Array, travel: float) -> Markup:
+    """The arm at joint positions q (6,) [rad], its carriage so far along the rail [m]."""
+    state = maximal_state(kr500(), q)
+    turned = ", ".join(f"joint {j} at {np.rad2deg(x):.5g}°" for j, x in enumerate(q, start=1) if x)
+    label = f"{title}: the KR500 as six cylinders on a rail, {turned or 'all joints at 0°'}, carriage at {travel:.3g} m"
+    return picture(key, label, (SIZE, SIZE), lambda axes: _draw(axes, state, travel))
+
+
+def _draw(axes: Axes, state: MaximalState, travel: float) -> None:
+    axes.set_axis_off()
+    axes.set(xlim=ROOM[0], ylim=ROOM[1])
+    _draw_rail(axes, travel)
+    origins, directions = link_origins(state), joint_axes(state)
+    middle = origins + state.rotation[:, :, 0] * np.array(LENGTHS)[:, None] / 2
+    for i in np.argsort(middle @ _TOWARD):  # the nearest last
+        _draw_cylinder(axes, origins[i], state.rotation[i], LENGTHS[i], RADII[i])
+    for origin, direction, rotation in zip(origins, directions, state.rotation, strict=True):
+        ends = origin + AXIS * np.array([[-1.0], [1.0]]) * direction
+        axes.plot(*_flat(ends), color=JOINT, linewidth=1, linestyle=(0, (7, 2, 1.5, 2)), zorder=20)
+        for column, (color, style, _) in enumerate(FRAME_STYLES):
+            tip = origin + FRAME * rotation[:, column]
+            axes.plot(*_flat(np.array([origin, tip])), color=color, linewidth=1.5, linestyle=style, zorder=21)
+            axes.plot(*_flat(tip[None]), marker="o", markersize=2.2, color=color, zorder=21)
+    for j, origin in enumerate(origins, start=1):
+        place = _flat(origin[None])[:, 0]
+        axes.plot(*place, marker="o", markersize=4.5, color="white", mec=JOINT, mew=1.2, zorder=22)
+        away = -_flat(state.rotation[j - 1, None, :, 2])[:, 0]
+        axes.annotate(
+            f"O{j}", tuple(place), xytext=tuple(LABEL * away / np.linalg.norm(away)), textcoords="offset points",
+            fontsize=7.5, color=INK, ha="center", va="center", zorder=23,
+        )  # fmt: skip
+
+
+def _draw_rail(axes: Axes, travel: float) -> None:
+    """The rail along world x under the carriage, and how far the carriage has come."""
+    for side in (-0.35, 0.35):
+        line = np.array([[-RAIL, side, 0.0], [RAIL, side, 0.0]])
+        axes.plot(*_flat(line), color=GROUND, linewidth=3, solid_capstyle="round", zorder=0)
+    end = _flat(np.array([[1.5, -0.9, 0.0]]))[:, 0]
+    axes.annotate(f"rail, x = {travel:.4g} m", tuple(end), fontsize=8, color=LINK, ha="center", zorder=1)
+    for direction, letter in zip(np.eye(3), "xyz", strict=True):
+        start = np.array([-1.5, -0.6, 0.0])
+        axes.plot(*_flat(np.array([start, start + 0.4 * direction])), color=FAINT, linewidth=1, zorder=1)
+        place = _flat((start + 0.55 * direction)[None])[:, 0]
+        axes.annotate(letter, tuple(place), fontsize=8, color=LINK, ha="center", va="center", zorder=1)
+
+
+def _draw_cylinder(axes: Axes, origin: Array, rotation: Array, length: float, radius: float) -> None:
+    """Its outline, and the outer end where the viewer sees it."""
+    from scipy.spatial import ConvexHull
+
+    ring = radius * (np.cos(CIRCLE)[:, None] * rotation[:, 1] + np.sin(CIRCLE)[:, None] * rotation[:, 2])
+    near = origin if rotation[:, 0] @ _TOWARD < 0 else origin + length * rotation[:, 0]
+    far = 2 * origin + length * rotation[:, 0] - near
+    points = np.hstack([_flat(near + ring), _flat(far + ring)]).T
+    outline = points[ConvexHull(points).vertices]
+    axes.fill(*outline.T, facecolor=colors.GROUND, edgecolor=LINK, linewidth=0.9, zorder=5)
+    axes.fill(*_flat(near + ring), facecolor=colors.FAINT, edgecolor=LINK, linewidth=0.6, zorder=5)
+
+
+def _flat(points: Array) -> Array:
+    """Orthographic projection (k, 3) → (2, k)."""
+    return _VIEW @ points.T

@@ -1,0 +1,74 @@
+"""Exit codes of the program, and which error leads to which."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from typing import Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from crosscheck.commands.program.console import complain, out, say, trace, warn
+from crosscheck.commands.program.functions import place_in_foreign_code
+from crosscheck.commands.program.output_files import OutputFile, refuse_harm
+from crosscheck.report.plain_text import printable
+from graphdyn import GraphDynError
+
+AGREED, DISAGREED, BAD_INPUT, INTERNAL_ERROR, PENDING = 0, 1, 2, 3, 4
+"""Exit codes: agreed or done; a disagreement; bad input or a file that cannot be read or written; an internal error; a
+disagreement whose cause needs answers to further questions."""
+
+BROKEN_PIPE = 141
+"""Exit code where the reader of a pipe has closed it, as shells report it: 128 + SIGPIPE."""
+
+
+class Command(TyperCommand):
+    """A command; files that it would destroy are refused before it begins, and - leaves standard output to a file."""
+
+    def invoke(self, ctx: Any) -> Any:
+        refuse_harm(ctx)
+        out.quiet = any(isinstance(file, OutputFile) and file.is_standard_output for file in ctx.params.values())
+        return super().invoke(ctx)
+
+
+class CommandGroup(TyperGroup):
+    """The commands; every error ends here, as one line and an exit code. Ctrl-C is typer's: quiet, 130."""
+
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        try:
+            return super().make_context(*arguments, **options)
+        except Exception as error:
+            raise _printable(error) from None
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            with warnings.catch_warnings():
+                warnings.showwarning = warn  # type: ignore[assignment]
+                return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise
+        except BrokenPipeError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), out.file.fileno())  # or Python warns at its exit
+            raise typer.Exit(BROKEN_PIPE) from None
+        except (GraphDynError, OSError) as error:
+            complain(error, ctx)
+            raise typer.Exit(BAD_INPUT) from None
+        except BaseException as error:
+            if hasattr(error, "exit_code"):  # typer's own: a usage error, or the end of a command
+                raise _printable(error) from None
+            trace(error, ctx)
+            message = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
+            place = place_in_foreign_code(error)
+            if place or isinstance(error, SystemExit):
+                say(f"error: {place or 'the code of another'} raised {message}", "red")
+                raise typer.Exit(BAD_INPUT) from None
+            say(f"internal error: {message}; run with --debug and report it", "red")
+            raise typer.Exit(INTERNAL_ERROR) from None
+
+
+def _printable(error: Any) -> Any:
+    """The error, where it is typer's with a message: that may repeat what was typed."""
+    if hasattr(error, "message"):
+        error.message = printable(error.message, keep="\n")
+    return error

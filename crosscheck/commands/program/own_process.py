@@ -1,0 +1,112 @@
+"""The command again in a process of its own, whose end is noticed however foreign code brings it about.
+
+Foreign code may end its process (os._exit, sys.exit, a signal, a fault in a compiled extension). An exit code alone
+cannot tell this from a result, so the process tells its exit code through a pipe when the command is complete.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import sys
+from collections.abc import Callable
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+
+import typer
+
+from crosscheck.commands.program import console
+from crosscheck.commands.program.encodings import accept_all_characters
+from crosscheck.distributing.processes import end_with_parent
+from crosscheck.judging.exchange.line_process import end_in_words
+from graphdyn import GraphDynError
+
+PATIENCE = 5.0
+"""Time that the process has to unwind before it is killed [s]."""
+
+program: Callable[[], None] | None = None
+"""Runs the command line; set by crosscheck.commands.application, whose commands this file serves."""
+
+tell: Callable[[str], None] | None = None
+"""In the process of the command: says to the program which foreign code is about to run. None in the program itself."""
+
+
+class ForeignCodeEnded(GraphDynError):
+    """Foreign code ended the process that it ran in."""
+
+
+def enter(what: str) -> None:
+    """Return where this is the process of the command. Otherwise start it, wait, and end with its exit code.
+
+    what: the foreign code that is about to run, for messages
+    Raises ForeignCodeEnded where the process ends before the command is complete; typer.Exit with its exit code.
+    """
+    if tell is not None:
+        tell(what)
+        return
+    assert program is not None
+    context = get_context("spawn")
+    ours, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=_run, args=(program, theirs))
+    process.start()
+    theirs.close()
+    try:
+        running, code = _told(process, ours)
+        process.join()
+    except BaseException:  # Ctrl-C, which the process has received as well, or SIGTERM
+        _end(process)
+        raise
+    if code is None:
+        raise ForeignCodeEnded(
+            f"the process {end_in_words(process.exitcode)} while it ran {' and '.join(running) or what}; there is no "
+            "result: a function has to return, or to raise an exception"
+        )
+    raise typer.Exit(code)
+
+
+def _told(process: BaseProcess, ours: Connection) -> tuple[list[str], int | None]:
+    """The foreign code that ran, and the exit code, None where the process ended without telling it."""
+    running: list[str] = []
+    while True:
+        wait([ours, process.sentinel])
+        try:
+            told = ours.recv() if ours.poll() else None
+        except (EOFError, OSError):
+            told = None
+        if not isinstance(told, str):
+            return running, told
+        running.append(told)
+
+
+def _end(process: BaseProcess) -> None:
+    process.terminate()
+    process.join(PATIENCE)
+    if process.exitcode is None:
+        process.kill()
+        process.join()
+
+
+def _run(again: Callable[[], None], theirs: Connection) -> None:
+    """The program, in the process of the command. A signal ends it at once: the program that started it unwinds."""
+    global tell
+    tell = theirs.send
+    end_with_parent()
+    faulthandler.enable()  # says in which line of Python a compiled extension crashed
+    accept_all_characters()
+    _keep_standard_output()
+    try:
+        again()
+    except SystemExit as end:
+        console.out.file.flush()
+        sys.stderr.flush()
+        theirs.send(end.code or 0)
+        os._exit(0)  # whatever foreign code has left to be done at exit
+
+
+def _keep_standard_output() -> None:
+    """For results alone: what foreign code prints goes to standard error, also where it is not written in Python."""
+    kept = os.dup(sys.stdout.fileno())
+    console.out.file = open(kept, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)  # noqa: SIM115
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    sys.stdout = sys.stderr

@@ -1,0 +1,114 @@
+"""`graphdyn questions`: the states of a judgement as a file, for code that is asked by files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from crosscheck.commands.program.console import out, warnings_shown
+from crosscheck.commands.program.judged_functions import (
+    BeyondLimitsOption,
+    ExternalWrenchesOption,
+    FrameOption,
+    GravityOption,
+    JointsOption,
+    names,
+)
+from crosscheck.commands.program.options import (
+    EXAMPLES,
+    ChainOption,
+    LockOption,
+    RobotArgument,
+    SamplesOption,
+    SeedOption,
+    locked_joints,
+)
+from crosscheck.commands.program.output_files import OutputFile
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from crosscheck.judging.exchange.questions import Question
+
+EPILOG = f"""{EXAMPLES}  graphdyn questions ur5 --for inverse_dynamics --out questions.csv
+  graphdyn questions arm.urdf --for inverse_dynamics,mass_matrix --out questions.json
+  graphdyn questions arm.urdf --for frame_jacobian --frame tool0 --out questions.npz
+"""
+
+ForOption = Annotated[
+    str, typer.Option("--for", metavar="NAME,NAME,…", help="The functions; `graphdyn judge --help` lists them.")
+]
+OutOption = Annotated[
+    OutputFile,
+    typer.Option(
+        "--out",
+        metavar="FILE",
+        parser=OutputFile,
+        help="Write to FILE, which ends in .csv, .json, .npz or .parquet; - for CSV on standard output.",
+    ),
+]
+
+
+def run(
+    robot: RobotArgument,
+    functions: ForOption,
+    to: OutOption,
+    frame: FrameOption = None,
+    external_wrenches: ExternalWrenchesOption = False,
+    joint_names: JointsOption = None,
+    samples: SamplesOption = 100,
+    seed: SeedOption = 0,
+    beyond_limits: BeyondLimitsOption = False,
+    lock: LockOption = None,
+    chain: ChainOption = None,
+    gravity: GravityOption = None,
+) -> None:
+    """Write the questions of a judgement to a file.
+
+    Each has an id, the name of a function and its arguments. Compute the answers with any code, write a file with
+    the id and the numbers of each answer, and give it to `graphdyn judge ROBOT --answers FILE` with the same options
+    (docs/languages.md).
+    """
+    ending = ending_of("--out", to)
+    from crosscheck.judging.exchange.rounds import Setting, first_round
+
+    setting = Setting(
+        robot=robot,
+        joint_names=names(joint_names),
+        samples=samples,
+        seed=seed,
+        beyond_limits=beyond_limits,
+        lock=locked_joints(lock) or None,
+        chain=chain,
+        gravity=gravity,
+        frame=frame,
+        external_wrenches=external_wrenches,
+    )
+    with warnings_shown():
+        asked = first_round(setting, names(functions) or [])
+    to.write(content(ending, robot, asked.joint_names, frame, asked.questions))
+    out.print(f"{len(asked.questions)} questions in {to.name}, joints in the order {', '.join(asked.joint_names)}")
+
+
+def ending_of(option: str, to: OutputFile) -> str:
+    """The ending of the file's name. Raises typer.BadParameter for one of no known form."""
+    from crosscheck.judging.exchange.questions import FORMS
+
+    endings = (".json", *FORMS)
+    ending = ".csv" if to.is_standard_output else Path(to.name).suffix.lower()
+    if ending not in endings:
+        raise typer.BadParameter(f"{option} {to.name}: end the name in {', '.join(endings[:-1])} or {endings[-1]}")
+    return ending
+
+
+def content(ending: str, robot: str, joint_names: Sequence[str], frame: str | None, asked: Sequence[Question]) -> bytes:
+    """Questions in the form of an ending."""
+    from crosscheck.commands.questions.record import record
+    from crosscheck.judging.exchange.questions import FORMS
+    from crosscheck.report.json import as_bytes, plain
+
+    if ending == ".json":
+        return as_bytes(plain(record(robot, joint_names, frame, asked)))
+    return FORMS[ending](asked)

@@ -1,0 +1,94 @@
+"""One state of a robot, as part of the record of `graphdyn show`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from crosscheck.commands.show.record import BodyPlacementRecord, FrameStateRecord, MassMotionRecord, StateRecord
+from graphdyn import (
+    InvalidInput,
+    RobotModel,
+    bias_torque,
+    center_of_mass,
+    center_of_mass_velocity,
+    frame_jacobian,
+    frame_placement,
+    frame_velocity,
+    gravity_torque,
+    kinetic_energy,
+    mass_matrix,
+    maximal_state,
+    momentum,
+    potential_energy,
+)
+from graphdyn.arguments.choices import Reference
+from graphdyn.equations.kinematics import link_origins
+from graphdyn.equations.loops.dynamics import closed
+from graphdyn.layout import Array
+from urdf.document.numbers import rpy_from_rotation
+
+
+def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference: Reference) -> StateRecord:
+    """What the robot is like at q, v (n,).
+
+    Raises UnknownFrame; InvalidInput for an unknown reference; InconsistentState, naming the loop, where q is open or v
+    opens it.
+    """
+    if model.chords:
+        closed(model, q, v)
+    mass = mass_matrix(model, q)
+    return StateRecord(
+        q=q.tolist(),
+        v=v.tolist(),
+        kinetic_energy=float(kinetic_energy(model, q, v)),
+        potential_energy=float(potential_energy(model, q)),
+        motion=_motion(model, q, v) if any(body.mass for body in model.bodies) else None,
+        gravity_torque=_at_motors(model, lambda: gravity_torque(model, q)),
+        bias_torque=_at_motors(model, lambda: bias_torque(model, q, v)),
+        mass_matrix=mass.tolist(),
+        mass_matrix_condition=float(np.linalg.cond(mass)),
+        bodies=_bodies(model, q),
+        frame=_frame(model, q, v, frame, reference),
+    )
+
+
+def _at_motors(model: RobotModel, torque: Callable[[], Array]) -> list[float] | None:
+    """None where the motors of a robot with loops are unknown or leave a motion free."""
+    try:
+        return torque().tolist()  # type: ignore[no-any-return]
+    except InvalidInput:
+        if not model.chords:
+            raise
+        return None
+
+
+def _motion(model: RobotModel, q: Array, v: Array) -> MassMotionRecord:
+    found = momentum(model, q, v)
+    return MassMotionRecord(
+        center_of_mass=center_of_mass(model, q).tolist(),
+        center_of_mass_velocity=center_of_mass_velocity(model, q, v).tolist(),
+        momentum=found.about_center_of_mass.tolist(),
+        momentum_about_origin=found.about_origin.tolist(),
+    )
+
+
+def _bodies(model: RobotModel, q: Array) -> list[BodyPlacementRecord]:
+    state = maximal_state(model, q)
+    return [
+        BodyPlacementRecord(name=name, xyz=xyz.tolist(), rpy=np.rad2deg(rpy_from_rotation(rotation)).tolist())
+        for name, xyz, rotation in zip(model.body_names, link_origins(state), state.rotation, strict=True)
+    ]
+
+
+def _frame(model: RobotModel, q: Array, v: Array, name: str, reference: Reference) -> FrameStateRecord:
+    rotation, position = frame_placement(model, q, name)
+    return FrameStateRecord(
+        name=name,
+        reference=reference,
+        xyz=position.tolist(),
+        rpy=np.rad2deg(rpy_from_rotation(rotation)).tolist(),
+        velocity=frame_velocity(model, q, v, name, reference=reference).tolist(),
+        jacobian=frame_jacobian(model, q, name, reference=reference).tolist(),
+    )

@@ -1,0 +1,207 @@
+"""`graphdyn simulate`: a robot in motion, written as a recording."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from crosscheck.commands.program.console import progress, warnings_shown
+from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.functions import foreign_function
+from crosscheck.commands.program.options import (
+    EXAMPLES,
+    HtmlOption,
+    JsonOption,
+    LockOption,
+    RobotArgument,
+    command_line,
+    locked_joints,
+)
+from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.commands.program.three_d import ThreeDOption, refuse_without_page, simulated
+
+if TYPE_CHECKING:
+    from graphdyn import RobotModel, Simulation
+
+EPILOG = f"""{EXAMPLES}  graphdyn simulate ur5 --duration 3 --html fall.html
+  graphdyn simulate arm.urdf --torque hold --velocity 0.5,0,0,0,0,0 --out run.parquet
+  graphdyn simulate arm.urdf --torque control.py:torque --friction --rate 500 --out run.mcap
+"""
+
+HOLDING = 12.0
+"""Natural frequency of the joints that --torque hold holds [rad/s], critically damped: two hertz."""
+
+MILLISECONDS = 1000
+
+TorqueOption = Annotated[
+    str,
+    typer.Option(
+        metavar="zero|hold|FILE.py:NAME",
+        help="Torque of the actuators: none; computed torque that holds the position of the start; or a function "
+        "(t, q, v) → τ, arrays of shape (n,).",
+    ),
+]
+DurationOption = Annotated[float, typer.Option(metavar="S", help="Time that is simulated [s].")]
+RateOption = Annotated[float, typer.Option(metavar="HZ", help="Rows per second of the result.")]
+PositionOption = Annotated[
+    str | None,
+    typer.Option(
+        "--position",
+        metavar="Q,Q,…",
+        help="Position at the start [rad or m]; 0 if left out. Loops are closed near it; if left out, in a regular "
+        "pose.",
+    ),
+]
+VelocityOption = Annotated[
+    str | None, typer.Option("--velocity", metavar="V,V,…", help="Velocity at the start [rad/s or m/s]; 0 if left out.")
+]
+MethodOption = Annotated[
+    str, typer.Option(metavar="dop853|rk8|rk4|euler", help="dop853 adapts its steps, the others take fixed ones.")
+]
+StepOption = Annotated[float | None, typer.Option(metavar="S", help="Width of fixed steps [s]; 0.001 if left out.")]
+FrictionOption = Annotated[bool, typer.Option("--friction", help="With the damping and friction of the file.")]
+LimitsOption = Annotated[bool, typer.Option("--limits", help="Stop at a position limit of the file.")]
+EffortsOption = Annotated[bool, typer.Option("--efforts", help="Limit torques to the efforts of the file.")]
+OutOption = Annotated[
+    OutputFile | None,
+    typer.Option(
+        metavar="FILE", parser=OutputFile, help="Write the motion to FILE: .parquet, .csv, .npz, or .mcap for ROS."
+    ),
+]
+
+STEP = 1e-3
+
+
+def run(
+    robot: RobotArgument,
+    torque: TorqueOption = "zero",
+    duration: DurationOption = 5.0,
+    rate: RateOption = 1000.0,
+    position: PositionOption = None,
+    velocity: VelocityOption = None,
+    method: MethodOption = "dop853",
+    step: StepOption = None,
+    friction: FrictionOption = False,
+    limits: LimitsOption = False,
+    efforts: EffortsOption = False,
+    lock: LockOption = None,
+    out: OutOption = None,
+    json_file: JsonOption = None,
+    html_file: HtmlOption = None,
+    three_d: ThreeDOption = False,
+) -> None:
+    """Let a robot move, and record it.
+
+    Torques of the actuators give the motion, with all reactions of the joints. The balance of energy and the closure of
+    the joints are checked and told. What --out writes is a recording that `graphdyn identify` reads; Parquet, .npz and
+    MCAP carry the URDF and all settings.
+    """
+    function = None if torque in ("zero", "hold") else foreign_function("--torque", torque)
+    if method != "dop853" and step is None:
+        step = STEP
+    if out is not None:
+        _check_suffix(out)
+    refuse_without_page(three_d, html_file)
+    if not (rate > 0 and duration > 0):
+        raise typer.BadParameter("--rate and --duration must be above zero")
+    locked = locked_joints(lock)
+    import urdf
+    from crosscheck.commands.simulate.report import SimulatedRun, simulate_report
+    from crosscheck.report.report import with_stage
+
+    with warnings_shown():
+        model = urdf.load(robot, lock=locked or None)
+    q, v = _start(model, position, velocity)
+    options = {
+        "torque": _hold(q) if torque == "hold" else function,
+        "method": method,
+        "step": step,
+        "friction": "model" if friction else None,
+        "limits": "stop" if limits else None,
+        "torque_limits": "model" if efforts else None,
+        "at": _times(duration, rate),
+    }
+    motion = _simulated(model, q, v, duration, options, robot)
+    if out is not None:
+        _write(motion, out, {"robot": robot, "locked": locked, "torque": torque, "position": q, "velocity": v})
+    shown = SimulatedRun(motion, robot, locked, torque, method, step, out.name if out else None)
+    report = simulate_report(shown)
+    if three_d:
+        report = with_stage(report, [simulated(robot, motion, locked)])
+    deliver(report, html_file, json_file)
+
+
+def _simulated(
+    model: RobotModel, q: list[float], v: list[float], duration: float, options: dict[str, Any], robot: str
+) -> Simulation:
+    from graphdyn import simulate
+
+    reached = 0
+    with progress(Path(robot).name, round(duration * MILLISECONDS)) as advance:
+
+        def tell(time: float) -> None:
+            nonlocal reached
+            now = max(round(time * MILLISECONDS), reached)
+            advance(f"{time:.3g} s", now - reached)
+            reached = now
+
+        return simulate(model, q, v, duration, progress=tell, **options)
+
+
+def _hold(position: list[float]) -> Any:
+    from graphdyn import ComputedTorqueControl
+
+    return ComputedTorqueControl(HOLDING**2, 2 * HOLDING, position)
+
+
+def _times(duration: float, rate: float) -> list[float]:
+    """Rows at the rate, and the end."""
+    count = int(duration * rate * (1 + 1e-9))
+    times = [k / rate for k in range(count + 1)]
+    return times if times[-1] >= duration * (1 - 1e-9) else [*times, duration]
+
+
+def _start(model: RobotModel, position: str | None, velocity: str | None) -> tuple[list[float], list[float]]:
+    """q and v; of a robot with loops the closed state near these, or in a regular pose. Raises typer.BadParameter."""
+    q, v = (_numbers(option, text, model) for option, text in (("--position", position), ("--velocity", velocity)))
+    if not model.chords:
+        return q, v
+    from graphdyn import assemble
+
+    closed, rate = assemble(model, model.regular_pose if position is None else q, v)
+    return closed.tolist(), rate.tolist()
+
+
+def _numbers(option: str, text: str | None, model: RobotModel) -> list[float]:
+    """One number per joint that no others drive. Raises typer.BadParameter."""
+    if text is None:
+        return [0.0] * model.n_freedoms
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"{option} {text}: numbers with commas between them are needed") from None
+    if len(numbers) != model.n_freedoms:
+        names = ", ".join(model.independent_joints)
+        raise typer.BadParameter(f"{option} has {len(numbers)} numbers for {model.n_freedoms} joints: {names}")
+    return numbers
+
+
+def _check_suffix(out: OutputFile) -> None:
+    from crosscheck.recordings.formats.motion_files import SUFFIXES
+
+    if out.is_standard_output or out.path.suffix.lower() not in SUFFIXES:
+        raise typer.BadParameter(f"--out {out.name}: name a file that ends with {', '.join(SUFFIXES)}")
+
+
+def _write(motion: Simulation, out: OutputFile, settings: dict[str, Any]) -> None:
+    """The motion as a recording, with the robot as URDF, and what it was simulated with."""
+    from crosscheck.recordings.formats.motion_files import motion_document
+    from crosscheck.report.versions import versions
+    from urdf.writing.saving import urdf_document
+
+    told = {**settings, "gravity": motion.model.gravity.tolist(), "command": command_line(), "versions": versions()}
+    metadata = {"urdf": urdf_document(motion.model).decode(), "simulation": json.dumps(told, ensure_ascii=False)}
+    out.write(motion_document(motion if motion.model.chords else motion.recording(), out.path, metadata))

@@ -1,0 +1,177 @@
+"""`graphdyn simulate`: a motion and its loads, as a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.commands.simulate.record import OccurrenceRecord, SimulatedJointRecord, SimulateRecord
+from crosscheck.report.report import Block, Column, Facts, Group, Panel, Plot, Report, Row, Section, Series, Table
+from crosscheck.report.robot_parts import locked_text, robot_picture
+from graphdyn import RobotModel, Simulation
+from graphdyn.layout import ANGULAR, LINEAR, Array
+
+SHOWN_ROWS = 2000
+"""Rows of a curve at most: more would be invisible."""
+
+
+@dataclass(frozen=True, eq=False)
+class SimulatedRun:
+    """A motion and how it came about."""
+
+    motion: Simulation
+    robot: str
+    locked: Mapping[str, float]
+    torque: str
+    method: str
+    step: float | None
+    out: str | None
+
+    def record(self, command: Sequence[str]) -> SimulateRecord:
+        motion = self.motion
+        return SimulateRecord(
+            command=command,
+            robot=self.robot,
+            locked=self.locked,
+            torque=self.torque,
+            method=self.method,
+            step=self.step,
+            duration=float(motion.time[-1]),
+            rows=len(motion.time),
+            ended=motion.ended,
+            occurrences=[OccurrenceRecord(name=event.name, time=event.time) for event in motion.occurrences],
+            energy_drift=motion.energy.drift,
+            closure_error=float(motion.closure_error().max()),
+            joints=_joints(motion),
+            out=self.out,
+        )
+
+
+def simulate_report(run: SimulatedRun) -> Report:
+    name, motion, model = Path(run.robot).name, run.motion, run.motion.model
+    return Report(
+        f"{name}, simulated",
+        None,
+        (
+            Section("motion", "", (*_overview(run, model), _loads(motion))),
+            Section("curves", "Curves", (_curves(motion),)),
+        ),
+        record=run.record,
+    )
+
+
+def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
+    motion, name = run.motion, Path(run.robot).name
+    energy = motion.energy
+    lasted = f"{motion.time[-1]:g} s, {len(motion.time)} rows"
+    steps = f"steps of {run.step:g} s" if run.step else "steps that adapt"
+    facts = [
+        ("robot", f"{run.robot}: {model.n_bodies} joints{locked_text(run.locked)}"),
+        ("time", f"{lasted}; ended by: {motion.ended}" if motion.ended else lasted),
+        ("method", f"{run.method}, {steps}"),
+        ("torque", run.torque),
+        ("balance of energy", f"to {energy.drift:.1e} of the largest kinetic energy, {energy.kinetic.max():.4g} J"),
+        ("closure", f"{_what_closes(model)} closed to {motion.closure_error().max():.1e} (m, cosines)"),
+    ]
+    if run.out:
+        facts.append(("written to", run.out))
+    return robot_picture(model, name), Group((Facts(tuple(facts)),))
+
+
+def _what_closes(model: RobotModel) -> str:
+    return "joints and loops" if model.chords else "joints"
+
+
+def _loads(motion: Simulation) -> Table:
+    number: dict[str, Any] = {"kind": "number", "form": ".4g"}
+    return Table(
+        (
+            Column("no.", "number"),
+            Column("joint", "name"),
+            Column("q from", unit="rad or m", **number),
+            Column("to", unit="rad or m", **number),
+            Column("|v|", unit="…/s", **number),
+            Column("|τ|", unit="N m or N", meaning="of the actuator", **number),
+            Column("force", unit="N", meaning="that the joint transmits", **number),
+            Column("moment", unit="N m", meaning="about the joint, that of the actuator included", **number),
+        ),
+        tuple(
+            Row(
+                (
+                    joint.number,
+                    joint.name,
+                    joint.lowest,
+                    joint.highest,
+                    joint.largest_velocity,
+                    joint.largest_torque,
+                    joint.largest_force,
+                    joint.largest_moment,
+                )
+            )
+            for joint in _joints(motion)
+        ),
+        title="Joints, and their largest speeds and loads",
+        failures_first=False,
+        repeated=2,
+    )
+
+
+def _joints(motion: Simulation) -> list[SimulatedJointRecord]:
+    wrenches, (q, v, tau) = motion.reactions.joint_wrenches, _of_all_joints(motion)
+    forces, moments = (np.linalg.norm(wrenches[..., part], axis=-1).max(axis=0) for part in (LINEAR, ANGULAR))
+    return [
+        SimulatedJointRecord(
+            number=j + 1,
+            name=joint.name,
+            prismatic=joint.is_prismatic,
+            lowest=float(q[:, j].min()),
+            highest=float(q[:, j].max()),
+            largest_velocity=float(np.abs(v[:, j]).max()),
+            largest_torque=float(np.abs(tau[:, j]).max()),
+            largest_force=_determined(forces[j]),
+            largest_moment=_determined(moments[j]),
+        )
+        for j, joint in enumerate(motion.model.joints)
+    ]
+
+
+def _determined(size: float) -> float | None:
+    return None if np.isnan(size) else float(size)
+
+
+def _of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:
+    """q, v and tau (N, n_bodies), those of joints that others drive included."""
+    freedoms, tau = motion.model.freedoms, np.zeros((len(motion.time), motion.model.n_bodies))
+    tau[:, list(freedoms.independent)] = motion.tau
+    return motion.model.joint_positions(motion.q), motion.v @ freedoms.matrix.T, tau
+
+
+def _curves(motion: Simulation) -> Plot:
+    rows = np.unique(np.linspace(0, len(motion.time) - 1, min(SHOWN_ROWS, len(motion.time))).astype(int))
+    energy, (q, v, tau) = motion.energy, _of_all_joints(motion)
+
+    def series(values: Array) -> tuple[Series, ...]:
+        return tuple(Series(name, values[rows, j], color=j) for j, name in enumerate(motion.model.joint_names))
+
+    energies = (
+        Series("kinetic", energy.kinetic[rows], color=0),
+        Series("potential", energy.potential[rows], color=1),
+        Series("work of the actuators", energy.work[rows], color=2),
+        Series("taken by friction and limits", energy.loss[rows], color=3),
+    )
+    return Plot(
+        motion.time[rows],
+        "t [s]",
+        (
+            Panel("position", series(q), "rad or m"),
+            Panel("velocity", series(v), "rad/s or m/s"),
+            Panel("torque of the actuators", series(tau), "N m or N"),
+            Panel("energy", energies, "J"),
+        ),
+        f"Positions, velocities, torques and energies of {motion.model.name} over {motion.time[-1]:g} s",
+        on=("page",),
+    )

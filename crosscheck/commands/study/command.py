@@ -1,0 +1,160 @@
+"""`graphdyn study`: identification methods compared on many simulated recordings of one robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from crosscheck.commands.program.console import Advance, progress, say, warnings_shown
+from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.ending_signals import Ended
+from crosscheck.commands.program.exits import AGREED
+from crosscheck.commands.program.options import EXAMPLES, SchedulerOption, workers_of
+from crosscheck.commands.program.output_files import OutputFile
+
+if TYPE_CHECKING:
+    from crosscheck.study.running import Progress
+    from crosscheck.study.settings.configuration import Configuration
+
+EPILOG = f"""{EXAMPLES}  graphdyn study --config small --out small
+  graphdyn study --config study.toml --out study --resume
+  graphdyn study --config study.toml --only 3f0c1a5be2d94a77:2
+"""
+
+ConfigOption = Annotated[
+    str,
+    typer.Option(
+        "--config",
+        metavar="FILE|NAME",
+        help="A TOML file, or a configuration that comes with graphdyn: small, birdy.",
+    ),
+]
+OutOption = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder of the results; that of the configuration's name if left out."),
+]
+JobsOption = Annotated[
+    int | None, typer.Option("--jobs", min=1, metavar="N", help="Processes; one per processor if left out.")
+]
+ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on with the study in --out where it was left.")]
+OnlyOption = Annotated[
+    str | None,
+    typer.Option(
+        "--only", metavar="SCENARIO:RUN", help="Compute this one run again and show its results; nothing is written."
+    ),
+]
+
+
+def run(
+    config: ConfigOption,
+    folder: OutOption = None,
+    jobs: JobsOption = None,
+    scheduler: SchedulerOption = None,
+    resume: ResumeOption = False,
+    only: OnlyOption = None,
+) -> None:
+    """Compare identification methods on many simulated recordings.
+
+    A robot with known parameters is simulated in its control loop and measured with noise, several times in each
+    scenario of a grid: noise, rates, motion, filter, errors of the model, start. Every method identifies it from the
+    same recordings. Bias, spread, errors, failures and ranks with their confidence go to DIR/study.html and study.json,
+    the single results to DIR/results.parquet, scenarios.parquet and times.parquet.
+
+    The results are the same for any number of processes. A study that was interrupted, however it was, goes on with
+    --resume. A run whose process dies is a failure of the method that is to blame, and the others go on.
+
+    Exit code 0: done; 2: bad input.
+    """
+    from crosscheck.report.versions import versions
+    from crosscheck.study.running import run_study
+    from crosscheck.study.settings.configuration import read_configuration
+
+    if only is not None and (folder is not None or jobs or scheduler or resume):
+        raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
+    study = read_configuration(config)
+    _check_own(study)
+    if only is not None:
+        _show(study, only)
+        raise typer.Exit(AGREED)
+    folder = Path(Path(config).stem) if folder is None else folder
+    workers, shown = workers_of(jobs, scheduler), _Shown()
+    try:
+        with progress("study", study.runs * len(study.scenarios)) as advance:
+            shown.advance = advance
+            run_study(
+                study,
+                folder,
+                workers,
+                resume=resume,
+                versions=versions(),
+                progress=shown,
+                tell=_tell,
+            )
+    except (KeyboardInterrupt, Ended):
+        say(f"interrupted: {shown.done} of {shown.total} runs are kept in {folder}; go on with --resume", "yellow")
+        raise
+    _report(study, config, folder)
+    raise typer.Exit(AGREED)
+
+
+def _report(study: Configuration, config: str, folder: Path) -> None:
+    """Print it, and write study.html and study.json. Raises OSError."""
+    from crosscheck.commands.study.report import study_report
+
+    def repeat(scenario: str, run: int) -> list[str]:
+        return ["graphdyn", "study", "--config", config, "--only", f"{scenario}:{run}"]
+
+    facts = [("configuration", study.file), ("robot", study.robot.name), ("seed", str(study.seed))]
+    page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
+    with warnings_shown():
+        report = study_report(folder, facts, repeat)
+    deliver(report, page, numbers)
+
+
+def _check_own(study: Configuration) -> None:
+    """Raises typer.BadParameter for an own method that cannot be used."""
+    from crosscheck.commands.identify.models import OF_A_METHOD, made
+
+    for method in study.methods:
+        if ":" in method:
+            made(f"{study.file}: methods:", method, *OF_A_METHOD)
+
+
+def _tell(line: str) -> None:
+    say(line, "yellow")
+
+
+class _Shown:
+    """Progress as a bar, with the time that is left."""
+
+    def __init__(self) -> None:
+        self.done = self.total = 0
+        self.advance: Advance = lambda what, steps: None
+
+    def __call__(self, now: Progress) -> None:
+        what = "" if now.remaining is None else f"about {_in_words(now.remaining)} left"
+        self.advance(what, now.done - self.done)
+        self.done, self.total = now.done, now.total
+
+
+def _in_words(seconds: float) -> str:
+    """In the unit that people would say."""
+    for size, unit in ((3600, "h"), (60, "min")):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{seconds:.0f} s"
+
+
+def _show(study: Configuration, only: str) -> None:
+    """The results of one run. Raises typer.BadParameter for one that the study does not have."""
+    from crosscheck.commands.study.run_report import study_run_report
+    from crosscheck.study.running import tasks_of
+    from crosscheck.study.tasks import compute
+
+    known = {f"{task.scenario.name}:{task.run}": task for task in tasks_of(study)}
+    if only not in known:
+        raise typer.BadParameter(f"--only {only}: {study.file} has no such run; it has {', '.join([*known][:3])}, …")
+    task = known[only]
+    deliver(study_run_report(task, compute(study, task)))

@@ -1,0 +1,219 @@
+"""The scenarios of a study one by one: errors, bias and spread of the parameters, and every run."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from crosscheck.commands.study.parameter_pictures import study_parameters
+from crosscheck.commands.study.words import CLASSES, interval_text, percent_text
+from crosscheck.report.plain_text import time_text
+from crosscheck.report.report import Block, Code, Column, Facts, Group, Hover, Picture, Prose, Row, Section, Table
+from crosscheck.study.statistics.grid import Grid, with_unit
+from crosscheck.study.statistics.intervals import LEVEL
+from crosscheck.study.statistics.outcomes import ERRORS, ScenarioOutcomes
+from crosscheck.study.statistics.ranking import record_ranks
+from crosscheck.study.statistics.summary import MethodSummary, StudySummary
+from graphdyn.layout import Array
+
+MOST_RUNS, MOST_DETAILED = 120, 8
+"""Runs that a page has one by one, in all; scenarios of which it has the parameters."""
+
+ROUNDING = 1e-12
+"""True values below this are zeros that were rounded [kg, m, N, s]."""
+
+HOW_BIASED = (
+    "Dots: mean of found minus true, with its {level:.0%} interval; red where zero is outside, which happens to one "
+    "parameter in twenty without any bias. Pale bars: ± standard deviation over the runs. All as parts of the standard "
+    "deviation that is usual for the parameter, the median over the methods. Linear up to 1, logarithmic beyond."
+)
+
+
+@dataclass(frozen=True)
+class ShownRuns:
+    """The first runs of every scenario are on the page."""
+
+    each: int
+
+    def key(self, scenario: int, row: int) -> str | None:
+        """Anchor of a run; None where it is not on the page."""
+        return f"run-{scenario + 1}-{row}" if row < self.each else None
+
+    def every(self, found: StudySummary) -> Iterator[tuple[int, int, str]]:
+        """Numbers of scenario and run, and the anchor, of all that are on the page."""
+        for number, scenario in enumerate(found.outcomes.scenarios):
+            for row, run in enumerate(scenario.runs[: self.each]):
+                yield number, int(run), f"run-{number + 1}-{row}"
+
+
+def shown_runs(found: StudySummary) -> ShownRuns:
+    return ShownRuns(max(1, MOST_RUNS // len(found.scenarios)))
+
+
+def scenario_sections(
+    found: StudySummary, grid: Grid, on_page: ShownRuns, repeat: Callable[[str, int], Sequence[str]]
+) -> Iterator[Section]:
+    """In the order of the grid; the first ones with their parameters."""
+    for place, number in enumerate(grid.order()):
+        scenario = found.scenarios[number]
+        outcomes = scenario.outcomes
+        in_order = [scenario.methods[k] for measures in CLASSES for k in found.methods(measures) if outcomes.taken[k]]
+        blocks: list[Block] = [_axes(outcomes), _results(outcomes, in_order)]
+        if place < MOST_DETAILED:
+            blocks += _parameters(outcomes, in_order)
+        blocks.append(_runs(number, outcomes, found, on_page, repeat))
+        yield Section(f"scenario-{number + 1}", f"Scenario: {grid.words(outcomes)}", tuple(blocks))
+
+
+def _axes(outcomes: ScenarioOutcomes) -> Facts:
+    said = [(axis.replace("_", " "), with_unit(axis, value)) for axis, value in outcomes.axes.items()]
+    return Facts((*said, ("name", outcomes.name)), title="Settings", folded=True, on=("page",))
+
+
+def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Table:
+    rows, before = [], None
+    for one in methods:
+        cells = (
+            one.method.name,
+            CLASSES[one.method.measures][1],
+            *(percent_text(one.errors[error]) for error in ERRORS),
+            f"{one.parameters.biased} of {len(outcomes.truth)}" if one.found > 1 else None,
+            _honesty(one),
+            percent_text(one.consistent),
+            percent_text(one.failed),
+            one.iterations[0],
+            one.seconds.value,
+        )
+        rows.append(Row(cells, rule=before not in (None, one.method.measures)))
+        before = one.method.measures
+    return Table(
+        (
+            Column("method", "name"),
+            Column("measured"),
+            Column("parameters", "number", "%", meaning="relative distance of the base parameters, median"),
+            Column("torque", "number", "%", meaning="of another motion, median"),
+            Column("trajectory", "number", "%", meaning="of the simulated closed loop, median"),
+            Column("biased", "number", meaning="parameters whose interval of the bias does not have zero in it"),
+            Column("σ stated / spread", "number", form=".2f", meaning="median over the parameters; 1 is honest"),
+            Column("real bodies", "number", "%"),
+            Column("failed", "number", "%"),
+            Column("iterations", "number", form=".3g", meaning="median"),
+            Column("time", "number", form=time_text, meaning="median of the processor time"),
+        ),
+        tuple(rows),
+        caption=f"{len(outcomes.runs)} runs; medians and shares with {LEVEL:.0%} intervals",
+        failures_first=False,
+        on=("page",),
+    )
+
+
+def _honesty(one: MethodSummary) -> float | None:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = one.parameters.stated / one.parameters.spread
+    ratios = ratios[np.isfinite(ratios)]
+    return float(np.median(ratios)) if len(ratios) else None
+
+
+def _parameters(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Iterator[Block]:
+    answered = [one for one in methods if one.found > 1]
+    if not answered:
+        return
+    usual = np.median([one.parameters.spread for one in answered], axis=0)
+    usual = np.where(usual > 0, usual, 1.0)
+    for measures, (title, _) in CLASSES.items():
+        of_class = [one for one in answered if one.method.measures == measures]
+        if of_class:
+            draw = partial(study_parameters, methods=of_class, scale=usual, unit="parts of the usual spread")
+            caption = HOW_BIASED.format(level=LEVEL)
+            yield Picture(draw, caption, title=f"{title}: bias and spread of the parameters", on=("page",))
+    tables = tuple(_parameter_table(outcomes, answered, what) for what in ("bias", "spread"))
+    yield Group(tables, title="Bias and spread in numbers", folded=True, on=("page",))
+
+
+def _parameter_table(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary], what: str) -> Table:
+    def cell(one: MethodSummary, k: int) -> Hover:
+        value, low, high = (getattr(one.parameters, f"{what}{end}")[k] for end in ("", "_low", "_high"))
+        return Hover(float(value), interval_text(value, low, high, ".3g"))
+
+    rows = [
+        Row((name, outcomes.base_units[k], outcomes.truth[k], *(cell(one, k) for one in methods)))
+        for k, name in enumerate(outcomes.base_names)
+    ]
+    words = {"bias": "mean of found minus true", "spread": "standard deviation over the runs"}[what]
+    return Table(
+        (
+            Column("base parameter", "name"),
+            Column("unit"),
+            Column("true", "number", form=lambda value: f"{value:.4g}" if abs(value) > ROUNDING else "0"),
+            *(Column(one.method.name, "number", form=".2g") for one in methods),
+        ),
+        tuple(rows),
+        title=what.capitalize(),
+        caption=f"{words}; its {LEVEL:.0%} interval where the pointer rests",
+        failures_first=False,
+    )
+
+
+def _runs(
+    number: int,
+    outcomes: ScenarioOutcomes,
+    found: StudySummary,
+    on_page: ShownRuns,
+    repeat: Callable[[str, int], Sequence[str]],
+) -> Group:
+    """One folded table per run, where links lead."""
+    methods = [(method.name, method.measures) for method in found.outcomes.methods]
+    ranks: dict[int, Array] = {}
+    for measures in CLASSES:
+        columns = [k for k in found.methods(measures) if outcomes.taken[k]]
+        ranks |= dict(zip(columns, record_ranks(outcomes.errors["torque_error"][:, columns]).T, strict=True))
+    groups: list[Block] = []
+    for row, run in enumerate(outcomes.runs[: on_page.each]):
+        table = _run_table(outcomes, row, methods, {k: of[row] for k, of in ranks.items()})
+        failed = int((outcomes.taken & ~outcomes.found[row]).sum())
+        title = f"run {run}{f': {failed} failed' if failed else ''}"
+        command = Code(shlex.join(repeat(outcomes.name, int(run))))
+        groups.append(Group((table, command), title=title, folded=True, key=on_page.key(number, row) or ""))
+    left = len(outcomes.runs) - len(groups)
+    more = (Prose(f"results.parquet has {left} more.", soft=True),) if left > 0 else ()
+    return Group((*groups, *more), title="Runs", on=("page",))
+
+
+def _run_table(
+    outcomes: ScenarioOutcomes, row: int, methods: Sequence[tuple[str, str]], ranks: dict[int, float]
+) -> Table:
+    rows = []
+    for k in ranks:
+        name, measures = methods[k]
+        numbers: list[Array] = [outcomes.errors[error] for error in ERRORS]
+        errors = [100 * float(values[row, k]) if outcomes.found[row, k] else None for values in numbers]
+        real = outcomes.consistent[row, k]
+        rows.append(
+            Row(
+                (
+                    name, measures, *errors, ranks[k], None if np.isnan(real) else "yes" if real else "no",
+                    outcomes.iterations[row, k], outcomes.seconds[row, k], outcomes.reasons.get((row, k), ""),
+                ),
+                "plain" if outcomes.found[row, k] else "disagrees",
+            )
+        )  # fmt: skip
+    return Table(
+        (
+            Column("method", "name"),
+            Column("measured"),
+            Column("parameters", "number", "%", ".3g"),
+            Column("torque", "number", "%", ".3g"),
+            Column("trajectory", "number", "%", ".3g"),
+            Column("rank", "number", form="g", meaning="by torque error, among those that measure the same"),
+            Column("real bodies"),
+            Column("iterations", "number", form="g"),
+            Column("time", "number", form=time_text),
+            Column("failed because"),
+        ),
+        tuple(rows),
+        failures_first=False,
+    )

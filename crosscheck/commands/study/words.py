@@ -1,0 +1,41 @@
+"""Words and numbers of the report of a study."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crosscheck.study.statistics.intervals import Interval
+from crosscheck.study.statistics.outcomes import Measures
+
+CLASSES: dict[Measures, tuple[str, str]] = {
+    "torques": ("Methods that measure torques", "torques"),
+    "wrenches": ("Methods that measure wrenches in every joint", "wrenches"),
+}
+"""In headings, in tables. The two are never compared: a wrench has six numbers where a torque is one."""
+
+ERRORS_IN_WORDS = {
+    "parameter_error": "parameter error",
+    "torque_error": "torque error",
+    "trajectory_error": "trajectory error",
+}
+
+HEADLINE = "torque_error"
+"""The error of the verdict and of the terminal: of torques of another motion, which users of a model meet first."""
+
+
+def interval_text(value: float, low: float, high: float, form: str) -> str:
+    """Such as "2.10 (1.4–3.2)"."""
+    if np.isnan(value):
+        return "–"
+    said = _text(value, form)
+    return said if np.isnan(low) else f"{said} ({_text(low, form)}–{_text(high, form)})"
+
+
+def percent_text(found: Interval, form: str = ".2g") -> str:
+    """A share or a relative error in percent, without the sign."""
+    return interval_text(100 * found.value, 100 * found.low, 100 * found.high, form)
+
+
+def _text(value: float, form: str) -> str:
+    """Without exponents for whole percents, such as 100."""
+    return "∞" if np.isinf(value) else f"{value:.0f}" if 99 < abs(value) < 1e5 else format(value, form)

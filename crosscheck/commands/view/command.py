@@ -1,0 +1,153 @@
+"""`graphdyn view`: robots in three dimensions, with the loads of their joints."""
+
+from __future__ import annotations
+
+import webbrowser
+from contextlib import suppress
+from itertools import zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from crosscheck.commands.identify.options import DropOption, MappingOption, RateOption, cutoff_of
+from crosscheck.commands.program.console import out, progress, say, warnings_shown
+from crosscheck.commands.program.options import EXAMPLES, FACES, LockOption, locked_joints, robot_names
+from crosscheck.commands.program.output_files import OutputFile
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from crosscheck.viewing.figures import Figure
+
+EPILOG = f"""{EXAMPLES}  graphdyn view ur5
+  graphdyn view ur5 --play run.parquet --html run.html
+  graphdyn view arm.urdf --play measured.csv --play simulated.parquet
+  graphdyn view ur5 ur10 --no-browser --port 8080
+"""
+
+RobotsArgument = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="ROBOT...", help="Names (`graphdyn robots`), URDF or .xacro files.", autocompletion=robot_names
+    ),
+]
+PlayOption = Annotated[
+    list[Path] | None,
+    typer.Option(
+        metavar="RUN",
+        help="Play a recording, or what `graphdyn simulate --out` wrote. Repeatable: several runs of one robot, or one "
+        "run for each robot, side by side.",
+    ),
+]
+HtmlOption = Annotated[
+    OutputFile | None,
+    typer.Option(
+        "--html",
+        metavar="FILE",
+        parser=OutputFile,
+        help="Write a page that plays without server and network to FILE, instead of serving it.",
+    ),
+]
+PortOption = Annotated[
+    int, typer.Option(min=0, max=65535, metavar="N", help="Port of 127.0.0.1 to serve at; a free one if 0.")
+]
+ActuatedOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="JOINT", help="Joint of a robot with loops that has a motor: loads depend on it. Repeatable."),
+]
+FacesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Triangles of a robot's meshes, about.")]
+NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="Print the address; open no browser.")]
+CutoffOption = Annotated[
+    str,
+    typer.Option(
+        metavar="HZ|CHANNEL=HZ,…|residual|none",
+        help="Zero-phase low-pass of recordings without velocities or accelerations, before these are derived.",
+    ),
+]
+TOLD = 6
+"""Notes on a figure that are printed."""
+
+
+def run(
+    robots: RobotsArgument,
+    play: PlayOption = None,
+    lock: LockOption = None,
+    actuated: ActuatedOption = None,
+    faces: FacesOption = FACES,
+    html_file: HtmlOption = None,
+    port: PortOption = 0,
+    no_browser: NoBrowserOption = False,
+    mapping: MappingOption = None,
+    rate: RateOption = None,
+    drop: DropOption = None,
+    cutoff: CutoffOption = "residual",
+) -> None:
+    """Show robots in three dimensions, and loads of joints.
+
+    Joints can be moved by hand. Shown at choice: reaction forces and moments of the joints as arrows to scale, actuator
+    torques, link frames, joint axes, centers of mass, inertia ellipsoids; torques, loads and multipliers as curves.
+
+    Without --html the page is served at 127.0.0.1 until Ctrl-C, and robots can be let go to fall under gravity.
+    """
+    runs = play or []
+    if runs and len(robots) not in (1, len(runs)):
+        raise typer.BadParameter(f"{len(robots)} robots and {len(runs)} runs; give one robot, or one for each run")
+    low_pass, locked = cutoff_of(cutoff), locked_joints(lock)
+    import urdf
+    from crosscheck.recordings import differentiated, load_recording
+    from crosscheck.viewing.figures import Figure
+    from crosscheck.viewing.motions import closed_instant, recorded_motion
+    from crosscheck.viewing.robots import shown_robot
+
+    def figure(name: str, path: Path | None) -> Figure:
+        robot = shown[name]
+        if path is None:
+            return Figure(Path(name).name, robot, *(closed_instant(robot.model) if robot.model.chords else ()))
+        joints = robot.model.independent_joints
+        recording = load_recording(path, mapping, joints=joints, rate=rate, drop=drop or ())
+        if recording.v is None or recording.a is None:
+            recording = differentiated(recording, low_pass)
+        return Figure(f"{Path(name).name}: {path.name}", robot, *recorded_motion(robot.model, recording))
+
+    shown = {}
+    with warnings_shown(), progress("view", len(robots) + len(runs)) as advance:
+        for name in robots:
+            model = urdf.load(name, lock=locked or None)
+            shown[name] = shown_robot(name, model.with_actuated(actuated) if actuated else model, locked, faces)
+            advance(name, 1)
+        names = robots * (len(runs) if len(robots) == 1 and runs else 1)
+        figures = []
+        for name, path in zip_longest(names, runs):
+            figures.append(figure(name, path))
+            if path is not None:
+                advance(str(path), 1)
+    for each in figures:
+        notes = (*each.notes, *each.robot.notes)
+        for note in notes[:TOLD]:
+            say(f"{each.name}: {note}")
+        if len(notes) > TOLD:
+            say(f"{each.name}: {len(notes) - TOLD} further notes, on the page")
+    title = ", ".join(dict.fromkeys(each.name for each in figures))
+    if html_file is not None:
+        from crosscheck.viewing.page import page
+
+        html_file.write(page(title, figures).encode())
+    else:
+        _serve(title, figures, port, no_browser)
+
+
+def _serve(title: str, figures: Sequence[Figure], port: int, no_browser: bool) -> None:
+    """Until Ctrl-C."""
+    from crosscheck.viewing.server import PageServer
+
+    try:
+        server = PageServer(title, figures, port)
+    except OSError as error:
+        raise typer.BadParameter(f"--port {port}: {error.strerror}; name another, or 0 for a free one") from None
+    with server:
+        out.print(f"{server.address}  (Ctrl-C ends)", soft_wrap=True)
+        if not no_browser:
+            webbrowser.open(server.address)
+        with suppress(KeyboardInterrupt):
+            server.serve_forever()

@@ -1,0 +1,240 @@
+"""The cross-check of one robot: graphdyn against Pinocchio, number by number."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import nullcontext
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from threadpoolctl import threadpool_limits
+
+from crosscheck.comparing.baseline import compare_identification
+from crosscheck.comparing.comparison import Comparison
+from crosscheck.comparing.coupled import coupled_answers, coupled_case, coupled_errors
+from crosscheck.comparing.error_record import ErrorRecord
+from crosscheck.comparing.looped import looped_case, looped_errors, why_not_closed
+from crosscheck.comparing.states import RANDOM, Case, cases, has_mass
+from crosscheck.quantities.answers import forward_answers, passive_answers
+from crosscheck.quantities.derived_answers import FEW, DerivedAnswers, derived_answers
+from crosscheck.quantities.derived_errors import derived_errors, derived_forward_errors, second_errors
+from crosscheck.quantities.errors import (
+    forward_errors,
+    frame_errors,
+    of_recursive,
+    passive_errors,
+    rank_errors,
+    torque_errors,
+)
+from crosscheck.quantities.quantities import LOOPED, QUANTITIES, RECURSIVE
+from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
+from crosscheck.reference.reference_values import RefereeValues
+from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, subject
+from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
+from graphdyn.arguments.choices import WORTH_COMPILING, Method
+from graphdyn.compiler.running import interpreted
+from graphdyn.equations.projected import singular
+from graphdyn.layout import Array
+from urdf.reading.cutting import Chain
+
+CHUNK = 250
+"""Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
+
+DERIVED_BY: tuple[Method, ...] = ("projected", "recursive")
+"""Methods whose derivatives, energies and matrices are compared."""
+
+Progress = Callable[[str, int], None]
+"""Called with the name of a case and the number of states just done."""
+
+
+def compare(
+    robot: Robot,
+    samples: int = 1000,
+    seed: int = 0,
+    *,
+    lock: Lock = None,
+    gravity: ArrayLike | None = None,
+    chain: Chain = None,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Compare all quantities at random and at special states.
+
+    Pinocchio's model of the robot is made in two ways, called routes: "urdf", where Pinocchio reads the same file, and
+    "model", where it is built from our RobotModel.
+
+    robot: name (urdf.robots), path of a URDF (both routes), or RobotModel (route "model" only, and notes say so)
+    samples: random states, to which the special ones are added. From 1000 on the recursive method is compiled, as it is
+        for batches of that size; with fewer it runs on NumPy
+    lock, gravity, chain: as in urdf.load, for names and paths only
+
+    Where joints drive each other (RobotModel.couplings), the quantities are those of the robot without couplings, and a
+    few more (quantities.COUPLED) compare the coupled one with their projection. Where chords close loops, they are
+    those of the tree, and a few more (quantities.LOOPED) compare the closed robot with constraintDynamics.
+
+    Raises InvalidInput for invalid samples or seed, and for lock, gravity or chain with a RobotModel; urdf's errors for
+    a file that cannot be loaded.
+    """
+    check_counts(samples, seed)
+    compared = subject(robot, lock, gravity, chain)
+    coupled, looped = compared.model.opened, compared.model.uncoupled
+    model = coupled.uncoupled
+    compared = replace(compared, model=model)
+    referees, notes = _referees(compared)
+    record = ErrorRecord()
+    reason = _why_not_forward(model)
+    skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
+    compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
+    with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
+        for number, chunk in enumerate(_chunks(model, samples, seed)):
+            # derivatives in the first chunk only: complex steps take long
+            _compare_chunk(record, chunk, referees, with_forward=reason is None, derive=number == 0)
+            if progress:
+                progress(chunk.name, len(chunk.q))
+        if coupled.couplings:
+            case = coupled_case(coupled, samples, seed)
+            answers = coupled_answers(case)
+            for route, referee in referees.items():
+                record.add(route, case, dict(coupled_errors(case, answers, referee, forward=reason is None)))
+        if looped.chords:
+            notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
+            if why := why_not_closed(looped):
+                skipped |= dict.fromkeys(LOOPED, why)
+            else:
+                case = looped_case(looped, samples, seed)
+                for route, referee in referees.items():
+                    record.add(route, case, dict(looped_errors(case, referee)))
+        identification = compare_identification(model, referees["model"], seed) if has_mass(model) else None
+    notes += record.singular_notes()
+    if identification:
+        record.add_identification(identification)
+    else:
+        skipped |= {quantity.name: "no body has mass: kinematics only" for quantity in QUANTITIES if quantity.massive}
+        notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
+    assert record.conditioning is not None
+    quantities = record.results()
+    if not all(quantity.agrees for quantity in quantities.values()):
+        notes += [note for referee in referees.values() for note in _reader_wrote(referee.said)]
+    return Comparison(
+        robot=compared.name,
+        file=compared.file,
+        file_sha256=compared.file_sha256,
+        model=model,
+        n_bodies=model.n_bodies,
+        samples=samples,
+        seed=seed,
+        locked=compared.locked,
+        chain=compared.chain,
+        routes=tuple(referees),
+        quantities=quantities,
+        not_compared=skipped,
+        conditioning=record.conditioning,
+        identification=identification,
+        notes=tuple(notes),
+    )
+
+
+def _referees(compared: Subject) -> tuple[dict[str, PinocchioModel], list[str]]:
+    """Pinocchio's models by route, and notes about a route that is not taken."""
+    referees = {"model": PinocchioModel.from_model(compared.model)}
+    if not compared.file:
+        return referees, ["route 'urdf' not taken: a RobotModel was given, not a file"]
+    try:
+        cut = compared.chain is not None
+        native = PinocchioModel.from_urdf(Path(compared.file), compared.model, compared.locked, cut=cut)
+    except PinocchioRefuses as refusal:
+        return referees, [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
+    return {"urdf": native, **referees}, []
+
+
+def _reader_wrote(said: Iterable[str]) -> list[str]:
+    return [f"Pinocchio's reader wrote: {line}" for line in said]
+
+
+def _chunks(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
+    for case in cases(model, samples, seed):
+        for start in range(0, len(case.q), CHUNK):
+            yield case.rows(slice(start, start + CHUNK))
+
+
+def _compare_chunk(
+    record: ErrorRecord,
+    chunk: Case,
+    referees: Mapping[str, PinocchioModel],
+    *,
+    with_forward: bool,
+    derive: bool,
+) -> None:
+    """Record all errors at these states; forward quantities only where the mass matrix is regular.
+
+    derive: whether derivatives, energies and what belongs to them are compared here
+    """
+    regular = ~singular(mass_matrix(chunk.model, chunk.q)) if with_forward else np.zeros(len(chunk.q), dtype=bool)
+    if with_forward:
+        record.count_singular(chunk.name, ~regular)
+    recursive = chunk.name == RANDOM  # compiled for one model: the special cases have many
+    passive = passive_answers(chunk, recursive=recursive)
+    at = chunk.rows(regular)
+    forward = derived = None
+    for route, referee in referees.items():
+        turned = referee.turned(chunk.turn, chunk.model.gravity)
+        tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
+        reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
+        record.add(route, chunk, passive_errors(chunk, passive, reference))
+        record.add(route, chunk, torque_errors(passive, turned))
+        if route == "urdf" and chunk.model.frames:
+            record.add(route, chunk, frame_errors(chunk, turned))
+        if derive:
+            derived = derived or {method: derived_answers(chunk, tau, regular, method) for method in DERIVED_BY}
+            _compare_derived(record, route, chunk, regular, derived, reference, turned)
+        if regular.any():
+            try:
+                if forward is None or chunk.tau is None:  # torques of a differ between the routes
+                    forward = forward_answers(at, tau[regular], recursive=recursive)
+                record.add(route, at, forward_errors(at, tau[regular], forward, reference.rows(regular), turned))
+            except np.linalg.LinAlgError:
+                record.add(route, at, _no_forward(len(at.q), recursive=recursive))
+    errors, conditioning = rank_errors(chunk, tau, regular)
+    record.add("model", chunk, errors)
+    record.condition(conditioning)
+
+
+def _compare_derived(
+    record: ErrorRecord,
+    route: str,
+    chunk: Case,
+    regular: NDArray[np.bool_],
+    ours: Mapping[Method, DerivedAnswers],
+    reference: RefereeValues,
+    referee: PinocchioModel,
+) -> None:
+    """Record the errors of derivatives, energies and what belongs to them."""
+    at, few, tau = chunk.rows(regular), chunk.rows(FEW), chunk.tau
+    assert tau is not None
+    theirs = referee.derive(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
+    regularly = {name: value[regular] for name, value in theirs.items()}
+    twice = referee.derive_twice(few.q, few.v, few.a)
+    for method, answers in ours.items():
+        named = of_recursive if method == "recursive" else dict
+        record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, theirs)))
+        record.add(route, few, named(second_errors(few, answers.second, reference.rows(FEW), twice)))
+        if regular.any():
+            errors = derived_forward_errors(at, tau[regular], answers.forward, reference.rows(regular), regularly)
+            record.add(route, at, named(errors))
+
+
+def _no_forward(count: int, *, recursive: bool) -> dict[str, Array]:
+    """Infinite errors, where a system is exactly singular: the rank quantities then show the reason."""
+    names = (quantity.name for quantity in QUANTITIES if quantity.forward and quantity.name != "kkt_rank")
+    return {name: np.full(count, np.inf) for name in names if recursive or not name.endswith(RECURSIVE)}
+
+
+def _why_not_forward(model: RobotModel) -> str | None:
+    """Why forward dynamics cannot be compared, or None. Tested at random states, which avoid special poses."""
+    q, v = model.random_state(np.random.default_rng(0), 10)
+    try:
+        forward_dynamics(model, q, v, np.zeros_like(q))
+    except SingularMassMatrix as error:
+        return str(error)
+    return None

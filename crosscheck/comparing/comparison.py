@@ -1,0 +1,114 @@
+"""The answer of a cross-check: plain data, and whether the two codes agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.comparing.baseline import BaselineIdentification
+from crosscheck.quantities.errors import Conditioning
+from crosscheck.quantities.quantities import Quantity
+from graphdyn import RobotModel
+from graphdyn.layout import Array
+
+QUANTILES = (0.0, 0.5, 0.9, 0.99, 1.0)
+"""Probabilities of QuantityResult.quantiles."""
+
+
+def part_of_bound(error: float, bound: float) -> float:
+    """Error over bound; for a bound of zero, zero without an error and else infinite."""
+    if bound == 0:
+        return math.inf if error > 0 else 0.0
+    return error / bound
+
+
+@dataclass(frozen=True)
+class WorstState:
+    """The state at which an error is largest, with the numbers to reproduce it.
+
+    q, v, a: (n,); external_wrenches: (n, 6)
+    tau: given torques (n,), or None for the torques that cause a
+    turn: rotation of base and gravity in the world (3, 3); gravity: in this case (3,) [m/s²]
+    """
+
+    route: str
+    case: str
+    q: tuple[float, ...]
+    v: tuple[float, ...]
+    a: tuple[float, ...]
+    tau: tuple[float, ...] | None
+    external_wrenches: tuple[tuple[float, ...], ...]
+    turn: tuple[tuple[float, ...], ...]
+    gravity: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class QuantityResult:
+    """One quantity over all routes, cases and samples.
+
+    errors: of every route and state, in the order of computation; NaN counts as infinite   (N,)
+    max_relative_error: the largest of them, on the scale of crosscheck.quantities.quantities
+    by_case: largest error of each case; by_route: of each route
+    """
+
+    quantity: Quantity
+    errors: Array
+    max_relative_error: float
+    by_case: Mapping[str, float]
+    by_route: Mapping[str, float]
+    worst: WorstState | None
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the largest error is within the bound."""
+        return self.max_relative_error <= self.quantity.tolerance.bound
+
+    @property
+    def part_of_bound(self) -> float:
+        """How much of its bound the largest error takes."""
+        return part_of_bound(self.max_relative_error, self.quantity.tolerance.bound)
+
+    @property
+    def quantiles(self) -> dict[str, float]:
+        """Quantiles of the errors by probability (QUANTILES); each is an error that occurred."""
+        ordered = np.sort(self.errors)
+        ranks = np.ceil(np.array(QUANTILES) * (len(ordered) - 1)).astype(int)
+        return {f"{part:g}": float(ordered[rank]) for part, rank in zip(QUANTILES, ranks, strict=True)}
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """The verdict on one robot.
+
+    robot: as given; file: path of its URDF, file_sha256: of its content; both None where a RobotModel was given
+    model: the robot that was compared
+    chain: base link and tip link where an arm was cut out of a larger robot
+    quantities: by name, in the order of the table
+    not_compared: quantities left out, with the reason
+    routes: "urdf" (Pinocchio reads the same file), "model" (Pinocchio's model is built from ours)
+    notes: what the reader must know (a file that Pinocchio refused, …)
+    """
+
+    robot: str
+    file: str | None
+    file_sha256: str | None
+    model: RobotModel
+    n_bodies: int
+    samples: int
+    seed: int
+    locked: Mapping[str, float]
+    chain: tuple[str, str] | None
+    routes: tuple[str, ...]
+    quantities: Mapping[str, QuantityResult]
+    not_compared: Mapping[str, str]
+    conditioning: Conditioning
+    identification: BaselineIdentification | None
+    notes: tuple[str, ...]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether every quantity agrees."""
+        return all(result.agrees for result in self.quantities.values())

@@ -1,0 +1,97 @@
+"""Robots with loops: graphdyn's constrained dynamics beside Pinocchio's.
+
+All other quantities are those of the tree, whose joints are free: derivatives, regressors, energies and the rest do not
+know of loops in Pinocchio.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from crosscheck.comparing.coupled import METHODS
+from crosscheck.comparing.states import ACCELERATION_RANGE, LOAD, Case
+from crosscheck.quantities.scales import acceleration_scale, largest
+from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.pinocchio_model.closed import KINDS, closed_dynamics
+from graphdyn import (
+    InvalidInput,
+    Placement,
+    RobotModel,
+    assemble,
+    forward_dynamics,
+    inverse_dynamics,
+    joint_torques,
+    mass_matrix,
+)
+from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.model.loops import loop_spaces
+from graphdyn.model.spatial import rotation_about
+
+MOST = 20
+"""Largest number of states: closing loops takes long, and the other quantities have looked at the tree."""
+
+
+def why_not_closed(model: RobotModel) -> str | None:
+    """Why Pinocchio cannot be asked about these loops."""
+    unknown = sorted({chord.kind for chord in model.chords} - set(KINDS))
+    if unknown:
+        return f"Pinocchio has no constraint for a {' or '.join(unknown)} that keeps its digits"
+    return None
+
+
+def looped_case(model: RobotModel, samples: int, seed: int) -> Case:
+    """Random closed states of a robot without couplings, with torques at all joints and loads on the bodies."""
+    rng = np.random.default_rng(seed)
+    q, v = model.random_state(rng, min(samples, MOST))
+    _, v, a = assemble(model, q, v, rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape))
+    weight = sum(body.mass for body in model.bodies) * np.linalg.norm(model.gravity)
+    wrenches = LOAD * weight * rng.uniform(-1, 1, (len(q), model.n_bodies, 6))
+    tau = joint_torques(model.opened, q, v, a) * rng.uniform(0, 2, q.shape)
+    return Case("loops", model, Placement(), q, v, a, tau, wrenches)
+
+
+def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Array]]:
+    """Name and errors (N,) of each quantity; referee: Pinocchio's model of the tree."""
+    model, loads = case.model, case.external_wrenches
+    assert case.tau is not None
+    rows = [
+        closed_dynamics(referee, model.chords, *state) for state in zip(case.q, case.v, case.tau, loads, strict=True)
+    ]
+    a, wrenches, missing = (np.array(column) for column in zip(*rows, strict=True))
+    ours = [forward_dynamics(model, case.q, case.v, case.tau, loads, method=method) for method in METHODS]
+    spaces = loop_spaces(model.loops.jacobian(model.loops.links(case.q)))
+    condition = 1 / spaces.distance  # of the rows that hold something
+    mass = mass_matrix(model, case.q)
+    scale = acceleration_scale(mass, a, case.tau, wrenches) * condition
+    yield "closed_acceleration", np.maximum.reduce([largest(answer.a - a) / scale for answer in ours])
+    inherited = np.abs(mass).sum(axis=-1).max(axis=-1) * scale * (ACCELERATION.bound / AGREEMENT.bound)
+    pins, size = _along_pins(case, wrenches), largest(wrenches) * condition + inherited + missing / AGREEMENT.bound
+    determined = [np.nan_to_num(answer.joint_wrenches - pins, nan=0.0) for answer in ours]
+    yield "closed_joint_wrench", np.maximum.reduce([largest(difference) / size for difference in determined])
+    if model.actuated is None:
+        return
+    try:
+        tau = inverse_dynamics(model, case.q, case.v, case.a, loads).tau
+    except InvalidInput:  # motors that leave a motion free
+        return
+    moved = np.array(
+        [closed_dynamics(referee, model.chords, *state)[0] for state in zip(case.q, case.v, tau, loads, strict=True)]
+    )
+    scale = acceleration_scale(mass, case.a, tau, wrenches) * condition
+    yield "motor_torque", largest(moved - case.a) / scale
+
+
+def _along_pins(case: Case, wrenches: Array) -> Array:
+    """Pinocchio's joint wrenches (N, n, 6), in link axes, along t_1, t_2, p of each joint, fixed in the inside body."""
+    model, along = case.model, np.empty_like(wrenches)
+    positions = model.joint_positions(case.q)
+    for k, joint in enumerate(model.joints):
+        triad = np.stack([*joint.axis_normals, joint.axis])
+        angle = np.zeros(len(positions)) if joint.is_prismatic else positions[:, k]
+        turned = triad @ rotation_about(joint.axis, angle)
+        for part in (LINEAR, ANGULAR):
+            along[:, k, part] = np.einsum("kab,kb->ka", turned, wrenches[:, k, part])
+    return along

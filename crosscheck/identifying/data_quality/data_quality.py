@@ -1,0 +1,249 @@
+"""The health of recordings in words: what is wrong with each joint, what undoes it, and what nobody can see."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from crosscheck.identifying.data_quality.change_words import change_in_words
+from crosscheck.identifying.data_quality.remedies import mapping_lines, recorded_columns
+from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.recordings import Recording
+from graphdyn import InvalidInput
+from graphdyn.identification import TorqueModel, Tunable
+from graphdyn.identification.data_quality import Change, Fault, RecordingHealth, TooShort, recording_health
+from graphdyn.identification.data_quality.halves import contradictions
+from graphdyn.identification.data_quality.searching import RIGHT_RATE
+from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
+
+CLIPPED = 0.01
+"""Share of clipped rows that is told."""
+
+STILL = 0.9
+"""Share of standstill from which a joint counts as one that hardly moves."""
+
+UNRELATED = 0.9
+"""Residual of the fit, in parts of the deviation of the torque from its mean, from which the two are unrelated."""
+
+CLEAR, EXACT = 0.3, 0.25
+"""A gain speaks of units where the model explains this share of the torque, and its σ is at most this part of it."""
+
+UNITS, ALIKE = 2.0, 2.5
+"""Gain from which the unit of all torques is in doubt, and the factor within which all joints must then agree: CAD that
+is wrong is wrong by another factor in each link."""
+
+FAR = 10.0
+"""Gain from which it is enough that most joints agree: CAD may be wrong in a wrist, but the heavier links, which most
+joints carry, are not ten times as heavy or as light all together."""
+
+
+@dataclass(frozen=True)
+class HealthFinding:
+    """Something about a recording.
+
+    severity: "fault": no model is recommended while it lasts; "warning": doubtful
+    joints: names; lines: of a mapping file, to be pasted over those that are there
+    """
+
+    code: str
+    severity: Literal["fault", "warning"]
+    joints: tuple[str, ...]
+    message: str
+    remedy: str
+    lines: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """Message and remedy in one line."""
+        return f"{self.message}; {self.remedy} [{self.code}]"
+
+
+@dataclass(frozen=True, eq=False)
+class Health:
+    """What is known of the recordings of the fit. measures: the numbers; unseen: in sentences"""
+
+    measures: RecordingHealth
+    findings: tuple[HealthFinding, ...]
+    unseen: tuple[str, ...]
+
+    @property
+    def faults(self) -> tuple[HealthFinding, ...]:
+        return tuple(finding for finding in self.findings if finding.severity == "fault")
+
+
+def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation) -> Health | None:
+    """Of all recordings together, with the mapping of the first; None where they are too short to tell."""
+    try:
+        parts = [preparation.pieces(recording) for recording in recordings]
+    except InvalidInput:  # too few rows to filter, which the fit then refuses
+        return None
+    try:
+        found = recording_health(
+            _row_by_row(torque_model),
+            [piece for pieces, _ in parts for piece in pieces],
+            torques=[tau for _, torques in parts for tau in torques],
+            columns=recorded_columns(recordings[0]),
+            min_speed=preparation.min_speed,
+        )
+    except TooShort:
+        return None
+    said = [*_faults(found, recordings[0]), *_of_channels(found)]
+    if not any(finding.severity == "fault" for finding in said):  # else gains and fits suffer from it
+        said += _of_fits(found) or _of_units(found)
+    return Health(found, tuple(said), _unseen(found))
+
+
+def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
+    """With Coulomb friction in place of friction with memory, and without drifts: each row stands for itself.
+
+    Settings that are to be found are as where the search starts.
+    """
+    terms = [term.make(**term.start) if isinstance(term, Tunable) else term for term in torque_model.terms]
+    terms = [term for term in terms if not isinstance(term, Drift) and not getattr(term, "has_memory", False)]
+    if torque_model.has_memory and not any(isinstance(term, Coulomb | AsymmetricCoulomb) for term in terms):
+        terms.append(Coulomb())
+    return replace(torque_model, terms=terms, expected={})
+
+
+def _faults(found: RecordingHealth, recording: Recording) -> list[HealthFinding]:
+    said = []
+    for fault in found.faults:
+        names = tuple(found.joint_names[j] for j in fault.change.joints)
+        remedy = "correct it in the mapping"
+        if fault.instead:
+            others = "; or ".join(dict.fromkeys(change_in_words(other, found.joint_names) for other in fault.instead))
+            remedy += f", unless {others}, which would fit about as well"
+        what = change_in_words(fault.change, found.joint_names, _late_by(found, fault.change))
+        message = f"{what}: undone, the equations of motion fit with {_errors(fault)}"
+        code = fault.change.kind.replace(" ", "-")
+        said.append(HealthFinding(code, "fault", names, message, remedy, mapping_lines(fault.change, recording)))
+    return said
+
+
+def _errors(fault: Fault) -> str:
+    before, after = (100 * np.exp(np.mean(np.log(errors))) for errors in (fault.before, fault.after))
+    worst = int(np.argmax(fault.before / fault.after))
+    return (
+        f"{after:.3g} % instead of {before:.3g} % (geometric mean over the joints; joint {worst + 1}: "
+        f"{100 * fault.after[worst]:.3g} % instead of {100 * fault.before[worst]:.3g} %)"
+    )
+
+
+def _late_by(found: RecordingHealth, change: Change) -> float:
+    """Standard deviation of a lag [s]."""
+    return found.lag.deviation if len(change.joints) > 1 else float(found.lag.deviations[change.joints[0]])
+
+
+def _of_channels(found: RecordingHealth) -> list[HealthFinding]:
+    names, raw, said = found.joint_names, found.channels, list[HealthFinding]()
+    for what, pairs in (("positions", raw.duplicated_positions), ("torques", raw.duplicated_torques)):
+        for i, j in pairs:
+            message = f"the {what} of {names[i]} and {names[j]} are the same signal"
+            said.append(
+                HealthFinding("duplicated", "fault", (names[i], names[j]), message, "name the right column for each")
+            )
+    for j in raw.constant_torques:
+        message = f"the torque of {names[j]} does not change"
+        said.append(
+            HealthFinding("constant-torque", "fault", (names[j],), message, "name the right column, or lock the joint")
+        )
+    explained = {j for fault in found.faults for j in fault.change.joints if fault.change.alone}
+    for j, gain in enumerate(raw.velocity_gain):
+        if abs(gain - 1) > RIGHT_RATE and j not in explained:
+            message = f"v of {names[j]} is {gain:.3g} times the rate of q"
+            remedy = "correct unit, sign or column of [v] or [q], or leave [v] out"
+            said.append(HealthFinding("velocity", "fault", (names[j],), message, remedy))
+    for j in np.flatnonzero(raw.clipped > CLIPPED).tolist():
+        if j in raw.constant_torques:
+            continue
+        message = f"the torque of {names[j]} is held at an end of its range in {100 * raw.clipped[j]:.0f} % of the rows"
+        said.append(HealthFinding("clipped", "warning", (names[j],), message, "use --drop saturation"))
+    for j in np.flatnonzero(raw.standstill > STILL).tolist():
+        message = f"{names[j]} stands still in {100 * raw.standstill[j]:.0f} % of the rows"
+        said.append(HealthFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it"))
+    return said
+
+
+def _of_units(found: RecordingHealth) -> list[HealthFinding]:
+    """Of the unit of all torques; nothing where links and drives say little."""
+    g = found.gains
+    with np.errstate(invalid="ignore"):
+        clear = np.flatnonzero((g.share >= CLEAR) & (g.deviation <= EXACT * np.abs(g.gain)))
+    if not clear.size:
+        return []
+    sizes = np.abs(g.gain[clear])
+    alike = max((sizes[(least <= sizes) & (sizes <= ALIKE * least)] for least in sizes), key=len)
+    most = 1 < len(alike) > len(clear) / 2
+    usual = float(np.median(alike if most else sizes))
+    away = max(usual, 1 / usual)
+    if away < UNITS:
+        return []
+    listed = ", ".join(f"{found.joint_names[j]} {g.gain[j]:.3g} ± {g.deviation[j]:.2g}" for j in clear)
+    message = f"measured torques are {usual:.3g} times those of CAD and drives ({listed})"
+    if most and (len(alike) == len(clear) or away >= FAR):
+        remedy = (
+            "give their unit, or their gain in N m at the joint; torques at the motors need "
+            '[transmission] and side = "motor"; if the unit is right, the masses of the robot\'s file are not'
+        )
+        lines = ("[tau]", f"gain = {1 / usual:.6g}  # times the gain that is there")
+        return [HealthFinding("torque-unit", "fault", found.joint_names, message, remedy, lines)]
+    remedy = "check unit and gains, and the masses of the robot's file: the joints do not agree on a factor"
+    return [HealthFinding("torque-unit", "warning", found.joint_names, message, remedy)]
+
+
+def _of_fits(found: RecordingHealth) -> list[HealthFinding]:
+    said = []
+    contradicted = contradictions(found.halves)
+    for j, name in enumerate(found.joint_names):
+        common, own = found.halves[:, 0, j], found.halves[:, 1, j]
+        if contradicted[:, j].any():
+            half = int(np.argmax(common / own))
+            message = (
+                f"the two halves of the recording contradict each other at {name}: {100 * common[half]:.3g} % in the "
+                f"{('first', 'second')[half]} half by the common fit, {100 * own[half]:.3g} % by its own"
+            )
+            remedy = "something changed in between (load, sign, controller, slipping belt): use one part, by --split"
+            said.append(HealthFinding("halves", "fault", (name,), message, remedy))
+        elif found.variation[j] > 0 and found.free_errors[j] > UNRELATED * found.variation[j]:
+            message = (
+                f"the torque of {name} has nothing to do with the motion: no parameters leave less than "
+                f"{100 * found.free_errors[j] / found.variation[j]:.0f} % of its variation"
+            )
+            remedy = "check its column; it may be noise around a mean, or another signal"
+            said.append(HealthFinding("unrelated", "fault", (name,), message, remedy))
+    return said
+
+
+def _unseen(found: RecordingHealth) -> tuple[str, ...]:
+    """What would fit as well, and the test that would show it."""
+    said = []
+    names = found.joint_names
+    by_kind: dict[str, list[Change]] = {}
+    for change in found.unseen:
+        by_kind.setdefault(change.kind, []).append(change)
+    zeros = _joints(by_kind.pop("zero", ()), names)
+    if zeros:
+        said.append(
+            f"zero of {zeros} off by quarter turns; move to the zero pose and compare it with the picture of the URDF"
+        )
+    reversed_ = _joints(by_kind.pop("reversed joint", ()), names)
+    if reversed_:
+        said.append(
+            f"sign of the gear of {reversed_}, position and torque reversed together; jog the joint forth and look "
+            "which way it turns"
+        )
+    for change in (change for changes in by_kind.values() for change in changes):
+        said.append(f"whether {change_in_words(change, names)}; move that joint alone, and look at the columns")
+    said.append(
+        "the URDF of a similar robot, whose kinematics fit nearly as well; measure the flange in a few poses, and "
+        "compare identified parameters with CAD in σ (table of parameters)"
+    )
+    return tuple(dict.fromkeys(said))
+
+
+def _joints(changes: Sequence[Change], names: Sequence[str]) -> str:
+    numbers = dict.fromkeys(j for change in changes for j in change.joints)
+    return ", ".join(names[j] for j in numbers)

@@ -1,0 +1,75 @@
+"""Torque models to be compared, and beside each the links of CAD with the same drives, which every fit has to beat."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from numpy.typing import ArrayLike
+
+from crosscheck.identifying.methods.methods import STANDARD_METHODS
+from graphdyn import InvalidInput, RobotModel
+from graphdyn.identification import Estimator, TorqueModel, WeightedLeastSquares
+from graphdyn.identification.terms import KnownBodies, KnownTerm, Offset, RigidBodies, Term
+from graphdyn.identification.terms.term import CarriesBodies
+
+CAD = "CAD links"
+
+
+@dataclass(frozen=True, eq=False)
+class CandidateModel:
+    """A torque model and the methods that identify it.
+
+    name: for tables; may be empty where there is only one
+    terms: unknown parts of the torque; known: known parts, which are subtracted
+    methods: names (METHODS) or estimators
+    cad_of: as in IdentifiedModel
+    expected, noise: as in TorqueModel
+    """
+
+    name: str
+    terms: Sequence[Term]
+    known: Sequence[KnownTerm] = ()
+    methods: Sequence[str | Estimator] = STANDARD_METHODS
+    cad_of: str | None = None
+    expected: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    noise: ArrayLike | None = None
+
+    def of(self, robot: RobotModel) -> TorqueModel:
+        """The torque model of a robot."""
+        expected = self.expected
+        if self.cad_of is not None:  # of the drives; the links are known
+            symbols = {column.symbol for column in TorqueModel(robot, self.terms).columns}
+            expected = {symbol: value for symbol, value in expected.items() if symbol in symbols}
+        return TorqueModel(robot, self.terms, self.known, expected, self.noise)
+
+
+def with_links_of_cad(models: Sequence[CandidateModel]) -> list[CandidateModel]:
+    """Each model followed by that with known links, unless they are known already.
+
+    Raises InvalidInput without a model, and for two of the same name.
+    """
+    names = [model.name for model in models]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice or not names:
+        what = f"two torque models are called '{twice[0]}'" if twice else "there is no torque model"
+        raise InvalidInput(f"{what}; give at least one, each with a name of its own")
+    everything = []
+    for model in models:
+        everything.append(model)
+        if any(isinstance(term, RigidBodies) for term in model.terms):
+            everything.append(_links_of_cad(model))
+    return everything
+
+
+def _links_of_cad(model: CandidateModel) -> CandidateModel:
+    drives = tuple(term for term in model.terms if not isinstance(term, CarriesBodies)) or (Offset(),)
+    name = f"{model.name}, {CAD}" if model.name else CAD
+    return replace(
+        model,
+        name=name,
+        terms=drives,
+        known=(KnownBodies(), *model.known),
+        methods=(WeightedLeastSquares(),),
+        cad_of=model.name,
+    )

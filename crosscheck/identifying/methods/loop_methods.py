@@ -1,0 +1,81 @@
+"""Methods that simulate the control loop of the recording, and what its simulation says about the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.recordings import Recording
+from graphdyn import EstimationFailed
+from graphdyn.identification import (
+    ClosedLoop,
+    ClosedLoopOutputError,
+    DirectInverse,
+    Estimator,
+    InstrumentalVariables,
+    MethodComparison,
+    Problem,
+)
+from graphdyn.identification.closed_loop import SimulatedLoop
+from graphdyn.identification.closed_loop.exogeneity import EXOGENEITY, Exogeneity, exogeneity
+
+IN_LOOP = (InstrumentalVariables, DirectInverse, ClosedLoopOutputError)
+
+
+def as_prepared(loop: ClosedLoop | None, preparation: Preparation, recording: Recording) -> ClosedLoop | None:
+    """The loop with what the preparation does to torques and motions."""
+    if loop is None:
+        return None
+    return replace(loop, torque_hold=preparation.torque_hold, differentiation=preparation.differentiation(recording))
+
+
+def in_loop(estimators: Sequence[Estimator], loop: ClosedLoop | None) -> list[Estimator]:
+    """The estimators; those that simulate the loop and know none are given it."""
+    return [
+        replace(estimator, loop=loop) if isinstance(estimator, IN_LOOP) and estimator.loop is None else estimator
+        for estimator in estimators
+    ]
+
+
+NO_LOOP = "not tested: the test needs the simulated loop of the recording (controller and reference)"
+"""What is said of the exogeneity of the regressor where no loop is known."""
+
+
+def with_exogeneity(
+    comparison: MethodComparison, problem: Problem, loop: ClosedLoop | None
+) -> tuple[MethodComparison, str]:
+    """The test of the regressor in every result, with instruments from the first that the loop holds; and in words.
+
+    Without a loop the comparison is as it was. Where the loop holds no result, every result says why there is no test.
+    """
+    if loop is None:
+        return comparison, NO_LOOP
+    test = _test(comparison, problem, loop)
+    if isinstance(test, str):
+        words, settings = f"exogeneity of the regressor not tested: {test}", {}
+    else:
+        words = test.in_words(problem.torque_model.model.independent_joints)
+        settings = {EXOGENEITY: test.together}
+    results = []
+    for result in comparison.results:
+        estimate = result.estimate
+        if estimate is not None and EXOGENEITY not in estimate.settings:
+            told = replace(estimate, settings={**estimate.settings, **settings}, remarks=(*estimate.remarks, words))
+            result = replace(result, estimate=told)
+        results.append(result)
+    return replace(comparison, results=tuple(results)), words
+
+
+def _test(comparison: MethodComparison, problem: Problem, loop: ClosedLoop) -> Exogeneity | str:
+    """The test, or why there is none."""
+    reason = "no method has a result"
+    for result in comparison.results:
+        if result.estimate is None or result.base_values is None:
+            continue
+        try:
+            simulated = SimulatedLoop(problem, loop)
+            return exogeneity(simulated, result.base_values, simulated.samples(result.estimate.parameters))
+        except EstimationFailed as failure:  # this result drives the simulated robot away
+            reason = f"{result.name}: {failure}"
+    return reason

@@ -1,0 +1,124 @@
+"""The identification methods by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
+from crosscheck.identifying.methods.wrench_method import FromWrenches
+from graphdyn import InvalidInput
+from graphdyn.identification import (
+    ClosedLoopOutputError,
+    ConsistentLeastSquares,
+    ConsistentWithPrior,
+    DirectInverse,
+    EssentialParameters,
+    Estimate,
+    Estimator,
+    GeneralisedLeastSquares,
+    InstrumentalVariables,
+    LogCholesky,
+    MaximumLikelihood,
+    OrdinaryLeastSquares,
+    Problem,
+    ReweightedLeastSquares,
+    Ridge,
+    RobustConsistent,
+    TotalLeastSquares,
+    WeightedLeastSquares,
+)
+
+METHODS: dict[str, Callable[[], Estimator]] = {
+    "ols": OrdinaryLeastSquares,
+    "wls": WeightedLeastSquares,
+    "wls-pinocchio": lambda: WithPinocchio(WeightedLeastSquares()),
+    "gls": GeneralisedLeastSquares,
+    "huber": lambda: ReweightedLeastSquares("huber"),
+    "tukey": lambda: ReweightedLeastSquares("tukey"),
+    "ridge": Ridge,
+    "essential": EssentialParameters,
+    "consistent": ConsistentLeastSquares,
+    "entropic": lambda: ConsistentWithPrior("entropic"),
+    "pullback": lambda: ConsistentWithPrior("pullback"),
+    "consistent-huber": RobustConsistent,
+    "entropic-huber": lambda: RobustConsistent("entropic"),
+    "pullback-huber": lambda: RobustConsistent("pullback"),
+    "log-cholesky": LogCholesky,
+    "graph": FromWrenches,
+    "tls": TotalLeastSquares,
+    "ml": MaximumLikelihood,
+    "iv": InstrumentalVariables,
+    "didim": DirectInverse,
+    "cloe": lambda: ClosedLoopOutputError("position"),
+    "clie": lambda: ClosedLoopOutputError("torque"),
+}
+
+STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "consistent", "entropic", "graph")
+"""The default methods, one of each kind; "all" has the others too."""
+
+
+FIXED = ("name", "reference", "assumptions", "needs", "norm", "metric", "prior", "limits", "recording")
+"""Fields of the estimators that are no settings of a method."""
+
+
+def method_named(name: str) -> Estimator:
+    """The method of this name (METHODS). Raises InvalidInput for an unknown one."""
+    if name not in METHODS:
+        raise InvalidInput(f"there is no method '{name}'; known: {', '.join(METHODS)}, all")
+    return METHODS[name]()
+
+
+def method_with(method: str, *, name: str | None = None, **settings: Any) -> Estimator:
+    """A method with settings, such as the strength of a prior, so that one method can be compared with itself.
+
+    method: as in METHODS
+    name: for tables; the method's own name with the settings behind it, unless given
+    settings: fields of the estimator of the method
+
+    Raises InvalidInput for a method or a setting that does not exist, and as the estimator does.
+    """
+    estimator: Any = method_named(method)
+    known = [field.name for field in fields(estimator) if field.name not in FIXED] if is_dataclass(estimator) else []
+    for setting in settings:
+        if setting not in known:
+            raise InvalidInput(
+                f"the method '{method}' has no setting '{setting}'; it has: {', '.join(known) or 'none'}"
+            )
+    if not settings and name is None:
+        return method_named(method)
+    said = ", ".join(f"{setting} {_short(value)}" for setting, value in settings.items())
+    return Labelled(replace(estimator, **settings), name or f"{estimator.name}, {said}")
+
+
+def _short(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, int | float) else str(value)
+
+
+@dataclass(frozen=True, eq=False)
+class Labelled:
+    """An estimator under another name."""
+
+    estimator: Estimator
+    name: str
+
+    @property
+    def reference(self) -> str:
+        return self.estimator.reference
+
+    @property
+    def assumptions(self) -> str:
+        return self.estimator.assumptions
+
+    @property
+    def needs(self) -> str:
+        return self.estimator.needs
+
+    @property
+    def takes_expected(self) -> bool:
+        return getattr(self.estimator, "takes_expected", False)
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """As the estimator."""
+        return self.estimator.estimate(problem)

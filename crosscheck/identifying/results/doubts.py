@@ -1,0 +1,99 @@
+"""Why the best result is not to be trusted, joint by joint.
+
+A result is usable if its recording has no fault, and if every joint is predicted better than by a bound, a constant and
+CAD with drives; if its residual is no larger than noise and repeatability explain; and if the links are real bodies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from crosscheck.identifying.data_quality.data_quality import Health
+from crosscheck.identifying.results.baselines import Baselines
+from crosscheck.identifying.results.recommending import joint_errors
+from graphdyn.identification import MethodResult, Problem
+from graphdyn.identification.estimators.weighted import weighted_solution
+from graphdyn.layout import Array
+
+LARGEST = 0.5
+"""Largest error of a joint, ‖e‖ / ‖τ‖, on rows that were held out: a quarter of the power of the torque unexplained."""
+
+WORSE, WORSE_ON_THE_MEAN = 1.5, 1.1
+"""One joint, and the mean over the joints, may be so many times worse than CAD with drives: links are fitted for all
+joints together, and rows that were held out are few."""
+
+REPEATABLE = 0.01
+"""Part of a joint's torque that does not repeat, of the best drives; a smaller residual needs no explanation."""
+
+UNCONSTRAINED = 2.0
+"""Largest residual of real bodies relative to that of parameters without constraints, which is noise and what the
+torque model lacks. For the arms of docs/industrial_arms.md it is 1.0 to 1.3, with one torque reversed 1.5 to 30."""
+
+
+def doubts(
+    result: MethodResult | None,
+    problem: Problem,
+    joint_names: Sequence[str],
+    baselines: Baselines,
+    health: Health | None,
+    *,
+    unconstrained: Problem | None = None,
+) -> tuple[str, ...]:
+    """Sentences; none for a result that can be trusted. problem: of the fit
+
+    unconstrained: problem of the fit with unknown links, where those of `problem` are known
+    result: the best one, with an estimate; the health of the recording alone counts where there is none
+    """
+    said = [finding.message for finding in health.faults] if health else []
+    if result is None:
+        return tuple(said)
+    statistics = result.held_out or result.training
+    assert statistics is not None
+    assert result.base_values is not None
+    errors = joint_errors(statistics)
+    constant = joint_errors(baselines.constant)
+    cad = joint_errors(baselines.cad) if baselines.cad else np.full(len(errors), np.inf)
+    for j, name in enumerate(joint_names):
+        if errors[j] > LARGEST:
+            said.append(f"{name} is predicted with an error of {_percent(errors[j])}, more than {_percent(LARGEST)}")
+        elif errors[j] >= constant[j]:
+            said.append(f"{name} is predicted no better than by a constant: {_against(errors[j], constant[j])}")
+        elif errors[j] > WORSE * cad[j]:
+            said.append(f"{name} is predicted worse than by CAD with fitted drives: {_against(errors[j], cad[j])}")
+    mean, known = float(np.nanmean(errors)), float(np.nanmean(cad))
+    if mean > WORSE_ON_THE_MEAN * known:
+        said.append(
+            f"CAD with fitted drives predicts better on the mean over the joints: {_against(known, mean)}; "
+            "use --known-bodies"
+        )
+    ratio = residual_ratio(problem, result.base_values, unconstrained)
+    worst = int(np.argmax(ratio))
+    if ratio[worst] > UNCONSTRAINED:
+        said.append(
+            f"the residual of {joint_names[worst]} is {ratio[worst]:.3g} times that of parameters without constraints: "
+            "real bodies and friction that brakes do not explain the recording"
+        )
+    return tuple(said)
+
+
+def residual_ratio(problem: Problem, base_values: Array, unconstrained: Problem | None = None) -> Array:
+    """Residual of each joint over that of weighted least squares (n,), neither below REPEATABLE of the torque.
+
+    unconstrained: problem of the weighted least squares, the same if left out
+    """
+    equations, free_equations = problem.equations, (unconstrained or problem).equations
+    least = REPEATABLE**2 * free_equations.measured_squares
+    solution, _ = weighted_solution(free_equations)
+    own = np.maximum(equations.residual_squares(base_values), least)
+    free = np.maximum(free_equations.residual_squares(solution.x), least)
+    return np.asarray(np.sqrt(np.where(free > 0, own / np.where(free > 0, free, 1.0), 1.0)))
+
+
+def _percent(error: float) -> str:
+    return f"{100 * error:.1f} %"
+
+
+def _against(error: float, other: float) -> str:
+    return f"{_percent(error)} against {_percent(other)}"

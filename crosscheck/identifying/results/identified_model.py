@@ -1,0 +1,185 @@
+"""One torque model, identified with several methods: its fit, what it predicts, its links."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from crosscheck.reference.subject import Subject
+from graphdyn.identification import MethodComparison, MethodResult, Problem, ResidualStatistics, TorqueModel, Tuned
+from graphdyn.identification.data.partitions import Partitioned
+from graphdyn.identification.problem.problem import own_rows
+from graphdyn.identification.statistics.residual_statistics import MOVING
+from graphdyn.identification.terms import KnownPayload
+from graphdyn.identification.terms.term import CarriesKnownBodies
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueCurve:
+    """Measured and predicted torque of one interval of time.
+
+    t (N,) [s]; measured, predicted (N, n) [N m or N]; velocity (N, n) [rad/s or m/s]
+    """
+
+    t: Array
+    measured: Array
+    predicted: Array
+    velocity: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PieceSquares:
+    """Sums of squares over consecutive parts of some rows.
+
+    everything, moving: of the errors of every method, over all rows and over those that move (K, n)
+    measured, measured_moving: of the measured torque, likewise (K, n); moving_rows: how many rows move (n,)
+    """
+
+    everything: Mapping[str, Array]
+    moving: Mapping[str, Array]
+    measured: Array
+    measured_moving: Array
+    moving_rows: Array
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOutPrediction:
+    """Rows that were predicted, with the parameters of every method that has a result.
+
+    times: of the rows, interval by interval (N_k,) [s]; parameters: by method (p,); statistics: by method
+    name: of the rows
+    """
+
+    problem: Problem
+    times: Sequence[Array]
+    parameters: Mapping[str, Array]
+    statistics: Mapping[str, ResidualStatistics]
+    name: str = ""
+
+    @property
+    def n_rows(self) -> int:
+        return sum(map(len, self.times))
+
+    @property
+    def period(self) -> float:
+        """Between two rows, NaN for a single one [s]."""
+        longest = max(self.times, key=len)
+        return float(np.median(np.diff(longest))) if len(longest) > 1 else float("nan")
+
+    def squares(self, pieces: int) -> PieceSquares:
+        """Of the torques and their errors, summed over so many consecutive parts of the rows."""
+        matrix = self.problem.structure.base.matrix
+        x = np.array(list(self.parameters.values())).T
+        total, first = sum(map(len, self.times)), 0
+        sums = np.zeros((2, len(self.parameters) + 1, pieces, self.problem.n_joints))
+        moving_rows = np.zeros(self.problem.n_joints)
+        for rows in self.problem.rows():
+            piece = np.arange(first, first + len(rows)) * pieces // total
+            errors = rows.matrix @ (matrix @ x) - rows.right[..., None]
+            squares = np.concatenate([errors**2, rows.measured[..., None] ** 2], axis=-1)
+            moves = np.abs(rows.velocity) > MOVING
+            for k, counted in enumerate((np.ones(moves.shape), moves)):
+                for part in np.unique(piece):
+                    here = piece == part
+                    sums[k, :, part] += np.sum(squares[here] * counted[here, :, None], axis=0).T
+            moving_rows += moves.sum(axis=0)
+            first += len(rows)
+        named = [dict(zip(self.parameters, of_rows, strict=False)) for of_rows in sums]
+        return PieceSquares(named[0], named[1], sums[0, -1], sums[1, -1], moving_rows)
+
+    def curves(self, method: str) -> list[TorqueCurve]:
+        """One curve per interval."""
+        x = self.problem.structure.base.matrix @ self.parameters[method]
+        parts = [  # in chunks, because the regressor of a long recording does not fit into memory
+            (rows.measured, rows.measured + rows.matrix @ x - rows.right, rows.velocity) for rows in self.problem.rows()
+        ]
+        whole = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        borders = np.cumsum([len(t) for t in self.times])[:-1]
+        pieces = zip(*(np.split(array, borders) for array in whole), strict=True)
+        return [TorqueCurve(t, *piece) for t, piece in zip(self.times, pieces, strict=True)]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IdentifiedModel:
+    """One torque model, fitted with several methods.
+
+    subject: the robot; its parameters are the prior
+    fit: the rows of the fit
+    trials: rows that were predicted, by which results are chosen
+    aside: rows that were predicted and choose nothing
+    comparison: every method; held-out errors are those of all trials together
+    exogeneity: of the regressor, in words: the result of the Durbin-Wu-Hausman test, or why it is not made
+    name: of the torque model, empty where there is only one
+    cad_of: name of the torque model whose links are unknown where these are those of CAD, with the same drives; None
+        for a model that was asked for
+    settings: of its terms that were found together with the parameters, from all fitted rows
+    """
+
+    subject: Subject
+    torque_model: TorqueModel
+    fit: HeldOutPrediction
+    trials: tuple[HeldOutPrediction, ...]
+    comparison: MethodComparison
+    exogeneity: str
+    aside: tuple[HeldOutPrediction, ...] = ()
+    name: str = ""
+    cad_of: str | None = None
+    settings: tuple[Tuned, ...] = ()
+
+    @property
+    def problem(self) -> Problem:
+        """The equations of the fit."""
+        return self.fit.problem
+
+    @property
+    def prior_base_values(self) -> Array:
+        """Base parameters of the robot as given; zero for those of the drives (r,)."""
+        return self.problem.base.values(self.torque_model.prior())
+
+    def fitted_errors(self, result: MethodResult) -> Array:
+        """‖e‖ / ‖τ‖ per joint over the rows that were fitted (n,); the result must have an estimate."""
+        assert result.base_values is not None
+        return np.asarray(np.sqrt(self.problem.equations.residual_squares(result.base_values) / self._fitted_squares))
+
+    @cached_property
+    def _fitted_squares(self) -> Array:
+        """‖τ‖² of each joint over the rows that were fitted, known torques included (n,)."""
+        if isinstance(self.problem.data, Partitioned):
+            parts = self.problem.data.each_part(self.problem, _measured_squares)
+            return np.asarray(sum(part for _, part in parts))
+        return _measured_squares(self.problem, slice(None))
+
+    def body_parameters(self, result: MethodResult) -> Array:
+        """Ten per link (n, 10): unknown or known bodies with an unknown payload; a known payload is left out.
+
+        The result must have an estimate.
+        """
+        assert result.estimate is not None
+        total = self.torque_model.inertial_parameters(result.estimate.parameters)
+        for term in self.torque_model.known:
+            if isinstance(term, KnownPayload) and isinstance(term, CarriesKnownBodies):
+                total = total - term.known_inertial_parameters(self.torque_model.model)
+        return total.reshape(-1, 10)
+
+    def row_name(self, result: MethodResult) -> str:
+        """Of a result of this model, in tables of several models."""
+        return f"{self.name}: {result.name}" if self.name else result.name
+
+
+def _measured_squares(problem: Problem, own: slice) -> Array:
+    """‖τ‖² of each joint over the equations that count (n,)."""
+    rows = problem.rows() if own == slice(None) else own_rows(problem, own)
+    return np.asarray(sum(np.sum(np.where(part.kept, part.measured, 0.0) ** 2, axis=0) for part in rows))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A row of the comparison. name: unlike those of all others"""
+
+    name: str
+    model: IdentifiedModel
+    result: MethodResult

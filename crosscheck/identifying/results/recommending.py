@@ -1,0 +1,201 @@
+"""The error of a result: per joint, over the rows in which it moves, and on the mean over the joints.
+
+By how much the mean errors of two results differ, and how certain that is.
+
+The predicted rows are cut into pieces; each is left out once, and the scatter of the differences gives its deviation:
+
+    deviation² = (K - 1) / K Σ_k (d_k - mean d)²,  d_k the difference of the mean errors without piece k
+
+A delete-one-group jackknife of a paired difference: pieces that are hard to predict for both results do not count.
+
+Which of several results can be trusted for simulation and control, and why.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from crosscheck.identifying.results.identified_model import Candidate
+from graphdyn.identification import MethodResult, ResidualStatistics
+from graphdyn.layout import Array
+
+LEAST_ROWS = 50
+"""Smallest number of moving rows of a joint; with fewer, its error is taken over all rows."""
+
+
+def joint_errors(statistics: ResidualStatistics) -> Array:
+    """‖e‖ / ‖τ‖ per joint (n,): over the rows in which it moves, or over all rows if these are too few."""
+    enough = statistics.moving.count >= LEAST_ROWS
+    return np.where(enough, statistics.moving.relative, statistics.everything.relative)
+
+
+def mean_error(result: MethodResult) -> float:
+    """Mean over the joints of the held-out error, or of the training error where nothing was held out."""
+    statistics = result.held_out or result.training
+    return float(np.nanmean(joint_errors(statistics))) if statistics is not None else float("nan")
+
+
+PIECES = 10
+"""At least so many pieces in all: each fold, each recording, or as many parts of one."""
+
+
+class Difference(NamedTuple):
+    """Of the mean errors of two results. deviation: standard deviation of the difference"""
+
+    value: float
+    deviation: float
+
+
+def difference(first: Candidate, second: Candidate) -> Difference:
+    """Mean error of the first result minus that of the second; both with an estimate, on the same rows."""
+    without = [_mean_errors(candidate) for candidate in (first, second)]
+    whole, left_out = (np.subtract(*parts) for parts in zip(*without, strict=True))
+    pieces = len(left_out)
+    variance = (pieces - 1) / pieces * np.sum((left_out - left_out.mean()) ** 2)
+    return Difference(float(whole), float(np.sqrt(variance)))
+
+
+def _mean_errors(candidate: Candidate) -> tuple[Array, Array]:
+    """Mean error over the joints on all predicted rows (), and on all but one piece (K,)."""
+    trials = candidate.model.trials
+    parts = [trial.squares(-(-PIECES // len(trials))) for trial in trials]
+    moving = [part.moving[candidate.result.name] for part in parts]
+    everything = [part.everything[candidate.result.name] for part in parts]
+    enough = sum(part.moving_rows for part in parts) >= LEAST_ROWS
+    errors = np.where(enough, np.concatenate(moving), np.concatenate(everything))
+    measured = np.where(
+        enough,
+        np.concatenate([part.measured_moving for part in parts]),
+        np.concatenate([part.measured for part in parts]),
+    )
+    whole = _mean(errors.sum(axis=0), measured.sum(axis=0))
+    return whole, _mean(errors.sum(axis=0) - errors, measured.sum(axis=0) - measured)
+
+
+def _mean(errors: Array, measured: Array) -> Array:
+    """Mean over the joints of ‖e‖ / ‖τ‖ from their squares (…, n)."""
+    ratio = np.divide(errors, measured, out=np.full(errors.shape, np.nan), where=measured > 0)
+    return np.asarray(np.nanmean(np.sqrt(np.maximum(ratio, 0.0)), axis=-1))
+
+
+NOTHING = 1.0
+"""Relative error of a model that predicts zero torque."""
+
+TIE = 1e-6
+"""Relative difference of errors that counts as rounding; of methods so close, the first is taken."""
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """Which result to use.
+
+    name: of the method, None where no result can be used
+    reason: one sentence
+    best: of the method that would be recommended if there were no doubts; name where there are none
+    doubts: why it is not, in sentences
+    """
+
+    name: str | None
+    reason: str
+    best: str | None = None
+    doubts: tuple[str, ...] = ()
+
+
+def real(result: MethodResult) -> bool:
+    """Whether every link is physically consistent, and the mass matrix positive definite in every tested pose."""
+    plausible = result.plausibility
+    return (
+        plausible is not None
+        and plausible.consistent
+        and plausible.positive_definite == len(plausible.mass_matrix_eigenvalues)
+    )
+
+
+def recommendation(candidates: Sequence[Candidate]) -> Recommendation:
+    """The physically consistent result with the smallest mean held-out error, or a simpler one that is as good.
+
+    Of results that differ by less than one standard deviation of their difference, the simplest is taken: the rule of
+    one standard error of Breiman, Friedman, Olshen and Stone, Classification and Regression Trees, 1984, section 3.4.3.
+    """
+    answered = [candidate for candidate in candidates if candidate.result.failure is None]
+    if not answered:
+        return Recommendation(None, "no method has a result")
+    consistent = [candidate for candidate in answered if real(candidate.result)]
+    if not consistent:
+        failed = [candidate for candidate in candidates if candidate.result.failure is not None]
+        remedy = (
+            f"{', '.join(candidate.name for candidate in failed)} failed: {failed[0].result.failure}"
+            if failed
+            else "add the methods consistent, entropic or log-cholesky"
+        )
+        return Recommendation(
+            None,
+            "no result is physically consistent: each has a link that cannot be a real body, or a mass matrix that is "
+            f"not positive definite in some pose; {remedy}",
+        )
+    smallest = min(mean_error(candidate.result) for candidate in consistent)
+    best = next(c for c in consistent if not mean_error(c.result) > smallest * (1 + TIE))
+    error = mean_error(best.result)
+    if not error < NOTHING:
+        return Recommendation(
+            None,
+            f"the best consistent result, {best.name}, predicts with a mean error of {100 * error:.0f} %, no better "
+            "than a torque of zero; the torque model or the recording is wrong, or the robot stands still in all "
+            "held-out rows",
+        )
+    simplest = min((c for c in consistent if c is best or _as_good(c, best)), key=simplicity)
+    words = "physically consistent in every link and pose, and its held-out error, averaged over the joints, is "
+    if simplest is not best:
+        apart = difference(simplest, best)
+        return Recommendation(
+            simplest.name,
+            f"{words}{100 * mean_error(simplest.result):.1f} %; {best.name} has {100 * error:.1f} % and "
+            f"{_more(best, simplest)}, and the difference is less than its standard deviation over the pieces of the "
+            f"held-out rows, {100 * apart.deviation:.1f} %",
+            best=simplest.name,
+        )
+    others = f"the smallest of {len(consistent)} such results" if len(consistent) > 1 else "the only such result"
+    return Recommendation(best.name, f"{words}{100 * error:.1f} %, {others}", best=best.name)
+
+
+def simplicity(candidate: Candidate) -> tuple[int, float, float]:
+    """Small for a simple result: few base parameters and settings, then a strong prior, then a small error."""
+    return (numbers_of(candidate), -prior_strength(candidate), mean_error(candidate.result))
+
+
+def numbers_of(candidate: Candidate) -> int:
+    """Base parameters and settings that were found."""
+    return candidate.model.problem.base.rank + sum(len(setting.values) for setting in candidate.model.settings)
+
+
+def prior_strength(candidate: Candidate) -> float:
+    """Of the prior of the links; zero for methods without one."""
+    assert candidate.result.estimate is not None
+    return float(candidate.result.estimate.settings.get("strength", 0.0))
+
+
+def _as_good(candidate: Candidate, best: Candidate) -> bool:
+    """Whether a result is simpler, and predicts worse by less than the difference is certain to."""
+    if not simplicity(candidate)[:2] < simplicity(best)[:2]:
+        return False
+    apart = difference(candidate, best)
+    return apart.value <= apart.deviation
+
+
+def _more(one: Candidate, other: Candidate) -> str:
+    """What the first result has more of."""
+    ranks = [numbers_of(candidate) for candidate in (one, other)]
+    return "more parameters" if ranks[0] > ranks[1] else "the weaker prior"
+
+
+def doubted(found: Recommendation, doubts: tuple[str, ...]) -> Recommendation:
+    """The recommendation, withdrawn if there are doubts."""
+    if not doubts:
+        return found
+    count = "one reason speaks" if len(doubts) == 1 else f"{len(doubts)} reasons speak"
+    reason = found.reason if found.best is None else f"{found.best} is the best result, but {count} against it"
+    return Recommendation(None, f"{reason}: {'; '.join(doubts)}", found.best, doubts)

@@ -1,0 +1,138 @@
+"""The result of an identification."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from crosscheck.identifying.data_quality.data_quality import Health
+from crosscheck.identifying.preparing.holding_out import Division
+from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.identifying.results.baselines import Baselines
+from crosscheck.identifying.results.doubts import doubts
+from crosscheck.identifying.results.identified_model import Candidate, IdentifiedModel
+from crosscheck.identifying.results.recommending import Recommendation, doubted, mean_error, recommendation
+from crosscheck.recordings import Recording
+from graphdyn import InvalidInput
+from graphdyn.identification import MethodResult, ResidualStatistics
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identified(IdentifiedModel):
+    """An identification: what was fitted, the result of every method, and which one to use.
+
+    torque_model, comparison, fit and trials are those of the first torque model that was asked for.
+
+    recordings: as read, before filtering
+    division: which rows were fitted and which predicted
+    others: further torque models on the same rows: those that were asked for, and the links of CAD with fitted drives
+    constant: errors of a constant torque on the predicted rows
+    health: of the recordings of the fit; None where they are too short to tell
+    validation_health: of every recording that is predicted and not fitted, likewise
+    truth: the true parameters of a virtual robot           (p,)
+    """
+
+    recordings: tuple[Recording, ...]
+    division: Division
+    preparation: Preparation
+    others: tuple[IdentifiedModel, ...] = ()
+    constant: ResidualStatistics
+    health: Health | None = None
+    validation_health: tuple[Health | None, ...] = ()
+    truth: Array | None = None
+
+    @property
+    def predicted_recordings(self) -> tuple[str, ...]:
+        """Names of the recordings that are predicted and not fitted, in the order of validation_health."""
+        trials = (*self.division.trials, *self.division.aside)
+        return tuple(trial.name for trial in trials if trial.own_recording)
+
+    @property
+    def models(self) -> tuple[IdentifiedModel, ...]:
+        """All torque models: those that were asked for, each followed by that with the links of CAD."""
+        return (self, *self.others)
+
+    @property
+    def candidates(self) -> tuple[Candidate, ...]:
+        """Every method of every torque model: the rows of the tables."""
+        return tuple(
+            Candidate(model.row_name(result), model, result)
+            for model in self.models
+            for result in model.comparison.results
+        )
+
+    def candidate(self, name: str) -> Candidate:
+        """Raises InvalidInput for an unknown name."""
+        for candidate in self.candidates:
+            if candidate.name == name:
+                return candidate
+        known = ", ".join(candidate.name for candidate in self.candidates)
+        raise InvalidInput(f"there is no method '{name}'; known: {known}")
+
+    def model_of(self, result: MethodResult) -> IdentifiedModel:
+        """The torque model of a result; the first one for a result that is none of this identification."""
+        return next((c.model for c in self.candidates if c.result is result), self)
+
+    def body_parameters(self, result: MethodResult) -> Array:
+        """As IdentifiedModel.body_parameters, of a result of any of the torque models."""
+        model = self.model_of(result)
+        return super().body_parameters(result) if model is self else model.body_parameters(result)
+
+    def fitted_errors(self, result: MethodResult) -> Array:
+        """As IdentifiedModel.fitted_errors, of a result of any of the torque models."""
+        model = self.model_of(result)
+        return super().fitted_errors(result) if model is self else model.fitted_errors(result)
+
+    def baselines_of(self, model: IdentifiedModel) -> Baselines:
+        """What every result of this model has to beat."""
+        unknown = model.name if model.cad_of is None else model.cad_of
+        cad = next((other for other in self.models if other.cad_of == unknown), None)
+        result = None if cad is None else cad.comparison.results[0]
+        return Baselines(self.constant, None if result is None else result.held_out or result.training)
+
+    @property
+    def baselines(self) -> Baselines:
+        """What every result of the first torque model has to beat."""
+        return self.baselines_of(self)
+
+    @cached_property
+    def recommendation(self) -> Recommendation:
+        """Which method, and why; or why none, joint by joint."""
+        found = recommendation(self.candidates)
+        best = self if found.best is None else self.candidate(found.best).model
+        unconstrained = next((m for m in self.models if m.name == best.cad_of), best)
+        said = doubts(
+            None if found.best is None else self.candidate(found.best).result,
+            best.problem,
+            self.torque_model.model.independent_joints,
+            self.baselines_of(best),
+            self.health,
+            unconstrained=unconstrained.problem,
+        )
+        for name, health in zip(self.predicted_recordings, self.validation_health, strict=True):
+            said += (
+                tuple(f"{name}, which is predicted: {finding.message}" for finding in health.faults) if health else ()
+            )
+        return doubted(found, said)
+
+    @property
+    def usable(self) -> bool:
+        """Whether a result can be recommended."""
+        return self.recommendation.name is not None
+
+    def shown(self, name: str | None = None) -> MethodResult | None:
+        """The result to show: the named one, else the recommended one or the one that is doubted, else the one that
+        predicts best.
+
+        None where no method has a result. Raises InvalidInput for an unknown method, and for one that failed.
+        """
+        if name is not None:
+            result = self.candidate(name).result
+            if result.failure is not None:
+                raise InvalidInput(f"{name} has no result: {result.failure}")
+            return result
+        if self.recommendation.best is not None:
+            return self.candidate(self.recommendation.best).result
+        answered = [c.result for c in self.candidates if c.result.failure is None]
+        return min(answered, key=mean_error) if answered else None

@@ -1,0 +1,77 @@
+"""The reference implementations, which answer every function of the table as far as they have it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import graphdyn
+from crosscheck.judging.functions.known_function import Chosen, KnownFunction
+from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
+from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.scales import backward_error
+from crosscheck.reference.mujoco_model import MujocoModel
+from graphdyn.layout import Array
+
+BACKWARD_SCALE = "largest of τ, the joint wrenches, the external wrenches and ∣M∣ ∣a∣"
+
+
+class References:
+    """The reference implementations ("referees") at the judged states.
+
+    Raises MujocoRefuses where MuJoCo is asked for and cannot represent the robot, or is not installed.
+    """
+
+    def __init__(self, states: JudgedStates, mujoco: bool):
+        self.states = states
+        self.pinocchio = PinocchioAnswers(states)
+        self._mujoco = MujocoModel(states.model) if mujoco else None
+
+    def at(self, selected: NDArray[np.bool_]) -> References:
+        """At some of the states (N,)."""
+        return self if selected.all() else References(self.states.rows(selected), self._mujoco is not None)
+
+    @cached_property
+    def _mujoco_answers(self) -> dict[str, Array]:
+        assert self._mujoco is not None
+        states = self.states
+        return self._mujoco.evaluate(states.q, states.v, states.a, states.tau)
+
+    def answers(self, function: KnownFunction, chosen: Chosen, ours: Array) -> dict[str, Array]:
+        """By name of the reference implementation, of those that have the function. ours: graphdyn's."""
+        found = {"graphdyn": ours}
+        theirs = function.pinocchio(self.pinocchio, chosen)
+        if theirs is not None:
+            found["pinocchio"] = theirs
+        if function.mujoco is not None and self._mujoco is not None and self.states.loads is None:
+            found["mujoco"] = self._mujoco_answers[function.mujoco]
+        return found
+
+    def required(self, referee: str) -> Callable[[Array], Array]:
+        """Torques of accelerations (N, n) by one reference implementation."""
+        states = self.states
+        if referee == "pinocchio":
+            return self.pinocchio.required
+        if referee == "mujoco":
+            assert self._mujoco is not None
+            mujoco = self._mujoco
+            return lambda a: mujoco.evaluate(states.q, states.v, a, states.tau)["inverse_dynamics"]
+        return lambda a: graphdyn.inverse_dynamics(states.model, states.q, states.v, a, states.loads).tau
+
+
+def backward_errors(answer: Array, required: Callable[[Array], Array], states: JudgedStates) -> Array:
+    """Backward errors (N,) of accelerations (N, n): how far the torques that they need are from the given ones.
+
+    required: torques of accelerations, by a reference implementation
+    Accelerations that are not finite count as infinitely wrong.
+    """
+    model, q, v, tau = states.model, states.q, states.v, states.tau
+    finite = np.all(np.isfinite(answer), axis=-1, keepdims=True)
+    a = np.where(finite, answer, 0.0)
+    wrenches = graphdyn.inverse_dynamics(model, q, v, a, states.loads).joint_wrenches
+    external = () if states.loads is None else (states.loads,)
+    errors = backward_error(required(a), tau, wrenches, states.mass, a, *external)
+    return np.where(finite[:, 0] & np.isfinite(errors), errors, np.inf)

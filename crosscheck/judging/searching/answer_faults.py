@@ -1,0 +1,295 @@
+"""Faults that any function of the table may have: put into graphdyn's function, and its answers compared.
+
+For functions that are not taken apart by experiments into the terms of the equations of motion.
+
+The search for a fault that any function of the table may have, by comparing answers.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from itertools import chain, combinations
+
+import numpy as np
+
+from crosscheck.judging.functions.known_function import Chosen, KnownFunction
+from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.judging.observing.conventions import relative_errors
+from crosscheck.judging.states.judged_states import JudgedStates
+from graphdyn import Joint, Placement, RobotModel
+from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array
+
+ROUND = 1e-4
+"""Distance of a fitted factor from 1 or -1 within which it is that number."""
+
+Answering = Callable[[JudgedStates, Chosen], Array]
+"""Answers of a function with a fault (N, …)."""
+
+
+@dataclass(frozen=True, eq=False)
+class AnswerFault:
+    """One fault: its kind, message and remedy, and the answers of a function that has it."""
+
+    kind: str
+    message: str
+    remedy: str
+    answers: Answering
+
+
+def faults(known: KnownFunction, states: JudgedStates) -> Iterator[AnswerFault]:
+    """All faults without free numbers."""
+    yield AnswerFault("sign", "all answers have the opposite sign", "negate them", lambda s, c: -known.ours(s, c))
+    yield from _layouts(known)
+    yield from _other_arguments(known)
+    if states.loads is not None:
+        yield from _other_loads(known)
+    yield from _other_functions(known)
+    if known.needs_frame:
+        yield from _other_frames(known, states)
+    yield from _other_models(known, states.model)
+
+
+def _layouts(known: KnownFunction) -> Iterator[AnswerFault]:
+    if len(known.shape) == 2 and known.shape[0] == known.shape[1]:
+        yield AnswerFault(
+            "transposed", "the matrix is transposed", "transpose it",
+            lambda s, c: np.swapaxes(known.ours(s, c), -1, -2),
+        )  # fmt: skip
+        for name, part in (("lower", np.tril), ("upper", np.triu)):
+            yield AnswerFault(
+                "triangle", f"only the {name} triangle of the matrix is filled in", "copy it to the other side",
+                lambda s, c, part=part: part(known.ours(s, c)),  # type: ignore[misc]
+            )  # fmt: skip
+    elif len(known.shape) >= 2:
+        yield AnswerFault(
+            "transposed", "the numbers of the matrix are stored column by column", "store them row by row",
+            lambda s, c: np.swapaxes(x := known.ours(s, c), -1, -2).reshape(x.shape),
+        )  # fmt: skip
+    if BODY_FREEDOMS in known.shape:
+        axis = known.shape.index(BODY_FREEDOMS) - len(known.shape)
+        for name, signs in (("linear", (-1.0, 1.0)), ("angular", (1.0, -1.0))):
+            yield AnswerFault(
+                "sign", f"the {name} part has the opposite sign", "negate it",
+                _with_signs(known, *signs, axis),
+            )  # fmt: skip
+
+
+def _with_signs(known: KnownFunction, linear: float, angular: float, axis: int) -> Answering:
+    return lambda states, chosen: known.ours(states, chosen) * _halves(linear, angular, chosen, axis)
+
+
+def _halves(linear: float, angular: float, chosen: Chosen, axis: int) -> Array:
+    """Factors on the two halves of an axis of six, which is the axis-th from the end."""
+    parts = (angular, linear) if chosen.get("order") == "angular first" else (linear, angular)
+    return np.repeat(parts, 3).reshape(-1, *[1] * (-axis - 1))
+
+
+def _other_arguments(known: KnownFunction) -> Iterator[AnswerFault]:
+    moving = [name for name in known.arguments if name in "qva"]
+    subsets = [x for size in range(len(moving), 0, -1) for x in combinations(moving, size)]
+    for names in subsets:
+        are = f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'}"
+        for what, remedy, change in (
+            ("taken as degrees", "the arguments are in rad", _as_degrees),
+            ("taken with the opposite sign", "compare the senses of the joints", np.negative),
+            ("ignored", "use the arguments", np.zeros_like),
+        ):
+            yield AnswerFault(
+                "unit" if change is _as_degrees else "sign" if change is np.negative else "argument",
+                f"{are} {what}", remedy,
+                lambda s, c, names=names, change=change: known.ours(  # type: ignore[misc]
+                    s.but(**{name: change(getattr(s, name)) for name in names}), c
+                ),
+            )  # fmt: skip
+    for x, y in combinations(moving, 2):
+        yield AnswerFault(
+            "argument", f"{x} and {y} are exchanged", f"the arguments are {', '.join(known.arguments)}",
+            lambda s, c, x=x, y=y: known.ours(s.but(**{x: getattr(s, y), y: getattr(s, x)}), c),  # type: ignore[misc]
+        )  # fmt: skip
+
+
+def _as_degrees(x: Array) -> Array:
+    return np.deg2rad(x)
+
+
+def _other_loads(known: KnownFunction) -> Iterator[AnswerFault]:
+    for message, change in (
+        ("are left out", lambda s: 0 * s.all_loads),
+        ("have the opposite sign", lambda s: -s.all_loads),
+        ("are taken as moment, then force", lambda s: np.roll(s.all_loads, 3, axis=-1)),
+        ("are taken in world axes", lambda s: _in_link_axes(s, s.all_loads)),
+        ("are taken as acting at the centers of mass", lambda s: _at_origins(s, s.all_loads)),
+    ):
+        yield AnswerFault(
+            "external_wrenches", f"the external wrenches {message}",
+            "they are force, then moment, on each body, at its link origin, in link axes",
+            lambda s, c, change=change: known.ours(s.but(loads=change(s)), c),  # type: ignore[misc]
+        )  # fmt: skip
+
+
+def _in_link_axes(states: JudgedStates, loads: Array) -> Array:
+    halves = loads.reshape(*loads.shape[:-1], 2, 3)
+    turned: Array = np.einsum("...iba,...ihb->...iha", states.motion.rotation, halves).reshape(loads.shape)
+    return turned
+
+
+def _at_origins(states: JudgedStates, loads: Array) -> Array:
+    centers = np.array([body.center_of_mass for body in states.model.bodies])
+    force, moment = loads[..., LINEAR], loads[..., ANGULAR]
+    return np.concatenate([force, moment + np.cross(centers, force)], axis=-1)
+
+
+def _other_functions(known: KnownFunction) -> Iterator[AnswerFault]:
+    for other in FUNCTIONS.values():
+        alike = other.shape == known.shape and set(other.arguments) <= set(known.arguments)
+        if other is not known and alike and not (other.needs_frame or other.conventions):
+            yield AnswerFault(
+                "other_function", f"the answers are those of {other.name}", f"{known.name} is asked for",
+                lambda s, c, other=other: other.ours(s, {}),  # type: ignore[misc]
+            )  # fmt: skip
+
+
+def _other_frames(known: KnownFunction, states: JudgedStates) -> Iterator[AnswerFault]:
+    if known.name == "frame_placement":
+        yield AnswerFault(
+            "frame", "the placement is inverted: the world seen from the frame", "invert it",
+            lambda s, c: np.asarray(np.linalg.inv(known.ours(s, c)), dtype=float),
+        )  # fmt: skip
+        yield AnswerFault(
+            "frame", "the rotation is transposed", "its columns are the axes of the frame in world axes",
+            _rotation_transposed(known),
+        )  # fmt: skip
+    assert states.frame is not None
+    own = states.model.frame(states.frame)
+    for other in (*states.model.body_names, *(frame.name for frame in states.model.frames)):
+        if other != own.name:
+            yield AnswerFault(
+                "frame", f"the answers are those of frame '{other}'", f"frame '{own.name}' is asked for",
+                lambda s, c, name=other: known.ours(dataclasses.replace(s, frame=name), c),  # type: ignore[misc]
+            )  # fmt: skip
+
+
+def _rotation_transposed(known: KnownFunction) -> Answering:
+    def answers(states: JudgedStates, chosen: Chosen) -> Array:
+        placed = known.ours(states, chosen).copy()
+        placed[:, :3, :3] = np.swapaxes(placed[:, :3, :3], -1, -2)
+        return placed
+
+    return answers
+
+
+def _other_models(known: KnownFunction, model: RobotModel) -> Iterator[AnswerFault]:
+    def of(message: str, kind: str, remedy: str, other: RobotModel) -> AnswerFault:
+        return AnswerFault(kind, message, remedy, lambda s, c: known.ours(dataclasses.replace(s, model=other), c))
+
+    if model.gravity.any():
+        remedy = "use the gravity of the model"
+        yield of("gravity is left out", "gravity", remedy, model.with_gravity(0 * model.gravity))
+        yield of("gravity has the opposite sign", "gravity", remedy, model.with_gravity(-model.gravity))
+    yield of("the placement of the base is left out", "frame", "begin with the base", model.with_base(Placement()))
+    for k, joint in enumerate(model.joints):
+        remedy = "reverse the axis"
+        yield of(f"the axis of joint '{joint.name}' points the other way", "sign", remedy, _but(model, k, _reversed))
+        yield of(f"the rotation of joint '{joint.name}' is transposed", "frame", "transpose it", _but(model, k, _back))
+
+
+def _but(model: RobotModel, k: int, change: Callable[[Joint], Joint]) -> RobotModel:
+    return dataclasses.replace(
+        model, joints=tuple(change(joint) if i == k else joint for i, joint in enumerate(model.joints))
+    )
+
+
+def _reversed(joint: Joint) -> Joint:
+    return dataclasses.replace(joint, axis=-joint.axis)
+
+
+def _back(joint: Joint) -> Joint:
+    placement = joint.placement
+    return dataclasses.replace(joint, placement=Placement(placement.rotation.T, placement.translation))
+
+
+def fitted_faults(
+    known: KnownFunction, answer: Array, ours: Array, chosen: Chosen, model: RobotModel
+) -> Iterator[AnswerFault]:
+    """Factors on the answers, fitted to those of the foreign function.
+
+    answer, ours: of the foreign function and of graphdyn, read as chosen   (N, …)
+    """
+    yield from _scaled(known, answer, ours, chosen)
+    yield from _per_joint(known, answer, ours, model)
+
+
+def _scaled(known: KnownFunction, answer: Array, ours: Array, chosen: Chosen) -> Iterator[AnswerFault]:
+    """One factor on all answers; one each on the linear and angular parts."""
+    remedy = "compare units and formula"
+    factor = _factor(answer, ours)
+    message = f"all answers are multiplied by {factor:.6g}" if factor else "all answers are zero"
+    yield AnswerFault("unit" if factor else "zero", message, remedy, lambda s, c: factor * known.ours(s, c))
+    if BODY_FREEDOMS in known.shape:
+        axis = known.shape.index(BODY_FREEDOMS) - len(known.shape)
+        halves = (_halves(1.0, 0.0, chosen, axis), _halves(0.0, 1.0, chosen, axis))
+        linear, angular = (_factor(answer * half, ours * half) for half in halves)
+        yield AnswerFault(
+            "unit",
+            f"the linear part is multiplied by {linear:.6g}, the angular part by {angular:.6g}",
+            remedy,
+            _with_signs(known, linear, angular, axis),
+        )
+
+
+def _per_joint(known: KnownFunction, answer: Array, ours: Array, model: RobotModel) -> Iterator[AnswerFault]:
+    """A factor on what belongs to each joint."""
+    for axis, size in enumerate(known.shape, start=1):
+        if size != "n":
+            continue
+        parts = zip(np.moveaxis(answer, axis, 0), np.moveaxis(ours, axis, 0), strict=True)
+        factors = np.array([_factor(x, y) for x, y in parts])
+        wrong = {name: x for name, x in zip(model.joint_names, factors, strict=True) if abs(x - 1) > ROUND}
+        what = {1: "entries", 2: "row" if axis == 1 else "column"}.get(len(known.shape), "part")
+        said = ", ".join(f"'{name}' × {x:.6g}" for name, x in wrong.items())
+        scale = factors.reshape(-1, *[1] * (len(known.shape) - axis))
+        kind = "sign" if all(abs(x + 1) <= ROUND for x in wrong.values()) else "unit"
+        yield AnswerFault(
+            kind, f"the {what} of a joint multiplied: {said}", "compare the sense and the unit of the joint",
+            lambda s, c, scale=scale: known.ours(s, c) * scale,  # type: ignore[misc]
+        )  # fmt: skip
+
+
+def _factor(answer: Array, ours: Array) -> float:
+    """Least squares."""
+    size = float((ours**2).sum())
+    return float((answer * ours).sum()) / size if size > 0 else 1.0
+
+
+FIRST = 5
+"""Number of states at which a fault is tried before it is tried at all of them."""
+
+
+@dataclass(frozen=True)
+class FoundFault:
+    """A fault that gives the answers of a function, the relative error that it leaves, and how the answers are read."""
+
+    kind: str
+    message: str
+    remedy: str
+    left: float
+    chosen: Chosen = field(default_factory=dict)
+
+
+def answer_fault(
+    known: KnownFunction, answer: Array, states: JudgedStates, declared: Chosen, bound: float
+) -> FoundFault | None:
+    """The first fault that leaves no more than the bound, by any reading in keeping with the declared conventions."""
+    few = np.arange(len(states.q)) < FIRST
+    for chosen in known.readings(declared):
+        ours = known.ours(states, chosen)
+        for fault in chain(faults(known, states), fitted_faults(known, answer, ours, chosen, states.model)):
+
+            def left(some: JudgedStates, given: Array, fault: AnswerFault = fault, chosen: Chosen = chosen) -> float:
+                return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())
+
+            if left(states.rows(few), answer[few]) <= bound and (rest := left(states, answer)) <= bound:
+                return FoundFault(fault.kind, fault.message, fault.remedy, rest, chosen)
+    return None

@@ -1,0 +1,161 @@
+"""The states at which foreign functions are evaluated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import graphdyn
+from crosscheck.comparing.states import ACCELERATION_RANGE, LOAD
+from crosscheck.judging.states.experiments import TrialStates
+from crosscheck.quantities.scales import Sizes, term_sizes
+from graphdyn import InverseDynamics, MaximalState, RobotModel
+from graphdyn.equations.kinematics import link_origins
+from graphdyn.layout import Array
+
+EXPERIMENTS = 6
+"""Number of states of the experiments; half of them with whole turns added to joints that can turn without end."""
+
+TURNED = 10
+"""Number of judged states with whole turns added, besides the random ones."""
+
+BEYOND = 0.2
+"""States beyond the limits, on request, as a part of the random ones."""
+
+FARTHEST = 0.5
+"""How far they are outside, at most: positions, as a part of the range; velocities, as a part of the limit."""
+
+TURNS = 2
+"""Largest number of whole turns added, in either direction."""
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedStates:
+    """The judged states, and what graphdyn computes there for several functions and scales.
+
+    q, v, a, tau: joint states, torques of forward dynamics  (N, n)
+    loads: external wrenches, None where functions are called without   (N, n, 6)
+    frame: the link of functions of one frame, None where there is no such function
+    """
+
+    model: RobotModel
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+    loads: Array | None = None
+    frame: str | None = None
+
+    @classmethod
+    def draw(
+        cls,
+        model: RobotModel,
+        samples: int,
+        seed: int,
+        *,
+        needs_tau: bool,
+        loaded: bool = False,
+        beyond_limits: bool = False,
+        frame: str | None = None,
+    ) -> JudgedStates:
+        """Random states, some with whole turns added, and the pose within the limits that is nearest to zero.
+
+        beyond_limits: adds states outside the limits, after the random ones
+        """
+        rng = np.random.default_rng(seed)
+        q, v = model.random_state(rng, samples + TURNED + 1)
+        if beyond_limits:
+            outside = _beyond(model, np.random.default_rng(seed), int(np.ceil(BEYOND * samples)))
+            q, v = (np.concatenate([x[:samples], y, x[samples:]]) for x, y in zip((q, v), outside, strict=True))
+            samples += len(outside[0])
+        endless = np.array([_turns_without_end(joint) for joint in model.joints])
+        turn = 2 * np.pi * endless * rng.integers(-TURNS, TURNS + 1, q.shape)
+        turn[:samples] = 0
+        q = q + turn
+        q[-1] = [_nearest_to_zero(joint) for joint in model.joints]
+        a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
+        factors = rng.uniform(0.5, 1.5, q.shape)  # drawn in any case: what follows is the same for all functions
+        tau = graphdyn.inverse_dynamics(model, q, v, a).tau * factors if needs_tau else 0 * a
+        weight = 9.81 * sum(body.mass for body in model.bodies)
+        loads = LOAD * weight * rng.normal(size=(*q.shape, 6)) if loaded else None
+        return cls(model, q, v, a, tau, loads, frame)
+
+    def rows(self, selected: NDArray[np.bool_]) -> JudgedStates:
+        """Some of the states."""
+        loads = {} if self.loads is None else {"loads": self.loads[selected]}
+        return self.but(q=self.q[selected], v=self.v[selected], a=self.a[selected], tau=self.tau[selected], **loads)
+
+    def but(self, **arrays: Array) -> JudgedStates:
+        """The same robot in other states."""
+        return replace(self, **arrays)  # type: ignore[arg-type]
+
+    @property
+    def all_loads(self) -> Array:
+        """External wrenches, zeros where there are none (N, n, 6)."""
+        return np.zeros((*self.q.shape, 6)) if self.loads is None else self.loads
+
+    @property
+    def trial(self) -> TrialStates:
+        """States for the experiments: random ones, then ones with whole turns added."""
+        rows = [*range(EXPERIMENTS // 2), *range(-TURNED, -TURNED + EXPERIMENTS // 2)]
+        rows = [row if row < 0 else row % len(self.q) for row in rows]
+        return TrialStates(self.q[rows], self.v[rows])
+
+    @cached_property
+    def motion(self) -> MaximalState:
+        return graphdyn.maximal_state(self.model, self.q, self.v, self.a)
+
+    @cached_property
+    def origins(self) -> Array:
+        """Of the links, in the world (N, n, 3)."""
+        return link_origins(self.motion)
+
+    @cached_property
+    def inverse(self) -> InverseDynamics:
+        """Inverse dynamics, with the external wrenches."""
+        return graphdyn.inverse_dynamics(self.model, self.q, self.v, self.a, self.loads)
+
+    @cached_property
+    def accelerations(self) -> Array:
+        """Of the given torques, with the external wrenches (N, n)."""
+        return graphdyn.forward_dynamics(self.model, self.q, self.v, self.tau, self.loads).a
+
+    @cached_property
+    def mass(self) -> Array:
+        """M (N, n, n)."""
+        return graphdyn.mass_matrix(self.model, self.q)
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """Of the summed terms, at the given accelerations."""
+        assert self.motion.acceleration is not None
+        sizes = term_sizes(self.model, self.v, self.a, self.origins, self.motion.velocity, self.motion.acceleration)
+        return sizes if self.loads is None else sizes.loaded(self.loads)
+
+
+def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
+    """q, v (count, n): every other position and velocity, on the average, is outside its limits."""
+    q, v = model.random_state(rng, count)
+    for k, joint in enumerate(model.joints):
+        outside, below = rng.integers(2, size=(2, 2, count)).astype(bool)
+        far = FARTHEST * rng.uniform(size=(2, count))
+        lower, upper, speed = joint.limits.lower, joint.limits.upper, joint.limits.velocity
+        if joint.kind != "continuous" and lower is not None and upper is not None:
+            reach = far[0] * (upper - lower)
+            q[:, k] = np.where(outside[0], np.where(below[0], lower - reach, upper + reach), q[:, k])
+        if speed:
+            v[:, k] = np.where(outside[1], np.where(below[1], -1, 1) * (1 + far[1]) * speed, v[:, k])
+    return q, v
+
+
+def _turns_without_end(joint: graphdyn.Joint) -> bool:
+    limits = joint.limits
+    return joint.kind == "continuous" or (joint.kind == "revolute" and limits.lower is None and limits.upper is None)
+
+
+def _nearest_to_zero(joint: graphdyn.Joint) -> float:
+    lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0
+    return 0.0 if joint.kind == "continuous" else max(lower, 0.0) + min(upper, 0.0)

@@ -1,0 +1,66 @@
+"""Section 3.2 corrected: the 30 multipliers of the whole motion, gravity included, beside Pinocchio's rnea."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.paper.as_printed import INSTANT
+from crosscheck.paper.instant import joint_motion, rail
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.reference_values import multipliers_of
+from graphdyn import inverse_dynamics, kr500, maximal_state
+from graphdyn.equations.kinematics import joint_axes
+from graphdyn.layout import ANGULAR, LINEAR, Array
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedMultipliers:
+    """The multipliers that follow from the corrected constraints, and Pinocchio's.
+
+    multipliers, rnea: force in world axes, moments about t_1, t_2, of the inside body on body j   (6, 5)  [N, N m]
+    difference: largest one, relative to the largest force or moment of its kind
+    tau: actuator torques                                                       (6,)    [N m]
+    forces, moments: of the inside body on body j at O_j, actuator included, world axes   (6, 3)  [N], [N m]
+    reading: one sentence per joint about the forces and moments it carries
+    """
+
+    multipliers: Array
+    rnea: Array
+    difference: float
+    tau: Array
+    forces: Array
+    moments: Array
+    reading: tuple[str, ...]
+
+
+def corrected_multipliers(time: float = INSTANT) -> CorrectedMultipliers:
+    """All multipliers of the paper's motion at a time [s]."""
+    model, motion = kr500(), rail(time)
+    q, v, a = joint_motion(time)
+    ours = inverse_dynamics(model, q, v, a, base=motion, method="dense")
+    there = PinocchioModel.from_model(model).carried(q[None], v[None], a[None], ours.tau[None], motion)
+    state = maximal_state(model, q, v, a, base=motion)
+    rnea = multipliers_of(model, state.rotation, there.joint_wrenches[0])
+    forces, moments = (
+        np.einsum("iab,ib->ia", state.rotation, ours.joint_wrenches[:, part]) for part in (LINEAR, ANGULAR)
+    )
+    kinds = slice(0, 3), slice(3, 5)
+    differences = [np.abs(ours.multipliers[:, k] - rnea[:, k]).max() / np.abs(rnea[:, k]).max() for k in kinds]
+    reading = tuple(
+        _reading(name, force, moment, axis, torque)
+        for name, force, moment, axis, torque in zip(
+            model.joint_names, forces, moments, joint_axes(state), ours.tau, strict=True
+        )
+    )
+    return CorrectedMultipliers(ours.multipliers, rnea, float(np.max(differences)), ours.tau, forces, moments, reading)
+
+
+def _reading(name: str, force: Array, moment: Array, axis: Array, torque: float) -> str:
+    """A sentence on vertical and horizontal force, the moment about the axis (the actuator's), and that across it."""
+    across = np.linalg.norm(moment - torque * axis)
+    return (
+        f"{name} carries {force[2] / 1e3:.1f} kN upwards and {np.hypot(*force[:2]) / 1e3:.1f} kN sideways; "
+        f"its actuator gives {torque / 1e3:.2f} kN m about the axis, its bearings {across / 1e3:.2f} kN m across it"
+    )

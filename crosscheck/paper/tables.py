@@ -1,0 +1,58 @@
+"""Table 2: masses and moments of inertia from the density and the geometry of the cylinders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.paper.printed import TABLE_2, Printed
+from graphdyn import kr500
+from graphdyn.experiments.kr500 import LENGTHS, RADII
+from graphdyn.layout import Array
+
+WHY_TABLE_2 = (
+    "Nothing differs: homogeneous steel cylinders of 7801 kg/m³ give every printed digit. The row labels J_i1 and J_i2 "
+    "of the paper are J_11 and J_22 (B8)."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class GeometryTable:
+    """Table 2 and the cylinder formula; rows as printed, first the lengths and radii, which are given.
+
+    ours: not rounded                                       (6, 6)  [m, kg, kg m²]
+    """
+
+    rows: tuple[str, ...]
+    printed: tuple[tuple[Printed, ...], ...]
+    ours: Array
+
+    @property
+    def texts(self) -> tuple[tuple[str, ...], ...]:
+        """Our numbers with the decimal places of the paper."""
+        return tuple(
+            tuple(f"{value:.{_places(number)}f}" for value, number in zip(values, numbers, strict=True))
+            for values, numbers in zip(self.ours, self.printed, strict=True)
+        )
+
+    @property
+    def differing(self) -> int:
+        """Number of entries that differ in any printed digit."""
+        return sum(
+            text != number.text
+            for texts, numbers in zip(self.texts, self.printed, strict=True)
+            for text, number in zip(texts, numbers, strict=True)
+        )
+
+
+def geometry_table() -> GeometryTable:
+    """Table 2 of graphdyn.kr500()."""
+    bodies = kr500().bodies
+    moments = np.array([np.diag(body.inertia) for body in bodies]).T
+    ours = np.vstack([LENGTHS, RADII, [body.mass for body in bodies], moments])
+    return GeometryTable(tuple(TABLE_2.rows), tuple(TABLE_2.rows.values()), ours)
+
+
+def _places(number: Printed) -> int:
+    return len((number.text or "").partition(".")[2])

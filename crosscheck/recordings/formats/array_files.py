@@ -1,0 +1,182 @@
+"""Named arrays of a file as columns: one per array, or one per column of it.
+
+Parquet and NumPy .npz files.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
+from crosscheck.recordings.formats.files import check_expanded
+from crosscheck.recordings.table import Cells, RecordedTable, cells_of_array, cells_of_column, in_words
+
+
+def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
+    """One row per time: (N,) becomes a column, (N, k) and (k, N) the columns name_1 … name_k.
+
+    N is the length that most arrays have along their longest axis. Raises BadRecordingFile where no array has rows.
+    """
+    found: dict[str, tuple[tuple[int, ...], Cells]] = {}
+    left_out = {}
+    for name, value in arrays.items():
+        array = np.asarray(value)
+        numeric = array.dtype.kind in "biufcmM"
+        if numeric and array.ndim == 0:  # a parameter, no column
+            continue
+        if array.ndim == 2 and 1 in array.shape:  # MATLAB has no arrays of one dimension
+            array = array.ravel()
+        cells: Cells | str = f"its shape is {array.shape}, where (N,) or (N, n) is needed"
+        if not numeric or (array.ndim in (1, 2) and array.size):
+            cells = cells_of_array(array)
+        if isinstance(cells, str):
+            left_out[name] = cells
+        else:
+            found[name] = (array.shape, cells)
+    if not found:
+        reasons = "; ".join(f"{name!r}: {reason}" for name, reason in left_out.items())
+        there = f" ({reasons})" if reasons else ""
+        raise BadRecordingFile(f"{path}: no arrays with one row per time{there}; save t (N,) and q, tau (N, n)")
+    count = Counter(max(shape) for shape, _ in found.values()).most_common(1)[0][0]
+    names: list[str] = []
+    columns: list[Cells] = []
+    turned = []
+    for name, (shape, cells) in found.items():
+        values = cells.values
+        if len(shape) == 2 and shape[0] != count and shape[1] == count:
+            values = values.T
+            turned.append(name)
+        if len(values) != count:
+            left_out[name] = f"its shape is {shape}, most others have {count} rows"
+        elif values.ndim == 1:
+            names.append(name)
+            columns.append(cells)
+        else:
+            names += [f"{name}_{k}" for k in range(1, values.shape[1] + 1)]
+            columns += [cells._replace(values=column) for column in values.T]
+    findings = left_out_findings(path, left_out)
+    if turned:
+        message = f"{in_words(turned)}: one column per time"
+        remedy = "transposed, so that each row is a time"
+        findings += (noted(str(path), "turned-array", message, remedy),)
+    return RecordedTable.of(path, names, columns, left_out=left_out, findings=findings)
+
+
+def left_out_findings(path: Path, left_out: Mapping[str, str]) -> tuple[RecordingFinding, ...]:
+    """What is in the file and is not read."""
+    if not left_out:
+        return ()
+    message = f"not read: {in_words(f'{name} ({reason})' for name, reason in left_out.items())}"
+    return (noted(str(path), "left-out", message, "save columns of numbers"),)
+
+
+def read_parquet(path: Path) -> RecordedTable:
+    """Read a Parquet file; a column of lists becomes one column per element, name_1, name_2, …"""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    try:
+        file = parquet.ParquetFile(pa.BufferReader(path.read_bytes()))
+        batches, size = [], 0
+        check_expanded(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
+        for batch in file.iter_batches():  # lists may have any number of elements per row
+            batches.append(batch)
+            size += batch.nbytes
+            check_expanded(path, size)
+        table = pa.Table.from_batches(batches, file.schema_arrow)
+        names = table.schema.names
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged file makes Arrow raise
+        raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error
+    return table_of_columns(path, names, table.columns)
+
+
+def table_of_columns(path: Path, headers: Sequence[str], arrays: Sequence[Any]) -> RecordedTable:
+    """The table of Arrow columns. Raises BadRecordingFile where none holds numbers."""
+    import pyarrow as pa
+
+    names: list[str] = []
+    columns: list[Cells] = []
+    left_out: dict[str, str] = {}
+    texts: dict[int, dict[int, str]] = {}
+    for name, column in zip(headers, arrays, strict=True):
+        kind = column.type
+        if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+            elements: list[Cells] | Cells | str = _elements(column)
+        else:
+            elements = cells_of_column(column)
+        if isinstance(elements, str):
+            left_out[name] = elements
+        elif isinstance(elements, Cells):
+            if pa.types.is_string(kind) or pa.types.is_large_string(kind):
+                cells = column.to_pylist()
+                texts[len(names)] = {int(row): cells[row] or "" for row in np.flatnonzero(np.isnan(elements.values))}
+            names.append(name)
+            columns.append(elements)
+        else:
+            names += [f"{name}_{k}" for k in range(1, len(elements) + 1)]
+            columns += elements
+    if not columns:
+        raise BadRecordingFile(f"{path}: no column of numbers; save time, q and tau")
+    findings = left_out_findings(path, left_out)
+    return RecordedTable.of(path, names, columns, texts=texts, left_out=left_out, findings=findings)
+
+
+def _elements(column: Any) -> list[Cells] | str:
+    """One column per element of lists of the same length; or why there are none."""
+    from pyarrow import compute
+
+    widths = compute.unique(compute.list_value_length(column)).to_pylist()
+    if len(widths) != 1 or not widths[0]:
+        return "lists of different lengths"
+    flat = cells_of_column(compute.list_flatten(column))
+    if isinstance(flat, str):
+        return flat
+    return [flat._replace(values=values) for values in flat.values.reshape(-1, widths[0]).T]
+
+
+def read_npz(path: Path) -> RecordedTable:
+    """Read the arrays of a NumPy archive; pickled objects are refused."""
+    content = path.read_bytes()
+    try:
+        _check_headers(path, content)
+        with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+            arrays = {}
+            for name in archive.files:
+                try:
+                    arrays[name] = archive[name]
+                except (ValueError, MemoryError) as error:
+                    raise BadRecordingFile(f"{path}: {name!r} is not an array of numbers; save it as one") from error
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged archive makes zipfile and NumPy raise
+        raise BadRecordingFile(f"{path}: not a readable .npz file ({error}); save it with numpy.savez") from error
+    return table_of(path, arrays)
+
+
+def _check_headers(path: Path, content: bytes) -> None:
+    """Raise BadRecordingFile for arrays that are larger than allowed, or than their part of the archive."""
+    from numpy.lib import format as npy
+
+    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        check_expanded(path, sum(member.file_size for member in archive.infolist()))
+        for member in archive.infolist():
+            with archive.open(member) as file:
+                if not member.filename.endswith(".npy") or (version := npy.read_magic(file)) not in readers:
+                    continue
+                shape, _, kind = readers[version](file)
+                size = int(np.prod(shape, dtype=object)) * kind.itemsize
+                if size > member.file_size and not kind.hasobject:
+                    raise BadRecordingFile(
+                        f"{path}: {member.filename!r} announces {size} bytes of numbers and has {member.file_size}; "
+                        "save it with numpy.savez"
+                    )

@@ -1,0 +1,101 @@
+"""ROS bags and MCAP files: the sensor_msgs/JointState messages of one topic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.recordings.errors import AmbiguousColumns, BadRecordingFile, RecordingFinding
+from crosscheck.recordings.table import RecordedTable, in_words
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+FIELDS = ("position", "velocity", "effort")
+
+
+def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | None = None) -> RecordedTable:
+    """Read 'time' [s] since the first message (header stamp), 'receive_time', and 'position.<joint>' and so on.
+
+    joints: read only the messages that have all of these. Raises BadRecordingFile, AmbiguousColumns.
+    """
+    try:
+        from rosbags.highlevel import AnyReader
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        raise BadRecordingFile(
+            f"{path}: to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"
+        ) from error
+    try:
+        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
+            connections = [c for c in reader.connections if c.msgtype == JOINT_STATE]
+            topic = _topic(path, sorted({c.topic for c in connections}), topic)
+            wanted = [c for c in connections if c.topic == topic]
+            messages = [
+                (received, reader.deserialize(raw, connection.msgtype))
+                for connection, received, raw in reader.messages(wanted)
+            ]
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged bag makes rosbags and its storages raise
+        raise BadRecordingFile(
+            f"{path}: not a readable bag ({error}); record it again, or give the whole folder"
+        ) from error
+    if not messages:
+        raise BadRecordingFile(f"{path}: no messages on {topic}; record at least one")
+    return _table(path, topic, messages, joints)
+
+
+def _topic(path: Path, topics: list[str], wanted: str | None) -> str:
+    listed = in_words(topics)
+    if not topics:
+        raise BadRecordingFile(f"{path}: no topic of type {JOINT_STATE}; record the joint states")
+    if wanted is not None and wanted not in topics:
+        raise BadRecordingFile(f"{path}: no {JOINT_STATE} on the topic {wanted!r}; there are: {listed}")
+    if wanted is None and len(topics) > 1:
+        raise AmbiguousColumns(
+            f"{path}: joint states on {len(topics)} topics: {listed}; name one in a mapping: topic = …"
+        )
+    return wanted or topics[0]
+
+
+def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tuple[str, ...] | None) -> RecordedTable:
+    findings = []
+    sets = dict.fromkeys(frozenset(message.name) for _, message in messages)
+    if joints is None:
+        if len(sets) > 1:
+            listed = "; ".join(in_words(sorted(names)) for names in sets)
+            raise AmbiguousColumns(
+                f"{path}: messages on {topic} name different joints: {listed}; say which: joints = […]"
+            )
+        joints = tuple(messages[0][1].name)
+    have = [set(joints) <= set(message.name) for _, message in messages]
+    if not any(have):
+        listed = in_words(sorted(frozenset.union(*sets)))
+        raise BadRecordingFile(f"{path}: no message on {topic} has all of {in_words(joints)}; there are: {listed}")
+    if not all(have):
+        text = f"{have.count(False)} messages on {topic} without all of {in_words(joints)}"
+        findings.append(RecordingFinding("other-joints", "note", str(path), None, (), text, "they are left out"))
+        messages = [message for message, has in zip(messages, have, strict=True) if has]
+    stamps = np.array([m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for _, m in messages], dtype=np.int64)
+    received = np.array([time for time, _ in messages], dtype=np.int64)
+    if not stamps.any():
+        text = f"the messages on {topic} have no header stamps"
+        findings.append(
+            RecordingFinding("no-stamps", "warning", str(path), "time", (), text, "the times of receiving are used")
+        )
+        stamps = received
+    names, columns = ["time", "receive_time"], [(stamps - stamps[0]) * 1e-9, (received - received[0]) * 1e-9]
+    for field in FIELDS:
+        rows = [_in_order(message, field, joints) for _, message in messages]
+        if any(row is not None for row in rows):
+            names += [f"{field}.{joint}" for joint in joints]
+            missing = np.full(len(joints), np.nan)
+            columns += list(np.array([missing if row is None else row for row in rows]).T)
+    return RecordedTable(path, tuple(names), np.column_stack(columns), findings=tuple(findings), in_si=True)
+
+
+def _in_order(message: Any, field: str, joints: tuple[str, ...]) -> Any:
+    """The numbers of these joints; None where the message leaves the field empty."""
+    values, names = getattr(message, field), list(message.name)
+    return values[[names.index(joint) for joint in joints]] if len(values) == len(names) else None

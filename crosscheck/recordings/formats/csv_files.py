@@ -1,0 +1,167 @@
+"""Delimited text as other programs write it: usual delimiters, decimal commas, comments, with or without a header."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
+from crosscheck.recordings.formats.csv_layout import HEAD, Layout, layout_of
+from crosscheck.recordings.formats.files import content_of
+from crosscheck.recordings.table import LARGEST_EXACT, Cells, RecordedTable, cells_of_column
+
+
+def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
+    """Read delimited text. Raises BadRecordingFile where it is not a table of numbers, and OSError."""
+    content = content_of(path)
+    head = content[:HEAD].decode(errors="ignore")  # the last character may be cut off
+    layout = layout_of(path, head, delimiter)
+    body = memoryview(content)[len(head[: layout.length].encode()) :]
+    ends = content.endswith(b"\n")
+    count = content.count(b"\n") - layout.above + (not ends)
+    if not body:
+        raise BadRecordingFile(f"{path}: no line below the header; record at least one row")
+    n, lines = len(layout.names), layout.above + 1
+    table, wrong = _parsed(path, body, layout)
+    if table.num_rows + len(wrong) != count:
+        raise BadRecordingFile(
+            f"{path}: {table.num_rows + len(wrong)} rows in {count} lines, so a quotation mark is not closed; remove it"
+        )
+    if 2 * len(wrong) > count:
+        row, cells = next(iter(wrong.items()))
+        raise BadRecordingFile(
+            f"{path}: {len(wrong)} of {count} lines do not have {n} cells like the first one "
+            f"(line {row + lines} has {cells}); name the delimiter in a mapping, or repair the file"
+        )
+    good = np.delete(np.arange(count), list(wrong))
+    columns: list[Cells] = []
+    texts: dict[int, dict[int, str]] = {}
+    for k, column in enumerate(table.columns):
+        read = _cells(column, layout.decimal_comma)
+        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in np.flatnonzero(np.isnan(read.values))}
+        values = np.full(count, np.nan)
+        values[good] = read.values
+        columns.append(read._replace(values=values))
+    for row in set.intersection(*({row for row, cell in cells.items() if not cell} for cells in texts.values())):
+        wrong[row] = 0
+    findings = _line_findings(path, wrong, n, count, lines)
+    if not ends and count - 1 not in wrong:
+        last = columns[-1].values
+        cut = bool(np.isnan(last[-1])) and not np.isnan(last[-2:-1]).any()
+        findings.append(_last_line(path, count - 1, lines, cut))
+    if any(re.fullmatch(r"-?\d+\.\d+", name) for name in layout.names):
+        message, remedy = (
+            "the first line is taken for names, though it has decimals",
+            "if it is a row, write names above",
+        )
+        findings.append(RecordingFinding("header-of-numbers", "warning", str(path), None, (), message, remedy))
+    if not any(layout.names):
+        message = "the first line holds numbers, so the columns have no names"
+        findings.append(noted(str(path), "no-header", message, "they can be mapped by number only"))
+    if layout.decimal_comma:
+        findings.append(noted(str(path), "decimal-comma", "the numbers have decimal commas", "they are read with them"))
+    return RecordedTable.of(path, layout.names, columns, texts=texts, lines=lines, findings=tuple(findings))
+
+
+def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:
+    """The Arrow table of the lines with n cells; and for the other lines, by row, how many cells they have."""
+    import pyarrow as pa
+    from pyarrow import csv as arrow_csv
+
+    if layout.delimiter == " ":
+        body = re.sub(rb"(?m)^ | $", b"", re.sub(rb"[ \t]+", b" ", body))
+    names = [str(k) for k in range(len(layout.names))]
+    wrong: dict[int, int] = {}
+
+    def skip(row: Any) -> str:
+        wrong[row.number - 1] = 0 if row.text.strip() == "" else row.actual_columns
+        return "skip"
+
+    def read(types: dict[str, Any] | None) -> Any:
+        wrong.clear()
+        return arrow_csv.read_csv(
+            pa.BufferReader(body),
+            read_options=arrow_csv.ReadOptions(column_names=names, use_threads=False),
+            parse_options=arrow_csv.ParseOptions(
+                delimiter=layout.delimiter, ignore_empty_lines=False, invalid_row_handler=skip
+            ),
+            convert_options=arrow_csv.ConvertOptions(
+                column_types=types,
+                decimal_point="," if layout.decimal_comma else ".",
+                null_values=[""],
+                strings_can_be_null=True,
+                true_values=[],  # words, not numbers
+                false_values=[],
+            ),
+        )
+
+    try:
+        try:
+            table = read(None)
+            large = [name for name in names if _beyond_doubles(table.column(name))]
+            return read(dict.fromkeys(large, pa.string())) if large else table, wrong
+        except pa.ArrowInvalid:  # types are inferred from the first block only
+            return read(dict.fromkeys(names, pa.string())), wrong
+    except pa.ArrowInvalid as error:
+        raise BadRecordingFile(f"{path}, from line {layout.above + 1} on: {error}; repair the file") from error
+
+
+def _beyond_doubles(column: Any) -> bool:
+    """Whether a column that Arrow reads as doubles may have integers with more digits, as unsigned ones of 64 bits."""
+    import pyarrow as pa
+    from pyarrow import compute
+
+    if not pa.types.is_floating(column.type):
+        return False
+    extremes = compute.min_max(column.filter(compute.is_finite(column))).as_py().values()
+    return any(value is not None and abs(value) > LARGEST_EXACT for value in extremes)
+
+
+def _cells(column: Any, comma: bool) -> Cells:
+    """A column of numbers, texts or times, as they are inferred from a text file."""
+    import pyarrow as pa
+    from pyarrow import compute
+
+    if comma and pa.types.is_string(column.type):
+        column = compute.replace_substring(column, ",", ".")
+    cells = cells_of_column(column)
+    assert isinstance(cells, Cells)  # Arrow finds nothing else in text
+    return cells
+
+
+def _shown(cell: Any) -> str:
+    return "" if cell is None else str(cell)
+
+
+def _line_findings(path: Path, wrong: dict[int, int], n: int, count: int, lines: int) -> list[RecordingFinding]:
+    blank = tuple(row for row, cells in wrong.items() if cells == 0)
+    cut = tuple(row for row, cells in wrong.items() if row == count - 1 and 0 < cells < n)
+    others = tuple(row for row in wrong if row not in blank and row not in cut)
+    findings = []
+    if blank:
+        message, remedy = "an empty line", "it is left out"
+        findings.append(RecordingFinding("blank-line", "note", str(path), None, blank, message, remedy, lines))
+    if cut:
+        message, remedy = f"{wrong[cut[0]]} of {n} cells, the file is cut off", "the line is left out"
+        findings.append(
+            RecordingFinding("truncated-last-line", "warning", str(path), None, cut, message, remedy, lines)
+        )
+    if others:
+        message = f"{', '.join(map(str, sorted({wrong[row] for row in others})))} cells instead of {n}"
+        remedy = "repair the lines, or drop them"
+        findings.append(
+            RecordingFinding("wrong-column-count", "error", str(path), None, others, message, remedy, lines)
+        )
+    return findings
+
+
+def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
+    """The finding for a last line without line end: its last cell may be cut off, and surely is if not a number."""
+    if cut:
+        message, remedy = "the file is cut off inside a number", "the line is left out"
+        return RecordingFinding("truncated-last-line", "warning", str(path), None, (row,), message, remedy, lines)
+    message, remedy = "the last line has no line end, so its last number may be cut off", "drop it if it is"
+    return RecordingFinding("unterminated-last-line", "note", str(path), None, (row,), message, remedy, lines)

@@ -1,0 +1,93 @@
+"""MATLAB .mat files: variables, and fields of structures."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.formats.array_files import table_of
+from crosscheck.recordings.formats.files import LARGEST_EXPANDED, check_expanded
+from crosscheck.recordings.table import RecordedTable
+
+HEADER, COMPRESSED = 128, 15
+"""Of version 5: bytes before the first element; type of an element that is compressed with zlib."""
+
+
+def read_mat(path: Path) -> RecordedTable:
+    """Read the variables of a MATLAB file, including fields of structures (data.q); version 7.3 needs h5py."""
+    from scipy.io import loadmat
+
+    content = path.read_bytes()
+    try:
+        check_expanded(path, _expanded_size(content))
+        variables = loadmat(io.BytesIO(content), simplify_cells=True)
+    except NotImplementedError:
+        variables = _read_hdf5(path)
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged file makes scipy raise
+        raise BadRecordingFile(f"{path}: not a readable .mat file ({error}); save it with save('-v7')") from error
+    return table_of(path, _flat({name: value for name, value in variables.items() if not name.startswith("__")}))
+
+
+def _expanded_size(content: bytes) -> int:
+    """Size of the elements of a file of version 5 when expanded [bytes]; counted no further than is allowed."""
+    order = {b"IM": "<", b"MI": ">"}.get(content[HEADER - 2 : HEADER])
+    if order is None:  # version 4, which is not compressed
+        return len(content)
+    size, place = 0, HEADER
+    while place + 8 <= len(content) and size <= LARGEST_EXPANDED:
+        kind, length = struct.unpack_from(f"{order}II", content, place)
+        place += 8
+        if kind == COMPRESSED:
+            expander, rest = zlib.decompressobj(), content[place : place + length]
+            while rest and size <= LARGEST_EXPANDED:
+                size += len(expander.decompress(rest, 1 << 24))
+                rest = expander.unconsumed_tail
+        else:
+            size += length
+        place += length
+    return size
+
+
+def _read_hdf5(path: Path) -> dict[str, Any]:
+    """The variables of a version 7.3 file, which stores arrays with their axes reversed."""
+    try:
+        import h5py
+    except ImportError as error:
+        raise BadRecordingFile(
+            f"{path}: of MATLAB version 7.3; save it with save('-v7'), or install graphdyn with its extra 'mat73'"
+        ) from error
+    sizes: list[int] = []
+
+    def content(node: Any) -> Any:
+        if isinstance(node, h5py.Group):
+            return {name: content(child) for name, child in node.items() if not name.startswith("#")}
+        if node.dtype.kind not in "fiub":
+            return "no numbers"
+        sizes.append(node.size * node.dtype.itemsize)
+        check_expanded(path, sum(sizes))
+        return np.transpose(node[()])
+
+    try:
+        with h5py.File(path) as file:
+            return dict(content(file))
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged file makes h5py raise
+        raise BadRecordingFile(f"{path}: not a readable .mat file ({error}); save it with save('-v7')") from error
+
+
+def _flat(variables: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """The fields of structures as 'structure.field'."""
+    flat: dict[str, Any] = {}
+    for name, value in variables.items():
+        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {f"{prefix}{name}": value}
+    return flat

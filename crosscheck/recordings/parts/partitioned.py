@@ -1,0 +1,142 @@
+"""Recordings of any length, summed up part by part: in this process, in others, or on the workers of a scheduler."""
+
+from __future__ import annotations
+
+import pickle
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache, partial
+from os import PathLike
+from typing import Any, TypeVar, cast
+
+from crosscheck.distributing import Lost, NoWorkers, Workers
+from crosscheck.recordings.loading import check_rate
+from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
+from crosscheck.recordings.parts.logs import log_of
+from crosscheck.recordings.parts.partitions import Partition, ReadableLog, partitions
+from graphdyn import GraphDynError, InvalidInput
+from graphdyn.identification import Problem, Samples, TorqueModel
+
+T = TypeVar("T")
+
+SETTINGS = ("min_speed", "compression", "rank_tolerance")
+"""Fields of a problem that its parts have too."""
+
+ROWS = 250_000
+"""Rows of a part unless told otherwise: a second of work, some 50 MB of memory for a six-axis arm."""
+
+
+@dataclass(frozen=True)
+class PartitionedRecording:
+    """Long logs in Parquet files for graphdyn.identification.Problem(data=…), worked on part by part.
+
+    paths: files, each a log of its own, or folders, each one log in parts that follow each other in the order of the
+        numbers in their names. Parts of one log overlap by the borders of the filter; different logs do not
+    mapping, joints, rate: as in load_recording, for all logs; joints in the order of the robot
+    cutoff: as in differentiated, [Hz] of all channels or per channel; None: no filter
+    between: which part of every log, from 0 to 1; a quarter of a second is left out before an end that is not its own
+    rows: of a part, at most
+    workers: of crosscheck.distributing: processes, or those of a Dask scheduler; None: this process
+
+    The parts follow from the files, `rows`, the filter and the number of time blocks alone, and what comes of them is
+    merged in a fixed order: the result is the same to the last bit for any number and kind of workers, on processors of
+    one type. There is no list of findings: rows that load_recording would drop or resample raise InvalidInput, with
+    the row. Raises BadRecordingFile, BadMapping, OSError likewise; NoWorkers.
+    """
+
+    paths: Sequence[str | PathLike[str]]
+    mapping: ColumnMapping | str | PathLike[str] | None = None
+    joints: Sequence[str] | None = None
+    rate: float | None = None
+    cutoff: float | Mapping[str, float] | None = None
+    between: tuple[float, float] = (0.0, 1.0)
+    rows: int = ROWS
+    workers: Workers | None = None
+
+    @cached_property
+    def logs(self) -> list[ReadableLog]:
+        """In the order given. Raises InvalidInput for none, or for one given twice."""
+        check_rate(self.rate)
+        logs = [log_of(path) for path in self.paths]
+        files = [file.resolve() for log in logs for file in log.files]
+        twice = next((file for file, count in Counter(files).items() if count > 1), None)
+        if not logs or twice:
+            what = f"{twice} is given twice; rows that count twice look more certain than they are"
+            raise InvalidInput(what if logs else "there is no log; give at least one")
+        if isinstance(self.cutoff, str):
+            raise InvalidInput(f"cutoff is '{self.cutoff}'; give it in Hz, or per channel, or None")
+        mapping = load_mapping(self.mapping) if isinstance(self.mapping, str | PathLike) else self.mapping
+        if mapping is not None and self.rate is not None:
+            mapping = replace(mapping, rate=self.rate)
+        joints = None if self.joints is None else tuple(self.joints)
+        if not 0 <= self.between[0] < self.between[1] <= 1:
+            raise InvalidInput(f"between is {self.between}; give two numbers from 0 to 1, the smaller one first")
+        return [ReadableLog.of(log, mapping, joints, self.rate, self.cutoff, self.between) for log in logs]
+
+    @property
+    def n_rows(self) -> int:
+        """Of all logs, as recorded."""
+        return sum(source.n_rows for source in self.logs)
+
+    def parts(self, blocks: int) -> list[Partition]:
+        """For so many time blocks."""
+        return partitions(self.logs, self.rows, blocks)
+
+    def __iter__(self) -> Iterator[Samples]:
+        """The samples in order, for methods that look at each: one part after the other, in this process."""
+        for part in self.parts(1):
+            samples, own = part.samples(0)
+            yield samples[own]
+
+    def each_part(self, problem: Problem, function: Callable[[Problem, slice], T]) -> list[tuple[int, T]]:
+        """As in graphdyn.identification.data.partitions.Partitioned."""
+        in_block = problem.block_samples
+        parts = self.parts(problem.n_blocks if in_block is None else -(-self.n_rows // in_block))
+        torque_model = problem.torque_model
+        settings = {name: getattr(problem, name) for name in SETTINGS}
+        base = problem.structure.base.independent.tobytes()
+        work = partial(_work, _pickled(torque_model), base, settings, pickle.dumps(function))
+        answers = enumerate(map(work, parts)) if self.workers is None else self.workers.each(work, parts)
+        found: dict[int, T] = {}
+        for k, answer in answers:
+            if isinstance(answer, Lost):
+                raise NoWorkers(f"{parts[k].name}: {answer.reason}")
+            if isinstance(answer, Exception):
+                raise answer
+            found[k] = cast(T, answer)
+            if problem.progress is not None:
+                problem.progress(parts[k].last - parts[k].first)
+        return [(parts[k].block, found[k]) for k in range(len(parts))]
+
+
+@lru_cache(maxsize=8)
+def _pickled(torque_model: TorqueModel) -> bytes:
+    """The same for every reading, by which a worker knows a model that it has compiled already. Raises InvalidInput."""
+    try:
+        return pickle.dumps(torque_model)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise InvalidInput(
+            f"the torque model cannot be sent to other processes: {error}; define its terms and known torques by class "
+            "or def at the top of a file, not by lambda or in a function"
+        ) from error
+
+
+@lru_cache(maxsize=8)
+def _unpickled(torque_model: bytes) -> TorqueModel:
+    found: TorqueModel = pickle.loads(torque_model)
+    return found
+
+
+def _work(torque_model: bytes, base: bytes, settings: Mapping[str, Any], function: bytes, part: Partition) -> object:
+    """The answer for one part, or the error. base: numbers of the base parameters; settings: of the problem"""
+    try:
+        samples, own = part.samples(part.source.memory)
+        problem = Problem(_unpickled(torque_model), samples, block_samples=len(samples) or 1, **settings)
+        if problem.structure.base.independent.tobytes() != base:
+            raise NoWorkers("a worker finds other base parameters; use workers with processors of one type")
+        return pickle.loads(function)(problem, own)
+    except ImportError as error:
+        return NoWorkers(f"a worker cannot import a part of the torque model ({error}); install it there")
+    except (GraphDynError, OSError) as error:
+        return error

@@ -1,0 +1,177 @@
+"""Parts of long logs, each read with the rows around it that filters need, so that it can be worked on alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from crosscheck.recordings.checks.stamps import Origin
+from crosscheck.recordings.delays import refuse_delays
+from crosscheck.recordings.errors import RecordingFinding
+from crosscheck.recordings.loading import reordered
+from crosscheck.recordings.mapping.mapping import ColumnMapping
+from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
+from crosscheck.recordings.parts.batches import parquet_rows
+from crosscheck.recordings.parts.logs import Log
+from crosscheck.recordings.parts.windows import Place, appended, refuse_uneven, window_of
+from crosscheck.recordings.preparation.derivatives import STENCIL, differentiated
+from crosscheck.recordings.preparation.filtering import border, check_cutoff
+from crosscheck.recordings.preparation.resampling import sampling_rate
+from crosscheck.recordings.preparation.row_filters import BORDERS, torque_filter
+from crosscheck.recordings.preparation.splits import GUARD
+from crosscheck.recordings.recording import Recording
+from graphdyn import InvalidInput
+from graphdyn.identification import Samples
+
+HEAD = 1000
+"""Rows from which the sampling rate of a log is taken."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReadableLog:
+    """The rows begin … end - 1 of a log, and how they are read.
+
+    origin: of its times; cutoff: as in differentiated
+    cut: rows that differentiation costs at each end, at most; memory: rows that the filter of the torque remembers
+    findings: what was assumed of the columns, if they were taken by name
+    """
+
+    log: Log
+    mapping: ColumnMapping
+    origin: Origin | None
+    joints: tuple[str, ...] | None
+    cutoff: float | Mapping[str, float] | None
+    cut: int
+    memory: int
+    begin: int
+    end: int
+    findings: tuple[RecordingFinding, ...]
+
+    @classmethod
+    def of(
+        cls,
+        log: Log,
+        mapping: ColumnMapping | None,
+        joints: tuple[str, ...] | None,
+        rate: float | None,
+        cutoff: float | Mapping[str, float] | None,
+        between: tuple[float, float],
+    ) -> ReadableLog:
+        """Looks at the first rows. between: parts of the rows. Raises as PartitionedRecording."""
+        if not log.n_rows:
+            raise InvalidInput(f"{log.path}: no rows; leave it out")
+        file, count = next(found for found in zip(log.files, log.rows, strict=True) if found[1])
+        head = parquet_rows(file, 0, min(HEAD, count))
+        mapping, findings = (mapping, []) if mapping else mapping_by_name(head, joints, rate)
+        refuse_delays(mapping)
+        window, origin = window_of(head, mapping, Place(0, 0), None)
+        found = sampling_rate(window)
+        cutoffs = dict(cutoff) if isinstance(cutoff, Mapping) else dict.fromkeys(("q", "tau"), cutoff) if cutoff else {}
+        for frequency in cutoffs.values():
+            check_cutoff(found, frequency)
+        torque = cutoffs.pop("tau", None)
+        cut = max((border(found, frequency) for frequency in cutoffs.values()), default=0) + STENCIL
+        memory = BORDERS * (border(found, torque) + 1) if torque else 0
+        begin, end = (int(log.n_rows * part) for part in between)
+        end -= round(GUARD * found) if end < log.n_rows else 0
+        source = cls(log, mapping, origin, joints, cutoff, cut, memory, begin, end, tuple(findings))
+        if source.n_rows <= source.shortest:
+            raise InvalidInput(
+                f"{log.path}: {max(source.n_rows, 0)} of its {log.n_rows} rows are too few for the borders of the "
+                f"filter, which need {source.shortest + 1}; leave the log out, or choose a higher cutoff"
+            )
+        return source
+
+    @property
+    def n_rows(self) -> int:
+        return self.end - self.begin
+
+    @property
+    def shortest(self) -> int:
+        """Rows of a part that is longer than what has to be read around it."""
+        return 2 * (BORDERS * self.cut + self.memory)
+
+    def read(self, first: int, last: int) -> Recording:
+        """These rows of the log. Raises InvalidInput and BadRecordingFile."""
+        whole: Recording | None = None
+        start = 0
+        for file, count in zip(self.log.files, self.log.rows, strict=True):
+            begin, end = max(first - start, 0), min(last - start, count)
+            if begin < end:
+                table = parquet_rows(file, begin, end)
+                window, _ = window_of(table, self.mapping, Place(start + begin, begin), self.origin)
+                whole = window if whole is None else appended(whole, window)
+            start += count
+        assert whole is not None
+        refuse_uneven(whole, self.log.path, first)
+        return whole if self.joints is None else reordered(whole, self.joints)
+
+
+@dataclass(frozen=True, eq=False)
+class Partition:
+    """Rows first … last - 1 of a log; block: number of the time block of the data."""
+
+    source: ReadableLog
+    first: int
+    last: int
+    block: int
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        return f"{self.source.log.path}, rows {self.first} to {self.last}"
+
+    def samples(self, memory: int) -> tuple[Samples, slice]:
+        """Its samples and at most `memory` ones on either side, and which of them are its own.
+
+        The first and the last part lack the rows that differentiation cuts off. Raises as read.
+        """
+        source = self.source
+        around = memory + BORDERS * source.cut
+        start = max(self.first - around, source.begin)
+        done = differentiated(source.read(start, min(self.last + around, source.end)), source.cutoff)
+        numbers = start + done.rows
+        wanted = (numbers >= self.first - memory) & (numbers < self.last + memory)
+        numbers = numbers[wanted]
+        own = np.flatnonzero((numbers >= self.first) & (numbers < self.last))
+        q, v, a, tau = (done.channel(name)[wanted] for name in ("q", "v", "a", "tau"))
+        piece = Samples(
+            q,
+            v,
+            a,
+            tau,
+            row_filter=torque_filter(done),
+            continues=self.first > source.begin,
+            time=done.t[wanted],
+            temperature=None if done.temperature is None else done.temperature[wanted],
+        )
+        return piece, slice(int(own[0]), int(own[-1]) + 1)
+
+
+def partitions(logs: list[ReadableLog], rows: int, blocks: int) -> list[Partition]:
+    """Parts of at most this number of rows, so that every time block has at least one where the data allow.
+
+    The same for the same files. Raises InvalidInput for a log or parts too short for the filter.
+    """
+    total = sum(source.n_rows for source in logs)
+    block_rows = -(-total // blocks)
+    found, before = [], 0
+    for source in logs:
+        count = source.n_rows
+        if rows <= source.shortest:
+            raise InvalidInput(
+                f"parts of {rows} rows are too short for the borders of the filter; give more than {source.shortest}, "
+                "or a higher cutoff"
+            )
+        size = max(min(rows, block_rows), source.shortest + 1)
+        parts = -(-count // size)
+        ends = [count * part // parts for part in range(parts + 1)]
+        found += [
+            Partition(source, source.begin + first, source.begin + last, (before + first) // block_rows)
+            for first, last in pairwise(ends)
+        ]
+        before += count
+    return found

@@ -1,0 +1,150 @@
+"""Velocities and accelerations from noisy positions: low-pass, then differences, block by block, borders cut."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from crosscheck.recordings.preparation.filtering import ORDER, border, check_cutoff, lowpass, padding
+from crosscheck.recordings.preparation.noise_floor import residual_analysis, white_noise
+from crosscheck.recordings.preparation.resampling import is_even, resampled, sampling_rate
+from crosscheck.recordings.recording import JOINT_CHANNELS, Recording
+from graphdyn import InvalidInput
+from graphdyn.layout import Array
+
+STENCIL = 5
+"""Number of rows in the central difference of fourth order, (1, -8, 0, 8, -1) / 12 h."""
+
+Cutoff = float | Mapping[str, float] | Literal["residual"] | None
+
+
+def derivative(values: Array, rate: float) -> Array:
+    """d/dt of rows (N, …) at the rate [Hz], N ≥ 5, without phase shift: central difference of fourth order.
+
+    That is the slope of the quartic through five rows; at the first and last two rows the formula is one-sided.
+    """
+    from scipy.signal import savgol_filter
+
+    return np.asarray(savgol_filter(values, STENCIL, STENCIL - 1, deriv=1, delta=1 / rate, axis=0))
+
+
+def chosen_cutoff(recording: Recording) -> float:
+    """The largest cutoff [Hz] that residual analysis chooses for a joint's position, in the longest block."""
+    rows = max(recording.block_slices, key=lambda rows: rows.stop - rows.start)
+    rate = sampling_rate(recording)
+    moving = [q for q in recording.q[rows].T if np.ptp(q) > 0]
+    if not moving:
+        raise InvalidInput("no joint moves, so no cutoff can be chosen; give the cutoff")
+    return max(residual_analysis(q, rate).cutoff for q in moving)
+
+
+@dataclass(frozen=True)
+class Differentiation:
+    """What `differentiated` does to the q and v of a block, to be done to others.
+
+    cutoffs: of the low-passes of q and v, where there are any [Hz]; velocity: whether v is measured, not derived
+    """
+
+    cutoffs: Mapping[str, float]
+    velocity: bool
+
+    @classmethod
+    def of(cls, recording: Recording, cutoff: Cutoff, velocity: Literal["recorded", "derived"]) -> Differentiation:
+        measured = recording.v is not None and velocity == "recorded"
+        names = ["q", "v"] if measured else ["q"]
+        given = {name: x for name, x in cutoff.items() if name in names} if isinstance(cutoff, Mapping) else cutoff
+        return cls(_cutoffs(recording, given, names), measured)
+
+    def __call__(self, q: Array, v: Array, rate: float) -> tuple[Array, Array, Array]:
+        """q, v (N, n) of a motion → q, v, a as of a recording."""
+        motion = {"q": q, "v": v} if self.velocity else {"q": q}
+        motion |= {name: lowpass(motion[name], rate, cutoff) for name, cutoff in self.cutoffs.items()}
+        derived = motion["v"] if self.velocity else derivative(motion["q"], rate)
+        return motion["q"], derived, derivative(derived, rate)
+
+
+def differentiated(
+    recording: Recording, cutoff: Cutoff, *, velocity: Literal["recorded", "derived"] = "recorded"
+) -> Recording:
+    """The recording with v and a: filtered without phase shift, differentiated, the borders of its blocks cut off.
+
+    cutoff: [Hz] of all channels, or per channel ({"q": 100.0}; the others stay as they are), or "residual": chosen from
+        the positions by residual analysis, or None: no filter
+    velocity: "recorded" takes v where the recording has it; "derived" differentiates q in any case
+
+    v is the derivative of the filtered q unless recorded, a that of v unless recorded. tau stays as it is, because what
+    is filtered alone no longer fits its regressor: its cutoff is kept in `torque_cutoff`, and the identification
+    filters tau and every column of the regressor alike (crosscheck.samples_of). A recording with uneven steps is
+    resampled first. Blocks shorter than their borders are left out. The provenance lists these steps.
+
+    Raises InvalidInput for other channels, cutoffs from half the sampling rate on, and where no block is left.
+    """
+    if velocity not in ("recorded", "derived"):
+        raise InvalidInput(f"velocity is '{velocity}'; use 'recorded' or 'derived'")
+    if not is_even(recording):
+        recording = resampled(recording)
+    rate = sampling_rate(recording)
+    recorded = [name for name in JOINT_CHANNELS if getattr(recording, name) is not None]
+    if velocity == "derived":
+        recorded = [name for name in recorded if name not in ("v", "a")]
+    cutoffs = _cutoffs(recording, cutoff, recorded)
+    for frequency in cutoffs.values():
+        check_cutoff(rate, frequency)
+    now = {name: frequency for name, frequency in cutoffs.items() if name != "tau"}
+    cut = max([border(rate, frequency) for frequency in now.values()], default=0) + STENCIL - 1
+    needed = max(2 * cut + 1, padding() + 1)
+    noisy = [] if "a" in recorded else [name for name in ("q", "v") if name in recorded]
+    parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *JOINT_CHANNELS, "q_noise", "v_noise")}
+    short = []
+    for rows in recording.block_slices:
+        if rows.stop - rows.start < needed:
+            short.append(int(recording.block[rows.start]))
+            continue
+        block = {name: recording.channel(name)[rows] for name in recorded}
+        noise = {f"{name}_noise": white_noise(block[name]) for name in noisy}
+        block |= {name: lowpass(block[name], rate, frequency) for name, frequency in now.items()}
+        block.setdefault("v", derivative(block["q"], rate))
+        block.setdefault("a", derivative(block["v"], rate))
+        for name, values in block.items():
+            parts[name].append(values[cut:-cut])
+        for name, deviations in noise.items():
+            parts[name].append(np.broadcast_to(deviations, block["q"][cut:-cut].shape))
+        parts["rows"].append(np.arange(rows.start + cut, rows.stop - cut))
+    if not parts["rows"]:
+        longest = max(rows.stop - rows.start for rows in recording.block_slices)
+        raise InvalidInput(
+            f"the longest block has {longest} rows, {needed} are needed with borders of {cut} rows; "
+            "choose a higher cutoff, or record longer"
+        )
+    words = {"tau": "tau and every column of the regressor"}
+    filtered = ", ".join(f"{words.get(name, name)} {frequency:.4g} Hz" for name, frequency in cutoffs.items())
+    steps = [f"zero-phase Butterworth low-pass of order {ORDER}: {filtered}"] if cutoffs else ["no filter"]
+    steps.append(", ".join(name for name in ("v", "a") if name not in recorded) + " by central differences")
+    steps.append(f"{cut} rows cut at both ends of each block")
+    if cutoff == "residual":
+        steps.append("cutoff by residual analysis (Winter)")
+    if short:
+        steps.append(f"without the blocks {', '.join(map(str, short))} of fewer than {needed} rows")
+    changed = {name: np.concatenate(part) for name, part in parts.items() if part and name != "rows"}
+    if "tau" in cutoffs:
+        changed["torque_cutoff"] = np.full(len(changed["q"]), cutoffs["tau"])
+    return recording.take(np.concatenate(parts["rows"]), "; ".join(steps), **changed)
+
+
+def _cutoffs(recording: Recording, cutoff: Cutoff, recorded: list[str]) -> dict[str, float]:
+    """Cutoff [Hz] of every channel that is to be filtered."""
+    if cutoff is None:
+        return {}
+    if isinstance(cutoff, Mapping):
+        unknown = [name for name in cutoff if name not in recorded]
+        if unknown:
+            raise InvalidInput(f"cutoff of {unknown[0]!r}, which is not recorded; there are {', '.join(recorded)}")
+        return dict(cutoff)
+    if isinstance(cutoff, str):
+        if cutoff != "residual":
+            raise InvalidInput(f"cutoff is '{cutoff}'; give it in Hz, per channel, or 'residual'")
+        cutoff = chosen_cutoff(recording)
+    return dict.fromkeys(recorded, cutoff)

@@ -1,0 +1,131 @@
+"""The five multipliers of every joint, from the wrenches of a reference implementation.
+
+The reference values of Pinocchio, in the order and the axes of graphdyn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn import RobotModel
+from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.model.spatial import cross
+
+
+def multipliers_of(model: RobotModel, rotation: NDArray[Any], wrenches: NDArray[Any]) -> NDArray[Any]:
+    """The multipliers (N, n, 5) of a reference implementation's joint wrenches, as docs/notation.md defines them.
+
+    rotation: R_0j of all bodies (N, n, 3, 3); wrenches: at O_j in link axes (N, n, 6); complex for complex steps
+    """
+    force, moment = (np.einsum("...jab,...jb->...ja", rotation, wrenches[..., part]) for part in (LINEAR, ANGULAR))
+    result = np.empty((*wrenches.shape[:-1], 5), dtype=np.result_type(rotation, wrenches))
+    for k, joint in enumerate(model.joints):
+        inside = rotation[..., joint.inside - 1, :, :] if joint.inside else model.base.rotation
+        t_1, t_2, p = ((inside @ joint.placement.rotation) @ x for x in (*joint.axis_normals, joint.axis))
+        f, m = force[..., k, :], moment[..., k, :]
+        if joint.is_prismatic:
+            rows = [(f * t_1).sum(-1), (f * t_2).sum(-1), (m * t_1).sum(-1), (m * t_2).sum(-1), (m * p).sum(-1)]
+        else:
+            rows = [f[..., 0], f[..., 1], f[..., 2], (m * t_1).sum(-1), (m * t_2).sum(-1)]
+        result[..., k, :] = np.stack(rows, axis=-1)
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class RefereeValues:
+    """What Pinocchio computes at N states; bodies and joints in graphdyn's order.
+
+    rotation, position: link frames in the world            (N, n, 3, 3), (N, n, 3)
+    velocity, acceleration: ṙ, r̈ of the centers of mass in world axes, ω, ω̇ in body axes   (N, n, 6)
+    tau, joint_wrenches: rnea and its data.f                (N, n), (N, n, 6)
+    a: aba at the given torques                             (N, n)
+    mass_matrix: crba                                       (N, n, n)
+    torque_regressor, body_regressor: computeJointTorqueRegressor, jointBodyRegressor   (N, n, 10n), (N, n, 6, 10)
+    tau_external, joint_wrenches_external, a_external: rnea, data.f and aba with the external wrenches
+    a_wrenches, a_body_accelerations: data.f and body accelerations at a, the solution of forward dynamics
+    a_wrenches_external: data.f at a_external with the external wrenches
+    """
+
+    rotation: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    tau: Array
+    joint_wrenches: Array
+    a: Array
+    a_wrenches: Array
+    a_body_accelerations: Array
+    mass_matrix: Array
+    torque_regressor: Array
+    body_regressor: Array
+    tau_external: Array
+    joint_wrenches_external: Array
+    a_external: Array
+    a_wrenches_external: Array
+
+    def rows(self, selected: slice | NDArray[np.bool_]) -> RefereeValues:
+        """The values at some of the states."""
+        return RefereeValues(**{field.name: getattr(self, field.name)[selected] for field in fields(self)})
+
+
+@dataclass(frozen=True, eq=False)
+class CarriedValues:
+    """Pinocchio's values for a robot on a carriage: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
+
+    tau: Array
+    joint_wrenches: Array
+    a: Array
+
+
+@dataclass(frozen=True, eq=False)
+class BareCalls:
+    """Pinocchio's functions as a user calls them.
+
+    One state: function(model, data, q, v, …). Many states on several threads: function(threads, pool(threads), q, v, …,
+    out), with arrays (n, N) stored by columns, the memory layout of (N, n) by rows.
+
+    tip: the last arguments of frame_jacobian: the frame of this name (crosscheck.reference.subject), and
+        LOCAL_WORLD_ALIGNED
+    """
+
+    model: Any
+    data: Any
+    rnea: Callable[..., Array]
+    aba: Callable[..., Array]
+    torque_regressor: Callable[..., Array]
+    rnea_derivatives: Callable[..., tuple[Array, Array, Array]]
+    aba_derivatives: Callable[..., tuple[Array, Array, Array]]
+    mass_matrix_inverse: Callable[..., Array]
+    coriolis_matrix: Callable[..., Array]
+    kinetic_energy: Callable[..., float]
+    frame_jacobian: Callable[..., Array]
+    tip: tuple[Any, Any]
+    rnea_in_parallel: Callable[..., None]
+    aba_in_parallel: Callable[..., None]
+    pool: Callable[[int], Any]
+
+
+def at_centers(centers: Array, rotation: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array]:
+    """ṙ and ω, r̈ and ω̇ (N, n, 6) from spatial velocities and accelerations at the link origins.
+
+    centers: of mass, in link axes (n, 3); rotation: of the links (N, n, 3, 3)
+    """
+    linear, omega = velocity[..., LINEAR], velocity[..., ANGULAR]
+    alpha = acceleration[..., ANGULAR]
+    at_center = linear + cross(omega, centers)
+    classical = acceleration[..., LINEAR] + cross(omega, linear)
+    classical = classical + cross(alpha, centers) + cross(omega, cross(omega, centers))
+
+    def in_world(vectors: Array) -> Array:
+        turned: Array = np.einsum("...ab,...b->...a", rotation, vectors)
+        return turned
+
+    return (
+        np.concatenate([in_world(at_center), omega], axis=-1),
+        np.concatenate([in_world(classical), alpha], axis=-1),
+    )

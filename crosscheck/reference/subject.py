@@ -1,0 +1,95 @@
+"""Arguments that compare, judge and identify share: the robot, by name, path or RobotModel, and counts."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from numbers import Integral
+from os import PathLike
+
+from numpy.typing import ArrayLike
+
+import urdf
+from graphdyn import InvalidInput, RobotModel
+from urdf.document.catalogue import locate
+from urdf.document.document import UNNAMED
+from urdf.document.opening import content_of, path_of
+from urdf.reading.cutting import Chain
+
+Robot = str | PathLike[str] | RobotModel
+Lock = Mapping[str, float] | Iterable[str] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The robot to be compared.
+
+    name: as given
+    file: whole path of its URDF, file_sha256: of its content; both None where a RobotModel was given
+    locked: value per locked joint [rad or m]
+    chain: base link and tip link of the arm that was cut out, None for the whole robot
+    """
+
+    name: str
+    model: RobotModel
+    file: str | None
+    file_sha256: str | None
+    locked: Mapping[str, float]
+    chain: Chain
+
+
+def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = None) -> Subject:
+    """Load a name or path; take a RobotModel as it is.
+
+    Raises InvalidInput for lock, gravity or chain with a RobotModel, and for XML or another type.
+    """
+    if isinstance(robot, RobotModel):
+        if lock is not None or gravity is not None or chain is not None:
+            raise InvalidInput(
+                "lock, chain and gravity apply to names and files; a RobotModel already has its joints and gravity"
+            )
+        return Subject(robot.name, robot, None, None, {}, None)
+    if not isinstance(robot, str | PathLike):
+        raise InvalidInput(f"the robot is of type {type(robot).__name__}; give a name, a path or a RobotModel")
+    if path_of(robot) in UNNAMED:
+        raise InvalidInput("XML is given in place of a name or path; give the file, or urdf.load(…) of the XML")
+    lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
+    model = urdf.load(robot, chain=chain, lock=lock, gravity=gravity)
+    locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
+    return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
+
+
+JUDGE_THE_TREE = "are not judged; from Python, judge its tree: urdf.load(…).opened"
+
+IDENTIFY_CLOSED = (
+    "recorded positions leave open by their noise; from Python, identify it with samples that graphdyn.assemble has "
+    "closed"
+)
+
+
+def refuse_chords(model: RobotModel, why: str = JUDGE_THE_TREE) -> None:
+    """Raise InvalidInput for a robot with loops. why: what they are not, and the remedy."""
+    if model.chords:
+        names = ", ".join(f"'{chord.name}'" for chord in model.chords[:5])
+        more = f" and {len(model.chords) - 5} more" if len(model.chords) > 5 else ""
+        raise InvalidInput(f"robot '{model.name}' has loops, closed by {names}{more}, which {why}")
+
+
+def tip(model: RobotModel) -> str:
+    """The frame that is meant where none is named: the last one fixed to the last body, or this body itself."""
+    fixed = [frame.name for frame in model.frames if frame.body == model.n_bodies]
+    return fixed[-1] if fixed else model.body_names[-1]
+
+
+def content_sha256(robot: str | PathLike[str]) -> str:
+    """Hash of the file of a name or path, a .xacro file expanded. Raises RobotNotFound, InvalidXacro, OSError."""
+    return hashlib.sha256(content_of(locate(robot)[0])).hexdigest()
+
+
+def check_counts(samples: int, seed: int) -> None:
+    """Raise InvalidInput for an invalid number of samples or seed."""
+    if not isinstance(samples, Integral) or samples < 1:
+        raise InvalidInput(f"samples is {samples!r}; give a whole number of random states, at least 1")
+    if not isinstance(seed, Integral) or seed < 0:
+        raise InvalidInput(f"seed is {seed!r}; give a whole number from 0 on")

@@ -1,1 +1,0 @@
-"""A rigid-body model as source code in other languages."""

@@ -1,1 +1,0 @@
-"""The benchmark: graphdyn and other libraries, measured in turns in one run."""

@@ -1,1 +1,0 @@
-"""The paper beside the corrected model: its tables, its multipliers, its errata."""

@@ -1,0 +1,122 @@
+"""The robot of a study as it is, its controller, and what the identification believes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+
+import urdf
+from crosscheck.identifying.virtual import as_in_cad
+from crosscheck.study.settings.robot_settings import RobotSettings
+from crosscheck.study.settings.settings import BadConfiguration, Numbers
+from graphdyn import Friction, InvalidInput, PDControl, RobotModel, mass_matrix
+from graphdyn.excitation import MotionLimits
+from graphdyn.identification import TorqueModel
+from graphdyn.identification.terms import Coulomb, RigidBodies, RotorInertia, Term, Viscous
+from graphdyn.layout import Array
+from graphdyn.motion_laws import MotionLaw
+
+FREQUENCY, DAMPING = 30.0, 1.0
+"""Of the position loop where no gains are given [rad/s], and its damping ratio."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A robot with drives, the gains of its controller, and the limits of its motions; arrays (n,).
+
+    velocity_noise: that the controller sees [rad/s or m/s]
+    """
+
+    model: RobotModel
+    friction: Friction
+    rotors: Array
+    position_gain: Array
+    velocity_gain: Array
+    velocity_noise: float
+    limits: MotionLimits
+
+    @cached_property
+    def drives(self) -> tuple[Term, ...]:
+        """The terms of those drives that the robot has."""
+        there = {Viscous: self.friction.viscous, Coulomb: self.friction.coulomb, RotorInertia: self.rotors}
+        return tuple(kind() for kind, values in there.items() if np.any(values))
+
+    @cached_property
+    def known_exactly(self) -> TorqueModel:
+        """The torque model of the robot as it is."""
+        return TorqueModel(self.model, (RigidBodies(), *self.drives))
+
+    def controller(self, laws: Sequence[MotionLaw], period: float) -> PDControl:
+        """The loop that follows the laws."""
+        return PDControl(self.position_gain, self.velocity_gain, list(laws), period=period)
+
+    def truth(self, torque_model: TorqueModel) -> Array:
+        """The parameters (p,) of a torque model of `torque_model`."""
+        drives = {Viscous: self.friction.viscous, Coulomb: self.friction.coulomb, RotorInertia: self.rotors}
+        parts = [
+            self.model.inertial_parameters if isinstance(term, RigidBodies) else np.asarray(drives[type(term)])
+            for term in torque_model.terms
+        ]
+        return np.concatenate(parts)
+
+
+@lru_cache(maxsize=1)
+def plant_of(settings: RobotSettings) -> Plant:
+    """Raises BadConfiguration for numbers that are not of this robot, and for loops; urdf's errors."""
+    model = urdf.load(settings.name, lock=settings.locked or None)
+    if model.chords or model.couplings:
+        what = "loops" if model.chords else "joints that drive others"
+        raise BadConfiguration(
+            f"{settings.file}: robot '{settings.name}' has {what}, which a study does not simulate; lock them (locked "
+            "in [robot]), or name another robot"
+        )
+
+    def each(name: str, value: Numbers) -> Array:
+        array = np.asarray(value, dtype=float)
+        if array.shape not in ((), (model.n_freedoms,)):
+            raise BadConfiguration(
+                f"{settings.file}: {name} in [robot] has {array.size} numbers; robot '{settings.name}' has "
+                f"{model.n_freedoms} joints: {', '.join(model.independent_joints)}"
+            )
+        return np.array(np.broadcast_to(array, (model.n_freedoms,)))
+
+    rotors = each("rotor_inertia", settings.rotor_inertia)
+    inertia = np.diag(mass_matrix(model, np.zeros(model.n_freedoms))) + rotors
+    stiff, damped = FREQUENCY**2 * inertia, 2 * DAMPING * FREQUENCY * inertia
+    if settings.position_gain is not None and settings.velocity_gain is not None:
+        stiff, damped = each("position_gain", settings.position_gain), each("velocity_gain", settings.velocity_gain)
+    bounds: dict[str, Any] = {
+        name: each(name, value)
+        for name in ("lower", "upper", "velocity", "acceleration")
+        if (value := getattr(settings, name)) is not None
+    }
+    try:
+        limits = MotionLimits.of_model(model, **bounds)
+    except InvalidInput as error:
+        raise BadConfiguration(f"{settings.file}: limits in [robot]: {error}") from None
+    return Plant(
+        model,
+        Friction(each("viscous", settings.viscous), each("coulomb", settings.coulomb)),
+        rotors,
+        stiff,
+        damped,
+        settings.velocity_noise,
+        limits,
+    )
+
+
+@lru_cache(maxsize=8)
+def torque_model_of(settings: RobotSettings, seed: int, cad_error: float, dry_friction: bool) -> TorqueModel:
+    """What the identification knows: a CAD model that is off, the same in every run, and the terms of the drives.
+
+    seed: of the study; dry_friction: whether it is among the terms
+    """
+    plant = plant_of(settings)
+    model, drives = plant.model, plant.drives
+    if cad_error:
+        model = as_in_cad(model, np.random.default_rng(np.random.SeedSequence([seed, 1])), cad_error)
+    return TorqueModel(model, (RigidBodies(), *(one for one in drives if dry_friction or not isinstance(one, Coulomb))))

@@ -1,0 +1,152 @@
+"""One simulated recording: the robot in its control loop, measured with noise, and the errors of its model."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.identifying import Preparation
+from crosscheck.recordings import Provenance, Recording
+from crosscheck.study.settings.configuration import Configuration
+from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.simulated.mechanisms import Mechanism, flexible, rigid
+from crosscheck.study.simulated.motions import reference, start_of
+from crosscheck.study.simulated.plants import Plant, plant_of, torque_model_of
+from graphdyn import InvalidInput, MeasurementNoise, inverse_dynamics, rollout
+from graphdyn.identification import ClosedLoop, Problem, TorqueModel
+from graphdyn.identification.terms import PayloadMass
+from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.motion_laws import MotionLaw
+
+WHOLE = 1e-9
+"""A quotient this little above a whole number is one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a simulated robot did at the times of the samples (N,) [s].
+
+    q: positions of the motors as measured; tau: of the actuators; links: q, v, a of the links, exact   (N, n)
+    """
+
+    time: Array
+    q: Array
+    tau: Array
+    links: tuple[Array, Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """The problem of one recording, the same for all methods.
+
+    recording: as prepared; loop: in which it was made, as the identification knows it
+    truth: parameters of the torque model (p,)
+    """
+
+    problem: Problem
+    recording: Recording
+    loop: ClosedLoop
+    truth: Array
+
+
+def known_model(study: Configuration, scenario: Scenario) -> TorqueModel:
+    """What the identification knows of the robot in a scenario."""
+    return torque_model_of(study.robot, study.seed, scenario.cad_error, scenario.model_error != "friction")
+
+
+def simulated(study: Configuration, scenario: Scenario, run: int) -> Record:
+    """The record of one run.
+
+    Raises InvalidInput where the loop does not hold the robot, where the limits allow no motion, and where the filter
+    leaves no row.
+    """
+    plant = plant_of(study.robot)
+    laws = reference(study.robot, study.seed, scenario.motion, scenario.motion_seed, scenario.duration)
+    controller = plant.controller(laws, scenario.control_period)
+    of_positions, *of_sensors = scenario.seeds(study.seed, run, 3)
+    motion = _motion(study, plant, laws, scenario, int(of_positions.generate_state(1, np.uint64)[0]))
+    recording = _recorded(study, plant, motion, scenario, of_sensors)
+    hold = min(scenario.period, scenario.control_period)
+    preparation = Preparation(scenario.cutoff, min_speed=scenario.min_speed, torque_hold=hold)
+    prepared, known = preparation.differentiated(recording), known_model(study, scenario)
+    loop = ClosedLoop(controller, torque_hold=hold, differentiation=preparation.differentiation(recording))
+    return Record(preparation.problem(known, prepared), prepared, loop, plant.truth(known))
+
+
+def _motion(study: Configuration, plant: Plant, laws: Sequence[MotionLaw], scenario: Scenario, seed: int) -> Motion:
+    """The controller sees positions with the noise that is in the recording, and velocities with noise of their own."""
+    mechanism: Mechanism = flexible(plant, study.errors) if scenario.model_error == "flexible" else rigid(plant)
+    shortest = min(scenario.period, scenario.control_period)
+    step = shortest / np.ceil(shortest / mechanism.longest_step - WHOLE)
+    q, v = start_of(laws)
+    parameters = plant.model.inertial_parameters
+    if scenario.model_error == "payload":
+        load = PayloadMass(study.errors.payload_center)
+        parameters = parameters + load.inertial_parameters(plant.model, np.array([study.errors.payload_mass]))
+    noise = MeasurementNoise(mechanism.of_motors(scenario.position_noise), mechanism.of_motors(plant.velocity_noise))
+    run = rollout(
+        mechanism.model,
+        mechanism.of_motors(q),
+        mechanism.of_motors(v),
+        mechanism.controlled(plant.controller(laws, scenario.control_period)),
+        step=step,
+        duration=scenario.duration,
+        parameters=mechanism.parameters(parameters),
+        friction=mechanism.friction,
+        rotor_inertia=mechanism.rotors,
+        limits=mechanism.springs,
+        noise=noise,
+        seed=seed,
+        every=round(scenario.period / step),
+        threads=1,
+    )
+    motors = mechanism.motors(run.q[0])
+    q_l, v_l, a_l = (mechanism.links(array[0]) for array in (run.q, run.v, run.a))
+    if not all(np.all(np.isfinite(array)) for array in (motors, q_l, v_l, a_l)):
+        raise InvalidInput("the controller does not hold the robot: it runs away; give other gains, or a higher rate")
+    measured = motors + mechanism.motors(_seen(scenario, noise, seed, len(motors)))
+    return Motion(run.time, measured, mechanism.motors(run.tau[0]), (q_l, v_l, a_l))
+
+
+def _seen(scenario: Scenario, noise: MeasurementNoise, seed: int, samples: int) -> Array:
+    """Noise of the positions (N, m) at the samples: at the ticks of the controller what it sees, drawn as rollout does.
+
+    Samples between two ticks have noise of their own.
+    """
+    deviations = np.asarray(noise.position)
+    m, ratio = len(deviations), scenario.sampling_rate / scenario.control_rate
+    ticks = int(np.ceil(samples / ratio)) + 1
+    generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(0,)))
+    at_ticks = generator.standard_normal((ticks, 2 * m))[:, :m] * deviations
+    if ratio <= 1:
+        return np.asarray(at_ticks[:: round(1 / ratio)][:samples])
+    drawn = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(1,))).standard_normal((samples, m))
+    drawn *= deviations
+    drawn[:: round(ratio)] = at_ticks[: len(drawn[:: round(ratio)])]
+    return drawn
+
+
+def _recorded(
+    study: Configuration, plant: Plant, motion: Motion, scenario: Scenario, seeds: Sequence[np.random.SeedSequence]
+) -> Recording:
+    """With noise of the torques and, if they are measured, of the wrenches."""
+    torques, wrenches = (np.random.default_rng(seed) for seed in seeds)
+    factor = np.asarray(study.errors.torque_factor) if scenario.model_error == "gear" else 1.0
+    tau = factor * motion.tau + scenario.torque_noise * torques.standard_normal(motion.tau.shape)
+    measured = None
+    if scenario.force_noise is not None:
+        measured = np.array(inverse_dynamics(plant.model, *motion.links).joint_wrenches)
+        drawn = wrenches.standard_normal(measured.shape)
+        measured[..., LINEAR] += scenario.force_noise * drawn[..., LINEAR]
+        measured[..., ANGULAR] += scenario.torque_noise * drawn[..., ANGULAR]
+    return Recording(
+        joint_names=plant.model.joint_names,
+        prismatic=tuple(joint.is_prismatic for joint in plant.model.joints),
+        t=motion.time,
+        q=motion.q,
+        tau=tau,
+        joint_wrenches=measured,
+        provenance=Provenance((f"run of scenario {scenario.name}",), "simulation"),
+    )

@@ -1,0 +1,156 @@
+"""One task of a study: one run of one scenario, simulated once and identified with every method."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from crosscheck.study.methods import estimator_of, measures, ready
+from crosscheck.study.settings.configuration import Configuration
+from crosscheck.study.settings.method_names import shown_name
+from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.simulated.runs import Record, known_model, simulated
+from crosscheck.study.validation import Yardstick, yardstick
+from graphdyn import EstimationFailed, InvalidInput
+from graphdyn.identification import Estimate
+from graphdyn.identification.algebra.least_squares import one_thread
+from graphdyn.identification.estimation.plausibility import plausibility
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run of a scenario. methods: as in the configuration."""
+
+    scenario: Scenario
+    run: int
+    methods: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Result:
+    """One method in one task: a row of results.parquet.
+
+    method: as in tables; measures: "torques" or "wrenches"
+    reason: why it failed, None where it did not
+    rank: base parameters that the recording determines
+    simulations: of the loop, in all iterations
+    base, sigma: values of the base parameters of the scenario, and their standard deviations as the method states them
+    parameter_error, torque_error, trajectory_error: as in yardsticks
+    consistent: whether every body can be real
+    """
+
+    method: str
+    measures: str
+    reason: str | None = None
+    rank: int | None = None
+    iterations: int | None = None
+    simulations: int | None = None
+    base: tuple[float, ...] | None = None
+    sigma: tuple[float, ...] | None = None
+    parameter_error: float | None = None
+    torque_error: float | None = None
+    trajectory_error: float | None = None
+    consistent: bool | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The results of a task, one for each method, and the processor time of each.
+
+    seconds: of the estimation alone, None where there was none; total: of the whole task, simulation included   [s]
+    """
+
+    results: tuple[Result, ...]
+    seconds: tuple[float | None, ...]
+    total: float
+
+    def as_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, plain: dict[str, Any]) -> Outcome:
+        results = tuple(Result(**{**row, **_tuples(row)}) for row in plain["results"])
+        return cls(results, tuple(plain["seconds"]), plain["total"])
+
+
+def _tuples(row: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(row[name]) for name in ("base", "sigma") if row[name] is not None}
+
+
+def failed(task: Task, reason: str) -> Outcome:
+    """All methods, for one reason."""
+    results = tuple(Result(shown_name(method), measures(estimator_of(method)), reason) for method in task.methods)
+    return Outcome(results, (None,) * len(results), 0.0)
+
+
+def compute(study: Configuration, task: Task) -> Outcome:
+    """Simulate and identify. Raises nothing: whatever goes wrong is the reason of failures."""
+    begin = time.process_time()
+    with one_thread(), warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
+        try:
+            record = simulated(study, task.scenario, task.run)
+            if not record.problem.equations.n_columns:  # which are read once, before any method is timed
+                raise InvalidInput("it shows no parameter: the robot stands still")
+            measure = yardstick(study.robot, study.seed, known_model(study, task.scenario))
+        except Exception as failure:
+            return replace(failed(task, f"no record: {failure}"), total=time.process_time() - begin)
+        found = [_identified(method, record, task.scenario, measure) for method in task.methods]
+    results, seconds = zip(*found, strict=True)
+    return Outcome(results, seconds, time.process_time() - begin)
+
+
+def _identified(method: str, record: Record, scenario: Scenario, measure: Yardstick) -> tuple[Result, float | None]:
+    """What a method finds, or why it does not."""
+    estimator = estimator_of(method)
+    blank = Result(shown_name(method), measures(estimator), rank=record.problem.base.rank)
+    begin = time.process_time()
+    seconds = None
+    try:
+        estimate = ready(estimator, record, scenario).estimate(record.problem)
+        seconds = time.process_time() - begin
+        result = _judged(blank, estimate, record, measure)
+    except EstimationFailed as failure:
+        result = replace(blank, reason=str(failure))
+    except Exception as failure:  # whatever a method written elsewhere raises or answers, the others go on
+        result = replace(blank, reason=f"{type(failure).__name__}: {failure}")
+    return result, time.process_time() - begin if seconds is None else seconds
+
+
+def _judged(blank: Result, estimate: Estimate, record: Record, measure: Yardstick) -> Result:
+    """Raises whatever an answer that is none leads to."""
+    x = np.asarray(estimate.parameters, dtype=float)
+    if x.shape != record.truth.shape or not np.all(np.isfinite(x)):
+        reason = f"the method answers parameters of shape {x.shape}; {len(record.truth)} finite numbers needed"
+        return replace(blank, reason=reason)
+    base = measure.base.values(x)
+    return replace(
+        blank,
+        iterations=int(estimate.iterations),
+        simulations=_simulations(estimate),
+        base=tuple(base.tolist()),
+        sigma=_sigma(estimate, record, measure),
+        parameter_error=measure.parameter_error(base),
+        torque_error=measure.torque_error(base),
+        trajectory_error=measure.trajectory_error(base),
+        consistent=plausibility(record.problem.torque_model, x[None], poses=1)[0].consistent,
+    )
+
+
+def _sigma(estimate: Estimate, record: Record, measure: Yardstick) -> tuple[float, ...] | None:
+    """Standard deviations, with correlation in time where the method states them. None where it states none, and where
+    the recording determines fewer base parameters than any motion could: its own are other ones then.
+    """
+    covariance = estimate.covariance if estimate.block_covariance is None else estimate.block_covariance
+    if covariance is None or record.problem.base.rank != measure.base.rank:
+        return None
+    if np.shape(covariance) != 2 * (measure.base.rank,):
+        raise ValueError(f"the method answers a covariance of shape {np.shape(covariance)}")
+    return tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist())
+
+
+def _simulations(estimate: Estimate) -> int:
+    return int(estimate.settings.get("simulations", 0))

@@ -1,0 +1,81 @@
+"""The methods by which a verb can be computed, and the keywords that all verbs share.
+
+Which frame a verb speaks of, and in which axes: the arguments of the frame verbs that are not arrays.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, TypeVar, get_args
+
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel, check_model
+
+Method = Literal["auto", "recursive", "projected", "dense"]
+WORTH_COMPILING = 1000
+"""Samples from which "auto" is "recursive": the other methods then take longer than compiling, a tenth of a second."""
+
+METHODS: tuple[Method, ...] = ("auto", "recursive", "projected", "dense")
+
+KEYWORDS = {
+    "base": "prescribed motion of the base; its leading dimensions broadcast with those of the arrays",
+    "method": """"dense" solves Eq. (111) as it stands, the specification; "projected" eliminates the multipliers with
+    the null space of φ_q (NᵀAN a = …) and reads them off the path matrix, where there are any; "recursive" eliminates
+    body after body, in code compiled for this robot. Same answer up to rounding, each faster than the one before.
+    "auto" is "recursive" for 1000 samples and more, or with out, and "projected" for fewer, for which compiling takes
+    longer than computing""",
+    "threads": """at most this many for the recursive method, None for one per core. The answer of a sample does not
+    depend on it, nor on the other samples, bit for bit (except where a pivot is so small that the projected method
+    decides)""",
+    "check": """refuse NaN and infinity, naming argument and row; with False the recursive method does not look for
+    them, and what depends on them comes out as NaN, in their samples only""",
+    "out": """memory for the answer, recursive method only: C-contiguous float64 arrays of the shapes of the answer""",
+}
+"""What they mean, wherever a verb has them."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def with_keywords(verb: Function) -> Function:
+    """Completes the docstring of a verb by the meaning of the keywords it has."""
+    if verb.__doc__:  # python -OO strips docstrings
+        own = inspect.signature(verb).parameters
+        meanings = [f"{name}: {meaning}" for name, meaning in KEYWORDS.items() if name in own]
+        verb.__doc__ = "\n".join([inspect.cleandoc(verb.__doc__), "", *meanings])
+    return verb
+
+
+def is_recursive(method: str, x: Mapping[str, Array], out: object = None) -> bool:
+    """Whether this method, on these arguments, is the recursive one.
+
+    Raises InvalidInput for an unknown method, and for out with a method that cannot write there.
+    """
+    if method not in METHODS:
+        raise InvalidInput(f"method is '{method}'; use one of {', '.join(METHODS)}")
+    if out is not None and method in ("projected", "dense"):
+        raise InvalidInput(f"the {method} method makes arrays of its own; omit out=, or use method='recursive'")
+    return method == "recursive" or (method == "auto" and (x["q"][..., 0].size >= WORTH_COMPILING or out is not None))
+
+
+Reference = Literal["world", "local", "local_world_aligned"]
+
+
+@dataclass(frozen=True)
+class FrameChoice:
+    """name: of a frame of the robot; reference, classical: as in the frame verbs."""
+
+    name: str
+    reference: Reference
+    classical: bool = True
+
+
+def frame_choice(model: RobotModel, name: str, reference: str, classical: bool = True) -> FrameChoice:
+    """Raises UnknownFrame for an unknown name, InvalidInput for an unknown reference."""
+    check_model(model)
+    for known in get_args(Reference):
+        if reference == known:
+            return FrameChoice(model.frame(name).name, known, bool(classical))
+    raise InvalidInput(f"reference is {reference!r}; use one of {', '.join(get_args(Reference))}")

@@ -1,0 +1,188 @@
+"""Sines and cosines one turn of a loop ahead.
+
+Everything waits for sines and cosines, and they wait for nothing: those of the following rows are computed while the
+processor waits for other results of these rows.
+
+A program as LLVM code: all constants in place, one loop over the rows of the arrays.
+
+Rows of wide arrays are assembled in the first-level cache, where their constant columns already are, and written from
+there as whole cache lines.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphdyn.compiler.llvm.vector_code import WATCHES, Carried, VectorCode, loop_over_rows
+from graphdyn.layout import Array
+from graphdyn.scalars.expressions import Program, program_of
+
+Turns = dict[int, tuple[str, str]]
+"""Names of sine and cosine of angles, by the number of the angle."""
+
+
+def turns_ahead(program: Program, lanes: int) -> tuple[Turns, Carried]:
+    """All sines and cosines as the lines of the loop know them, and what computes them a turn before."""
+    angles = sorted({given[0] for kind, *given in program.operations if kind in ("sine", "cosine")})
+    part = program_of(program.operations, program.inputs, {"angles": angles}, {})
+    turns = {angle: (f"%sine{angle}", f"%cosine{angle}") for angle in angles}
+    names = [name for pair in turns.values() for name in pair]
+    return turns, Carried(
+        names, _turns(part, VectorCode(lanes, "f"), "%first"), _turns(part, VectorCode(lanes, "n"), "%next")
+    )
+
+
+def _turns(part: Program, code: VectorCode, row: str) -> tuple[VectorCode, list[str]]:
+    """Code for the rows from this one on, and sine and cosine of its angles in turn."""
+
+    def columns(name: str) -> list[str]:
+        width = part.inputs[name]
+        return code.columns_of(code.rows_of(f"in.{name}", width, row), width)
+
+    values = code.values(part, columns)
+    return code, [name for k in part.outputs["angles"] for name in code.sine_and_cosine(values[k])]
+
+
+WIDE = 16
+"""Columns from which rows are assembled first: below, writing whole lines does not pay."""
+
+_DELIVER = """define internal void @few(ptr noalias %to, ptr noalias %from, i64 %first, i64 %last) {{
+entry:
+  %any = icmp slt i64 %first, %last
+  br i1 %any, label %loop, label %exit
+loop:
+  %i = phi i64 [ %first, %entry ], [ %next, %loop ]
+  %i.from = getelementptr double, ptr %from, i64 %i
+  %i.to = getelementptr double, ptr %to, i64 %i
+  %i.value = load double, ptr %i.from, align 8
+  store double %i.value, ptr %i.to, align 8
+  %next = add i64 %i, 1
+  %more = icmp slt i64 %next, %last
+  br i1 %more, label %loop, label %exit
+exit:
+  ret void
+}}
+define internal void @deliver(ptr noalias %to, ptr noalias %from, i64 %count, i1 %bypass) {{
+entry:
+  br i1 %bypass, label %before, label %plain
+plain:
+  %i = phi i64 [ 0, %entry ], [ %i.next, %plain ]
+  %i.from = getelementptr {vector}, ptr %from, i64 %i
+  %i.to = getelementptr {vector}, ptr %to, i64 %i
+  %i.value = load {vector}, ptr %i.from, align 8
+  store {vector} %i.value, ptr %i.to, align 8
+  %i.next = add i64 %i, 1
+  %i.more = icmp slt i64 %i.next, %count
+  br i1 %i.more, label %plain, label %exit
+before:
+  %address = ptrtoint ptr %to to i64
+  %negative = sub i64 0, %address
+  %bytes = and i64 %negative, {mask}
+  %head = udiv i64 %bytes, 8
+  %total = mul i64 %count, {lanes}
+  %body = sub i64 %total, %head
+  %whole = udiv i64 %body, {lanes}
+  %covered = mul i64 %whole, {lanes}
+  %tail = add i64 %head, %covered
+  call void @few(ptr %to, ptr %from, i64 0, i64 %head)
+  %lines.from = getelementptr double, ptr %from, i64 %head
+  %lines.to = getelementptr double, ptr %to, i64 %head
+  br label %lines
+lines:
+  %k = phi i64 [ 0, %before ], [ %k.next, %lines ]
+  %k.from = getelementptr {vector}, ptr %lines.from, i64 %k
+  %k.to = getelementptr {vector}, ptr %lines.to, i64 %k
+  %k.value = load {vector}, ptr %k.from, align 8
+  store {vector} %k.value, ptr %k.to, align {bytes}, !nontemporal !0
+  %k.next = add i64 %k, 1
+  %k.more = icmp slt i64 %k.next, %whole
+  br i1 %k.more, label %lines, label %after
+after:
+  call void @few(ptr %to, ptr %from, i64 %tail, i64 %total)
+  br label %exit
+exit:
+  ret void
+}}
+!0 = !{{i32 1}}"""
+"""Rows to where they are wanted: past the caches whole lines, and single numbers before and after these."""
+
+
+def emit(program: Program, lanes: int, ahead: bool = True) -> str:
+    """Code of two functions.
+
+    batch(first, last, bypass, table) for at least as many rows as lanes. bypass: whether the results are so large that
+    they should not push everything else out of the caches. table: where the addresses of scratch, inputs, outputs and
+    watched stand. scratch: a copy of `scratch`, aligned to a vector. The last rows are done together with some before
+    them, which are done twice, with the same result.
+
+    single(table) for as many rows as lanes.
+
+    ahead: sines and cosines of the following rows are computed with these rows, which a call on few rows is better
+    without
+    """
+    code = VectorCode(lanes)
+    turns, carried = turns_ahead(program, lanes) if ahead else ({}, None)
+
+    def columns(name: str) -> list[str]:
+        width = program.inputs[name]
+        return code.columns_of(code.rows_of(f"in.{name}", width), width)
+
+    values = code.values(program, columns, known_turns=turns)
+    first = 0
+    for name, numbers in program.outputs.items():
+        width = len(numbers)
+        to = code.rows_of(f"out.{name}", width)
+        if width < WIDE:
+            code.write_columns(to, width, {column: values[k] for column, k in enumerate(numbers)})
+        else:
+            block, first = code.element("%scratch", first), first + lanes * width
+            changing = {column: values[k] for column, k in enumerate(numbers) if program.constant(k) is None}
+            code.write_columns(block, width, changing)
+            code.do(f"call void @deliver(ptr {to}, ptr {block}, i64 {width}, i1 %bypass)")
+    seen = [code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCHES]
+    arrays = [f"in.{name}" for name in program.inputs] + [f"out.{name}" for name in program.outputs]
+    parameters = ["i64 %first", "i64 %last", "i1 %bypass", *(f"ptr noalias %{name}" for name in ("scratch", *arrays))]
+    header = f"define internal void @rows({', '.join(parameters)}, ptr %watched)"
+    return "\n".join(
+        [
+            *code.declarations,
+            _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1, lanes=lanes),
+            *loop_over_rows(code, header, seen, carried),
+            *with_table(lanes, 2 + len(arrays)),
+        ]
+    )
+
+
+def scratch(program: Program, lanes: int) -> Array:
+    """Rows of wide arrays, one array after the other, with their constant columns."""
+    rows = [
+        np.tile([program.constant(k) or 0.0 for k in numbers], lanes)
+        for numbers in program.outputs.values()
+        if len(numbers) >= WIDE
+    ]
+    return np.concatenate([np.empty(0), *rows])
+
+
+def with_table(lanes: int, count: int) -> list[str]:
+    """The same functions for callers to whom every argument costs time."""
+    loads = [
+        line
+        for k in range(count)
+        for line in (
+            f"  %at{k} = getelementptr ptr, ptr %table, i64 {k}",
+            f"  %place{k} = load ptr, ptr %at{k}",
+            f"  %p{k} = load ptr, ptr %place{k}",
+        )
+    ]
+    pointers = ", ".join(f"ptr %p{k}" for k in range(count))
+    return [
+        "define void @batch(i64 %first, i64 %last, i1 zeroext %bypass, ptr %table) {",
+        *loads,
+        f"  call void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})",
+        "  ret void",
+        "}",
+        "define void @single(ptr %table) {",
+        f"  call void @batch(i64 0, i64 {lanes}, i1 zeroext false, ptr %table)",
+        "  ret void",
+        "}",
+    ]

@@ -1,0 +1,181 @@
+"""The compiled back end: llvmlite turns a program into machine code for this processor."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import threading
+import weakref
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from graphdyn.compiler.interpreter import Run, merged
+from graphdyn.compiler.llvm.emitter import emit, scratch
+from graphdyn.compiler.llvm.memory import aligned, places
+from graphdyn.compiler.llvm.vector_code import WATCH_STARTS, WATCHES
+from graphdyn.compiler.rolled.long_program import LongProgram
+from graphdyn.compiler.rolled.rolled_code import emit_long, long_scratch
+from graphdyn.layout import Array
+from graphdyn.scalars.expressions import Program, Watch
+
+CACHE = 1 << 20
+"""Bytes of results beyond which they bypass the caches: half of a usual second-level cache."""
+
+compiling = threading.RLock()
+"""Held while programs are recorded, while llvmlite is used, and while the process forks: otherwise the child could
+inherit a lock, this one or llvmlite's own, that a thread of the parent held and that is never released."""
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=compiling.acquire, after_in_parent=compiling.release, after_in_child=compiling.release)
+
+
+@dataclass(frozen=True, eq=False)
+class RowCall:
+    """A call on one row of memory: function(table), and the program that the function belongs to."""
+
+    function: Any
+    table: Any
+    program: CompiledProgram
+
+    def __call__(self) -> None:
+        self.function(self.table)
+
+
+class CompiledProgram:
+    """Machine code of a program. Calls release the interpreter lock; any number of threads may run it at once.
+
+    one_row: for one row after the other, with as few lanes as columns are read and written by
+    """
+
+    def __init__(self, program: Program | LongProgram, one_row: bool = False) -> None:
+        self._program = program
+        self.lanes = 2 if one_row else host_lanes()
+        if isinstance(program, Program):
+            code, self._scratch = emit(program, self.lanes, ahead=not one_row), scratch(program, self.lanes)
+        else:
+            code, self._scratch = emit_long(program, self.lanes), long_scratch(program, self.lanes)
+        self._code = MachineCode(code)
+        self._table = ctypes.c_void_p * (2 + len(program.inputs) + len(program.outputs))
+        prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p)
+        self._batch = self._code.function("batch", prototype)
+        # keeps the interpreter lock: releasing it would take longer than the computation
+        self._single = self._code.function("single", ctypes.PYFUNCTYPE(None, ctypes.c_void_p))
+
+    def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
+        """run(first, last) for C-contiguous arrays (N, width), as Interpreter.bind gives."""
+        arrays = self._arrays(inputs, outputs)
+        bypass = sum(outputs[name].nbytes for name in self._program.outputs) > CACHE
+
+        def run(first: int, last: int) -> dict[Watch, float]:
+            if last - first < self.lanes:
+                return self._short(first, last, inputs, outputs)
+            watched = watch_memory(self.lanes)
+            self._batch(first, last, bypass, self._table_of(arrays, watched))
+            return watches(self._program, watched)
+
+        return run
+
+    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> RowCall:
+        """A call without arguments on arrays of as many rows as lanes, nothing watched: for one state after the other.
+
+        Not for several threads at once.
+        """
+        return RowCall(self._single, self._table_of(self._arrays(inputs, outputs), watch_memory(self.lanes)), self)
+
+    def _table_of(self, arrays: list[Array], watched: Array) -> Any:
+        """What the code reads, with scratch of its own. It keeps alive whatever it leads to."""
+        found, owned = places([self._own_scratch(), *arrays, watched])
+        table = self._table(*found)
+        table.owned = owned  # type: ignore[attr-defined]
+        return table
+
+    def _arrays(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> list[Array]:
+        return [inputs[name] for name in self._program.inputs] + [outputs[name] for name in self._program.outputs]
+
+    def _own_scratch(self) -> Array:
+        if not self._scratch.size:
+            return self._scratch
+        rows = aligned(self._scratch.shape)
+        rows[:] = self._scratch
+        return rows
+
+    def _short(
+        self, first: int, last: int, inputs: Mapping[str, Array], outputs: Mapping[str, Array]
+    ) -> dict[Watch, float]:
+        """Fewer rows than lanes: the missing ones repeat the last."""
+        rows = np.minimum(np.arange(first, first + self.lanes), last - 1)
+        copies = {name: inputs[name][rows] for name in self._program.inputs}
+        results = {name: np.empty((self.lanes, len(numbers))) for name, numbers in self._program.outputs.items()}
+        watched = self.bind(copies, results)(0, self.lanes)
+        for name, result in results.items():
+            outputs[name][first:last] = result[: last - first]
+        return watched
+
+
+def watch_memory(lanes: int) -> Array:
+    """Where compiled code watches, before it has seen anything."""
+    return _watch_starts(lanes).copy()
+
+
+@cache
+def _watch_starts(lanes: int) -> Array:
+    return np.repeat(np.array(WATCH_STARTS)[:, None], lanes, axis=1)
+
+
+def watches(program: Program | LongProgram, watched: Array) -> dict[Watch, float]:
+    """What compiled code has seen, all lanes together."""
+    rows = watched.tolist()
+    return {kind: merged(kind, rows[WATCHES.index(kind)]) for kind in program.watches}
+
+
+class MachineCode:
+    """The functions of a module of LLVM code, as long as this object lives."""
+
+    def __init__(self, code: str) -> None:
+        with compiling:
+            llvm = _binding()
+            target = llvm.Target.from_default_triple().create_target_machine(
+                cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2, jit=True
+            )
+            module = llvm.parse_assembly(code)
+            module.triple, module.data_layout = target.triple, str(target.target_data)
+            module.verify()
+            self._engine = llvm.create_mcjit_compiler(module, target)
+            self._engine.finalize_object()
+        weakref.finalize(self, _dispose, self._engine).atexit = False
+
+    def function(self, name: str, prototype: Any) -> Any:
+        """One of them, as a ctypes function."""
+        with compiling:
+            return prototype(self._engine.get_function_address(name))
+
+
+def _dispose(engine: Any) -> None:
+    with compiling:
+        engine.close()
+
+
+def host_lanes() -> int:
+    """Doubles in the widest vector of this processor."""
+    with compiling:
+        features = _binding().get_host_cpu_features()
+    return 8 if features.get("avx512f") else 4 if features.get("avx2") else 2
+
+
+def try_out() -> None:
+    """Compile and run something small. Raises whatever goes wrong where llvmlite is missing, too old or forbidden."""
+    code = MachineCode("define void @nothing(ptr %unused) { ret void }")
+    code.function("nothing", ctypes.CFUNCTYPE(None, ctypes.c_void_p))(None)
+    host_lanes()
+
+
+def _binding() -> Any:
+    import llvmlite.binding as llvm  # imported where first used: import graphdyn stays light
+
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm

@@ -1,0 +1,101 @@
+"""A long program as LLVM code: a function for each step of each kind of body, called for one body after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from graphdyn.compiler.llvm.emitter import with_table
+from graphdyn.compiler.llvm.memory import LINE
+from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, WATCHES, VectorCode, loop_over_rows
+from graphdyn.compiler.rolled.long_program import CONSTANTS, GROUND_ARRAY, INSIDE, OWN, BodyProgram, LongProgram
+from graphdyn.layout import Array
+from graphdyn.scalars.expressions import Program
+
+
+def emit_long(program: LongProgram, lanes: int) -> str:
+    """Code of batch and single, as graphdyn.compiler.llvm.emitter.emit gives; scratch: a copy of long_scratch."""
+    widths = {**program.inputs, **{name: len(columns) for name, columns in program.outputs.items()}}
+    functions, code = [], VectorCode(lanes)
+    for name, width in widths.items():
+        if width == len(program.kinds):  # a number for each body: lines that it would wait for
+            code.fetch_ahead(code.rows_of(name, width), width, turns=1, to_write=name in program.outputs)
+    for number, (outwards, steps) in enumerate(program.passes):
+        names = {kind: f"step_{number}_{place}" for place, kind in enumerate(steps)}
+        functions += [line for kind, name in names.items() for line in _step(steps[kind], name, program, widths, lanes)]
+        bodies = range(len(program.kinds))
+        for body in bodies if outwards else reversed(bodies):
+            kind = program.kinds[body]
+            places = ", ".join(f"ptr {place}" for place in _places(code, program, body, steps[kind].program, widths))
+            code.do(f"call void @{names[kind]}({places}, ptr %watched)")
+    pointers = ", ".join(f"ptr %{name}" for name in ("scratch", *widths, "watched"))
+    header = f"define internal void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})"
+    rows = loop_over_rows(code, header, [])
+    return "\n".join([*code.declarations, *functions, *rows, *with_table(lanes, 2 + len(widths))])
+
+
+def _places(code: VectorCode, program: LongProgram, body: int, step: Program, widths: dict[str, int]) -> Iterator[str]:
+    """Where the constants of a body are, its memory, that of its inside body, and its columns of the arrays."""
+    row, memory = _row(program), program.memory * code.lanes
+    first = row * len(program.kinds)
+    yield code.element("%scratch", body * row)
+    yield code.element("%scratch", first + body * memory)
+    yield code.element("%scratch", first + max(program.inside[body], 0) * memory)  # unused beside the ground
+    for name in _arrays(step, program):
+        column = 0 if name == GROUND_ARRAY else body * _share(name, program, widths)
+        yield code.element(code.rows_of(name, widths[name]), column)
+
+
+def long_scratch(program: LongProgram, lanes: int) -> Array:
+    """The table, and memory of the bodies."""
+    table = np.pad(program.table, ((0, 0), (0, _row(program) - program.table.shape[1])))
+    return np.concatenate([table.ravel(), np.zeros(len(program.kinds) * program.memory * lanes)])
+
+
+def _row(program: LongProgram) -> int:
+    """Constants of a body, with as many behind them as fill lines of memory."""
+    width: int = program.table.shape[1]
+    return width + -width % (LINE // 8)
+
+
+def _arrays(step: Program, program: LongProgram) -> list[str]:
+    """Arrays of the robot that a step reads or writes."""
+    return [name for name in (*program.inputs, *program.outputs) if name in step.inputs or name in step.outputs]
+
+
+def _share(name: str, program: LongProgram, widths: dict[str, int]) -> int:
+    """Columns of an array that belong to one body."""
+    return widths[name] if name == GROUND_ARRAY else widths[name] // len(program.kinds)
+
+
+def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, int], lanes: int) -> list[str]:
+    code = VectorCode(lanes)
+
+    def columns(array: str) -> list[str]:
+        inputs = [given for kind, *given in step.program.operations if kind == "input"]
+        used = {column for name, column in inputs if name == array}
+        if array == CONSTANTS:
+            return [code.broadcast("%constants", k) if k in used else "" for k in range(max(used) + 1)]
+        if array in (OWN, INSIDE):
+            return [code.load(code.vector, f"%{array}", k * lanes) if k in used else "" for k in range(program.memory)]
+        return code.columns_of(f"%{array}", _share(array, program, widths), widths[array])
+
+    values = code.values(step.program, columns)
+    outputs = step.program.outputs
+    for number, column in zip(outputs[OWN], step.kept, strict=True):
+        code.store(f"{code.vector} {values[number]}", "%own", column * lanes)
+    for number, column in zip(outputs[INSIDE], step.summed, strict=True):
+        total = code.arithmetic("fadd", code.load(code.vector, "%inside", column * lanes), values[number])
+        code.store(f"{code.vector} {total}", "%inside", column * lanes)
+    for array in program.outputs:
+        if array in outputs:
+            code.write_columns(f"%{array}", widths[array], {k: values[x] for k, x in enumerate(outputs[array])})
+    for place, kind in enumerate(WATCHES):
+        if kind in step.program.watches:
+            before = code.load(code.vector, "%watched", place * lanes)
+            seen = code.watch(kind, [values[k] for k in step.program.watches[kind]], before)
+            code.store(f"{code.vector} {seen}", "%watched", place * lanes)
+    pointers = [CONSTANTS, OWN, INSIDE, *_arrays(step.program, program), "watched"]
+    arguments = ", ".join(f"ptr noalias %{pointer}" for pointer in pointers)
+    return [f"define internal void @{name}({arguments}) {ALIGNED_STACK} {{", *code.lines, "  ret void", "}"]

@@ -1,0 +1,203 @@
+"""Long robots: a step of one body is recorded once for every kind of body, and done for one body after the other.
+
+Straight-line code grows with the robot, and compiling it takes longer than in proportion. Here constants come from a
+table, and what later steps need of a body is kept in memory of its own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import prod
+from typing import Any
+
+import numpy as np
+
+from graphdyn.compiler.programs import (
+    GROUND_COLUMNS,
+    Request,
+    fixed_root,
+    for_joints_only,
+    moving_root,
+    pivot_scales,
+    reduced_links,
+)
+from graphdyn.compiler.rolled.body_steps import MEMORY, PASSES, SUMS, Pass
+from graphdyn.compiler.rolled.long_program import CONSTANTS, INSIDE, OWN, BodyProgram, Kind, LongProgram
+from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions.inverse import Wrench, in_joint_axes
+from graphdyn.recursions.mechanism.mechanism import Link, links
+from graphdyn.recursions.motion import Root, resting_root
+from graphdyn.recursions.table import ARRAYS, RECURSIONS
+from graphdyn.scalars.expressions import Recorder, Watch
+from graphdyn.scalars.vectors import Scalars, scalars, zeros
+
+UNROLLED = 24
+"""Bodies up to which straight-line code is compiled. It leaves out what is zero for single bodies, and is up to twice
+as fast; but the multipliers of so many bodies take a second to compile, and body by body a tenth of that."""
+
+_NUMBERS = {
+    "rotation": (3, 3),
+    "translation": (3,),
+    "link_axes": (3, 3),
+    "center_of_mass": (3,),
+    "first_moment": (3,),
+    "tensor": (3, 3),
+    "mass": (),
+    "slide": (),
+    "offset": (),
+}
+"""Shapes of the fields of a link that are numbers, in the order of the table; the pivot's scale follows."""
+
+_ENDS = np.cumsum([prod(shape) for shape in MEMORY.values()]).tolist()
+_PLACES = {name: slice(first, last) for name, first, last in zip(MEMORY, [0, *_ENDS], _ENDS, strict=False)}
+
+COLUMNS = _ENDS[-1]
+"""Vectors of memory that a body has."""
+
+
+def is_long(model: RobotModel, request: Request) -> bool:
+    """Whether a request is recorded body by body: trees without couplings and chords, and recursions of PASSES."""
+    tree = not model.couplings and not model.chords
+    return tree and model.n_bodies > UNROLLED and request.recursion in PASSES
+
+
+def record_long(model: RobotModel, request: Request) -> LongProgram:
+    bodies = reduced_links(model) if for_joints_only(model, request) else links(model)
+    kinds = tuple(Kind(link.prismatic, link.quarters, link.inside < 0) for link in bodies)
+    scales = pivot_scales(model)
+    table = np.array([[*_numbers(link), 1.0 / scale] for link, scale in zip(bodies, scales, strict=True)])
+    known: dict[Kind, dict[int, float]] = {kind: {} for kind in kinds}
+    recorded = []
+    for each in PASSES[request.recursion]:
+        steps = {}
+        for kind, columns in known.items():
+            numbers = [number for number, other in enumerate(kinds) if other == kind]
+            steps[kind] = Body(model, request, bodies[numbers[0]], table[numbers], columns).record(each)
+        recorded.append((each.outwards, steps))
+    n = model.n_bodies
+    inputs = dict.fromkeys(RECURSIONS[request.recursion].inputs, n)
+    inputs |= {"external_wrenches": n * BODY_FREEDOMS} if request.external else {}
+    inputs |= {"ground": GROUND_COLUMNS} if request.moving_base else {}
+    pivots: tuple[Watch, ...] = ("minimum",) if request.recursion == "forward_dynamics" else ()
+    return LongProgram(
+        kinds=kinds,
+        inside=tuple(link.inside for link in bodies),
+        table=table,
+        passes=tuple(recorded),
+        memory=COLUMNS,
+        inputs=inputs,
+        outputs={
+            name: range(n if name == "pivots" else prod(ARRAYS[name].shape_for(model))) for name in request.outputs
+        },
+        watches=("finite", "squares", *pivots),
+    )
+
+
+def _numbers(link: Link) -> list[float]:
+    return [float(x) for name in _NUMBERS for x in np.ravel(getattr(link, name))]
+
+
+class Body:
+    """What a step is given (graphdyn.compiler.rolled.body_steps), for the bodies of a kind.
+
+    known: columns of memory in which earlier steps left the same number for all of them; record adds its own
+    """
+
+    def __init__(
+        self, model: RobotModel, request: Request, example: Link, rows: Array, known: dict[int, float]
+    ) -> None:
+        self._model, self._request, self._known = model, request, known
+        self._recorder = Recorder()
+        self._inwards = False
+        self._given: dict[str, list[Any]] = {}
+        self._kept: dict[int, Any] = {}
+        self._added: dict[int, Any] = {}
+        self._own, self._inside = (self._recorder.inputs(name, COLUMNS) for name in (OWN, INSIDE))
+        inputs, same = self._recorder.inputs(CONSTANTS, rows.shape[1]), np.all(rows == rows[0], axis=0)
+        constants = [float(rows[0, k]) if same[k] else column for k, column in enumerate(inputs)]
+        self.pivot_scale = constants[-1]
+        self._at_ground = example.inside < 0
+        self.link = replace(_with_numbers(example, constants), inside=-1)
+        self.reactions = not for_joints_only(model, request)
+
+    @property
+    def ground(self) -> Root:
+        """The inside body."""
+        if not self._at_ground:
+            names = ("rotation", "omega", "alpha", "compensated")
+            motion = {name: _shaped(name, self._inside) for name in names}
+            return replace(resting_root(), gravity=scalars(self._model.gravity), **motion)
+        if self._request.moving_base:
+            return moving_root(self._model, self._input("ground", GROUND_COLUMNS))
+        return fixed_root(self._model)
+
+    @property
+    def gained(self) -> Scalars:
+        """What the last step kept of the inside body."""
+        return zeros(2, 3) if self._at_ground else _shaped("gained", self._inside)
+
+    @property
+    def external(self) -> list[Wrench] | None:
+        if not self._request.external:
+            return None
+        columns = self._input("external_wrenches", BODY_FREEDOMS)
+        return in_joint_axes([self.link], np.array([columns], dtype=object))
+
+    def joint(self, name: str) -> Any:
+        """q, v, a or tau."""
+        return self._input(name, 1)[0]
+
+    def kept(self, name: str) -> Scalars:
+        """What an earlier step of this body kept, and bodies outside have added."""
+        known = {} if self._inwards and name in SUMS else self._known
+        return _shaped(name, [known.get(k, column) for k, column in enumerate(self._own)])
+
+    def keep(self, name: str, values: Any) -> None:
+        places = range(COLUMNS)[_PLACES[name]]
+        self._kept.update(zip(places, np.ravel(np.array(values, dtype=object)), strict=True))
+
+    def add(self, name: str, values: Any) -> None:
+        """To a sum of the inside body."""
+        if not self._at_ground:
+            places = range(COLUMNS)[_PLACES[name]]
+            self._added.update(zip(places, np.ravel(np.array(values, dtype=object)), strict=True))
+
+    def record(self, one: Pass) -> BodyProgram:
+        self._inwards = not one.outwards
+        with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia
+            answer = one.step(self)
+        wanted = {name: answer[name] for name in self._request.outputs if name in answer}
+        watches: dict[Watch, list[Any]] = {"finite": [x for columns in self._given.values() for x in columns]}
+        if not self.link.prismatic and "q" in self._given:
+            watches["squares"] = self._given["q"]
+        if "pivots" in answer:
+            watches["minimum"] = answer["pivots"]
+        added = {k: x for k, x in self._added.items() if not (isinstance(x, float) and x == 0.0)}
+        memory = {OWN: list(self._kept.values()), INSIDE: list(added.values())}
+        program = self._recorder.program({**memory, **wanted}, watches)
+        sums = [k for name in SUMS for k in range(COLUMNS)[_PLACES[name]]] if self._inwards else []
+        for column in (*sums, *self._kept):  # sums of inside bodies, too, which this step has changed
+            self._known.pop(column, None)
+        self._known.update({column: value for column, value in self._kept.items() if isinstance(value, float)})
+        return BodyProgram(program, tuple(self._kept), tuple(added))
+
+    def _input(self, name: str, width: int) -> list[Any]:
+        if name not in self._given:
+            self._given[name] = list(self._recorder.inputs(name, width))
+        return self._given[name]
+
+
+def _shaped(name: str, columns: list[Any]) -> Scalars:
+    return np.array(columns[_PLACES[name]], dtype=object).reshape(MEMORY[name])
+
+
+def _with_numbers(link: Link, numbers: list[Any]) -> Link:
+    values: dict[str, Any] = {}
+    first = 0
+    for name, shape in _NUMBERS.items():
+        last = first + prod(shape)
+        columns = np.array(numbers[first:last], dtype=object)
+        values[name] = columns.reshape(shape) if shape else columns[0]
+        first = last
+    return replace(link, **values)

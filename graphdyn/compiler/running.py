@@ -1,0 +1,209 @@
+"""Programs of a robot, recorded and compiled when first needed, and run on batches with several threads."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache
+from itertools import pairwise
+from typing import Protocol, TypeVar
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from graphdyn.compiler.interpreter import Interpreter, Run, merged
+from graphdyn.compiler.llvm.vector_code import FARTHEST
+from graphdyn.compiler.native import CompiledProgram, compiling, try_out
+from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.rolled.long_program import LongProgram
+from graphdyn.compiler.rolled.rolling import is_long, record_long
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.scalars.expressions import Program, Watch
+
+T = TypeVar("T")
+
+BACKENDS = ("llvm", "numpy")
+
+CHOICE = "GRAPHDYN_BACKEND"
+"""Environment variable that chooses one of BACKENDS."""
+
+LONGEST = 30_000
+"""Length (graphdyn.scalars.expressions.Program.length) beyond which a program is interpreted: compiling would take more
+than two seconds. Measured, with 8 lanes: 55 to 70 µs for each unit up to there, more beyond."""
+
+WORTH_A_THREAD = 2_000_000
+"""Operations that take more than 100 µs, several times the cost of handing them to a thread."""
+
+
+class Backend(Protocol):
+    lanes: int
+
+    def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run: ...
+
+    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], object]: ...
+
+
+class Prepared:
+    """A recorded program and what runs it, on batches or on one row after the other."""
+
+    def __init__(self, program: Program | LongProgram, backend: str, one_row: bool = False) -> None:
+        self.program = program
+        self.backend = _backend(program, backend, one_row)
+
+
+_prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str, bool], Prepared]] = WeakKeyDictionary()
+_forced: ContextVar[str | None] = ContextVar("_forced", default=None)
+
+
+def prepared(model: RobotModel, request: Request, one_row: bool = False) -> Prepared:
+    """The program, recorded and compiled once per robot for batches, and once for one row after the other."""
+    key = (request, chosen_backend(), one_row)
+    with compiling:
+        programs = _prepared.setdefault(model, {})
+        if key not in programs:
+            long = key[1] == "llvm" and is_long(model, request)
+            programs[key] = Prepared((record_long if long else record)(model, request), *key[1:])
+        return programs[key]
+
+
+def run(
+    model: RobotModel,
+    request: Request,
+    inputs: Mapping[str, Array],
+    outputs: Mapping[str, Array],
+    threads: int | None = None,
+) -> dict[Watch, float]:
+    """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what was watched.
+
+    The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first reduced by
+    whole turns, so that no sample loses digits.
+    """
+    ready = prepared(model, request)
+    count = len(inputs["q"])
+    watches = _in_parallel(ready, inputs, outputs, count, threads)
+    if beyond_reduction(model, inputs["q"], watches):
+        return _in_parallel(ready, {**inputs, "q": turned_back(model, inputs["q"])}, outputs, count, threads)
+    return watches
+
+
+def beyond_reduction(model: RobotModel, q: Array, seen: Mapping[Watch, float]) -> bool:
+    """Whether an angle is beyond FARTHEST. What was seen of all, the sum of squares, mostly denies it."""
+    if seen.get("squares", 0.0) <= FARTHEST**2:
+        return False
+    turning = [not joint.is_prismatic for joint in model.joints]
+    positions = model.joint_positions(q) if model.couplings else q  # one that is NaN does not spoil those beside it
+    return bool(np.any(np.abs(positions[:, turning]) > FARTHEST))
+
+
+def turned_back(model: RobotModel, q: Array) -> Array:
+    """Joint positions (N, n) with angles beyond FARTHEST reduced by whole turns.
+
+    Raises InvalidInput for a robot with couplings: a whole turn of one joint need not be one of those that it drives.
+    """
+    if model.couplings:
+        raise InvalidInput(
+            f"a joint of robot '{model.name}' is beyond {FARTHEST:g} rad, and some joints drive others; give smaller "
+            "angles, or method='projected'"
+        )
+    turning = np.array([not joint.is_prismatic for joint in model.joints])
+    far = (np.abs(q) > FARTHEST) & turning
+    q = q.copy()
+    with np.errstate(invalid="ignore"):  # infinity becomes NaN, in its sample
+        q[far] = np.arctan2(np.sin(q[far]), np.cos(q[far]))
+    return q
+
+
+def chosen_backend() -> str:
+    """What the environment asks for, or "llvm" where llvmlite is there; "numpy" inside interpreted.
+
+    Raises InvalidInput for an unknown choice.
+    """
+    choice = _forced.get() or os.environ.get(CHOICE) or "llvm"
+    if choice not in BACKENDS:
+        raise InvalidInput(f"the environment variable {CHOICE} is '{choice}'; use one of {', '.join(BACKENDS)}")
+    if choice == "llvm":
+        with compiling:
+            return "llvm" if _can_compile() else "numpy"
+    return choice
+
+
+@contextmanager
+def interpreted() -> Iterator[None]:
+    """Inside, in this thread, the recursive method runs on NumPy: for too few samples to be worth compiling."""
+    token = _forced.set("numpy")
+    try:
+        yield
+    finally:
+        _forced.reset(token)
+
+
+def cores() -> int:
+    """Processor cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@cache
+def _can_compile() -> bool:
+    try:
+        try_out()
+    except Exception as error:
+        warnings.warn(
+            f"no compiled dynamics ({str(error).splitlines()[0]}); the NumPy back end gives the same results, some "
+            f"fifty times slower. Install llvmlite 0.45 or newer, or set {CHOICE}=numpy to silence this",
+            RuntimeWarning,
+            stacklevel=9,  # the caller of a verb
+        )
+        return False
+    return True
+
+
+def _backend(program: Program | LongProgram, choice: str, one_row: bool = False) -> Backend:
+    if isinstance(program, Program) and (choice == "numpy" or program.length > LONGEST):
+        return Interpreter(program)
+    return CompiledProgram(program, one_row)
+
+
+def _in_parallel(
+    ready: Prepared, inputs: Mapping[str, Array], outputs: Mapping[str, Array], count: int, threads: int | None
+) -> dict[Watch, float]:
+    bound = ready.backend.bind(inputs, outputs)
+    work = count * ready.program.arithmetic // WORTH_A_THREAD
+    if work < 2 or threads == 1:
+        return bound(0, count)
+    threads = cores() if threads is None else threads
+    parts = min(threads, work)
+    ends = [count * part // parts for part in range(parts + 1)]
+    seen = in_threads(bound, list(pairwise(ends)), threads)
+    return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in ready.program.watches}
+
+
+def in_threads(work: Callable[[int, int], T], ranges: Sequence[tuple[int, int]], threads: int | None) -> list[T]:
+    """work(first, last) on every range, answers in their order. A free thread, this one included, takes the next."""
+    answers: dict[int, T] = {}
+    pending = iter(range(len(ranges)))
+
+    def take() -> None:
+        for k in pending:
+            answers[k] = work(*ranges[k])
+
+    helpers = min(len(ranges), cores() if threads is None else threads) - 1
+    helping = [_pool(helpers).submit(take) for _ in range(helpers)]
+    take()
+    for helper in helping:
+        helper.result()
+    return [answers[k] for k in range(len(ranges))]
+
+
+@cache
+def _pool(threads: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(threads, thread_name_prefix="graphdyn")
+
+
+if hasattr(os, "register_at_fork"):  # threads do not survive a fork
+    os.register_at_fork(after_in_child=_pool.cache_clear)

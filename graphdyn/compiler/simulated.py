@@ -1,0 +1,105 @@
+"""Programs that a simulation runs at every step: the accelerations of a robot with its drives, and control laws.
+
+What other simulations of the same robot may choose otherwise is an input here, so that it needs no compiling.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from graphdyn.compiler.programs import Request, Sample
+from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions.forward import Drives, forward_dynamics
+from graphdyn.recursions.inverse import inverse_dynamics
+from graphdyn.recursions.loops.couplings import driven, everywhere, projected
+from graphdyn.recursions.mechanism.mechanism import Link, links
+from graphdyn.scalars.expressions import Program
+
+Law = Literal["pd", "computed_torque"]
+
+TENSOR = ((0, 1, 3), (1, 2, 4), (3, 4, 5))
+"""Where the entries of the tensor are among I_xx, I_xy, I_yy, I_xz, I_yz, I_zz."""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Which inputs the accelerations have beside q, v and tau, the torque on the bodies.
+
+    external: external_wrenches (6 n); moving_base: ground
+    parameters: the ten of each body in joint axes (10 n), see in_joint_axes
+    rotor: inertia of each rotor (n)
+    free: 1 or 0 per joint, 0 where friction holds it (n)
+    """
+
+    external: bool = False
+    moving_base: bool = False
+    parameters: bool = False
+    rotor: bool = False
+    free: bool = False
+
+
+def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
+    """a (n), and required (n): the torque that holds the joints that are not free, tau elsewhere."""
+    outputs = ("a", "required")  # of links that are not reduced, whose errors over long motions are documented
+    sample = Sample(model, Request("forward_dynamics", outputs, inputs.external, inputs.moving_base))
+    n = sample.n
+    bodies = sample.links
+    if inputs.parameters:
+        columns = sample.input("parameters", BODY_PARAMETERS * model.n_bodies)
+        bodies = tuple(
+            _with_parameters(link, columns[BODY_PARAMETERS * i : BODY_PARAMETERS * (i + 1)])
+            for i, link in enumerate(bodies)
+        )
+    drives = Drives(
+        sample.input("rotor") if inputs.rotor else [0.0] * n, sample.input("free") if inputs.free else [1.0] * n
+    )
+    v, tau = sample.of_joints("v"), sample.input("tau")
+    if model.couplings:
+        found = driven(bodies, sample.root, model.freedoms, sample.q, v, tau, sample.external, drives)
+    else:
+        found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives)
+    return sample.recorder.program(sample.of_freedoms({name: found[name] for name in ("a", "required")}, {}), {})
+
+
+def record_law(model: RobotModel, law: Law) -> Program:
+    """tau (n) of measured q and v, the reference (q, v, a or torque; 3 n) and the gains K_p, K_d (2 n).
+
+    "pd": K_p (q_d - q) + K_d (v_d - v) + the torque of the reference
+    "computed_torque": the inverse dynamics of a_d + K_p (q_d - q) + K_d (v_d - v)
+    """
+    sample = Sample(model, Request("inverse_dynamics", ("tau",)))
+    n, v, freedoms = sample.n, sample.of_joints("v"), model.freedoms if model.couplings else None
+    reference, gains = sample.input("reference", 3 * n), sample.input("gains", 2 * n)
+    wanted = [
+        reference[2 * n + j] + gains[j] * (reference[j] - sample.q[k]) + gains[n + j] * (reference[n + j] - v[k])
+        for j, k in enumerate(model.freedoms.independent)
+    ]
+    if law == "computed_torque":
+        a = everywhere(np.array(wanted, dtype=object), freedoms)
+        tau = np.array(inverse_dynamics(sample.links, sample.root, sample.q, v, a)["tau"], dtype=object)
+        wanted = list(projected(tau, ("n",), freedoms))
+    return sample.recorder.program(sample.of_freedoms({"tau": wanted}, {}), {})
+
+
+def in_joint_axes(model: RobotModel, parameters: Array) -> Array:
+    """Inertial parameters (…, 10 n) as the program takes them: m, m c, I about O_j, in joint axes of each body."""
+    bodies = parameters.reshape(*parameters.shape[:-1], model.n_bodies, BODY_PARAMETERS)
+    turned = bodies.copy()
+    for i, link in enumerate(links(model)):
+        axes = link.link_axes.astype(float)
+        tensor = axes.T @ bodies[..., i, 4:][..., np.array(TENSOR)] @ axes
+        turned[..., i, 1:4] = bodies[..., i, 1:4] @ axes
+        turned[..., i, 4:] = tensor[..., [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+    return turned.reshape(parameters.shape)
+
+
+def _with_parameters(link: Link, columns: Sequence[Any]) -> Link:
+    """The body with expressions as parameters. Its center of mass is not there: no acceleration of it is asked for."""
+    moment = np.array(columns[1:4], dtype=object)
+    tensor = np.array([[columns[4 + k] for k in row] for row in TENSOR], dtype=object)
+    return replace(link, mass=columns[0], first_moment=moment, tensor=tensor)

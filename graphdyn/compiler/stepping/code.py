@@ -1,0 +1,210 @@
+"""LLVM code of a whole simulation: the loop over the steps of a Runge-Kutta method, one robot per lane.
+
+All memory is in columns, one vector per column, so that nothing is transposed inside the loop. The accelerations are
+one function, which every stage calls: its code stays in the first-level cache.
+
+Each step: torque (held from tick to tick), which joints stick, the stages, and zero for a velocity that has changed
+its sign against dry friction. graphdyn.simulation.integration.steps says the same in Python.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from graphdyn.compiler.llvm.vector_code import VectorCode
+from graphdyn.compiler.stepping.layout import Columns, StepCode, select, splat
+from graphdyn.compiler.stepping.rates import rates_function
+from graphdyn.layout import Array
+
+
+def emit_steps(code: StepCode, lanes: int) -> str:
+    """The function steps(count, start, every, hold, h, state, constants, control, noise, ground, record, memory).
+
+    Steps start … start + count - 1 of width h. The torque changes at multiples of hold; control and noise begin with
+    the tick in force at start, ground with that step (a row per stage). Multiples of every are recorded, before the
+    step.
+    """
+    return "\n".join([*VectorCode(lanes).declarations, *rates_function(code, lanes), *_steps_function(code, lanes)])
+
+
+def _steps_function(what: StepCode, lanes: int) -> list[str]:
+    code = VectorCode(lanes, "s")
+    vectors = {name: sum(getattr(what, name).values()) for name in ("control", "record")}
+    width = splat(code, "%h")
+    code.do("%tick.first = udiv i64 %start, %hold")
+    code.do("%record.before = add i64 %start, %every")
+    code.do("%record.up = sub i64 %record.before, 1")
+    code.do("%record.first = udiv i64 %record.up, %every")
+    code.do("%end = add i64 %start, %count")
+    code.do("br label %loop")
+    _label(code, "loop")
+    code.do("%step = phi i64 [ %start, %entry ], [ %next, %after ]")
+    code.do("%step.own = sub i64 %step, %start")
+    code.do("%tick.rest = urem i64 %step, %hold")
+    code.do("%is.tick = icmp eq i64 %tick.rest, 0")
+    code.do("br i1 %is.tick, label %tick, label %decide")
+    _label(code, "tick")
+    code.do("%tick.all = udiv i64 %step, %hold")
+    code.do("%tick.own = sub i64 %tick.all, %tick.first")
+    _tick(code, what, vectors["control"])
+    code.do("br label %decide")
+    _label(code, "decide")
+    if what.friction:
+        _decide(code, what)
+    _call_rates(code, what, 0, "%state")
+    code.do("%record.rest = urem i64 %step, %every")
+    code.do("%is.recorded = icmp eq i64 %record.rest, 0")
+    code.do("br i1 %is.recorded, label %write, label %stages")
+    _label(code, "write")
+    code.do("%record.all = udiv i64 %step, %every")
+    code.do("%record.own = sub i64 %record.all, %record.first")
+    _write(code, what, vectors["record"])
+    code.do("br label %stages")
+    _label(code, "stages")
+    _stages(code, what, width)
+    code.do("br label %after")
+    _label(code, "after")
+    code.do("%next = add i64 %step, 1")
+    code.do("%more = icmp slt i64 %next, %end")
+    code.do("br i1 %more, label %loop, label %exit")
+    _label(code, "exit")
+    pointers = ("state", "constants", "control", "noise", "ground", "record", "memory")
+    arguments = ", ".join(["i64 %count", "i64 %start", "i64 %every", "i64 %hold", "double %h"])
+    header = f"define void @steps({arguments}, {', '.join(f'ptr noalias %{name}' for name in pointers)}) {{"
+    return [header, "entry:", *code.lines, "  fence seq_cst", "  ret void", "}"]
+
+
+def _label(code: VectorCode, name: str) -> None:
+    code.lines.append(f"{name}:")
+
+
+def _block(code: VectorCode, pointer: str, number: str, vectors: int) -> str:
+    """Address of the block of this number, of so many vectors."""
+    return code.let(f"getelementptr double, ptr {pointer}, i64 {code.let(f'mul i64 {number}, {vectors * code.lanes}')}")
+
+
+def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
+    """A new torque, from memory or from the law."""
+    n = what.n
+    memory = Columns(code, "%memory", what.memory)
+    constants = Columns(code, "%constants", what.constants)
+    control = Columns(code, _block(code, "%control", "%tick.own", vectors), what.control)
+    if what.law is None:
+        tau = control.columns("tau", n)
+    else:
+        law, state = what.law, Columns(code, "%state", what.state)
+        measured = {name: state.columns(name, n) for name in "qv"}
+        if what.noisy:
+            noise = Columns(code, _block(code, "%noise", "%tick.own", 2 * n), {"q": n, "v": n})
+            for name, exact in measured.items():
+                measured[name] = [code.arithmetic("fadd", x, noise.load(name, j)) for j, x in enumerate(exact)]
+
+        def columns(name: str) -> Sequence[str]:
+            if name in measured:
+                return measured[name]
+            return (control if name == "reference" else constants).columns(name, law.inputs[name])
+
+        values = code.values(law, columns)
+        tau = [values[k] for k in law.outputs["tau"]]
+    for j, torque in enumerate(tau):
+        if what.clamped:
+            most, least = constants.load("largest_torque", j), constants.load("least_torque", j)
+            torque = select(code, "ogt", torque, most, most, torque)
+            torque = select(code, "olt", torque, least, least, torque)
+        memory.store("tau", j, torque)
+
+
+def _decide(code: VectorCode, what: StepCode) -> None:
+    """Which joints slide, and in which direction; a joint at rest sticks unless the torque exceeds its dry friction."""
+    n, zero, one = what.n, code.splat(0.0), code.splat(1.0)
+    memory = Columns(code, "%memory", what.memory)
+    constants = Columns(code, "%constants", what.constants)
+    state = Columns(code, "%state", what.state)
+    resting = []
+    for j in range(n):
+        v = state.load("v", j)
+        sign = select(code, "ogt", v, zero, one, select(code, "olt", v, zero, code.splat(-1.0), zero))
+        memory.store("sign", j, sign)
+        if what.sticking:
+            still = code.let(f"fcmp oeq {code.vector} {v}, {zero}")
+            dry = code.let(f"fcmp ogt {code.vector} {constants.load('coulomb', j)}, {zero}")
+            resting.append(code.let(f"and <{code.lanes} x i1> {still}, {dry}"))
+            free = code.let(f"select <{code.lanes} x i1> {resting[-1]}, {code.vector} {zero}, {code.vector} {one}")
+            memory.store("free", j, free)
+    if not what.sticking:
+        return
+    anywhere = resting[0]
+    for joint in resting[1:]:
+        anywhere = code.let(f"or <{code.lanes} x i1> {anywhere}, {joint}")
+    bits = code.let(f"bitcast <{code.lanes} x i1> {anywhere} to i{code.lanes}")
+    some = code.let(f"icmp ne i{code.lanes} {bits}, 0")
+    code.do(f"br i1 {some}, label %resting, label %decided")
+    _label(code, "resting")
+    _call_rates(code, what, 0, "%state")
+    for j in range(n):
+        held, dry = memory.load("held", j), constants.load("coulomb", j)
+        size = code.call("fabs", held)
+        slips = code.let(f"fcmp ogt {code.vector} {size}, {dry}")
+        begins = code.let(f"and <{code.lanes} x i1> {resting[j]}, {slips}")
+        away = select(code, "ogt", held, zero, code.splat(-1.0), one)
+        for name, value in (("sign", away), ("free", one)):
+            either = f"select <{code.lanes} x i1> {begins}, {code.vector} {value}, {code.vector}"
+            memory.store(name, j, code.let(f"{either} {memory.load(name, j)}"))
+    code.do("br label %decided")
+    _label(code, "decided")
+
+
+def _call_rates(code: VectorCode, what: StepCode, stage: int, at: str) -> None:
+    memory = Columns(code, "%memory", what.memory)
+    rates = memory.address("rates", stage * (2 * what.n + 2))
+    ground = "%ground"
+    if "ground" in what.accelerations.inputs:
+        first = code.let(f"mul i64 %step.own, {what.stages}")
+        row = code.let(f"add i64 {first}, {stage}")
+        place = code.let(f"mul i64 {row}, {what.accelerations.inputs['ground']}")
+        ground = code.let(f"getelementptr double, ptr %ground, i64 {place}")
+    code.do(f"call void @rates(ptr {at}, ptr {rates}, ptr %memory, ptr %constants, ptr {ground})")
+
+
+def _write(code: VectorCode, what: StepCode, vectors: int) -> None:
+    memory = Columns(code, "%memory", what.memory)
+    state = Columns(code, "%state", what.state)
+    record = Columns(code, _block(code, "%record", "%record.own", vectors), what.record)
+    for name, width in what.record.items():
+        for j in range(width):
+            if name in what.state:
+                value = state.load(name, j)
+            else:  # the first stage is at the state itself
+                value = memory.load("rates", what.n + j) if name == "a" else memory.load(name, j)
+            record.store(name, j, value)
+
+
+def _stages(code: VectorCode, what: StepCode, h: str) -> None:
+    """Stages 2 … s and the step; the first stage is done."""
+    n, width = what.n, 2 * what.n + 2
+    memory = Columns(code, "%memory", what.memory)
+    state = Columns(code, "%state", what.state)
+
+    def moved(column: int, weights: Array) -> str:
+        """Column of the state, advanced by the step width times the weighted rates."""
+        total = None
+        for stage, weight in enumerate(weights):
+            if weight:
+                part = code.arithmetic("fmul", memory.load("rates", stage * width + column), code.splat(float(weight)))
+                total = part if total is None else code.arithmetic("fadd", total, part)
+        assert total is not None
+        return code.arithmetic("fadd", state.load("q", column), code.arithmetic("fmul", h, total))
+
+    for stage in range(1, what.stages):
+        for column in range(2 * n):
+            memory.store("stage", column, moved(column, what.a[stage, :stage]))
+        _call_rates(code, what, stage, memory.address("stage"))
+    after = [moved(column, what.b) for column in range(width)]
+    if what.friction:
+        zero, constants = code.splat(0.0), Columns(code, "%constants", what.constants)
+        for j in range(n):
+            along = code.arithmetic("fmul", after[n + j], memory.load("sign", j))
+            turned = select(code, "olt", along, zero, zero, after[n + j])
+            after[n + j] = select(code, "ogt", constants.load("coulomb", j), zero, turned, after[n + j])
+    for column, value in enumerate(after):
+        state.store("q", column, value)

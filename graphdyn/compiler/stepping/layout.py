@@ -1,0 +1,121 @@
+"""What compiled steps keep in memory: columns of vectors, one robot per lane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from graphdyn.compiler.llvm.vector_code import VectorCode
+from graphdyn.layout import Array
+from graphdyn.scalars.expressions import Program
+
+JOINT_CONSTANTS = ("viscous", "coulomb", "offset", "least_torque", "largest_torque")
+STOP_CONSTANTS = ("lower", "upper", "stiffness", "damping")
+
+
+@dataclass(frozen=True, eq=False)
+class StepCode:
+    """What the code is made of.
+
+    accelerations: program with a and required, inputs q, v, tau and some of those of simulated.Inputs
+    law: program with tau of q, v, reference and gains; None where the torque itself is given
+    a, b: coefficients of the method                        (s, s), (s,)
+    friction, stops, clamped: whether there is friction, are springs at the limits, and limits of torque
+    noisy: whether noise is added to the q and v that the law sees
+    """
+
+    n: int
+    accelerations: Program
+    law: Program | None
+    a: Array
+    b: Array
+    friction: bool
+    stops: bool
+    clamped: bool
+    noisy: bool
+
+    @property
+    def stages(self) -> int:
+        return len(self.b)
+
+    @property
+    def sticking(self) -> bool:
+        return "free" in self.accelerations.inputs
+
+    @cached_property
+    def constants(self) -> dict[str, int]:
+        """Widths of what stays the same during a run, in the order of their columns."""
+        own = {"external_wrenches", "parameters", "rotor"}
+        widths = {name: width for name, width in self.accelerations.inputs.items() if name in own}
+        names = (JOINT_CONSTANTS[:3] if self.friction else ()) + (JOINT_CONSTANTS[3:] if self.clamped else ())
+        widths.update(dict.fromkeys((*names, *(STOP_CONSTANTS if self.stops else ())), self.n))
+        if self.law is not None:
+            widths["gains"] = self.law.inputs["gains"]
+        return widths
+
+    @property
+    def state(self) -> dict[str, int]:
+        """q, v, work of the actuators, and work of friction and stops."""
+        return {"q": self.n, "v": self.n, "work": 1, "loss": 1}
+
+    @property
+    def control(self) -> dict[str, int]:
+        """What is new at every tick."""
+        return {"tau": self.n} if self.law is None else {"reference": self.law.inputs["reference"]}
+
+    @property
+    def record(self) -> dict[str, int]:
+        """What is written at the recorded steps; passive: torque of friction and stops on the joints."""
+        return {**self.state, "tau": self.n, "a": self.n, "passive": self.n}
+
+    @cached_property
+    def memory(self) -> dict[str, int]:
+        """What is kept between steps, and scratch: sign of the sliding, the stage, and the rates of each stage."""
+        joints = dict.fromkeys(("tau", "passive", "held", "sign", "free"), self.n)
+        return {**joints, "stage": 2 * self.n, "rates": self.stages * (2 * self.n + 2)}
+
+
+def places(widths: dict[str, int]) -> dict[str, int]:
+    """First column of each part."""
+    firsts, first = {}, 0
+    for name, width in widths.items():
+        firsts[name], first = first, first + width
+    return firsts
+
+
+class Columns:
+    """Columns of one pointer."""
+
+    def __init__(self, code: VectorCode, pointer: str, widths: dict[str, int]) -> None:
+        self._code, self._pointer, self._places = code, pointer, places(widths)
+
+    def load(self, name: str, column: int) -> str:
+        code = self._code
+        return code.load(code.vector, self._pointer, code.lanes * (self._places[name] + column))
+
+    def columns(self, name: str, count: int, first: int = 0) -> list[str]:
+        return [self.load(name, first + column) for column in range(count)]
+
+    def store(self, name: str, column: int, value: str) -> None:
+        code = self._code
+        code.store(f"{code.vector} {value}", self._pointer, code.lanes * (self._places[name] + column))
+
+    def address(self, name: str, column: int = 0) -> str:
+        return self._code.element(self._pointer, self._code.lanes * (self._places[name] + column))
+
+
+def select(code: VectorCode, relation: str, x: str, y: str, yes: str, no: str) -> str:
+    """yes where x relates so to y, else no, also where one is NaN."""
+    holds = code.let(f"fcmp {relation} {code.vector} {x}, {y}")
+    return code.let(f"select <{code.lanes} x i1> {holds}, {code.vector} {yes}, {code.vector} {no}")
+
+
+def everywhere(code: VectorCode, pointer: str, index: int) -> str:
+    """A number in all lanes."""
+    return splat(code, code.load("double", pointer, index))
+
+
+def splat(code: VectorCode, value: str) -> str:
+    first = code.let(f"insertelement {code.vector} poison, double {value}, i64 0")
+    zeros = ", ".join(["i32 0"] * code.lanes)
+    return code.let(f"shufflevector {code.vector} {first}, {code.vector} poison, <{code.lanes} x i32> <{zeros}>")

@@ -1,0 +1,113 @@
+"""What the loops of a robot hold at a pose, and which reactions they leave undetermined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from graphdyn.arguments.arrays import one_state
+from graphdyn.equations.chord_rows import chord_rows
+from graphdyn.equations.loops.dynamics import closed
+from graphdyn.equations.loops.reactions import in_self_stress, self_stress, transmission
+from graphdyn.equations.projected import rooted_state
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import JOINT_CONSTRAINTS, Array
+from graphdyn.model.loops import SELF_STRESS, loop_spaces, pivoted_columns
+from graphdyn.model.robot_model import RobotModel
+
+
+@dataclass(frozen=True, eq=False)
+class LoopAnalysis:
+    """Answer of analyze_loops.
+
+    n_rows, rank: constraint rows of joints, couplings and chords, and how many of them are independent
+    mobility: motions that keep all loops closed
+    grubler_mobility: 6 bodies less the rows, after Grübler and Kutzbach: what it would be, were all rows independent
+    usual_rank: rank in a regular pose; the pose is singular where the rank is lower
+    motions: joint motions that keep the loops closed, orthonormal columns   (n_freedoms, mobility)
+    determined_multipliers, determined_wrenches, determined_chord_multipliers: which reactions the equations determine,
+        in the shapes (n, 5), (n, 6) and (n_chord_rows,) of forward_dynamics, where the others are NaN
+    self_stresses: combinations of reactions that hold each other without any load; each by the names of the joint or
+        chord and the direction along its t1, t2, p, relative to its largest    ("elbow force p": 1.0, …)
+    """
+
+    n_rows: int
+    rank: int
+    mobility: int
+    grubler_mobility: int
+    usual_rank: int
+    motions: Array
+    determined_multipliers: NDArray[np.bool_]
+    determined_wrenches: NDArray[np.bool_]
+    determined_chord_multipliers: NDArray[np.bool_]
+    self_stresses: tuple[dict[str, float], ...]
+
+    @property
+    def is_singular(self) -> bool:
+        """More motions are free here than in a regular pose."""
+        return self.rank < self.usual_rank
+
+
+def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
+    """At ONE pose q (n_freedoms,) [rad or m].
+
+    Raises InvalidInput for a robot without chords and for more than one pose; InconsistentState, naming the loop, where
+    one is open.
+    """
+    x = one_state(model, None, q=q)["q"]
+    if not model.chords:
+        raise InvalidInput(f"robot '{model.name}' has no loops: all its reactions are determined")
+    held = closed(model, x)
+    spaces, state = held.spaces, rooted_state(model, None, x, np.zeros_like(x))
+    of_tree = JOINT_CONSTRAINTS * model.n_bodies + len(model.couplings)
+    rank = int(spaces.rank)
+    usual = int(loop_spaces(model.loops.jacobian(model.loops.links(model.regular_pose))).rank)
+    stress = self_stress(state, chord_rows(state)[0], spaces)
+    undetermined = in_self_stress(model, stress)
+    return LoopAnalysis(
+        n_rows=of_tree + model.n_chord_rows,
+        rank=of_tree + rank,
+        mobility=model.n_freedoms - rank,
+        grubler_mobility=model.n_freedoms - model.n_chord_rows,
+        usual_rank=of_tree + usual,
+        motions=spaces.right[:, spaces.free],
+        determined_multipliers=~undetermined["multipliers"],
+        determined_wrenches=~undetermined["joint_wrenches"],
+        determined_chord_multipliers=~undetermined["chord_multipliers"],
+        self_stresses=_named(model, *_sparse(stress.joints, spaces.left, spaces.redundant)),
+    )
+
+
+def _sparse(joints: Array, left: Array, redundant: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Self-stresses of joints (n, 6, d) and chords (m, d), each without the chord rows that lead the others.
+
+    The columns are combined so that d rows, chosen by pivoting, form a unit matrix: small combinations by name.
+    """
+    chords = left[:, redundant]
+    leading = pivoted_columns(chords.T, chords.shape[1])
+    change = np.linalg.inv(chords[leading])
+    return joints[..., redundant] @ change, chords @ change
+
+
+def _named(model: RobotModel, joints: Array, chords: Array) -> tuple[dict[str, float], ...]:
+    directions = [f"{what} {axis}" for what in ("force", "moment") for axis in ("t1", "t2", "p")]
+    slides = np.array([2 if joint.is_prismatic else 5 for joint in model.joints])
+    found = []
+    for d in range(chords.shape[1]):
+        column = transmission(model, joints[..., d], chords[:, d])
+        sizes = {
+            f"{joint.name} {direction}": float(column["joint_wrenches"][k, c])
+            for k, joint in enumerate(model.joints)
+            for c, direction in enumerate(directions)
+            if c != slides[k]
+        }
+        sizes |= dict(zip(model.loops.row_names(), column["chord_multipliers"].tolist(), strict=True))
+        sizes |= {
+            f"coupling {coupling.joint}": float(x)
+            for coupling, x in zip(model.couplings, column["coupling_multipliers"], strict=True)
+        }
+        largest = max(sizes.values(), key=abs)
+        found.append({name: size / largest for name, size in sizes.items() if abs(size) > SELF_STRESS * abs(largest)})
+    return tuple(found)

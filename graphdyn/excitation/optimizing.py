@@ -1,0 +1,323 @@
+"""Motions that tell as much as possible about the base parameters, within limits.
+
+Sequential quadratic programming (SLSQP: Kraft, DFVLR-FB 88-28, 1988) from a random motion, with exact gradients, on a
+coarse grid of time. Then the motion is checked on a fine grid; a limit that it violates there is tightened by as much,
+and the search goes on from where it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.excitation.bases import Basis
+from graphdyn.excitation.clearances import SCALE, Ball, frame_origins
+from graphdyn.excitation.constraints import signals
+from graphdyn.excitation.criteria import Criterion, log_det
+from graphdyn.excitation.information import Information
+from graphdyn.excitation.limits import MotionLimits
+from graphdyn.excitation.random_motions import random_trajectory
+from graphdyn.excitation.trajectory import (
+    Course,
+    JointMotion,
+    Signal,
+    Trajectory,
+    Usage,
+    sample_times,
+    smooth_maximum,
+    smooth_slope,
+    usage,
+)
+from graphdyn.identification.algebra.least_squares import one_thread
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+GRID = 240
+"""Points of time of the search: 48 for the period of the fifth harmonic, 12 of its acceleration's square."""
+
+CHECK_RATE = 1000.0
+"""[Hz] Rate at which limits are checked."""
+
+WIDTH = 0.05
+"""Part of the limit of velocity over which the sign of friction changes smoothly during the search."""
+
+SHARPNESS = (30.0, 200.0, 1000.0)
+"""ρ of the smooth maximum in one search after the other: at 1000, a maximum that is reached by ten points of time is
+taken for 0.2 % too large."""
+
+ITERATIONS, PRECISION = 200, 1e-5
+"""Of one search: at most so many; it ends where the logarithm of the criterion changes by less."""
+
+MARGIN = 1e-4
+"""By so much more than it was violated a limit is tightened."""
+
+CLEARANCE_MARGIN = 0.1
+"""The same of clearances: a millimetre."""
+
+HOPELESS = 1.3
+"""A search that ends with more than this part of a limit will not come within it by tightening."""
+
+HOPELESS_CLEARANCE = 3.0
+"""The same of clearances: two centimetres."""
+
+SLACK = 1e-3
+"""Part of a limit by which a motion on the way may violate it, to be one from which the next search goes on."""
+
+TIGHTENINGS = 6
+"""Searches with tightened limits at most, before a start is given up."""
+
+STARTS = 2
+"""Random motions from which a seed searches at most, one after the other until a motion is found."""
+
+STILL = 0.2
+"""Part of what its joints' own limits allow up to which a random motion is no start: the search stays near it."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExcitationProblem:
+    """Which motion is sought.
+
+    torque_model: whose base parameters are to be determined
+    limits: that the motion has to keep
+    basis: of the trajectory
+    noise: standard deviations of the measured torques      () or (n,)  [N m or N]
+    rate: samples per second of the measurement, with independent errors   [Hz]
+    criterion: of the information matrix
+    known: information matrix of earlier recordings, zero if left out   (b, b)
+    balls: that planes keep on their side; the origins of all frames if left out
+
+    Raises InvalidInput for a noise that is not above zero, or not of this robot, and for a robot with loops.
+    """
+
+    torque_model: TorqueModel
+    limits: MotionLimits
+    basis: Basis
+    noise: Array
+    rate: float
+    criterion: Criterion = log_det
+    known: Array | None = None
+    balls: tuple[Ball, ...] | None = None
+
+    def __post_init__(self) -> None:
+        model = self.torque_model.model
+        if model.chords:
+            raise InvalidInput(f"robot '{model.name}' has loops, which no motion is planned for yet")
+        noise = as_floats("noise", self.noise)
+        if noise.shape not in ((), (model.n_freedoms,)) or not np.all(np.isfinite(noise) & (noise > 0)):
+            raise InvalidInput(f"noise is {noise.tolist()}; give one number above zero, or {model.n_freedoms}")
+        object.__setattr__(self, "noise", np.array(np.broadcast_to(noise, (model.n_freedoms,))))
+        if not self.rate > 0:
+            raise InvalidInput(f"rate is {self.rate:g} Hz; give one above zero")
+        if self.balls is None:
+            object.__setattr__(self, "balls", frame_origins(model) if self.limits.planes else ())
+
+    @cached_property
+    def information(self) -> Information:
+        """With the sharp sign of friction."""
+        return Information(self.torque_model, self.noise)
+
+    def __getstate__(self) -> dict[str, object]:
+        """Without compiled code."""
+        return {name: value for name, value in vars(self).items() if name != "information"}
+
+    @property
+    def samples(self) -> float:
+        """Of a recording of the whole motion."""
+        return self.rate * self.basis.duration
+
+    def total_information(self, trajectory: Course) -> Array:
+        """F of a recording of a trajectory, with what is known."""
+        motion = trajectory.motion(sample_times(trajectory.duration, self.rate))
+        return self.information.matrix(motion, self.rate * trajectory.duration) + (
+            0.0 if self.known is None else self.known
+        )
+
+    def value(self, trajectory: Course) -> float:
+        """The criterion of a trajectory, friction with its sharp sign."""
+        return self.criterion(self.total_information(trajectory))[0]
+
+    def usages(self, motion: JointMotion) -> list[Usage]:
+        """How much of every limit a motion uses."""
+        found = signals(self.torque_model.model, self.limits, self.watched, motion)
+        return [usage(signal) for signal in found]
+
+    @property
+    def watched(self) -> tuple[Ball, ...]:
+        """The balls that planes keep on their side."""
+        return self.balls or ()
+
+
+@dataclass(frozen=True, eq=False)
+class OptimisedMotion:
+    """The result of one seed.
+
+    usages: of every limit, at CHECK_RATE; none above 1
+    value: of the criterion: a natural logarithm
+    iterations: of SLSQP, in all searches from the start that led to it
+    """
+
+    trajectory: Trajectory
+    usages: tuple[Usage, ...]
+    value: float
+    seed: int
+    iterations: int
+
+
+class NoFeasibleMotion(InvalidInput):
+    """No motion that keeps all limits was found; the message names those that were violated."""
+
+
+def optimised(
+    problem: ExcitationProblem,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+    start: Trajectory | None = None,
+) -> OptimisedMotion:
+    """The best motion that is found from the first start from which a better one is found.
+
+    progress: called with the criterion after every iteration
+    start: up to STARTS random motions of this seed if left out
+
+    Raises NoFeasibleMotion where no limit-keeping motion is found.
+    """
+    rng = np.random.default_rng([seed, 1])
+    best: OptimisedMotion | None = None
+    with one_thread():
+        for _ in range(1 if start else STARTS):
+            trajectory = start or random_trajectory(
+                problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng, STILL
+            )
+            found = _searched(problem, trajectory, seed, progress or (lambda value: None))
+            if not isinstance(found, OptimisedMotion):
+                worst = found
+                continue
+            if best is None or found.value < best.value:
+                best = found
+            if found.value < problem.value(trajectory):  # else SLSQP has failed at once
+                break
+    if best is not None:
+        return best
+    raise NoFeasibleMotion(f"no motion within all limits was found from seed {seed}: {_violation(worst)}")
+
+
+def _searched(
+    problem: ExcitationProblem, trajectory: Trajectory, seed: int, progress: Callable[[float], None]
+) -> OptimisedMotion | Usage:
+    """The motion that is found from one start, or the worst of the limits that the last one violates."""
+    search = _Search(problem, progress)
+    for number in range(len(SHARPNESS) + TIGHTENINGS):
+        trajectory = search.run(trajectory, SHARPNESS[min(number, len(SHARPNESS) - 1)])
+        used = problem.usages(trajectory.motion(sample_times(trajectory.duration, CHECK_RATE)))
+        worst = max(used, key=lambda one: one.used)
+        if worst.used > (HOPELESS_CLEARANCE if worst.kind == "clearance" else HOPELESS):
+            break
+        if number >= len(SHARPNESS) - 1:
+            if worst.used <= 1:
+                return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
+            search.tighten(used)
+    return worst
+
+
+def _violation(worst: Usage) -> str:
+    """What is violated, and what helps."""
+    if worst.kind == "clearance":
+        nearer = 1000 * SCALE * (worst.used - 1)
+        return (
+            f"the balls around {worst.name} come {nearer:.2g} mm nearer to each other than they may; give limits of "
+            "position that keep them apart"
+        )
+    return (
+        f"the {worst.kind} of {worst.name} needs {worst.used:.4g} times its limit; relax it, or give a longer duration"
+    )
+
+
+class _Search:
+    """SLSQP on one problem; remembers how far limits were tightened."""
+
+    def __init__(self, problem: ExcitationProblem, progress: Callable[[float], None]) -> None:
+        self._problem, self._progress = problem, progress
+        basis, limits = problem.basis, problem.limits
+        self._times = np.linspace(0.0, basis.duration, GRID)
+        self._phi = [basis.rows(self._times, order) for order in range(4)]
+        speed = float(np.min(limits.velocity[np.isfinite(limits.velocity)]))
+        self._information = Information(problem.torque_model, problem.noise, WIDTH * speed)
+        self._known = np.zeros((len(self._information.independent),) * 2) if problem.known is None else problem.known
+        self._allowed: Array | None = None
+        self.iterations = 0
+
+    def tighten(self, used: list[Usage]) -> None:
+        """Allow less of every limit that was violated."""
+        over = np.array([max(one.used, 1.0) for one in used])
+        margin = np.array([CLEARANCE_MARGIN if one.kind == "clearance" else MARGIN for one in used])
+        allowed = np.ones(len(used)) if self._allowed is None else self._allowed
+        self._allowed = np.where(over > 1, allowed - (over - 1) - margin, allowed)
+
+    def run(self, start: Trajectory, sharpness: float) -> Trajectory:
+        """The end of SLSQP; where that violates limits, the best motion on the way among those that do so least."""
+        from scipy.optimize import minimize  # imported where first used: import graphdyn stays light
+
+        shape = start.coefficients.shape
+        kept: tuple[tuple[float, float], Array] = (np.inf, np.inf), start.coefficients
+        found: dict[bytes, list[Signal]] = {}
+
+        def signals_at(x: Array) -> list[Signal]:
+            key = x.tobytes()
+            if key not in found:
+                found.clear()
+                found[key] = self._signals(x.reshape(shape))
+            return found[key]
+
+        def room(x: Array) -> Array:
+            return self._room([smooth_maximum(signal, sharpness) for signal in signals_at(x)])
+
+        def violation(x: Array) -> float:
+            return max(-float(room(x).min()) - SLACK, 0.0)
+
+        def slopes(x: Array) -> Array:
+            return -np.array([smooth_slope(signal, self._phi, sharpness).ravel() for signal in signals_at(x)])
+
+        def objective(x: Array) -> tuple[float, Array]:
+            nonlocal kept
+            value, gradient = self._objective(x.reshape(shape))
+            rank = violation(x), value
+            if rank < kept[0]:
+                kept = rank, x.copy()
+            return value, gradient
+
+        answer = minimize(
+            objective,
+            start.coefficients.ravel(),
+            jac=True,
+            method="SLSQP",
+            constraints={"type": "ineq", "fun": room, "jac": slopes},
+            options={"maxiter": ITERATIONS, "ftol": PRECISION},
+        )
+        self.iterations += int(answer.nit)
+        best = answer.x if violation(answer.x) == 0 else kept[1]
+        return replace(start, coefficients=np.asarray(best).reshape(shape))
+
+    def _signals(self, coefficients: Array) -> list[Signal]:
+        problem = self._problem
+        motion = self._motion(coefficients)
+        return [*signals(problem.torque_model.model, problem.limits, problem.watched, motion)]
+
+    def _room(self, maxima: Sequence[float]) -> Array:
+        """What is left of every limit."""
+        return (1.0 if self._allowed is None else self._allowed) - np.array(maxima)
+
+    def _motion(self, coefficients: Array) -> JointMotion:
+        return JointMotion(*(rows @ coefficients.T for rows in self._phi))
+
+    def _objective(self, coefficients: Array) -> tuple[float, Array]:
+        problem = self._problem
+        value, slopes = self._information.value_and_slopes(
+            self._motion(coefficients), problem.samples, self._known, problem.criterion
+        )
+        gradient = sum(slope.T @ rows for slope, rows in zip(slopes, self._phi[:3], strict=True))
+        self._progress(value)
+        return value, np.asarray(gradient).ravel()

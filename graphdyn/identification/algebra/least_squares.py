@@ -1,0 +1,86 @@
+"""Linear algebra on matrices as small as those of an identification, where several threads are slower than one.
+
+Triangular factors: A = Q F with F upper triangular, so that ‖A x‖ = ‖F x‖.
+
+Ordinary least squares on independent columns.
+"""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+
+
+def one_thread() -> AbstractContextManager[Any]:
+    """Limit NumPy's and SciPy's linear algebra to one thread. The sums of graphdyn.compiler keep theirs."""
+    import scipy.linalg  # noqa: F401  # imported where first used; a library must be loaded to be limited
+    from threadpoolctl import threadpool_limits
+
+    limited: AbstractContextManager[Any] = threadpool_limits(limits=1, user_api="blas")
+    return limited
+
+
+def triangle(matrix: Array) -> Array:
+    """F (…, min(rows, p), p) of A (…, rows, p)."""
+    return np.asarray(np.linalg.qr(matrix, mode="r"), dtype=float)
+
+
+def square_triangle(matrix: Array) -> Array:
+    """F (p, p) of A (rows, p), filled with zero rows, with a diagonal that is not negative."""
+    p = matrix.shape[1]
+    f = triangle(matrix)
+    f = np.concatenate([f, np.zeros((p - len(f), p))])
+    return f * np.where(np.diag(f) < 0, -1.0, 1.0)[:, None]
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """Answer of a linear least-squares problem W x = τ.
+
+    parameters: x                                           (b,)
+    column_scale: lengths of the columns of W; condition_number: of W with columns scaled to unit length
+    residual_rms: root mean square of W x - τ
+    """
+
+    parameters: Array
+    column_scale: Array
+    condition_number: float
+    residual_rms: float
+
+
+def ordinary_least_squares(regressor: ArrayLike, torque: ArrayLike) -> LeastSquares:
+    """x minimising ‖W x - τ‖ by singular values, columns scaled to unit length. W (rows, b), τ (rows,).
+
+    Never the normal equations of Eq. (56), (64): they square the condition number.
+    Raises InvalidInput where the shapes do not fit, a number is not finite, or the columns are dependent (see
+    base_parameters).
+    """
+    from scipy.linalg import lstsq  # imported where first used: import graphdyn stays light
+
+    w, t = as_floats("regressor", regressor), as_floats("torque", torque)
+    if w.ndim != 2 or t.shape != w.shape[:1]:
+        raise InvalidInput(f"regressor has shape {w.shape}, torque {t.shape}; expected (rows, b) and (rows,)")
+    for name, array in (("regressor", w), ("torque", t)):
+        if not np.all(np.isfinite(array)):
+            raise InvalidInput(f"{name} contains NaN or infinity in row {int(np.argwhere(~np.isfinite(array))[0][0])}")
+    scale = np.linalg.norm(w, axis=0)
+    if w.shape[1] and not np.all(scale > 0):
+        raise InvalidInput(f"column {int(np.argmin(scale))} of the regressor is zero; keep independent columns only")
+    x, _, rank, singular_values = lstsq(w / scale, t)
+    if rank < w.shape[1]:
+        raise InvalidInput(f"the regressor has rank {rank} of {w.shape[1]} columns; keep independent columns only")
+    parameters = x / scale
+    return LeastSquares(
+        parameters=parameters,
+        column_scale=scale,
+        condition_number=float(singular_values[0] / singular_values[-1]) if len(singular_values) else 1.0,
+        residual_rms=float(np.sqrt(np.mean((w @ parameters - t) ** 2))),
+    )

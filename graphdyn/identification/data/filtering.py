@@ -1,0 +1,87 @@
+"""The interface of a linear filter along time.
+
+Parallel filtering: a linear filter along time on the torque and on every column of the regressor.
+
+From τ = W x follows F τ = (F W) x for any linear F, so that no filter biases x, whatever it does to sign(v). A torque
+that is filtered alone has lost what its regressor still has: friction comes out wrong by percents. Gautier, "Dynamic
+identification of robots with power model", IEEE ICRA 1997.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.rows import Rows
+from graphdyn.layout import Array
+
+
+class RowFilter(Protocol):
+    """A linear filter along the rows, the same for every column: low-pass, decimation, one after the other.
+
+    factor: of the rows 0, 1, 2, … every factor-th one stays
+    memory: number of rows before and after a row on which its filtered value depends
+    """
+
+    @property
+    def factor(self) -> int: ...
+    @property
+    def memory(self) -> int: ...
+
+    def __call__(self, columns: Array) -> Array:
+        """(N, k) → (⌈N / factor⌉, k). Raises InvalidInput for too few rows."""
+        ...
+
+
+def filtered_length(rows: int, row_filter: RowFilter | None) -> int:
+    """Number of rows that a filter leaves."""
+    return rows if row_filter is None else -(-rows // row_filter.factor)
+
+
+LEAST_WINDOW = 4096
+"""Smallest number of rows that are filtered at once, beside those around them."""
+
+
+def filtered(
+    chunks: Iterable[Rows], row_filter: RowFilter, support: NDArray[np.bool_], min_speed: ArrayLike
+) -> Iterator[Rows]:
+    """The equations of one uninterrupted run, filtered, in windows that overlap by what the filter remembers.
+
+    support: where W can differ from zero (n, b); which equations count is decided by the filtered velocity
+    """
+    n, b = support.shape
+    width = int(support.sum())
+    factor = row_filter.factor
+    margin = -(-row_filter.memory // factor) * factor
+    window = max(LEAST_WINDOW, 2 * margin)
+    waiting, before, first = np.empty((0, width + 3 * n)), 0, True
+    parts: list[Array] = []
+
+    def rows_of(columns: Array) -> Rows:
+        matrix = np.zeros((len(columns), n, b))
+        matrix[:, support] = columns[:, :width]
+        right, measured, velocity = np.split(columns[:, width:], 3, axis=1)
+        return Rows(matrix, right, measured, velocity, np.abs(velocity) >= min_speed, first=first)
+
+    for chunk in chunks:
+        parts.append(np.hstack([chunk.matrix[:, support], chunk.right, chunk.measured, chunk.velocity]))
+        if len(waiting) + sum(map(len, parts)) >= before + window + margin:
+            waiting = np.concatenate([waiting, *parts])
+            done = (len(waiting) - margin) // factor * factor
+            yield rows_of(_applied(row_filter, waiting)[before // factor : done // factor])
+            waiting, before, first, parts = waiting[done - margin :], margin, False, []
+    waiting = np.concatenate([waiting, *parts])
+    if len(waiting):
+        yield rows_of(_applied(row_filter, waiting)[before // factor :])
+
+
+def _applied(row_filter: RowFilter, columns: Array) -> Array:
+    answer = np.asarray(row_filter(columns), dtype=float)
+    expected = (filtered_length(len(columns), row_filter), columns.shape[1])
+    if answer.shape != expected:
+        raise InvalidInput(f"the row filter answers shape {answer.shape} for {columns.shape}, expected {expected}")
+    return answer

@@ -1,0 +1,73 @@
+"""Equations of consecutive samples, one per joint and sample.
+
+The rows of a recording that count, where not all of them do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """W x = τ in the base parameters of the structure, for N consecutive samples.
+
+    matrix: W (N, n, b); right: measured minus known torque (N, n); measured: measured torque (N, n)
+    velocity: (N, n); kept: which count in the fit (N, n)
+    block: number of the time block; first: whether an uninterrupted run of the recording starts here
+    """
+
+    matrix: Array
+    right: Array
+    measured: Array
+    velocity: Array
+    kept: NDArray[np.bool_]
+    block: int = 0
+    first: bool = False
+
+    def __len__(self) -> int:
+        return len(self.right)
+
+    def __getitem__(self, rows: slice) -> Rows:
+        return replace(
+            self,
+            matrix=self.matrix[rows],
+            right=self.right[rows],
+            measured=self.measured[rows],
+            velocity=self.velocity[rows],
+            kept=self.kept[rows],
+            first=self.first and not rows.start,
+        )
+
+
+P = TypeVar("P", Rows, Rows | Samples)
+
+
+def counted(parts: Iterable[P], used: NDArray[np.bool_] | None) -> Iterator[P]:
+    """Of consecutive parts of a recording, the rows that are used (N,); all for None.
+
+    After a gap a run of the recording starts anew. Raises InvalidInput for another number of rows.
+    """
+    if used is None:
+        yield from parts
+        return
+    position = 0
+    for part in parts:
+        here = np.concatenate([[False], used[position : position + len(part)], [False]])
+        borders = np.flatnonzero(np.diff(here)).tolist()
+        for start, stop in zip(borders[::2], borders[1::2], strict=True):
+            cut = part[start:stop]
+            gap = start > 0 or (position > 0 and not used[position - 1])
+            yield replace(cut, first=True) if gap and isinstance(cut, Rows) else cut
+        position += len(part)
+    if position != len(used):
+        raise InvalidInput(f"used is given for {len(used)} rows; the filter leaves {position}")

@@ -1,0 +1,129 @@
+"""What was measured, as arrays: pieces of motion with the actuator torques; and the motion alone, as a term sees it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.filtering import RowFilter
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """One piece of a recording: N samples, evenly spaced and in order, of n joints.
+
+    q, v, a: joint positions, velocities, accelerations     (N, n)  [rad or m, …/s, …/s²]
+    tau: measured actuator torques or forces                (N, n)  [N m or N]
+    base: prescribed motion of the base, at rest if left out
+    row_filter: through which the torque and every column of the regressor still have to go; tau is as measured then
+    continues: whether the first sample follows the last one of the piece before, one period later; filters and
+        correlations in time do not stop between them
+    time: of every sample, for methods that simulate the motion and for drifts   (N,)  [s]
+    temperature: of the drives, for drifts                  (N, n)  [°C]
+    motion_covariance: of the errors of q, v and a of each joint in a row of the equations, after the filter; for
+        methods that allow for them                         (n, 3, 3)
+
+    Memory maps are kept as they are and read piece by piece. Raises InvalidInput where the shapes differ.
+    """
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+    base: BaseMotion | None = None
+    row_filter: RowFilter | None = None
+    continues: bool = False
+    time: Array | None = None
+    temperature: Array | None = None
+    motion_covariance: Array | None = None
+
+    def __post_init__(self) -> None:
+        names = ("q", "v", "a", "tau", *(("temperature",) if self.temperature is not None else ()))
+        arrays = {name: _two_dimensional(name, getattr(self, name)) for name in names}
+        if len({array.shape for array in arrays.values()}) > 1:
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+            raise InvalidInput(f"the arrays of the samples differ in shape: {shapes}; all must be (N, n)")
+        if self.base is not None and self.base.batch not in ((), (len(arrays["q"]),)):
+            raise InvalidInput(f"the base motion has {self.base.batch} states for {len(arrays['q'])} samples")
+        for name, array in arrays.items():
+            object.__setattr__(self, name, array)
+        if self.time is not None and np.shape(self.time) != (len(self),):
+            raise InvalidInput(f"time of the samples has shape {np.shape(self.time)}, expected ({len(self)},)")
+        expected = (self.q.shape[1], 3, 3)
+        if self.motion_covariance is not None and np.shape(self.motion_covariance) != expected:
+            given = np.shape(self.motion_covariance)
+            raise InvalidInput(f"motion_covariance of the samples has shape {given}, expected {expected}")
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+    def __getitem__(self, rows: slice) -> Samples:
+        parts = {name: getattr(self, name)[rows] for name in ("q", "v", "a", "tau")}
+        parts |= {name: None if (x := getattr(self, name)) is None else x[rows] for name in ("time", "temperature")}
+        continues = self.continues and not rows.start
+        return dataclasses.replace(self, **parts, base=_base_rows(self.base, rows), continues=continues)
+
+    def pieces(self, length: int) -> Iterator[Samples]:
+        """Consecutive pieces of this length; the last one may be shorter."""
+        for start in range(0, len(self), length):
+            yield self[start : start + length]
+
+
+def joined_samples(pieces: Sequence[Samples], rows: slice | NDArray[np.int64]) -> Samples:
+    """These rows of pieces one after the other, as one piece at a base at rest."""
+
+    def known(name: str) -> Array | None:
+        columns = [getattr(piece, name) for piece in pieces]
+        return None if any(column is None for column in columns) else np.concatenate(columns)[rows]
+
+    q, v, a, tau = (np.concatenate([getattr(piece, name) for piece in pieces])[rows] for name in ("q", "v", "a", "tau"))
+    return Samples(q, v, a, tau, time=known("time"), temperature=known("temperature"))
+
+
+def _two_dimensional(name: str, value: ArrayLike) -> Array:
+    array = value if isinstance(value, np.ndarray) else np.asarray(value)
+    if array.ndim != 2 or array.dtype.kind not in "buif":
+        raise InvalidInput(
+            f"{name} of the samples must be real numbers of shape (N, n); it is {array.dtype} {array.shape}"
+        )
+    return array
+
+
+def _base_rows(base: BaseMotion | None, rows: slice) -> BaseMotion | None:
+    if base is None or base.batch == ():
+        return base
+    trailing = {"rotation": 2, "translation": 1, "velocity": 1, "acceleration": 1}
+    parts = {name: getattr(base, name) for name in trailing}
+    return dataclasses.replace(
+        base, **{name: array[rows] if array.ndim > trailing[name] else array for name, array in parts.items()}
+    )
+
+
+class Motion(Samples):
+    """Samples whose torque cannot be read.
+
+    A part of the torque that is computed from the measured torque would explain it by itself, and where a model is only
+    evaluated there is none.
+    """
+
+    def __init__(self, samples: Samples) -> None:
+        self.__dict__.update(vars(samples))
+        self.__dict__["_samples"] = samples
+
+    @property
+    def tau(self) -> Array:
+        """Raises InvalidInput."""
+        raise InvalidInput("a term reads samples.tau, the torque it is to explain; compute it from q, v and a alone")
+
+    def __repr__(self) -> str:
+        return f"Motion(q={self.q!r}, v={self.v!r}, a={self.a!r}, base={self.base!r})"
+
+    def __getitem__(self, rows: slice) -> Motion:
+        return Motion(self.__dict__["_samples"][rows])

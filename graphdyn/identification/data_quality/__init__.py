@@ -1,0 +1,26 @@
+"""The health of a recording: faults that can be seen in it, and what cannot be seen, before anything is identified."""
+
+from graphdyn.identification.data_quality.changes import Change
+from graphdyn.identification.data_quality.channels import Channels
+from graphdyn.identification.data_quality.excitation import Excitation, excitation
+from graphdyn.identification.data_quality.gain import Gains
+from graphdyn.identification.data_quality.lag import Lag
+from graphdyn.identification.data_quality.recorded_columns import RecordedColumns
+from graphdyn.identification.data_quality.recording_quality import RecordingHealth, recording_health
+from graphdyn.identification.data_quality.searching import Fault
+from graphdyn.identification.data_quality.thinning import Piece, TooShort
+
+__all__ = [
+    "Change",
+    "Channels",
+    "Excitation",
+    "Fault",
+    "Gains",
+    "Lag",
+    "Piece",
+    "RecordedColumns",
+    "RecordingHealth",
+    "TooShort",
+    "excitation",
+    "recording_health",
+]

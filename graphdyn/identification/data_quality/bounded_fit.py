@@ -1,0 +1,187 @@
+"""Least squares over parameters that are not absurd: the fit on which the health of a recording is judged.
+
+    min Σ_j ‖W_j x - τ_j‖² / e_j²,    m ≥ 0, ∫x² dm, ∫y² dm, ∫z² dm ≥ 0 of every body, F_v, F_c, I_a ≥ 0
+
+These bounds are the diagonal of the pseudo-inertia matrix: a relaxation of the linear matrix inequalities of real
+bodies that a solver for nonnegative least squares answers in milliseconds. Without them a reversed torque is fitted as
+well as the right one, by bodies of negative mass and friction that drives. Nothing is compared with CAD, so that a URDF
+whose inertials are placeholders serves as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.base_parameters import RANK
+from graphdyn.identification.consistent.bodies import NOT_NEGATIVE
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.terms import Payload, RigidBodies
+from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.model.inertia import PARAMETER_NAMES
+
+SMALLEST = 1e-3
+"""Relative residual below which a joint counts as fitted: no drive is known better."""
+
+MOMENTS = [PARAMETER_NAMES.index(name) for name in ("I_xx", "I_yy", "I_zz")]
+FROM_SECOND_MOMENTS = np.ones((3, 3)) - np.eye(3)
+"""I_xx = ∫(y² + z²) dm, and so on."""
+
+STEPS_PER_COLUMN = 30
+"""Largest number of steps of the solver for each column; it takes one or two."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bounds:
+    """x = to_parameters y, and which y cannot be negative.   (p, p), (p,)"""
+
+    to_parameters: Array
+    nonnegative: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, torque_model: TorqueModel) -> Bounds:
+        p = len(torque_model.columns)
+        matrix, nonnegative, start = np.eye(p), np.zeros(p, dtype=bool), 0
+        for term in torque_model.terms:
+            stop = start + len(term.columns(torque_model.model))
+            if isinstance(term, RigidBodies | Payload):
+                for body in range(start, stop, BODY_PARAMETERS):
+                    moments = body + np.array(MOMENTS)
+                    matrix[np.ix_(moments, moments)] = FROM_SECOND_MOMENTS
+                    nonnegative[[body, *moments]] = True
+            elif isinstance(term, NOT_NEGATIVE):
+                nonnegative[start:stop] = True
+            start = stop
+        return cls(matrix, nonnegative)
+
+
+class BoundedFit:
+    """The equations of a torque model over N samples, fitted to one measured torque after another.
+
+    The joints are weighted by the residual that they have without bounds, so that each counts relative to its noise.
+    """
+
+    def __init__(self, matrix: Array, known: Array, kept: NDArray[np.bool_], bounds: Bounds):
+        """matrix: W (N, n, p); known: torque (N, n); kept: which rows count for which joint (N, n)
+
+        Raises InvalidInput for NaN and infinity.
+        """
+        self.matrix, self.known, self.kept, self._bounds = matrix, known, kept, bounds
+        if not (np.all(np.isfinite(matrix)) and np.all(np.isfinite(known))):
+            raise InvalidInput("a term of the torque, or a known torque, is not finite for the motion of the recording")
+        self._parts: list[tuple[NDArray[np.intp], Array, Array]] = []
+        for j, kept in enumerate(self.kept.T):
+            w = self.matrix[kept, j]
+            seen = np.flatnonzero(np.any(w != 0, axis=0))
+            q, r = np.linalg.qr(w[:, seen])
+            self._parts.append((seen, q, r))
+
+    @classmethod
+    def of(cls, torque_model: TorqueModel, samples: Samples, kept: NDArray[np.bool_]) -> BoundedFit:
+        (fit,) = cls.several(torque_model, [samples], [kept])
+        return fit
+
+    @classmethod
+    def several(
+        cls, torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
+    ) -> list[BoundedFit]:
+        """Of motions of the same length, computed together: compiled code is fast from a thousand samples on."""
+        q, v, a, tau = (np.concatenate([getattr(part, name) for part in motions]) for name in ("q", "v", "a", "tau"))
+        samples, bounds = Samples(q, v, a, tau), Bounds.of(torque_model)
+        matrices = np.split(torque_model.rows(samples), len(motions))
+        known = np.split(torque_model.known_torque(samples), len(motions))
+        return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]
+
+    def errors(self, tau: Array, *, bounded: bool = True) -> Array:
+        """‖e_j‖ / ‖τ_j‖ of every joint (n,), not below SMALLEST. tau: measured torque (N, n)"""
+        factors = self._factors(tau)
+        return _errors(factors, self._solved(factors, bounded))
+
+    def parameters(self, tau: Array, *, bounded: bool = True) -> Array:
+        """x (p,)."""
+        return self._solved(self._factors(tau), bounded)
+
+    def residual(self, tau: Array, x: Array) -> Array:
+        """W x + known - τ (N, n); NaN where the row does not count."""
+        return np.where(self.kept, self.matrix @ x + self.known - tau, np.nan)
+
+    def _solved(self, factors: list[Array], bounded: bool) -> Array:
+        x = _solution(factors, np.ones(len(factors)))
+        weights = _errors(factors, x)
+        return self._bounded_solution(factors, weights) if bounded else _solution(factors, weights)
+
+    def _factors(self, tau: Array) -> list[Array]:
+        """Per joint [R | z] with ‖R x - z‖ = ‖e_j‖ / ‖τ_j‖."""
+        right = tau - self.known
+        factors = []
+        for j, (seen, q, r) in enumerate(self._parts):
+            y = right[self.kept[:, j], j]
+            z = q.T @ y
+            factor = np.zeros((len(r) + 1, self.matrix.shape[-1] + 1))
+            factor[:-1, seen], factor[:-1, -1] = r, z
+            factor[-1, -1] = np.sqrt(max(0.0, float(y @ y - z @ z)))
+            size = float(np.linalg.norm(tau[self.kept[:, j], j]))
+            factors.append(factor / (size or 1.0))
+        return factors
+
+    def _bounded_solution(self, factors: list[Array], weights: Array) -> Array:
+        """The free columns are projected out first; what they cannot imitate is left to the bounded ones."""
+        a, b = _weighted(factors, weights)
+        a = a @ self._bounds.to_parameters
+        length = np.linalg.norm(a, axis=0)
+        seen = length > RANK * length.max(initial=0.0)
+        unit = a / np.where(seen, length, np.inf)
+        held = self._bounds.nonnegative & seen
+        free = ~self._bounds.nonnegative & seen
+        imitated = _basis(unit[:, free])
+        left = unit[:, held] - imitated @ (imitated.T @ unit[:, held])
+        left[:, np.linalg.norm(left, axis=0) <= RANK] = 0.0
+        y = np.zeros(len(seen))
+        y[held] = _nonnegative(left, b - imitated @ (imitated.T @ b))
+        y[free] = np.linalg.lstsq(unit[:, free], b - unit[:, held] @ y[held], rcond=RANK)[0]
+        y[seen] /= length[seen]
+        return np.asarray(self._bounds.to_parameters @ y)
+
+
+def _nonnegative(a: Array, b: Array) -> Array:
+    """x ≥ 0 with the smallest ‖A x - b‖; zero where the solver does not settle, a fit that convinces nobody."""
+    from scipy.optimize import nnls
+
+    if not a.size:  # scipy.optimize.nnls frees the memory of an empty matrix twice
+        return np.zeros(a.shape[1])
+    try:
+        found, _ = nnls(a, b, maxiter=STEPS_PER_COLUMN * a.shape[1])
+    except RuntimeError:
+        return np.zeros(a.shape[1])
+    return np.asarray(found)
+
+
+def _basis(a: Array) -> Array:
+    """Orthonormal columns that span those of A."""
+    if not a.shape[1]:
+        return a
+    u, s, _ = np.linalg.svd(a, full_matrices=False)
+    return np.asarray(u[:, s > RANK * s[0]])
+
+
+def _weighted(factors: list[Array], weights: Array) -> tuple[Array, Array]:
+    stacked = np.concatenate([factor / weight for factor, weight in zip(factors, weights, strict=True)])
+    triangle: Array = np.asarray(np.linalg.qr(stacked, mode="r"))
+    return triangle[:, :-1], triangle[:, -1]
+
+
+def _solution(factors: list[Array], weights: Array) -> Array:
+    a, b = _weighted(factors, weights)
+    length = np.linalg.norm(a, axis=0)
+    length[length <= RANK * length.max(initial=0.0)] = np.inf
+    return np.asarray(np.linalg.lstsq(a / length, b, rcond=RANK)[0] / length)
+
+
+def _errors(factors: list[Array], x: Array) -> Array:
+    sizes = [np.linalg.norm(factor[:, :-1] @ x - factor[:, -1]) for factor in factors]
+    return np.maximum(sizes, SMALLEST)

@@ -1,0 +1,178 @@
+"""What may have happened to the columns of a recording, and how to undo it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data_quality.recorded_columns import RecordedColumns
+from graphdyn.layout import Array
+
+ChangeKind = Literal[
+    "reversed torque",
+    "reversed position",
+    "reversed joint",
+    "exchanged torques",
+    "exchanged positions",
+    "exchanged joints",
+    "all torques reversed",
+    "all positions reversed",
+    "degrees",
+    "radians",
+    "zero",
+    "scaled torque",
+    "late torque",
+]
+
+MOST_JOINTS = 10
+"""Robots with more joints: only neighbours are tried as exchanged, because pairs grow with the square."""
+
+CLEAR = 0.3
+"""Share of a joint's torque that the model must explain for its gain to say anything of units."""
+
+OTHER_UNIT = 2.0
+"""Factor from which a gain is one of units: CAD is rarely so wrong."""
+
+QUARTER_TURNS = (90.0, -90.0, 180.0)
+"""Zeros of angles that are tried [°]: those by which conventions differ."""
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A change of the columns that undoes a fault.
+
+    joints: which                                           (k,)
+    position, velocity, torque: by what the columns are to be multiplied, None for nothing   (n, n)
+    zero: added to joint positions                          (n,) [rad]
+    alone: position or velocity is changed without the other, because they contradict each other as recorded
+    factor: of a scale; seconds by which the torque is late, of a lag
+    """
+
+    kind: ChangeKind
+    joints: tuple[int, ...]
+    position: Array | None = None
+    velocity: Array | None = None
+    torque: Array | None = None
+    zero: Array | None = None
+    alone: Literal["", "position", "velocity"] = ""
+    factor: float = 1.0
+
+    @property
+    def moves(self) -> bool:
+        """Whether the motion changes, so that there are other equations."""
+        return self.position is not None or self.velocity is not None or self.zero is not None
+
+    def followed(self, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Which rows count for which joint (N, n), if its standstill has gone to another column."""
+        return kept if self.velocity is None else kept[:, np.argmax(np.abs(self.velocity), axis=1)]
+
+    def applied(self, samples: Samples, columns: RecordedColumns) -> Samples:
+        return columns.changed(
+            samples, position=self.position, velocity=self.velocity, torque=self.torque, zero=self.zero
+        )
+
+
+def changes(slides: Sequence[bool], contradicting: Sequence[int] = ()) -> Iterator[Change]:
+    """All that are tried, the simpler first.
+
+    slides: which joints are prismatic                      (n,)
+    contradicting: joints whose v is not the rate of q; of them position or velocity alone may be changed
+    """
+    n = len(slides)
+    turning = [j for j in range(n) if not slides[j]]
+    for j in range(n):
+        yield Change("reversed torque", (j,), torque=_signs(n, [j]))
+    for j in range(n):
+        yield from _reversed_positions(j, n, slides[j], contradicting)
+    for pair in _pairs(n, slides):
+        swap = _exchange(n, *pair)
+        yield Change("exchanged torques", pair, torque=swap)
+        yield Change("exchanged positions", pair, position=swap, velocity=swap)
+        yield Change("exchanged joints", pair, position=swap, velocity=swap, torque=swap)
+        if set(pair) & set(contradicting):
+            yield Change("exchanged positions", pair, position=swap, alone="position")
+            yield Change("exchanged positions", pair, velocity=swap, alone="velocity")
+    everywhere = -np.eye(n)
+    yield Change("all torques reversed", tuple(range(n)), torque=everywhere)
+    yield Change("all positions reversed", tuple(range(n)), position=everywhere, velocity=everywhere)
+    yield from _angles(turning, n, contradicting)
+
+
+def scales(gain: Array, share: Array) -> Iterator[Change]:
+    """All torques in another unit than the model's, or those of single joints in another unit than the rest.
+
+    The former shows only beside torques that are known.
+
+    gain: of measured on predicted torque (n,); share: of the torque that it explains (n,)
+    """
+    clear = np.flatnonzero((share >= CLEAR) & (gain != 0))
+    if not clear.size:
+        return
+    usual = float(np.median(np.abs(gain[clear])))
+    if not 1 / OTHER_UNIT < usual < OTHER_UNIT:
+        yield Change("scaled torque", tuple(range(len(gain))), torque=np.eye(len(gain)) / usual, factor=usual)
+    for j in clear:
+        size = abs(float(gain[j]))
+        for factor in dict.fromkeys((size / usual, size)):
+            if not 1 / OTHER_UNIT < factor < OTHER_UNIT:
+                torque = np.eye(len(gain))
+                torque[j, j] = 1 / factor
+                yield Change("scaled torque", (int(j),), torque=torque, factor=factor)
+
+
+def _reversed_positions(j: int, n: int, slides: bool, contradicting: Sequence[int]) -> Iterator[Change]:
+    signs = _signs(n, [j])
+    yield Change("reversed position", (j,), position=signs, velocity=signs)
+    if j in contradicting:
+        yield Change("reversed position", (j,), position=signs, alone="position")
+        yield Change("reversed position", (j,), velocity=signs, alone="velocity")
+    yield Change("reversed joint", (j,), position=signs, velocity=signs, torque=signs)
+    if not slides:
+        half = _zero(n, j, 180.0)
+        yield Change("reversed position", (j,), position=signs, velocity=signs, zero=half)
+        yield Change("reversed joint", (j,), position=signs, velocity=signs, torque=signs, zero=half)
+
+
+def _angles(turning: Sequence[int], n: int, contradicting: Sequence[int]) -> Iterator[Change]:
+    if not turning:
+        return
+    for kind, factor in (("degrees", np.pi / 180), ("radians", 180 / np.pi)):
+        scale = np.eye(n)
+        scale[turning, turning] = factor
+        if set(contradicting) & set(turning):
+            yield Change(kind, tuple(turning), position=scale, alone="position")  # type: ignore[arg-type]
+        else:
+            yield Change(kind, tuple(turning), position=scale, velocity=scale)  # type: ignore[arg-type]
+    for j in turning:
+        for degrees in QUARTER_TURNS:
+            yield Change("zero", (j,), zero=_zero(n, j, degrees))
+
+
+def _pairs(n: int, slides: Sequence[bool]) -> Iterator[tuple[int, int]]:
+    for i, j in combinations(range(n), 2):
+        if slides[i] == slides[j] and (n <= MOST_JOINTS or j == i + 1):
+            yield i, j
+
+
+def _signs(n: int, joints: Sequence[int]) -> Array:
+    signs = np.eye(n)
+    signs[joints, joints] = -1.0
+    return signs
+
+
+def _exchange(n: int, i: int, j: int) -> Array:
+    order = np.arange(n)
+    order[[i, j]] = j, i
+    return np.eye(n)[order]
+
+
+def _zero(n: int, j: int, degrees: float) -> Array:
+    zero = np.zeros(n)
+    zero[j] = np.deg2rad(degrees)
+    return zero

@@ -1,0 +1,90 @@
+"""What the channels of a recording show by themselves, without a model of the robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.identification.data_quality.thinning import Piece
+from graphdyn.identification.statistics.residual_statistics import MOVING
+from graphdyn.layout import Array
+
+SAME = 1e-9
+"""Two channels whose correlation is nearer to ±1 than this hold the same signal."""
+
+HELD = 5
+"""Consecutive rows at exactly the largest or smallest torque that count as clipped: noise would change them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Channels:
+    """Per joint (n,), over all rows.
+
+    standstill: share of rows with |v| ≤ MOVING
+    clipped: share of rows with the torque held at an end of its range; of torques as recorded
+    constant_positions, constant_torques: joints; duplicated_…: pairs of joints that have the same signal
+    velocity_gain: of the given v on the rate of q, 1 if v is that rate; NaN where the joint does not move
+    """
+
+    standstill: Array
+    clipped: Array
+    constant_positions: tuple[int, ...]
+    constant_torques: tuple[int, ...]
+    duplicated_positions: tuple[tuple[int, int], ...]
+    duplicated_torques: tuple[tuple[int, int], ...]
+    velocity_gain: Array
+
+
+def channels(pieces: Sequence[Piece], torques: Sequence[Array]) -> Channels:
+    """torques: as recorded, before any filter, in pieces (N_k, n)"""
+    q, v = (np.concatenate([getattr(piece.samples, name) for piece in pieces]) for name in ("q", "v"))
+    tau = np.concatenate(list(torques))
+    return Channels(
+        standstill=np.mean(np.abs(v) <= MOVING, axis=0),
+        clipped=np.sum([_held(part, tau.min(axis=0), tau.max(axis=0)) for part in torques], axis=0) / len(tau),
+        constant_positions=_constant(q),
+        constant_torques=_constant(tau),
+        duplicated_positions=_duplicated(q),
+        duplicated_torques=_duplicated(tau),
+        velocity_gain=rate_gain(pieces),
+    )
+
+
+def _constant(values: Array) -> tuple[int, ...]:
+    size = np.abs(values).max(axis=0)
+    return tuple(np.flatnonzero(np.ptp(values, axis=0) <= SAME * size).tolist())
+
+
+def _duplicated(values: Array) -> tuple[tuple[int, int], ...]:
+    centered = values - values.mean(axis=0)
+    length = np.linalg.norm(centered, axis=0)
+    length[list(_constant(values))] = np.inf
+    unit = centered / np.where(length > 0, length, np.inf)
+    same = np.argwhere(np.triu(np.abs(unit.T @ unit) > 1 - SAME, k=1))
+    return tuple((int(i), int(j)) for i, j in same)
+
+
+def _held(tau: Array, lowest: Array, highest: Array) -> Array:
+    """Number of rows in runs of HELD or more at an end of the range (n,)."""
+    counts = np.zeros(tau.shape[1])
+    for end in (lowest, highest):
+        at = np.pad(tau == end, ((1, 1), (0, 0)))
+        for j, edges in enumerate(np.diff(at.astype(int), axis=0).T):
+            starts, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+            lengths = stops - starts
+            counts[j] += lengths[lengths >= HELD].sum()
+    return counts
+
+
+def rate_gain(pieces: Sequence[Piece]) -> Array:
+    """Gain of v on the rate of q, of each joint (n,); NaN where neither shows a motion: noise is no rate."""
+    products, squares, fastest = 0.0, 0.0, np.zeros(pieces[0].samples.q.shape[1])
+    for piece in pieces:
+        rate = np.gradient(piece.samples.q, piece.period, axis=0)
+        fastest = np.maximum(fastest, np.maximum(np.abs(rate), np.abs(piece.samples.v)).max(axis=0))
+        products = products + np.sum(rate * piece.samples.v, axis=0)
+        squares = squares + np.sum(rate**2, axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where((squares > 0) & (fastest > MOVING), products / squares, np.nan)

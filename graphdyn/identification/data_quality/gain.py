@@ -1,0 +1,96 @@
+"""Measured on predicted torque: the factor between the torque that was recorded and the one of the model as given."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.identification.algebra.base_parameters import RANK
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.terms.term import CarriesBodies
+from graphdyn.layout import Array
+
+BLOCKS = 20
+"""Of time, each left out once for the deviation (jackknife)."""
+
+
+NEGLIGIBLE = 1e-6
+"""Part of the measured torque below which a predicted one is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """Per joint, of τ = gain · τ_model + drives, drives fitted along (n,).
+
+    gain, deviation: 1 for SI units at the joints and a right model; NaN where the model predicts no torque
+    share: ‖gain · τ_model‖ / ‖τ‖; a small one says that the drives make the torque, and the gain little
+    without_gain: ‖e_j‖ / ‖τ_j‖ of the model with drives, gain 1
+    """
+
+    gain: Array
+    deviation: Array
+    share: Array
+    without_gain: Array
+
+
+def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Gains:
+    """fit: of these samples."""
+    prior = torque_model.prior()
+    model = fit.matrix @ prior + fit.known
+    drives = _drive_columns(torque_model)
+    n = samples.tau.shape[1]
+    gain, deviation, share, without = (np.full(n, np.nan) for _ in range(4))
+    for j in range(n):
+        kept = fit.kept[:, j]
+        own = np.column_stack([fit.matrix[kept, j][:, drives], samples.a[kept, j]])
+        own = own[:, np.any(own != 0, axis=0)]
+        tau, predicted = samples.tau[kept, j], model[kept, j]
+        size = np.linalg.norm(tau)
+        if size == 0 or np.linalg.norm(predicted) <= NEGLIGIBLE * size:
+            continue
+        without[j] = _misfit(own, tau - predicted) / size
+        columns = np.column_stack([predicted, own])
+        gain[j], deviation[j] = _first_with_deviation(columns, tau)
+        share[j] = abs(gain[j]) * np.linalg.norm(predicted) / size
+    return Gains(gain, deviation, share, without)
+
+
+def _drive_columns(torque_model: TorqueModel) -> NDArray[np.intp]:
+    """Columns that belong to no body."""
+    of_drives: list[int] = []
+    start = 0
+    for term in torque_model.terms:
+        stop = start + len(term.columns(torque_model.model))
+        if not isinstance(term, CarriesBodies):
+            of_drives.extend(range(start, stop))
+        start = stop
+    return np.array(of_drives, dtype=np.intp)
+
+
+def _first_with_deviation(columns: Array, right: Array) -> tuple[float, float]:
+    """The first coefficient of the fit, and its standard deviation by leaving out one block after the other."""
+    length = np.linalg.norm(columns, axis=0)
+    unit = columns / length
+    edges = np.linspace(0, len(right), BLOCKS + 1).astype(int)
+    blocks = [slice(a, b) for a, b in pairwise(edges)]
+    grams = np.array([unit[rows].T @ unit[rows] for rows in blocks])
+    sides = np.array([unit[rows].T @ right[rows] for rows in blocks])
+    whole = np.linalg.lstsq(grams.sum(axis=0), sides.sum(axis=0), rcond=RANK)[0][0]
+    parts = [
+        np.linalg.lstsq(grams.sum(axis=0) - gram, sides.sum(axis=0) - side, rcond=RANK)[0][0]
+        for gram, side in zip(grams, sides, strict=True)
+    ]
+    variance = (BLOCKS - 1) / BLOCKS * np.sum((np.array(parts) - np.mean(parts)) ** 2)
+    return float(whole / length[0]), float(np.sqrt(variance) / length[0])
+
+
+def _misfit(columns: Array, right: Array) -> float:
+    """‖right‖ less what the columns explain."""
+    length = np.linalg.norm(columns, axis=0)
+    coefficients = np.linalg.lstsq(columns / length, right, rcond=RANK)[0]
+    return float(np.linalg.norm(right - columns / length @ coefficients))

@@ -1,0 +1,34 @@
+"""Whether the two halves of a recording agree: with common parameters, and with parameters of their own."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+CONTRADICTED, WORTH = 2.0, 0.2
+"""The halves of a recording contradict each other where the common fit leaves so many times the residual of their own
+fit, and so large a part of the torque."""
+
+
+def halves_apart(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Array:
+    """Errors of the common fit and of its own fit, of the first and of the second half (2, 2, n)."""
+    x, middle = fit.parameters(samples.tau), len(samples) // 2
+    errors = []
+    for rows in (slice(None, middle), slice(middle, None)):
+        half = samples[rows]
+        own = BoundedFit.of(torque_model, half, fit.kept[rows])
+        size = np.linalg.norm(np.where(own.kept, half.tau, 0.0), axis=0)
+        common = np.linalg.norm(np.nan_to_num(own.residual(half.tau, x)), axis=0) / np.where(size > 0, size, 1.0)
+        errors.append([common, own.errors(half.tau)])
+    return np.array(errors)
+
+
+def contradictions(halves: Array) -> NDArray[np.bool_]:
+    """In which half, and at which joint, a recording contradicts its other half (2, n). halves: of RecordingHealth"""
+    common, own = halves[:, 0], halves[:, 1]
+    return np.asarray(common > np.maximum(CONTRADICTED * own, WORTH))

@@ -1,0 +1,112 @@
+"""What can be said of a recording before anything is identified from it.
+
+A fault such as a reversed torque, exchanged columns or a delay is looked for by undoing it: if the equations of motion
+then fit much better, with parameters that are not absurd, the recording has the fault. "Much" is measured by
+Σ_j log ‖e_j‖ over the joints, the logarithm of the likelihood per sample where the noise of each joint is unknown. The
+kinematics alone decide, not the inertial parameters of the model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.identification.algebra.least_squares import one_thread
+from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.changes import Change
+from graphdyn.identification.data_quality.channels import Channels, channels
+from graphdyn.identification.data_quality.gain import Gains, gains
+from graphdyn.identification.data_quality.halves import contradictions, halves_apart
+from graphdyn.identification.data_quality.lag import Lag, lag
+from graphdyn.identification.data_quality.recorded_columns import RecordedColumns
+from graphdyn.identification.data_quality.searching import Fault, search, variation
+from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class RecordingHealth:
+    """What a recording shows of itself; n joints, those that no others drive.
+
+    faults: in the order in which they have to be undone; none are looked for where a channel holds no signal of its own
+    unseen: changes after which the recording would fit as well: what it cannot tell
+    errors: ‖e_j‖ / ‖τ_j‖ of the fit within bounds, as recorded                      (n,)
+    free_errors: of the fit without bounds                                           (n,)
+    sign_costs: rise of Σ log ‖e_j‖ with the torque of each joint reversed           (n,)
+    halves: of each half of the rows, errors of the common fit and of its own fit    (2, 2, n)
+    variation: ‖τ_j - mean‖ / ‖τ_j‖: error of a constant                            (n,)
+    gains, lag, channels: as recorded
+    """
+
+    joint_names: tuple[str, ...]
+    faults: tuple[Fault, ...]
+    unseen: tuple[Change, ...]
+    errors: Array
+    free_errors: Array
+    sign_costs: Array
+    halves: Array
+    variation: Array
+    gains: Gains
+    lag: Lag
+    channels: Channels
+
+
+def recording_health(
+    torque_model: TorqueModel,
+    pieces: Sequence[Piece],
+    *,
+    torques: Sequence[Array] | None = None,
+    columns: RecordedColumns | None = None,
+    min_speed: ArrayLike = 0.0,
+) -> RecordingHealth:
+    """Look for faults of a recording.
+
+    torque_model: robot, drives and known torques; its inertial parameters are read for the gains alone
+    pieces: uninterrupted, q, v, a and tau low-passed alike
+    torques: as recorded, before any filter, piece by piece (N_k, n); those of the pieces if left out
+    columns: how the recorded columns became joint coordinates; as they are if left out
+    min_speed: as in Problem
+
+    Raises TooShort for a recording too short to look for delays; InvalidInput for a base that moves, and where a term
+    of the torque is not finite.
+    """
+    model = torque_model.model
+    columns = columns or RecordedColumns.of_joints(model.n_freedoms)
+    with one_thread():
+        thinned = ThinnedRecording(pieces)
+        kept = np.abs(thinned.samples.v) >= min_speed
+        fit = BoundedFit.of(torque_model, thinned.samples, kept)
+        tau = thinned.samples.tau
+        found_gains = gains(torque_model, thinned.samples, fit)
+        raw = channels(pieces, torques or [piece.samples.tau for piece in pieces])
+        faults: tuple[Fault, ...] = ()
+        unseen: tuple[Change, ...] = ()
+        halves = halves_apart(torque_model, thinned.samples, fit)
+        if not (raw.constant_torques or raw.duplicated_torques or raw.duplicated_positions):
+            faults, unseen, left = search(torque_model, pieces, columns, kept, found_gains)
+            if contradictions(halves).any() and contradictions(left).any():
+                faults = ()  # something changed in between, and no change of the whole recording undoes it
+        return RecordingHealth(
+            joint_names=model.independent_joints,
+            faults=faults,
+            unseen=unseen,
+            errors=fit.errors(tau),
+            free_errors=fit.errors(tau, bounded=False),
+            sign_costs=_sign_costs(fit, tau),
+            halves=halves,
+            variation=variation(tau),
+            gains=found_gains,
+            lag=lag(thinned, fit),
+            channels=raw,
+        )
+
+
+def _sign_costs(fit: BoundedFit, tau: Array) -> Array:
+    """Rise of Σ log ‖e_j‖ with the torque of each joint reversed (n,)."""
+    right = np.sum(np.log(fit.errors(tau)))
+    signs = 1 - 2 * np.eye(tau.shape[1])
+    return np.array([np.sum(np.log(fit.errors(tau * sign))) - right for sign in signs])

@@ -1,0 +1,94 @@
+"""Some rows of a recording, evenly taken, with the torque between its samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
+from graphdyn.layout import Array
+
+ROWS = 600
+"""Rows that are looked at: a recording's faults show in few, and each trial costs milliseconds then."""
+
+LARGEST_LAG = 0.2
+"""[s] Delays are looked for up to this; where a recording is short, up to SHARE of its longest piece."""
+SHARE = 0.1
+
+ORDER = 5
+"""Of the spline between the samples of the torque: of a signal that is filtered below a fifth of the sampling rate,
+it is right to 1e-4."""
+
+
+class TooShort(InvalidInput):
+    """A recording too short to look for delays."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """An uninterrupted piece of a recording, prepared: q, v, a and tau low-passed alike. period [s]"""
+
+    samples: Samples
+    period: float
+
+    def later(self, seconds: Array) -> Piece:
+        """With the torque that is measured so much later, a time for each joint (n,); where there is none, the last."""
+        from scipy.interpolate import make_interp_spline
+
+        t = np.arange(len(self.samples)) * self.period
+        spline = make_interp_spline(t, self.samples.tau, k=ORDER)
+        shifted = [spline(np.clip(t + x, 0.0, t[-1]))[:, j] for j, x in enumerate(seconds)]
+        return replace(self, samples=replace(self.samples, tau=np.column_stack(shifted)))
+
+
+class ThinnedRecording:
+    """Rows far enough from both ends of their piece that the torque may be shifted by `span` seconds."""
+
+    def __init__(self, pieces: Sequence[Piece], rows: int = ROWS):
+        from scipy.interpolate import make_interp_spline
+
+        longest = max(len(piece.samples) * piece.period for piece in pieces)
+        self.span = min(LARGEST_LAG, SHARE * longest)
+        margins = [int(np.ceil(self.span / piece.period)) for piece in pieces]
+        usable = [
+            (piece, margin)
+            for piece, margin in zip(pieces, margins, strict=True)
+            if len(piece.samples) > 2 * margin + ORDER + 1
+        ]
+        every = max(1, sum(len(piece.samples) - 2 * margin for piece, margin in usable) // rows)
+        self._parts = []
+        kept: list[Samples] = []
+        for piece, margin in usable:
+            chosen = np.arange(margin, len(piece.samples) - margin, every)
+            t = np.arange(len(piece.samples)) * piece.period
+            self._parts.append((make_interp_spline(t, piece.samples.tau, k=ORDER), t[chosen]))
+            kept.append(_rows(piece.samples, chosen))
+        if not kept:
+            raise TooShort("no piece of the recording is long enough to look for delays; record longer")
+        self.samples = _joined(kept)
+
+    def torque(self, later: float | Array = 0.0) -> Array:
+        """The torque measured so much later (N, n), one time for all joints or one for each (n,) [s]."""
+        if not isinstance(later, np.ndarray):
+            return np.concatenate([spline(t + later) for spline, t in self._parts])
+        each = [np.concatenate([spline(t + x)[:, j] for spline, t in self._parts]) for j, x in enumerate(later)]
+        return np.column_stack(each)
+
+    def torque_rate(self) -> Array:
+        """(N, n) [N m/s or N/s]."""
+        return np.concatenate([spline(t, 1) for spline, t in self._parts])
+
+
+def _rows(samples: Samples, chosen: NDArray[np.intp]) -> Samples:
+    return Samples(samples.q[chosen], samples.v[chosen], samples.a[chosen], samples.tau[chosen], samples.base)
+
+
+def _joined(parts: Sequence[Samples]) -> Samples:
+    if parts[0].base is not None:
+        raise InvalidInput("the base of the robot moves; the health of a recording is known for a base at rest only")
+    q, v, a, tau = (np.concatenate([getattr(part, name) for part in parts]) for name in ("q", "v", "a", "tau"))
+    return Samples(q, v, a, tau)

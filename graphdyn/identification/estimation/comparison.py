@@ -1,0 +1,196 @@
+"""Several methods on the same recording: every result explains itself, every failure says why."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.algebra.least_squares import one_thread
+from graphdyn.identification.estimation.estimate import Estimate, Estimator
+from graphdyn.identification.estimation.plausibility import POSES, Plausibility, plausibility
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.residual_statistics import ResidualStatistics, residual_statistics
+from graphdyn.layout import Array
+
+ENOUGH = 80
+"""Correlation times of a recording from which block deviations are right: twice as much covers the truth in 90 to 98 of
+100 cases, as `python tests/helpers/coverage_run.py` shows."""
+
+
+TAKES_NONE = "the method takes no expected values; use one that does (WLS, ridge, consistent, …), or expect none"
+
+
+@dataclass(frozen=True, eq=False)
+class MethodResult:
+    """One method: its answer and how good it is, or why there is none.
+
+    failure: the reason, None where there is an estimate
+    base_values: of the base parameters of the problem (r,)
+    standard_deviations: of them, right for white noise; None where the method gives none
+    block_deviations: of them, allowing for correlation in time (jackknife over time blocks); None likewise. Right for
+        recordings of ENOUGH correlation times or more, a lower bound for shorter ones (`training.correlation_times`)
+    training, held_out: residuals on the recording, and on the one that was held out
+    seconds: of the estimation alone; the recording had been compressed before
+    """
+
+    name: str
+    reference: str
+    assumptions: str
+    needs: str
+    failure: str | None = None
+    seconds: float = float("nan")
+    estimate: Estimate | None = None
+    base_values: Array | None = None
+    standard_deviations: Array | None = None
+    block_deviations: Array | None = None
+    training: ResidualStatistics | None = None
+    held_out: ResidualStatistics | None = None
+    plausibility: Plausibility | None = None
+
+    @property
+    def relative_deviations(self) -> Array | None:
+        """%σ = 100 σ / |x| (r,) with the block deviations σ; infinite for a value of zero."""
+        if self.base_values is None or self.block_deviations is None:
+            return None
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return 100.0 * self.block_deviations / np.abs(self.base_values)
+
+
+@dataclass(frozen=True, eq=False)
+class MethodComparison:
+    """What the recording determines, whatever the method, and the methods in the order given.
+
+    names, units: of the p parameters of the torque model; base_names, base_units: of the r base parameters
+    base_symbols: short names of these, as Khalil writes them, such as XXR_2
+    rank: r; structural_rank: what any motion could determine; gap: smallest accepted and largest rejected pivot
+    condition_number: of the regressor, joints weighted by their measured torque and columns at unit length
+    undetermined: parameters that do not stand alone: they show in combinations, or not at all
+    lost: base parameters of the structure that this recording does not determine by themselves
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    base_names: tuple[str, ...]
+    base_units: tuple[str, ...]
+    base_symbols: tuple[str, ...]
+    rank: int
+    structural_rank: int
+    gap: tuple[float, float]
+    condition_number: float
+    undetermined: tuple[str, ...]
+    lost: tuple[str, ...]
+    results: tuple[MethodResult, ...]
+
+    def of(self, name: str) -> MethodResult:
+        """Raises InvalidInput for an unknown method."""
+        for result in self.results:
+            if result.name == name:
+                return result
+        raise InvalidInput(f"there is no method '{name}'; known: {', '.join(result.name for result in self.results)}")
+
+
+def compare_methods(
+    problem: Problem,
+    estimators: Sequence[Estimator],
+    held_out: Problem | None = None,
+    *,
+    poses: int = POSES,
+    progress: Callable[[str], None] | None = None,
+) -> MethodComparison:
+    """Estimate with every method, predict both recordings, test the bodies and the mass matrix.
+
+    held_out: another recording with the same torque model; none if left out
+    poses: random poses in which the mass matrix is tested
+    progress: called with the name of every method before it starts
+
+    What a method raises is its result; the others go on. Raises InvalidInput for two methods of the same name, for a
+    held-out recording with other parameters, and where the recording itself cannot be used.
+    """
+    names = [estimator.name for estimator in estimators]
+    repeated = [name for name in names if names.count(name) > 1]
+    if repeated or not names:
+        what = f"two methods are called '{repeated[0]}'" if repeated else "there is no method"
+        raise InvalidInput(f"{what}; give at least one, each with a name of its own")
+    if held_out is not None and held_out.torque_model.columns != problem.torque_model.columns:
+        raise InvalidInput("the held-out recording has another torque model; the parameters must be the same")
+    with one_thread():
+        _ = problem.equations  # reads and compresses the recording before the clock of the first method starts
+        results = [_estimated(problem, estimator, progress) for estimator in estimators]
+        return _described(problem, _judged(problem, results, held_out, poses))
+
+
+def _judged(
+    problem: Problem, results: Sequence[MethodResult], held_out: Problem | None, poses: int
+) -> tuple[MethodResult, ...]:
+    """With the residuals and the plausibility of all estimates."""
+    judged = list(results)
+    solved = [k for k, result in enumerate(results) if result.estimate is not None]
+    if solved:
+        parameters = np.array([results[k].estimate.parameters for k in solved])  # type: ignore[union-attr]
+        training = residual_statistics(problem, parameters)
+        ahead = [None] * len(solved) if held_out is None else residual_statistics(held_out, parameters)
+        bodies = plausibility(problem.torque_model, parameters, poses=poses)
+        for k, here, there, body in zip(solved, training, ahead, bodies, strict=True):
+            judged[k] = replace(results[k], training=here, held_out=there, plausibility=body)
+    return tuple(judged)
+
+
+def _estimated(problem: Problem, estimator: Estimator, progress: Callable[[str], None] | None) -> MethodResult:
+    if progress is not None:
+        progress(estimator.name)
+    blank = MethodResult(estimator.name, estimator.reference, estimator.assumptions, estimator.needs)
+    start = time.perf_counter()
+    try:
+        if problem.torque_model.expected and not getattr(estimator, "takes_expected", False):
+            raise EstimationFailed(TAKES_NONE)
+        estimate = estimator.estimate(problem)
+        _check(problem, estimate)
+    except EstimationFailed as failure:
+        return replace(blank, failure=str(failure), seconds=time.perf_counter() - start)
+    except Exception as failure:  # whatever a method written elsewhere raises, the comparison goes on
+        why = f"{type(failure).__name__}: {failure}"
+        return replace(blank, failure=why, seconds=time.perf_counter() - start)
+    return replace(
+        blank,
+        seconds=time.perf_counter() - start,
+        estimate=estimate,
+        base_values=problem.base.values(estimate.parameters),
+        standard_deviations=_deviations(estimate.covariance),
+        block_deviations=_deviations(estimate.block_covariance),
+    )
+
+
+def _check(problem: Problem, estimate: Estimate) -> None:
+    expected = (len(problem.torque_model.columns),)
+    given = np.shape(estimate.parameters)
+    if given != expected or not np.all(np.isfinite(estimate.parameters)):
+        raise EstimationFailed(f"the method answers parameters of shape {given}; {expected[0]} finite numbers needed")
+
+
+def _deviations(covariance: Array | None) -> Array | None:
+    return None if covariance is None else np.sqrt(np.maximum(np.diag(covariance), 0.0))
+
+
+def _described(problem: Problem, results: tuple[MethodResult, ...]) -> MethodComparison:
+    columns, base, structural = problem.torque_model.columns, problem.base, problem.structure.base
+    symbols = [column.symbol for column in columns]
+    determined = set(base.names(symbols))
+    alone = set(base.alone.tolist())
+    return MethodComparison(
+        names=tuple(column.name for column in columns),
+        units=tuple(column.unit for column in columns),
+        base_names=base.names(symbols),
+        base_units=tuple(columns[k].unit for k in base.independent),
+        base_symbols=base.symbols(symbols),
+        rank=base.rank,
+        structural_rank=structural.rank,
+        gap=base.gap,
+        condition_number=problem.condition_number,
+        undetermined=tuple(column.name for k, column in enumerate(columns) if k not in alone),
+        lost=tuple(name for name in structural.names(symbols) if name not in determined),
+        results=results,
+    )

@@ -1,0 +1,75 @@
+"""Least squares for data that arrive: the estimate after every sample, old ones forgotten if wanted.
+
+    minimise Σ_t λ^(T - t) Σ_g (W_tg x - τ_tg)² / σ_g²
+
+A triangular factor of the equations up to now is multiplied with λ^½ and updated with the new rows by QR, which is
+recursive least squares in its square-root form: the same numbers as weighted least squares of everything at once, and
+no covariance that loses its symmetry. Golub and Van Loan, Matrix Computations, section 6.5; Haykin, Adaptive Filter
+Theory, chapter on square-root adaptive filters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.least_squares import square_triangle
+from graphdyn.identification.algebra.solution import Solution, solve_triangle
+from graphdyn.identification.data.samples import Motion, Samples
+from graphdyn.identification.problem.prior import model_prior
+from graphdyn.identification.problem.structure import structure
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+
+class RecursiveLeastSquares:
+    """A running estimate of a torque model.
+
+    noise: σ_g of the torque of each joint, one for all or (n,)   [N m or N]
+    forgetting: λ per sample, above 0 and up to 1; about 1 / (1 - λ) samples count
+    min_speed: equations of joint j with |v_j| below it are left out, one for all or (n,)   [rad/s or m/s]
+
+    Raises InvalidInput for other numbers, and for friction with memory.
+    """
+
+    def __init__(
+        self, torque_model: TorqueModel, noise: ArrayLike, *, forgetting: float = 1.0, min_speed: ArrayLike = 0.0
+    ) -> None:
+        if torque_model.has_memory:
+            raise InvalidInput(
+                "friction with memory needs whole runs, not sample by sample; leave it out, or use a Problem"
+            )
+        n = torque_model.model.n_freedoms
+        deviations = as_floats("noise", noise)
+        if deviations.shape not in ((), (n,)) or not np.all(deviations > 0) or not np.all(np.isfinite(deviations)):
+            raise InvalidInput(f"noise is {deviations}; give one positive number, or {n}")
+        if not 0 < forgetting <= 1:
+            raise InvalidInput(f"forgetting is {forgetting!r}; give a factor above 0 and up to 1, where nothing is")
+        self._model, self._noise, self._forgetting, self._speed = torque_model, deviations, forgetting, min_speed
+        self._base = structure(torque_model).base
+        self._factor = np.zeros((self._base.rank + 1, self._base.rank + 1))
+
+    def update(self, samples: Samples) -> None:
+        """Fold in one sample or several, in the order of time. Raises InvalidInput for those with a filter to come."""
+        if samples.row_filter is not None:
+            raise InvalidInput("these samples still have to go through a filter; give filtered ones, or a Problem")
+        w = self._model.rows(Motion(samples), self._base.independent)
+        right = np.asarray(samples.tau, dtype=float) - self._model.known_torque(samples)
+        rows = np.concatenate([w, right[..., None]], axis=-1) / np.broadcast_to(self._noise, right.shape)[..., None]
+        age = np.arange(len(samples))[::-1, None, None]
+        kept = np.abs(np.asarray(samples.v)) >= np.asarray(self._speed)
+        new = (rows * self._forgetting ** (age / 2))[kept]
+        old = self._factor * self._forgetting ** (len(samples) / 2)
+        self._factor = square_triangle(np.concatenate([old, new]))
+
+    @property
+    def solution(self) -> Solution:
+        """Base parameters x (r,) and their covariance. Raises EstimationFailed before the samples determine them."""
+        return solve_triangle(self._factor[:, :-1], self._factor[:, -1])
+
+    @property
+    def parameters(self) -> Array:
+        """Of all columns of the torque model (p,), those with these base parameters that are nearest to the model's."""
+        return model_prior(self._model).nearest(self._base, self.solution.x)

@@ -1,0 +1,66 @@
+"""What a torque model could determine under any motion: its base parameters over random states."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.identification.algebra.base_parameters import BaseParameters, base_parameters
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.verbs.assembly import assemble
+
+STATES_PER_PARAMETER = 4
+"""Random states per parameter: each gives n equations, far more than there are unknowns."""
+
+ACCELERATION = 10.0
+"""Random accelerations reach this [rad/s² or m/s²]: inertia shows beside gravity."""
+
+SPEED = 10.0
+"""Random speeds are clipped to this [rad/s or m/s]: beyond it centrifugal torques hide all others."""
+
+SMALLEST_STEP, LARGEST_STEP = 1e-6, 0.1
+"""[rad or m] Between random states of friction with memory: with long steps alone, all elements slip and are alike."""
+
+
+@dataclass(frozen=True, eq=False)
+class ParameterStructure:
+    """Base parameters of a torque model, and which of them bear on which joint.
+
+    base: over random states
+    support: (n, b): whether column base.independent[k] can differ from zero in the torque of joint j
+    """
+
+    base: BaseParameters
+    support: NDArray[np.bool_]
+
+
+@functools.lru_cache(maxsize=8)
+def structure(torque_model: TorqueModel, seed: int = 0) -> ParameterStructure:
+    """The same model and seed give the same answer; the last few are remembered."""
+    samples = random_samples(torque_model, STATES_PER_PARAMETER * len(torque_model.columns), seed)
+    w = torque_model.rows(samples)
+    base = base_parameters(w.reshape(-1, w.shape[-1]))
+    support = np.any(w[..., base.independent] != 0, axis=0)
+    return ParameterStructure(base, support)
+
+
+def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
+    """Random states within the limits of the robot, torques zero; times and temperatures random too.
+
+    For friction with memory every second state is a step of random size from the one before.
+    """
+    rng = np.random.default_rng(seed)
+    q, v = torque_model.model.random_state(rng, size)
+    v = np.clip(v, -SPEED, SPEED)
+    a = rng.uniform(-ACCELERATION, ACCELERATION, q.shape)
+    if torque_model.has_memory:
+        sizes = np.exp(rng.uniform(np.log(SMALLEST_STEP), np.log(LARGEST_STEP), q[1::2].shape))
+        q[1::2] = q[: 2 * len(sizes) : 2] + sizes * rng.choice([-1.0, 1.0], sizes.shape)
+    if torque_model.model.chords:
+        q, v, a = assemble(torque_model.model, q, v, a)
+    time, temperature = rng.normal(size=size), rng.normal(size=q.shape)
+    return Samples(q, v, a, np.zeros_like(q), time=time, temperature=temperature)

@@ -1,0 +1,163 @@
+"""Numbers of a torque model that it is not linear in: widths, Stribeck velocities, deflections.
+
+    min over s, x of Σ_g ‖W_g(s) x - τ_g‖² / σ_g²
+
+By variable projection: for every s the best x is linear least squares, so that the search is over s alone, one number
+per joint, in logarithms. σ_g is the noise at the start. No bound is set on x.
+
+Golub and Pereyra, "Separable nonlinear least squares: the variable projection method and its applications", Inverse
+Problems 19, 2003.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.estimators.weighted import joint_noise
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.terms.term import Column, Term
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+
+RANGE = 30.0
+"""Each number is looked for between its start divided by this and its start times this."""
+
+STEP = 0.02
+"""Of the finite differences, relative: far above the grid that samples are to the corners of the friction."""
+
+PRECISION = 1e-4
+"""Relative change of the sum of squares at which the search ends."""
+
+LARGEST = 1e9
+"""[bytes] Of the equations in memory."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tunable:
+    """A term with settings that `tuned` finds, one number for each joint; as it is, the term at their start.
+
+    name: of the term, in words
+    make: the term with these settings, each (n,)
+    start: by name; positive                                [the unit of the setting]
+    """
+
+    name: str
+    make: Callable[..., Term]
+    start: Mapping[str, float]
+
+    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+        return self._at_start(model).columns(model)
+
+    def rows(self, model: RobotModel, samples: Samples) -> Array:
+        return self._at_start(model).rows(model, samples)
+
+    @property
+    def has_memory(self) -> bool:
+        """Whether the term has."""
+        return getattr(self.make(**self.start), "has_memory", False)
+
+    def _at_start(self, model: RobotModel) -> Term:
+        return self.make(**{name: np.full(model.n_freedoms, value) for name, value in self.start.items()})
+
+
+class Tuned(NamedTuple):
+    """A setting that was found.
+
+    name: of term and setting, such as "coulomb width"; values: (n,)  [the unit of the setting]
+    at_end: joints for which it is at the end of its range: the recording does not say    (n,)
+    """
+
+    name: str
+    values: Array
+    at_end: NDArray[np.bool_]
+
+
+def tuned(problem: Problem) -> tuple[TorqueModel, tuple[Tuned, ...]]:
+    """The torque model of a problem with the best settings in place of every Tunable, and these settings.
+
+    Raises InvalidInput where the equations do not fit in memory.
+    """
+    from scipy.optimize import least_squares  # imported where first used: import graphdyn stays light
+
+    model = problem.torque_model
+    searched = [(k, term) for k, term in enumerate(model.terms) if isinstance(term, Tunable)]
+    if not searched:
+        return model, ()
+    n = model.model.n_freedoms
+    names = [(term, name, value) for _, term in searched for name, value in term.start.items()]
+
+    def settings(u: Array) -> list[Array]:
+        return [value * np.exp(part) for (*_, value), part in zip(names, np.split(u, len(names)), strict=True)]
+
+    def terms(u: Array) -> dict[int, Term]:
+        found = list(zip(names, settings(u), strict=True))
+        return {
+            k: term.make(**{name: values for (owner, name, _), values in found if owner is term})
+            for k, term in searched
+        }
+
+    projected = _Projected(problem, [k for k, _ in searched])
+
+    def residual(u: Array) -> Array:
+        return projected.residual(list(terms(u).values()))
+
+    def jacobian(u: Array) -> Array:
+        here = residual(u)
+        return np.column_stack([(residual(u + STEP * unit) - here) / STEP for unit in np.eye(len(u))])
+
+    end = np.log(RANGE)
+    start = np.zeros(n * len(names))
+    best = least_squares(residual, start, jacobian, bounds=(-end - STEP, end + STEP), ftol=PRECISION, xtol=STEP / 2)
+    found = terms(best.x)
+    at_end = np.split(np.abs(best.x) > end - STEP, len(names))
+    said = [
+        Tuned(f"{term.name} {name}", values, there)
+        for (term, name, _), values, there in zip(names, settings(best.x), at_end, strict=True)
+    ]
+    return replace(model, terms=[found.get(k, term) for k, term in enumerate(model.terms)]), tuple(said)
+
+
+class _Projected:
+    """The equations without what the other terms explain: P = 1 - Q Qᵀ, Q an orthonormal basis of their columns."""
+
+    def __init__(self, problem: Problem, searched: list[int]) -> None:
+        self._problem = problem
+        model = problem.torque_model
+        noise = joint_noise(problem.equations)
+        parts = list(problem.rows())
+        if 8.0 * sum(part.matrix.size for part in parts) > LARGEST:
+            raise InvalidInput("the equations do not fit in memory for settings that are to be found; decimate more")
+        self._kept = np.concatenate([part.kept for part in parts])
+        self._noise = np.broadcast_to(noise, self._kept.shape)[self._kept]
+        others = [term for k, term in enumerate(model.terms) if k not in searched]
+        self._basis = np.zeros((len(self._noise), 0))
+        if others:
+            columns = self._columns(others)
+            length = np.linalg.norm(columns, axis=0)  # zero where a joint rests
+            u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
+            self._basis = u[:, s > problem.rank_tolerance * s[0]]
+        self._right = self._without(np.concatenate([part.right for part in parts])[self._kept] / self._noise)
+
+    def residual(self, terms: list[Term]) -> Array:
+        """(rows,) in units of the noise, with the best x."""
+        columns = self._without(self._columns(terms))
+        x, *_ = np.linalg.lstsq(columns, self._right, rcond=None)
+        return np.asarray(columns @ x - self._right)
+
+    def _columns(self, terms: list[Term]) -> Array:
+        """Their filtered columns over the rows that count, in units of the noise."""
+        problem = self._problem
+        own = replace(problem, torque_model=TorqueModel(problem.torque_model.model, terms), progress=None)
+        matrix = np.concatenate([part.matrix for part in own.rows()])
+        return np.asarray(matrix[self._kept] / self._noise[:, None])
+
+    def _without(self, columns: Array) -> Array:
+        return np.asarray(columns - self._basis @ (self._basis.T @ columns))

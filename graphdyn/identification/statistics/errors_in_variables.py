@@ -1,0 +1,167 @@
+"""How the torque of a model changes with the motion: G = ∂τ/∂(q, v, a).
+
+Central differences of W x, so that every term of a torque model counts: friction and columns of users as well as bodies
+with parameters that no real body has. With the standard deviations of the errors of q, v and a as steps, sign(v) has a
+slope where the error may turn it, and none elsewhere.
+
+The measured motion in the rows of a problem's equations, with the covariance of its errors.
+
+Equations of the torque at the true motion, which is measured with errors, linearised at what is known of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import EstimationFailed
+from graphdyn.identification.data.rows import Rows
+from graphdyn.identification.data.runs import runs
+from graphdyn.identification.data.samples import Samples, joined_samples
+from graphdyn.identification.problem.prior import model_prior
+from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+MOTION = ("q", "v", "a")
+
+
+def torque_slopes(torque_model: TorqueModel, x: Array, motion: Samples, steps: Array) -> Array:
+    """G (N, n, 3 n): columns of all q, then v, then a.
+
+    x: parameters (p,); steps: of q, v and a (3, n); zero where the slope is not wanted, which is zero then
+    """
+    n = motion.q.shape[1]
+    slopes = np.zeros((len(motion), n, 3 * n))
+    for d, name in enumerate(MOTION):
+        for j in np.flatnonzero(steps[d]):
+            aside = steps[d, j] * np.eye(n)[j]
+            up, down = (
+                torque_model.torque(replace(motion, **{name: getattr(motion, name) + sign * aside}), x)
+                for sign in (1, -1)
+            )
+            slopes[..., d * n + j] = (up - down) / (2 * steps[d, j])
+    return slopes
+
+
+WINDOW = 4096
+"""Rows that are computed at once: enough for compiled code to be worth it."""
+
+NO_ERRORS = (
+    "needs the errors of q, v and a (motion_covariance of the samples), which crosscheck.identify estimates from "
+    "recorded positions"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Consecutive rows of one run.
+
+    rows: their equations; blocks: the time block of each   (N,)
+    motion: q, v, a where they are
+    covariance: of the errors of all q, then v, then a      (3 n, 3 n)
+    """
+
+    rows: Rows
+    blocks: NDArray[np.int64]
+    motion: Samples
+    covariance: Array
+
+
+def measured_motion(problem: Problem) -> Iterator[Measured]:
+    """All equations, window by window.
+
+    Raises EstimationFailed where the errors are not known, for a base that moves, and for friction with memory.
+    """
+    if problem.torque_model.has_memory:
+        raise EstimationFailed("knows the errors of a row at a time, and friction with memory takes all rows together")
+    motion, covariances, run, position = *_motion(problem), 0
+    for parts in _windows(problem.rows()):
+        names = ("matrix", "right", "measured", "velocity", "kept")
+        matrix, right, measured, velocity, kept = (
+            np.concatenate([getattr(part, name) for part in parts]) for name in names
+        )
+        rows = Rows(matrix, right, measured, velocity, kept)
+        blocks = np.concatenate([np.full(len(part), part.block) for part in parts])
+        end = position + len(rows)
+        yield Measured(rows, blocks, motion[position:end], covariances[run[position]])
+        position = end
+
+
+def _windows(chunks: Iterable[Rows]) -> Iterator[list[Rows]]:
+    """Neighbouring chunks of one run together, until there are WINDOW rows."""
+    parts: list[Rows] = []
+    for chunk in chunks:
+        if parts and (chunk.first or sum(map(len, parts)) >= WINDOW):
+            yield parts
+            parts = []
+        parts.append(chunk)
+    yield parts
+
+
+def joined(covariance: Array) -> Array:
+    """Of q, v, a of each joint (n, 3, 3) → of all q, then v, then a (3 n, 3 n)."""
+    n = len(covariance)
+    together = np.zeros((3, n, 3, n))
+    for j, own in enumerate(covariance):
+        together[:, j, :, j] = own
+    return together.reshape(3 * n, 3 * n)
+
+
+def _motion(problem: Problem) -> tuple[Samples, list[Array], NDArray[np.int64]]:
+    """The rows that count of all that the filters leave; the covariance of the errors of every run; each row's run."""
+    parts, covariances, lengths = list[Samples](), list[Array](), list[int]()
+    for run in runs([problem.data] if isinstance(problem.data, Samples) else problem.data):
+        pieces = list(run.samples)
+        if any(piece.base is not None for piece in pieces):
+            raise EstimationFailed("the base of the recording moves; errors of the motion know a base at rest only")
+        if pieces[0].motion_covariance is None:
+            raise EstimationFailed(NO_ERRORS)
+        covariances.append(joined(pieces[0].motion_covariance))
+        left = joined_samples(pieces, slice(None, None, 1 if run.row_filter is None else run.row_filter.factor))
+        parts.append(left)
+        lengths.append(len(left))
+    of_run = np.repeat(np.arange(len(lengths)), lengths)
+    return joined_samples(parts, problem.chosen(np.arange(len(of_run)))), covariances, problem.chosen(of_run)
+
+
+@dataclass(frozen=True, eq=False)
+class Whitened:
+    """Of N rows, multiplied with L⁻¹, S = L Lᵀ the covariance of their residual.
+
+    matrix, right: W(μ) and e                               (N, n, r), (N, n)
+    shift: μ - m, the estimated motion less the measured one   (N, 3 n)
+    squares: Σ e² over the rows; explained: Σ of the variances G C Gᵀ   (n,)
+    """
+
+    matrix: Array
+    right: Array
+    shift: Array
+    squares: Array
+    explained: Array
+
+
+def whitened(problem: Problem, x: Array, part: Measured, shift: Array, noise: Array) -> Whitened:
+    """At base parameters x (r,) and the motion estimated so far; noise: of the torques (n,)."""
+    torque_model, columns = problem.torque_model, problem.base.independent
+    measured, kept = part.motion, part.rows.kept[..., None]
+    q, v, a = np.split(shift, 3, axis=1)
+    estimated = replace(measured, q=measured.q + q, v=measured.v + v, a=measured.a + a)
+    steps = np.sqrt(np.diag(part.covariance)).reshape(3, -1)
+    standard = model_prior(torque_model).nearest(problem.base, x)
+    slopes = torque_slopes(torque_model, standard, estimated, steps) * kept
+    change = torque_model.rows(estimated, columns) - torque_model.rows(measured, columns)
+    known = torque_model.known_torque(estimated) - torque_model.known_torque(measured)
+    matrix = (problem.reduced(part.rows) + change) * kept
+    e = (part.rows.right - known)[..., None] * kept - matrix @ x[:, None] + slopes @ shift[..., None]
+    gain = part.covariance @ np.swapaxes(slopes, 1, 2)
+    propagated = slopes @ gain
+    covariance = propagated + np.diag(noise**2)
+    factor = np.linalg.cholesky(covariance)
+    white = np.linalg.solve(factor, np.concatenate([matrix, e], axis=-1))
+    shift = (gain @ np.linalg.solve(covariance, e))[..., 0]
+    explained = np.einsum("tjj->j", propagated)
+    return Whitened(white[..., :-1], white[..., -1], shift, np.sum(e[..., 0] ** 2, axis=0), explained)

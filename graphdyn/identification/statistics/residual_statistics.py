@@ -1,0 +1,196 @@
+"""Residuals of the torque: their size, and whether they are white.
+
+Ljung and Box, Biometrika 65(2), 1978: Q = N (N + 2) Σ_k r_k² / (N - k) over LAGS lags is χ² distributed for white
+noise. Durbin and Watson, Biometrika 37, 1950: Σ (e_t - e_{t-1})² / Σ e_t² is 2 for white noise, 0 for a drift.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
+from graphdyn.identification.data.rows import Rows
+from graphdyn.identification.problem.problem import Problem, own_rows
+from graphdyn.identification.statistics.correlation_length import CorrelationLength
+from graphdyn.layout import Array
+
+MOVING = 0.02
+"""[rad/s or m/s] Below this speed friction is undetermined and swamps the comparison."""
+
+LAGS = 20
+"""Lags of the Ljung-Box test; the autocorrelation of a piece does not reach into the next one."""
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualSizes:
+    """Per joint, over some of the samples; NaN where there are none.
+
+    count: samples (n,); mean, rms, largest: of predicted minus measured torque (n,) [N m or N]
+    relative: ‖e‖ / ‖τ‖ with the measured torque (n,)
+    """
+
+    count: Array
+    mean: Array
+    rms: Array
+    largest: Array
+    relative: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualStatistics:
+    """Predicted minus measured torque.
+
+    everything: over all samples
+    moving: per joint over the samples with |v_j| > MOVING
+    durbin_watson, ljung_box_p: per joint over all samples (n,); a p below 0.05 says that the residual is not white,
+        and that standard deviations for white noise are too small
+    correlation_length: per joint (n,), in samples: over so many the residual is correlated (lag at which the
+        autocorrelation has fallen to 1/e); zero for a white one
+    """
+
+    everything: ResidualSizes
+    moving: ResidualSizes
+    durbin_watson: Array
+    ljung_box_p: Array
+    correlation_length: Array
+
+    @property
+    def correlation_times(self) -> float:
+        """How many times as long as the correlation all samples are, for the joint with the longest one."""
+        longest = np.nanmax(self.correlation_length, initial=0.0)
+        return float(self.everything.count.max() / longest) if longest > 0 else float("inf")
+
+
+def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualStatistics]:
+    """One for every row of parameters (m, p), in one reading of the recording.
+
+    The equations that min_speed leaves out of the fit are predicted too. Of data in parts each part is a piece of its
+    own, and the longest correlation in any of them counts.
+    """
+    x = problem.structure.base.matrix @ np.asarray(parameters, dtype=float).T
+    if isinstance(problem.data, Partitioned):
+        parts = problem.data.each_part(problem, partial(residuals_of_part, x))
+        return merged_in_tree(_Residuals.merge, [part for _, part in parts]).statistics()
+    sums = _Residuals(problem.n_joints, x.shape[1])
+    for rows in problem.rows():
+        sums.add(rows, rows.matrix @ x - rows.right[..., None])
+    return sums.statistics()
+
+
+def residuals_of_part(x: Array, problem: Problem, own: slice) -> _Residuals:
+    """Of the own equations of a part."""
+    sums = _Residuals(problem.n_joints, x.shape[1])
+    for rows in own_rows(problem, own):
+        sums.add(rows, rows.matrix @ x - rows.right[..., None])
+    return sums.finished()
+
+
+class _Residuals:
+    """Of n joints and m methods, summed up."""
+
+    def __init__(self, n: int, m: int):
+        self.everything, self.moving = _Sizes(n, m), _Sizes(n, m)
+        self.lagged = _Autocorrelation(n, m)
+        self.lengths: CorrelationLength | None = CorrelationLength(n, m)
+        self.longest = np.full((n, m), np.nan)
+
+    def add(self, rows: Rows, residual: Array) -> None:
+        self.everything.add(residual, rows.measured, np.ones(rows.right.shape))
+        self.moving.add(residual, rows.measured, (np.abs(rows.velocity) > MOVING).astype(float))
+        self.lagged.add(rows, residual)
+        assert self.lengths is not None
+        self.lengths.add(residual, rows.kept)
+
+    def finished(self) -> _Residuals:
+        """Nothing can be added any more; what only that needs is dropped."""
+        if self.lengths is not None:
+            self.longest, self.lengths = self.lengths.samples(), None
+        return self
+
+    def merge(self, other: _Residuals) -> _Residuals:
+        """Both together, which must be finished: the longer correlation of the two counts."""
+        self.everything.merge(other.everything)
+        self.moving.merge(other.moving)
+        self.lagged.merge(other.lagged)
+        self.longest = np.fmax(self.longest, other.longest)
+        return self
+
+    def statistics(self) -> list[ResidualStatistics]:
+        """One for every method."""
+        longest = self.finished().longest
+        tests = self.lagged.durbin_watson(), self.lagged.ljung_box_p(self.everything.count)
+        return [
+            ResidualStatistics(self.everything.of(k), self.moving.of(k), tests[0][:, k], tests[1][:, k], longest[:, k])
+            for k in range(longest.shape[1])
+        ]
+
+
+class _Sizes:
+    def __init__(self, n: int, m: int):
+        self.count, self.measured = np.zeros(n), np.zeros(n)
+        self.sum, self.squares, self.largest = np.zeros((n, m)), np.zeros((n, m)), np.zeros((n, m))
+
+    def add(self, residual: Array, measured: Array, counted: Array) -> None:
+        """residual (N, n, m); measured, counted (N, n)."""
+        self.count += counted.sum(axis=0)
+        self.measured += np.sum(counted * measured**2, axis=0)
+        part = residual * counted[..., None]
+        self.sum += part.sum(axis=0)
+        self.squares += np.sum(part**2, axis=0)
+        self.largest = np.maximum(self.largest, np.abs(part).max(axis=0))
+
+    def merge(self, other: _Sizes) -> None:
+        self.count, self.measured = self.count + other.count, self.measured + other.measured
+        self.sum, self.squares = self.sum + other.sum, self.squares + other.squares
+        self.largest = np.maximum(self.largest, other.largest)
+
+    def of(self, k: int) -> ResidualSizes:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return ResidualSizes(
+                self.count.astype(int),
+                self.sum[:, k] / self.count,
+                np.sqrt(self.squares[:, k] / self.count),
+                np.where(self.count > 0, self.largest[:, k], np.nan),
+                np.sqrt(self.squares[:, k] / self.measured),
+            )
+
+
+class _Autocorrelation:
+    """Σ_t e_t e_{t-k} for k = 0 … LAGS, within pieces."""
+
+    def __init__(self, n: int, m: int):
+        self.products = np.zeros((LAGS + 1, n, m))
+        self.steps = np.zeros((n, m))
+        self.tail = np.zeros((0, n, m))
+
+    def add(self, rows: Rows, residual: Array) -> None:
+        before = self.tail[:0] if rows.first else self.tail
+        joined, start = np.concatenate([before, residual]), len(before)
+        for lag in range(min(LAGS + 1, len(joined))):
+            first = max(start, lag)
+            later, earlier = joined[first:], joined[first - lag : len(joined) - lag]
+            self.products[lag] += np.sum(later * earlier, axis=0)
+            if lag == 1:
+                self.steps += np.sum((later - earlier) ** 2, axis=0)
+        self.tail = joined[-LAGS:]
+
+    def merge(self, other: _Autocorrelation) -> None:
+        """Another piece: no product reaches from one into the other."""
+        self.products, self.steps = self.products + other.products, self.steps + other.steps
+
+    def durbin_watson(self) -> Array:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratios: Array = self.steps / self.products[0]
+            return ratios
+
+    def ljung_box_p(self, count: Array) -> Array:
+        from scipy.stats import chi2  # imported where first used: import graphdyn stays light
+
+        lags = np.arange(1, LAGS + 1)[:, None, None]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            r = self.products[1:] / self.products[0]
+            q = count[:, None] * (count[:, None] + 2) * np.sum(r**2 / (count[:, None] - lags), axis=0)
+        return np.where(count[:, None] > LAGS, chi2.sf(q, LAGS), np.nan)

@@ -1,0 +1,117 @@
+"""Joint positions, velocities and accelerations that keep loops closed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.errors import InconsistentState, in_row
+from graphdyn.layout import Array
+from graphdyn.model.loops import CLOSED, Loops, loop_spaces
+from graphdyn.model.spatial import apply
+
+STEPS = 200
+"""Newton steps before an assembly gives up; those that succeed need 5 to 40."""
+
+WALK = 12
+"""Steps of a walk from one closed pose to another: a turn by π in steps of 15°."""
+
+ROUNDING = 1e-13
+"""Gaps [m, rad] at which steps no longer help an arm of a few meters."""
+
+
+def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> tuple[Array, Array]:
+    """Positions (…, n) near q that close the loops as far as they could be, and their gaps (…, m).
+
+    Levenberg-Marquardt steps with damping ∝ ‖gap‖² (Fan and Yuan, "On the quadratic convergence of the
+    Levenberg-Marquardt method without nonsingularity assumption", Computing 74, 2005), which passes singular poses and
+    does not mind redundant rows. held: indices of joints that stay where they are
+    """
+    batch = q.shape[:-1]
+    x = q.reshape(-1, q.shape[-1]).astype(float)
+    moving = np.ones(x.shape[-1])
+    if held is not None:
+        moving[held] = 0.0
+    gaps, damping = loops.gaps(x), np.full(len(x), 1.0)
+    best = np.linalg.norm(gaps, axis=-1)
+    for _ in range(STEPS):
+        todo = np.flatnonzero((np.abs(gaps).max(axis=-1, initial=0.0) > ROUNDING) & (damping < 1e12))
+        if not todo.size:
+            break
+        jacobian = loops.jacobian(loops.links(x[todo])) * moving
+        left, values, right = np.linalg.svd(jacobian, full_matrices=False)
+        mu = (damping[todo] * best[todo] ** 2)[:, None]
+        kept = values > 1e-12 * values.max(axis=-1, keepdims=True, initial=0.0)
+        weights = np.where(kept, values / np.where(kept, values**2 + mu, 1.0), 0.0)
+        step = -apply(np.swapaxes(right, -1, -2), weights * apply(np.swapaxes(left, -1, -2), gaps[todo]))
+        longest = np.abs(step).max(axis=-1, initial=0.0, keepdims=True)
+        tried = x[todo] + step * np.minimum(1.0, 1.0 / np.where(longest > 0, longest, 1.0))  # at most 1 rad or 1 m
+        new = loops.gaps(tried)
+        size = np.linalg.norm(new, axis=-1)
+        better = size < best[todo]
+        accepted = todo[better]
+        x[accepted], gaps[accepted], best[accepted] = tried[better], new[better], size[better]
+        damping[todo] = np.where(better, np.maximum(damping[todo] / 4, 1e-8), damping[todo] * 8)
+        damping[todo[~better & (size < CLOSED)]] = np.inf  # rounding
+    return x.reshape(q.shape), gaps.reshape(*batch, loops.n_rows)
+
+
+def refuse_open(who: str, loops: Loops, gaps: Array, remedy: str) -> None:
+    """Raises InconsistentState, naming the loop, its gap and the row, where gaps (…, m) exceed CLOSED."""
+    if np.nanmax(np.abs(gaps), initial=0.0) > CLOSED:
+        raise open_loop(who, loops, gaps, remedy)
+
+
+def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentState:
+    """The error that names the widest of gaps (…, m)."""
+    gap, chord, where = _worst(loops, np.abs(gaps))
+    return InconsistentState(
+        f"{who}: the loop of chord '{chord}' is open by {gap:.2g} m or rad{where}; closed is {CLOSED:g}. {remedy}"
+    )
+
+
+def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wanted: Array, what: str) -> None:
+    """Raises InconsistentState where J rate (…, m) is not as wanted: loops would open. what: "velocity", …"""
+    relative = moving_apart(jacobian, rate, wanted)
+    if not relative.size or np.nanmax(relative) <= CLOSED:
+        return
+    part, chord, where = _worst(loops, relative)
+    raise InconsistentState(
+        f"{who}: the {what} opens the loop of chord '{chord}'{where} (by {part:.2g} of its terms, at most {CLOSED:g}); "
+        "graphdyn.assemble(model, q, v, a) gives the nearest that does not"
+    )
+
+
+def moving_apart(jacobian: Array, rate: Array, wanted: Array) -> Array:
+    """How far J rate (…, m) is from wanted, relative to the largest of the terms that are summed."""
+    error = np.abs(apply(jacobian, rate) - wanted)
+    size = apply(np.abs(jacobian), np.abs(rate)) + np.abs(wanted)
+    scale = size.max(axis=-1, keepdims=True, initial=0.0)
+    relative: Array = error / np.where(scale > 0, scale, 1.0)
+    return relative
+
+
+def completed_rate(jacobian: Array, rate: Array, wanted: Array, held: NDArray[np.intp] | None) -> Array:
+    """The rate (…, n) nearest to the given one with J rate = wanted (…, m), of joints that are not held."""
+    moving = np.ones(rate.shape[-1])
+    if held is not None:
+        moving[held] = 0.0
+    return rate + loop_spaces(jacobian * moving).least_motion(wanted - apply(jacobian, rate))
+
+
+def _worst(loops: Loops, errors: Array) -> tuple[float, str, str]:
+    """The largest of errors (…, m), the chord it belongs to, and in words its row among the states."""
+    *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(errors)), errors.shape))
+    chords = [chord.name for chord in loops.chords for _ in chord.rows]
+    return float(errors[(*row, worst)]), chords[worst], in_row(row)
+
+
+def walked(loops: Loops, start: Array, target: Array) -> tuple[Array, Array]:
+    """From a closed pose (n,) in WALK steps towards poses (…, n), closing the loops at each: positions and gaps.
+
+    So linkages stay in the branch of the start, as a moved one does.
+    """
+    x, gaps = np.broadcast_to(start, target.shape), np.zeros((*target.shape[:-1], loops.n_rows))
+    for _ in range(WALK):
+        x, gaps = assembled(loops, x + (target - start) / WALK)
+    return x, gaps

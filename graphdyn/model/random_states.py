@@ -1,0 +1,109 @@
+"""Random joint states within limits; with chords closed ones, and the closed poses from which these are reached."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from graphdyn.errors import InconsistentState
+from graphdyn.layout import Array
+from graphdyn.model.assembly import assembled, completed_rate, moving_apart, open_loop, walked
+from graphdyn.model.loops import CLOSED, Loops, loop_spaces
+from graphdyn.model.parts import Joint
+
+ANGLE_RANGE = np.pi
+
+SLIDE_RANGE = 0.5
+"""Ranges taken where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
+
+ABSURD = 1e6
+"""A limit beyond this [rad, m, …/s] is treated as no limit."""
+
+CLOSING_STARTS = 100
+"""Random poses from which the loops are closed before that counts as impossible."""
+
+TOGETHER = 20
+"""Of these as many at once as keep an assembly of many loops short where one of the first closes."""
+
+REGULAR_CANDIDATES = 20
+"""Closed poses among which regular_pose chooses."""
+
+
+def drawn(joints: Sequence[Joint], rng: np.random.Generator, shape: Sequence[int]) -> tuple[Array, Array]:
+    """q, v (*shape, n) of n joints, uniform within their limits."""
+    ranges = [_sampling_range(joint) for joint in joints]
+    lower, upper, speed = (np.array(values) for values in zip(*ranges, strict=True))
+    q = rng.uniform(lower, upper, (*shape, len(joints)))
+    v = rng.uniform(-speed, speed, (*shape, len(joints)))
+    return q, v
+
+
+def closed_pose(who: str, loops: Loops) -> Array:
+    """Joint positions (n,) that close the loops: near q = 0, or else near one of CLOSING_STARTS random poses.
+
+    Raises InconsistentState, naming a loop, where none of them closes.
+    """
+    starts, _ = drawn(loops.free_joints, np.random.default_rng(0), (CLOSING_STARTS,))
+    starts[0] = 0.0
+    nearest = np.full(loops.n_rows, np.inf)
+    for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // TOGETHER)):
+        found, gaps = assembled(loops, some)
+        widest = np.abs(gaps).max(axis=-1)
+        if widest.min() <= CLOSED:
+            return np.asarray(found[np.flatnonzero(widest <= CLOSED)[0]])
+        nearest = min(nearest, gaps[widest.argmin()], key=lambda gap: float(np.abs(gap).max()))
+    remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
+    raise open_loop(who, loops, nearest, remedy)
+
+
+def regular_pose(who: str, loops: Loops, start: Array) -> Array:
+    """Of some closed poses (n,), the one farthest from a singular one; start: a closed pose.
+
+    That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
+    """
+    q, _ = closed_states(who, loops, start, np.random.default_rng(0), (REGULAR_CANDIDATES,))
+    spaces = loop_spaces(loops.jacobian(loops.links(q)))
+    return np.asarray(q[np.lexsort((spaces.distance, spaces.rank))[-1]])
+
+
+def closed_states(
+    who: str, loops: Loops, start: Array, rng: np.random.Generator, shape: Sequence[int]
+) -> tuple[Array, Array]:
+    """q, v (*shape, n) reached from a closed pose by moving towards random states.
+
+    Drawn again where the loops stay open, or so close to a singular pose that no velocity keeps them closed.
+    """
+    q, v = drawn(loops.free_joints, rng, shape)
+    rows, rates = (array.reshape(-1, array.shape[-1]) for array in (q, v))
+    todo = np.arange(len(rows))
+    for _ in range(CLOSING_STARTS):
+        rows[todo], gaps = walked(loops, start, rows[todo])
+        jacobian = loops.jacobian(loops.links(rows[todo]))
+        still = np.zeros_like(gaps)
+        rates[todo] = completed_rate(jacobian, rates[todo], still, None)
+        apart = moving_apart(jacobian, rates[todo], still)
+        todo = todo[np.maximum(np.abs(gaps), apart).max(axis=-1) > CLOSED]
+        if not todo.size:
+            return q, v
+        rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape)
+    raise InconsistentState(
+        f"{who}: {len(todo)} of {len(rows)} random states did not close; give states of your own, closed by "
+        "graphdyn.assemble"
+    )
+
+
+def _sampling_range(joint: Joint) -> tuple[float, float, float]:
+    """lower, upper and speed."""
+    reach = SLIDE_RANGE if joint.is_prismatic else ANGLE_RANGE
+    lower, upper, speed = (
+        None if limit is None or abs(limit) > ABSURD else limit
+        for limit in (joint.limits.lower, joint.limits.upper, joint.limits.velocity)
+    )
+    speed = abs(speed or 0.0) or reach
+    if joint.kind == "continuous" or not (lower or upper):  # both zero or missing
+        return -reach, reach, speed
+    if lower is None:
+        assert upper is not None  # one of them is given
+        return upper - 2 * reach, upper, speed
+    return lower, lower + 2 * reach if upper is None else upper, speed

@@ -1,0 +1,129 @@
+"""Derivatives of the recursions in the joint variables, by automatic differentiation of what they record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from graphdyn.model.coupling import Freedoms
+from graphdyn.recursions.inertia import mass_matrix
+from graphdyn.recursions.inverse import Wrench, inverse_dynamics
+from graphdyn.recursions.loops.couplings import everywhere, projected, solved
+from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.motion import Root
+from graphdyn.recursions.regressors import joint_torque_regressor
+from graphdyn.scalars.differentiation import directional, jacobian
+from graphdyn.scalars.vectors import Scalars
+
+Columns = Sequence[Any]
+
+
+def inverse_dynamics_derivatives(
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
+) -> dict[str, list[Any]]:
+    """dtau_dq, dtau_dv, and dtau_da = M (n n each)."""
+    tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
+    by_q, by_v = jacobians(tau, q, v)
+    return {
+        "dtau_dq": list(by_q.ravel()),
+        "dtau_dv": list(by_v.ravel()),
+        "dtau_da": list(mass_matrix(links, q).ravel()),
+    }
+
+
+def inverse_dynamics_second_derivatives(
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
+) -> dict[str, list[Any]]:
+    """d2tau_dqdq, d2tau_dqdv, d2tau_dqda, d2tau_dvdv (n n n each), by a forward sweep after the reverse one."""
+    tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
+    by_q, by_v = jacobians(tau, q, v)
+    mass = mass_matrix(links, q)
+
+    def changes(first: Scalars, variables: Columns, symmetric: bool = False) -> list[Any]:
+        """∂first_ik/∂x_j at (i, j, k); where symmetric in j and k, each pair is computed once."""
+        rates = [directional(list(first.ravel()), variables, unit) for unit in np.eye(len(links)).tolist()]
+        change = np.moveaxis(np.array(rates, dtype=object).reshape(-1, *first.shape), 0, 1)
+        if symmetric:
+            for j, k in zip(*np.tril_indices(len(links)), strict=True):
+                change[:, j, k] = change[:, k, j]
+        return list(change.ravel())
+
+    return {
+        "d2tau_dqdq": changes(by_q, q, symmetric=True),
+        "d2tau_dqdv": changes(by_v, q),
+        "d2tau_dqda": changes(mass, q),
+        "d2tau_dvdv": changes(by_v, v, symmetric=True),
+    }
+
+
+def reaction_derivatives(
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
+) -> dict[str, list[Any]]:
+    """Of multipliers (n 5 n each) and joint wrenches (n 6 n each) by q, v and a."""
+    found = inverse_dynamics(links, root, q, v, a, external)
+    return {
+        f"d{short}_d{name}": list(part.ravel())
+        for short, answer in (("multipliers", "multipliers"), ("wrenches", "joint_wrenches"))
+        for name, part in zip("qva", jacobians(found[answer], q, v, a), strict=True)
+    }
+
+
+def forward_dynamics_derivatives(
+    links: Sequence[Link],
+    root: Root,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None = None,
+    freedoms: Freedoms | None = None,
+) -> dict[str, list[Any]]:
+    """da_dq = -M⁻¹ ∂τ/∂q, da_dv = -M⁻¹ ∂τ/∂v at the accelerations found, and da_dtau = M⁻¹ (n n each); pivots.
+
+    Carpentier and Mansard, "Analytical derivatives of rigid body dynamics algorithms", Robotics: Science and Systems,
+    2018. Fewer operations than to differentiate the elimination itself.
+    freedoms: of a robot with couplings
+    """
+    inverse, found, pivots = solved(links, root, freedoms, q, v, tau, external)
+    a = everywhere(found, freedoms)
+    required = inverse_dynamics(links, root, q, v, a, external)["tau"]
+    changes = jacobians(required, q, v, held=a)
+    by_q, by_v = (-(inverse @ projected(part, ("n", "n"), freedoms)) for part in changes)
+    return {
+        "da_dq": list(by_q.ravel()),
+        "da_dv": list(by_v.ravel()),
+        "da_dtau": list(inverse.ravel()),
+        "pivots": pivots,
+    }
+
+
+def forward_dynamics_parameter_derivatives(
+    links: Sequence[Link],
+    root: Root,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None = None,
+    freedoms: Freedoms | None = None,
+) -> dict[str, Any]:
+    """∂a/∂π = -M⁻¹ W at the accelerations found (n, 10 bodies); pivots."""
+    inverse, found, pivots = solved(links, root, freedoms, q, v, tau, external)
+    regressor = joint_torque_regressor(links, root, q, v, everywhere(found, freedoms))
+    change = -(inverse @ projected(regressor, ("n", "10 bodies"), freedoms))
+    return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": pivots}
+
+
+def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:
+    """C = ½ (Ṁ + B - Bᵀ) with B = ∂(M v)/∂q (n, n)."""
+    mass = mass_matrix(links, q)
+    rate = np.array(directional(list(mass.ravel()), q, v), dtype=object).reshape(mass.shape)
+    change = jacobian(list(mass @ np.array(v, dtype=object)), q)
+    matrix: Scalars = (rate + change - change.T) * 0.5
+    return matrix
+
+
+def jacobians(results: Columns, *variables: Columns, held: Columns = ()) -> list[Scalars]:
+    """∂results/∂x (len(results), len(x)) for each x of the variables, in one sweep for all, while others are held."""
+    ends = np.cumsum([len(x) for x in variables])[:-1]
+    return np.split(jacobian(results, [column for x in variables for column in x], held), ends, axis=1)

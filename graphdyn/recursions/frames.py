@@ -1,0 +1,113 @@
+"""How a frame fixed in a body moves, and how the joint velocities move it.
+
+All of them speak of the point of the body where the reference has its origin: that of the frame, or with "world" the
+point of the body, or of the space it carries with it, that passes the world's origin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from graphdyn.arguments.choices import FrameChoice
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.motion import Motion, Root, motions, origins, places, rotations, twists
+from graphdyn.scalars.differentiation import directional
+from graphdyn.scalars.vectors import Scalars, cross, scalars, zeros
+
+
+@dataclass(frozen=True, eq=False)
+class FixedFrame:
+    """A chosen frame: index of its body, -1 for the ground; rotation and translation in joint axes of the body."""
+
+    body: int
+    rotation: Scalars
+    translation: Scalars
+    choice: FrameChoice
+
+
+def fixed_frame(model: RobotModel, links: Sequence[Link], choice: FrameChoice) -> FixedFrame:
+    frame = model.frame(choice.name)
+    to_joint_axes = links[frame.body - 1].link_axes.T if frame.body else scalars(np.eye(3))
+    placement = frame.placement
+    return FixedFrame(
+        body=frame.body - 1,
+        rotation=to_joint_axes @ scalars(placement.rotation),
+        translation=to_joint_axes @ scalars(placement.translation),
+        choice=choice,
+    )
+
+
+def frame_jacobian(links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame) -> Scalars:
+    """J (6, n): per joint up to the frame, p × (from O_k to the point) over p; of a slide, p over 0."""
+    path = _path(links, frame.body)
+    if not path:
+        return zeros(6, len(links))
+    near = replace(root, position=-(root.rotation @ links[path[0]].translation))  # joint 1 of the path at the origin
+    at = places(links, q)
+    axes = rotations(links, at, near)
+    where = origins(links, at, axes, near)
+    tip = where[frame.body] + axes[frame.body] @ frame.translation
+    if frame.choice.reference == "world":
+        tip = near.position - root.position
+    turned = (axes[frame.body] @ frame.rotation).T if frame.choice.reference == "local" else None
+    matrix = zeros(6, len(links))
+    for k in path:
+        axis = axes[k][:, 2]
+        linear, angular = (axis, zeros(3)) if links[k].prismatic else (cross(axis, tip - where[k]), axis)
+        matrix[:, k] = np.concatenate([x if turned is None else turned @ x for x in (linear, angular)])
+    return matrix
+
+
+def frame_jacobian_derivative(
+    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], frame: FixedFrame
+) -> list[Any]:
+    """dJ/dt (6 n) of a robot on a base at rest."""
+    return directional(list(frame_jacobian(links, root, q, frame).ravel()), q, v)
+
+
+def frame_velocity(
+    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], frame: FixedFrame
+) -> list[Any]:
+    """Of the point, then ω (6)."""
+    to_reference, point = _view(links, root, q, frame)
+    at = places(links, q)
+    linear, omega = (root.velocity, root.omega) if frame.body < 0 else twists(links, at, root, v)[frame.body]
+    return [*(to_reference @ (linear + cross(omega, point))), *(to_reference @ omega)]
+
+
+def frame_acceleration(
+    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], frame: FixedFrame
+) -> list[Any]:
+    """Of the point, classical or spatial, then ω̇ (6)."""
+    to_reference, point = _view(links, root, q, frame)
+    at = places(links, q)
+    here = Motion(root.omega, root.alpha, root.acceleration)
+    if frame.body >= 0:
+        here = motions(links, at, replace(root, compensated=root.acceleration), v, a)[frame.body]
+    linear = here.compensated + here.spread() @ point
+    if not frame.choice.classical:
+        velocity = root.velocity if frame.body < 0 else twists(links, at, root, v)[frame.body][0]
+        linear = linear - cross(here.omega, velocity + cross(here.omega, point))
+    return [*(to_reference @ linear), *(to_reference @ here.alpha)]
+
+
+def _path(links: Sequence[Link], body: int) -> list[int]:
+    """Bodies from the ground to this one, itself included."""
+    return [] if body < 0 else [*_path(links, links[body].inside), body]
+
+
+def _view(links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame) -> tuple[Scalars, Scalars]:
+    """From joint axes of the body to the axes of the reference; from O_j to the point that is spoken of, joint axes."""
+    rotation, origin = root.rotation, root.position
+    if frame.body >= 0:
+        at = places(links, q)
+        axes = rotations(links, at, root)
+        rotation, origin = axes[frame.body], origins(links, at, axes, root)[frame.body]
+    if frame.choice.reference == "local":
+        return frame.rotation.T, frame.translation
+    return rotation, -(rotation.T @ origin) if frame.choice.reference == "world" else frame.translation

@@ -1,0 +1,125 @@
+"""Robots with couplings: the recursions of all joints, projected onto those that no others drive.
+
+With all joint positions K q + o, torques become Kᵀ τ and Jacobians J K, for any answer that has an entry per joint.
+What asks for accelerations solves Kᵀ M K instead of eliminating body after body: a coupling ties joints that are not
+neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from graphdyn.model.coupling import Freedoms
+from graphdyn.recursions.forward import Drives
+from graphdyn.recursions.inertia import inverted, inverted_mass_matrix, mass_matrix
+from graphdyn.recursions.inverse import Wrench, inverse_dynamics
+from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.motion import Root
+from graphdyn.scalars.vectors import Scalars, scalars
+
+Columns = Sequence[Any]
+
+
+def projected(answer: Scalars, shape: Sequence[int | str], freedoms: Freedoms | None) -> Scalars:
+    """An answer for all joints, with each axis "n" of its shape turned to the free ones; as it is without freedoms."""
+    for axis, size in enumerate(shape):
+        if size == "n" and freedoms is not None:
+            answer = np.moveaxis(np.moveaxis(answer, axis, -1) @ scalars(freedoms.matrix), -1, axis)
+    return answer
+
+
+def forward_dynamics(
+    links: Sequence[Link],
+    root: Root,
+    freedoms: Freedoms,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None = None,
+) -> dict[str, list[Any]]:
+    """As graphdyn.recursions.forward answers, of q and v of all joints and the torques of the free ones."""
+    _, a, pivots = solved(links, root, freedoms, q, v, tau, external)
+    found = inverse_dynamics(links, root, q, v, everywhere(a, freedoms), external)
+    return {**found, "a": list(a), "pivots": pivots}
+
+
+def driven(
+    links: Sequence[Link],
+    root: Root,
+    freedoms: Freedoms,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None,
+    drives: Drives,
+) -> dict[str, list[Any]]:
+    """a and required (n) of the free joints, with rotors, and with joints that friction holds (Drives).
+
+    A joint that is held has a row and a column of the unit matrix, and a = 0.
+    """
+    mass = projected(mass_matrix(links, q), ("n", "n"), freedoms)
+    mass[np.diag_indices(len(mass))] += np.array(drives.rotor, dtype=object)
+    bias = projected(_torques(links, root, q, v, [0.0] * len(links), external), ("n",), freedoms)
+    free = np.array(drives.free, dtype=object)
+    moving = mass * np.outer(free, free)
+    moving[np.diag_indices(len(mass))] += 1.0 - free
+    inverse, _ = inverted(moving, [range(j)[::-1] for j in range(len(mass))])
+    a = inverse @ (free * (np.array(tau, dtype=object) - bias))
+    return {"a": list(a), "required": list(mass @ a + bias)}
+
+
+def mass_matrix_inverse(links: Sequence[Link], freedoms: Freedoms, q: Columns) -> dict[str, Any]:
+    """mass_matrix_inverse (n n) and pivots."""
+    inverse, pivots = _inverted_mass_matrix(links, freedoms, q)
+    return {"mass_matrix_inverse": list(inverse.ravel()), "pivots": pivots}
+
+
+def power(
+    links: Sequence[Link],
+    root: Root,
+    freedoms: Freedoms,
+    q: Columns,
+    v: Columns,
+    a: Columns,
+    external: Sequence[Wrench] | None = None,
+) -> dict[str, list[Any]]:
+    """τ_j v_j (n) of the free joints, whose torques move the driven ones too."""
+    tau = _torques(links, root, q, v, a, external)
+    rates = np.array(v, dtype=object)[list(freedoms.independent)]
+    return {"power": list(projected(tau, ("n",), freedoms) * rates)}
+
+
+def solved(
+    links: Sequence[Link],
+    root: Root,
+    freedoms: Freedoms | None,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None,
+) -> tuple[Scalars, Scalars, list[Any]]:
+    """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n,), and the pivots (n); of all joints without freedoms, else of the free ones."""
+    inverse, pivots = inverted_mass_matrix(links, q) if freedoms is None else _inverted_mass_matrix(links, freedoms, q)
+    bias = _torques(links, root, q, v, [0.0] * len(links), external)
+    return inverse, inverse @ (np.array(tau, dtype=object) - projected(bias, ("n",), freedoms)), pivots
+
+
+def everywhere(a: Scalars, freedoms: Freedoms | None) -> list[Any]:
+    """The accelerations of all joints (n,)."""
+    return list(a if freedoms is None else scalars(freedoms.matrix) @ a)
+
+
+def _torques(
+    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None
+) -> Scalars:
+    """That all joints need (n,)."""
+    return np.array(inverse_dynamics(links, root, q, v, a, external)["tau"], dtype=object)
+
+
+def _inverted_mass_matrix(links: Sequence[Link], freedoms: Freedoms, q: Columns) -> tuple[Scalars, list[Any]]:
+    """(Kᵀ M K)⁻¹ (n, n), and its pivots (n)."""
+    mass = projected(mass_matrix(links, q), ("n", "n"), freedoms)
+    return inverted(mass, [range(j)[::-1] for j in range(len(mass))])

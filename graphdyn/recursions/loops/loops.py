@@ -1,0 +1,204 @@
+"""Robots with loops: dependent joints follow from independent ones, which are chosen once per robot.
+
+J v = 0 gives v = K u' with K = [E; -(J_dᵀJ_d)⁻¹ J_dᵀ J_u]: the normal equations of the dependent columns do not care
+which rows are redundant in which pose. Featherstone, "Rigid Body Dynamics Algorithms", 2008, section 8.5.
+Accelerations, torques and multipliers then follow as from couplings, with a K that depends on the pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from graphdyn.model.loops import CLOSED
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions.inertia import inverted, mass_matrix
+from graphdyn.recursions.inverse import Wrench, along_pins, inverse_dynamics, transmitted
+from graphdyn.recursions.loops.chords import Columns, Rows, chord_rows, is_zero
+from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.motion import Root, inertial_wrench, motions, places
+from graphdyn.scalars.vectors import Scalars, zeros
+
+CAUTION = 2e-6
+"""Pivots of J_dᵀJ_d count this much: one of 5e-4 of the squares of all entries in its rows is as suspicious as one of
+1e-9 of a mass matrix. Above it accelerations agree with the projected ones to 1e-12, below to 1e-11 and less."""
+
+TINY = 1e20
+"""Makes what is left below the bound of an open loop, of the size CLOSED² = 1e-16, comparable to pivots."""
+
+
+@dataclass(frozen=True, eq=False)
+class Closing:
+    """K (n, n_u), J_d (m, d), (J_dᵀJ_d)⁻¹, the rows of all chords, pivots and what says that loops are open."""
+
+    motions: Scalars
+    dependent: list[int]
+    dependent_columns: Scalars
+    inverse: Scalars
+    rows: list[Rows]
+    watched: list[Any]
+
+    def opened_by(self, a: Columns) -> list[Any]:
+        """Negative where accelerations (n) of all joints open a loop."""
+        return [
+            _opening(line, a, bias) for rows in self.rows for line, bias in zip(rows.jacobian, rows.bias, strict=True)
+        ]
+
+    def start(self, n: int) -> list[Any]:
+        """The accelerations (n) of the dependent joints while the independent ones have none."""
+        bias = np.concatenate([row.bias for row in self.rows])
+        a: list[Any] = [0.0] * n
+        for j, x in zip(self.dependent, self.inverse @ (self.dependent_columns.T @ bias), strict=True):
+            a[j] = x
+        return a
+
+    def multipliers(self, torques: Columns) -> Scalars:
+        """Of the rows that can move, smallest first, whose Jᵀ λ are these torques (n)."""
+        wanted = np.array([torques[j] for j in self.dependent], dtype=object)
+        found: Scalars = self.dependent_columns @ (self.inverse @ wanted)
+        return found
+
+
+def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) -> Closing:
+    """Of q, v of all joints that no couplings drive."""
+    at = places(links, q)
+    rows = [chord_rows(links, at, chord, v) for chord in model.chords]
+    jacobian = np.concatenate([row.jacobian for row in rows])
+    dependent = list(model.dependent_joints)
+    independent = [j for j in range(len(links)) if j not in dependent]
+    columns = jacobian[:, dependent]
+    normal = columns.T @ columns
+    inverse, pivots = inverted(normal, [range(j)[::-1] for j in range(len(normal))])
+    motions_of = zeros(len(links), len(independent))
+    motions_of[independent, range(len(independent))] = 1.0
+    motions_of[dependent, :] = -(inverse @ (columns.T @ jacobian[:, independent]))
+    sizes = [sum(x * x for x in jacobian[[not is_zero(x) for x in column]].ravel()) for column in columns.T]
+    watched = [_ratio(pivot, size) * CAUTION for pivot, size in zip(pivots, sizes, strict=True)]
+    for row in rows:
+        watched += [1.0 - gap * gap * (1.0 / CLOSED**2) for gap in row.gap]
+        watched += row.agreeing
+        watched += [_opening(line, v, 0.0) for line in row.jacobian]
+    return Closing(motions_of, dependent, columns, inverse, rows, watched)
+
+
+def forward_dynamics(
+    model: RobotModel,
+    links: Sequence[Link],
+    root: Root,
+    q: Columns,
+    v: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None = None,
+) -> dict[str, list[Any]]:
+    """As graphdyn.recursions.forward answers, with chord_multipliers, and forces along the pins."""
+    held = closing(model, links, q, v)
+    k, start = held.motions, held.start(len(links))
+    mass = k.T @ mass_matrix(links, q) @ k
+    inverse, pivots = inverted(mass, [range(j)[::-1] for j in range(len(mass))])
+    needed = np.array(inverse_dynamics(links, root, q, v, start, external)["tau"], dtype=object)
+    gained = k @ (inverse @ (k.T @ (np.array(tau, dtype=object) - needed)))
+    a = [x + y for x, y in zip(start, gained, strict=True)]
+    watched = [_ratio(pivot, size) for pivot, size in zip(pivots, mass.diagonal(), strict=True)]
+    answer = _reactions(model, links, root, held, q, v, a, tau, external)
+    return {"a": a, **answer, "pivots": held.watched + watched}
+
+
+def inverse_dynamics_at_motors(
+    model: RobotModel,
+    links: Sequence[Link],
+    root: Root,
+    q: Columns,
+    v: Columns,
+    a: Columns,
+    external: Sequence[Wrench] | None = None,
+) -> dict[str, list[Any]]:
+    """As graphdyn.recursions.inverse answers, with torques at the actuated joints alone, the smallest that do."""
+    held = closing(model, links, q, v)
+    needed = np.array(inverse_dynamics(links, root, q, v, a, external)["tau"], dtype=object)
+    to_motors, pivots = _actuation(model, held)
+    tau = list(to_motors @ needed)
+    answer = _reactions(model, links, root, held, q, v, a, tau, external)
+    return {"tau": tau, **answer, "pivots": held.watched + held.opened_by(a) + pivots}
+
+
+def at_motors(
+    model: RobotModel,
+    links: Sequence[Link],
+    q: Columns,
+    v: Columns,
+    name: str,
+    torques: Scalars | Columns,
+    a: Columns = (),
+) -> dict[str, list[Any]]:
+    """Torques (n) or torques per parameter (n, k) of the joints without chords, at the actuated joints, by name.
+
+    a: accelerations that must keep the loops closed, if any
+    """
+    held = closing(model, links, q, v)
+    to_motors, pivots = _actuation(model, held)
+    return {
+        name: list((to_motors @ np.asarray(torques, dtype=object)).ravel()),
+        "pivots": held.watched + (held.opened_by(a) if len(a) else []) + pivots,
+    }
+
+
+def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:
+    """T (n, n) with τ = T f: K_s (K_sᵀK_s)⁻¹ Kᵀ at the motors s, and what says that these leave a motion free."""
+    motors = [model.joint_names.index(name) for name in model.actuated or ()]
+    whole, of_motors = zeros(len(held.motions), len(held.motions)), held.motions[motors]
+    square = of_motors.T @ of_motors
+    inverse, pivots = inverted(square, [range(j)[::-1] for j in range(len(square))])
+    whole[motors, :] = of_motors @ inverse @ held.motions.T
+    if model.actuated is None:
+        return whole, [0.0]  # suspicious, so that the specification refuses
+    return whole, [_ratio(pivot, size) * CAUTION for pivot, size in zip(pivots, square.diagonal(), strict=True)]
+
+
+def _reactions(
+    model: RobotModel,
+    links: Sequence[Link],
+    root: Root,
+    held: Closing,
+    q: Columns,
+    v: Columns,
+    a: Columns,
+    tau: Columns,
+    external: Sequence[Wrench] | None,
+) -> dict[str, list[Any]]:
+    """body_accelerations, multipliers, joint_wrenches and chord_multipliers; zero in rows that hold nothing."""
+    at = places(links, q)
+    moving = motions(links, at, root, v, a)
+    required = [inertial_wrench(*pair) for pair in zip(links, moving, strict=True)]
+    without = transmitted(links, at, required, external)
+    torques = [force[2] if link.prismatic else moment[2] for link, (force, moment) in zip(links, without, strict=True)]
+    found = held.multipliers([x - y for x, y in zip(tau, torques, strict=True)])
+    loads = [(zeros(3), zeros(3)) for _ in links] if external is None else list(external)
+    of_chords, first = [], 0
+    for chord, rows in zip(model.chords, held.rows, strict=True):
+        multipliers = list(found[first : first + len(rows.numbers)])
+        first += len(rows.numbers)
+        whole: list[Any] = [0.0] * len(chord.rows)
+        for number, multiplier, on_i, on_j in zip(rows.numbers, multipliers, rows.on_i, rows.on_j, strict=True):
+            whole[number] = multiplier
+            for body, (force, moment) in ((chord.body_i, on_i), (chord.body_j, on_j)):
+                if body:
+                    f, n = loads[body - 1]
+                    loads[body - 1] = f + force * multiplier, n + moment * multiplier
+        of_chords += whole
+    wrenches = transmitted(links, at, required, loads)
+    return {"chord_multipliers": of_chords, **along_pins(links, at, root, moving, wrenches)}
+
+
+def _opening(line: Scalars, rates: Columns, wanted: Any) -> Any:
+    """Negative where a row times rates is not as wanted, to CLOSED of its terms."""
+    terms = [x * rate for x, rate in zip(line, rates, strict=True)]
+    error, size = sum(terms) - wanted, sum(x * x for x in terms) + wanted * wanted
+    return (size * CLOSED**2 - error * error) * TINY + 1e-6
+
+
+def _ratio(pivot: Any, size: Any) -> Any:
+    """pivot / size, and the pivot itself where it is known to be zero."""
+    return pivot if is_zero(pivot) else pivot / size

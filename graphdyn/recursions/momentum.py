@@ -1,0 +1,135 @@
+"""Energies of all bodies together, from the motion of their link frames, and what each inertial parameter adds.
+
+Center of mass and momentum of all bodies together, by sums from the leaves to the ground.
+
+Orin, Goswami and Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 35(2), 2013. All sums are about
+joint 1 (motion.rooted); mass is the total mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from graphdyn.recursions.inertia import composites, per_rate
+from graphdyn.recursions.inverse import Wrench, added, inwards, transmitted
+from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.motion import Place, Root, origins, places, rooted, rotations, twists
+from graphdyn.scalars.differentiation import directional, jacobian
+from graphdyn.scalars.vectors import Scalars, cross, zeros
+
+
+def kinetic_energy(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
+    """Σ ½ m u² + u·(ω × m c) + ½ ωᵀ I ω, u the velocity of O_j and I the tensor about it."""
+    total: Any = 0.0
+    for link, (u, omega) in zip(links, twists(links, places(links, q), root, v), strict=True):
+        twice = u @ (u * link.mass + cross(omega, link.first_moment) * 2.0) + omega @ (link.tensor @ omega)
+        total = total + twice * 0.5
+    return [total]
+
+
+def potential_energy(links: Sequence[Link], root: Root, q: Sequence[Any]) -> list[Any]:
+    """-Σ g·m r, from the world's origin to each center of mass."""
+    at = places(links, q)
+    axes = rotations(links, at, root)
+    total: Any = 0.0
+    for link, origin, to_world in zip(links, origins(links, at, axes, root), axes, strict=True):
+        total = total - root.gravity @ (origin * link.mass + to_world @ link.first_moment)
+    return [total]
+
+
+def energy_regressor(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> dict[str, list[Any]]:
+    """kinetic and potential (10 n each): the energies are linear in m, m c and I, the tensor about O_j in link axes."""
+    at = places(links, q)
+    kinetic: list[Any] = []
+    potential: list[Any] = []
+    fields: list[tuple[Any, Scalars]] = []  # -g·O_j and -g in joint axes
+    for link, place, twist in zip(links, at, twists(links, at, root, v), strict=True):
+        u, w = (link.link_axes @ x for x in twist)
+        squares = [w[0] * w[0] * 0.5, w[0] * w[1], w[1] * w[1] * 0.5, w[0] * w[2], w[1] * w[2], w[2] * w[2] * 0.5]
+        kinetic += [u @ u * 0.5, *cross(u, w), *squares]
+        ground = -(root.gravity @ root.position), -(root.rotation.T @ root.gravity)
+        height, up = fields[link.inside] if link.inside >= 0 else ground
+        fields.append((height + up @ place.translation, place.outwards(up)))
+        potential += [fields[-1][0], *(link.link_axes @ fields[-1][1]), *[0.0] * len(squares)]
+    return {"kinetic": kinetic, "potential": potential}
+
+
+def center_of_mass(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> list[Any]:
+    """In the world (3,)."""
+    links, root = rooted(links, root)
+    return list(root.position + root.rotation @ _center(links, places(links, q), mass))
+
+
+def center_of_mass_velocity(
+    links: Sequence[Link], root: Root, mass: float, q: Sequence[Any], v: Sequence[Any]
+) -> list[Any]:
+    """World axes (3,)."""
+    links, root = rooted(links, root)
+    center = _center(links, places(links, q), mass)
+    in_ground = np.array(directional(list(center), q, v), dtype=object)
+    return list(root.rotation @ (root.velocity + cross(root.omega, center) + in_ground))
+
+
+def center_of_mass_jacobian(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> Scalars:
+    """World axes (3, n)."""
+    links, root = rooted(links, root)
+    columns: Scalars = root.rotation @ jacobian(list(_center(links, places(links, q), mass)), q)
+    return columns
+
+
+def momentum(
+    links: Sequence[Link], root: Root, mass: float, q: Sequence[Any], v: Sequence[Any]
+) -> dict[str, list[Any]]:
+    """about_center_of_mass and about_origin (6 each): linear, then angular momentum, world axes."""
+    links, root = rooted(links, root)
+    at = places(links, q)
+    of_bodies = [_momentum(link, *twist) for link, twist in zip(links, twists(links, at, root, v), strict=True)]
+    in_ground, about_joint = _at_ground(links, at, transmitted(links, at, of_bodies, None))
+    linear, center = root.rotation @ in_ground, _center(links, at, mass)
+    about_center = root.rotation @ (about_joint - cross(center, in_ground))
+    about_origin = root.rotation @ about_joint + cross(root.position, linear)
+    return {"about_center_of_mass": [*linear, *about_center], "about_origin": [*linear, *about_origin]}
+
+
+def centroidal_map(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> Scalars:
+    """(6, n): column j is the momentum that a unit velocity of joint j gives, about the center of mass, world axes."""
+    links, root = rooted(links, root)
+    root = replace(root, position=zeros(3))
+    at = places(links, q)
+    axes = rotations(links, at, root)
+    center = root.rotation @ _center(links, at, mass)
+    columns = []
+    for link, outside, to_world, origin in zip(
+        links, composites(links, at), axes, origins(links, at, axes, root), strict=True
+    ):
+        linear, angular = (to_world @ part for part in per_rate(link.prismatic, outside))
+        columns.append([*linear, *(angular + cross(origin - center, linear))])
+    return np.array(columns, dtype=object).T
+
+
+def _momentum(link: Link, u: Scalars, omega: Scalars) -> Wrench:
+    """m u + ω × m c, and m c × u + I ω about O_j, of the velocity u of O_j; joint axes."""
+    return u * link.mass + cross(omega, link.first_moment), cross(link.first_moment, u) + link.tensor @ omega
+
+
+def _center(links: Sequence[Link], at: Sequence[Place], mass: float) -> Scalars:
+    """Of all bodies, from the origin of the ground frame in its axes."""
+    first_moment = zeros(3)
+    for link, place, outside in zip(links, at, composites(links, at), strict=True):
+        if link.inside < 0:
+            first_moment = first_moment + outside.inwards(place).first_moment
+    center: Scalars = first_moment / mass
+    return center
+
+
+def _at_ground(links: Sequence[Link], at: Sequence[Place], of_joints: Sequence[Wrench]) -> Wrench:
+    """The sum of what the joints on the ground transmit, about the origin of the ground frame in its axes."""
+    total = zeros(3), zeros(3)
+    for link, place, wrench in zip(links, at, of_joints, strict=True):
+        if link.inside < 0:
+            total = added(total, inwards(place, wrench))
+    return total

@@ -1,0 +1,157 @@
+"""Steps of fixed width in compiled code: from a plant and a controller to blocks of robots, and back to arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from graphdyn.compiler.batch import ground_columns
+from graphdyn.compiler.native import compiling, host_lanes
+from graphdyn.compiler.running import LONGEST, chosen_backend, in_threads
+from graphdyn.compiler.simulated import Inputs, in_joint_axes, record_accelerations, record_law
+from graphdyn.compiler.stepping.layout import StepCode
+from graphdyn.compiler.stepping.stepping import CompiledSteps, Stretch, in_blocks, out_of_blocks
+from graphdyn.experiments.experiment import carriage
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.scalars.expressions import Program
+from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
+from graphdyn.simulation.integration.steps import Tableau, tableau
+from graphdyn.simulation.plant import Plant
+
+MEMORY = 1 << 26
+"""Bytes of torques, noise and records of the blocks that a thread has in hand at once, roughly."""
+
+_programs: WeakKeyDictionary[RobotModel, dict[Inputs, Program]] = WeakKeyDictionary()
+_compiled: WeakKeyDictionary[RobotModel, dict[tuple[Any, ...], CompiledSteps]] = WeakKeyDictionary()
+
+
+def can_compile(plant: Plant) -> bool:
+    """Whether compiled steps can take this plant on this back end."""
+    if chosen_backend() != "llvm" or plant.wrenches is not None:
+        return False
+    return _accelerations(plant.model, _inputs(plant)).length <= LONGEST
+
+
+def _accelerations(model: RobotModel, inputs: Inputs) -> Program:
+    """The program, recorded once per robot."""
+    with compiling:
+        known = _programs.setdefault(model, {})
+        if inputs not in known:
+            known[inputs] = record_accelerations(model, inputs)
+        return known[inputs]
+
+
+def compiled_steps(
+    plant: Plant, method: str, controller: Controller | None, noisy: bool = False, lanes: int | None = None
+) -> CompiledSteps:
+    """The machine code, compiled once per robot and choice of what there is beside the rigid bodies."""
+    lanes = lanes or host_lanes()
+    nominal = controller.nominal if isinstance(controller, ComputedTorqueControl) else None
+    law = controller.law if controller else None
+    inputs = _inputs(plant)
+    key = (method, inputs, law, nominal, noisy, plant.has_friction, plant.has_stops, plant.is_clamped, lanes)
+    with compiling:
+        known = _compiled.setdefault(plant.model, {})
+        if key not in known:
+            own: Tableau = tableau(method)
+            known[key] = CompiledSteps(
+                StepCode(
+                    n=plant.model.n_freedoms,
+                    accelerations=_accelerations(plant.model, inputs),
+                    law=record_law(nominal or plant.model, law) if law else None,
+                    a=own.a,
+                    b=own.b,
+                    friction=plant.has_friction,
+                    stops=plant.has_stops,
+                    clamped=plant.is_clamped,
+                    noisy=noisy,
+                ),
+                lanes,
+            )
+        return known[key]
+
+
+def _inputs(plant: Plant) -> Inputs:
+    there = plant.constants
+    return Inputs(
+        external="external_wrenches" in there,
+        moving_base=bool(plant.base),
+        parameters="parameters" in there,
+        rotor="rotor" in there,
+        free=plant.sticks,
+    )
+
+
+def fitting_lanes(runs: int) -> int:
+    """The narrowest vectors that hold all runs: one robot alone is faster in short ones."""
+    return min([lanes for lanes in (2, 4, 8) if lanes >= runs] + [host_lanes()])
+
+
+def constants_of(steps: CompiledSteps, plant: Plant, gains: Array | None, runs: int) -> Array:
+    """The constants in blocks; gains (runs, 2 n) of the controller."""
+    known = dict(plant.constants)
+    if gains is not None:
+        known["gains"] = gains
+    if "parameters" in known:
+        known["parameters"] = in_joint_axes(plant.model, known["parameters"])
+    widths = steps.what.constants
+    columns = {name: np.broadcast_to(known[name], (runs, widths[name])) for name in widths}
+    return in_blocks(columns, widths, runs, steps.lanes)
+
+
+def ground_of(plant: Plant, method: str, stretch: Stretch, end: float) -> Array | None:
+    """The motion of the base at every stage (steps, stages, columns), up to an end; None where it is at rest."""
+    if not plant.base:
+        return None
+    stages = tableau(method).c
+    steps = np.arange(stretch.start, stretch.start + stretch.count)
+    times = np.minimum((steps[:, None] + stages) * stretch.h, end).ravel()
+    columns = ground_columns(plant.model, carriage(plant.base, times), times.shape)
+    return np.ascontiguousarray(columns).reshape(len(steps), len(stages), -1)
+
+
+def run_blocks(
+    steps: CompiledSteps,
+    stretch: Stretch,
+    state: Array,
+    constants: Array,
+    control: Callable[[int, int], Array],
+    noise: Callable[[int, int], Array | None],
+    ground: Array | None,
+    memory: Array,
+    runs: int,
+    threads: int | None,
+) -> dict[str, Array]:
+    """Advance all blocks of a state in place; the recorded columns by name (runs, records, width).
+
+    control, noise: of the runs first … last - 1, in blocks
+    """
+    lanes, widths = steps.lanes, steps.what.record
+    blocks, columns = len(state), sum(widths.values())
+    records = {name: np.empty((runs, stretch.records, width)) for name, width in widths.items()}
+    one = 8 * lanes * (stretch.records * columns + stretch.ticks * sum(steps.what.control.values()))
+    size = max(1, min(MEMORY // max(one, 1), -(-blocks // 64) if blocks > 64 else 1))
+    ends = [*range(0, blocks, size), blocks]
+
+    def work(first: int, last: int) -> None:
+        of_runs = (first * lanes, min(last * lanes, runs))
+        torques, noises = control(*of_runs), noise(*of_runs)
+        record = np.empty((last - first, stretch.records, columns, lanes))
+        own = slice(first, last)
+        steps.run(stretch, state[own], constants[own], torques, noises, ground, record, memory[own])
+        for name, rows in out_of_blocks(record, widths, of_runs[1] - of_runs[0]).items():
+            records[name][of_runs[0] : of_runs[1]] = rows
+
+    in_threads(work, list(pairwise(ends)), threads)
+    return records
+
+
+def state_blocks(steps: CompiledSteps, q: Array, v: Array) -> Array:
+    """q, v (runs, n) in blocks, with no work done yet."""
+    nothing = np.zeros((len(q), 1))
+    return in_blocks({"q": q, "v": v, "work": nothing, "loss": nothing}, steps.what.state, len(q), steps.lanes)

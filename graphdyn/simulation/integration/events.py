@@ -1,0 +1,124 @@
+"""Events between steps of fixed width: found where a function changes its sign from one step to the next.
+
+Between two steps q and v are cubic, from the values and rates at both (Hermite).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.simulation.drives import position_limits
+from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
+from graphdyn.simulation.loops.equations import LoopEquations, equations_of
+from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.torques import Torques
+
+Rows = dict[str, Array]
+
+
+class Scan:
+    """Looks through the rows of all steps, chunk after chunk.
+
+    occurrences: what was found; ended: name of the event that ends the simulation, "" as long as there was none
+    """
+
+    def __init__(self, plant: Plant, source: Torques, events: Sequence[Event], stop_at_limits: bool) -> None:
+        self._plant, self._source = plant, source
+        self._events = [*events, *(limit_events(plant) if stop_at_limits else [])]
+        self._before: Course | None = None
+        self.occurrences: list[Occurrence] = []
+        self.ended = ""
+
+    @property
+    def needed(self) -> bool:
+        return bool(self._events)
+
+    def searched(self, course: Course) -> Course:
+        """The rows up to the first event that stops, whose own row is the last."""
+        rows = course if self._before is None else Course.joined([self._before, course], [], "")
+        found = [
+            (_crossing(rows, k, event), k, event)
+            for event in self._events
+            for k in changes(_values(event, rows), event.direction)
+        ]
+        overlap = 0 if self._before is None else 1
+        self._before = rows.rows(slice(-1, None))
+        for time, k, event in sorted(found, key=lambda item: item[0]):
+            state = _between(rows, k, time)
+            self.occurrences.append(Occurrence(event.name, time, state["q"], state["v"]))
+            if event.stop:
+                self.ended = event.name
+                return Course.joined([rows.rows(slice(overlap, k + 1)), self._row(rows, k, time, state)], [], "")
+        return course
+
+    def _row(self, rows: Course, k: int, time: float, state: Rows) -> Course:
+        """The row of an event between rows k and k + 1."""
+        equations, q, v = equations_of(self._plant), state["q"], state["v"]
+        if isinstance(equations, LoopEquations):
+            q, v = equations.closed(q, v)
+            state = {**state, "q": q, "v": v}
+        held = self._source.function is None
+        tau = rows.columns["tau"][k] if held else equations.clamped(self._source.tau_at(time, q, v))
+        found = equations.rates(time, q, v, tau, equations.contact(time, q, v, tau))
+        values = {**state, "tau": tau, "a": found.a, "passive": found.passive}
+        return Course(np.array([time]), {name: values[name][None] for name in COLUMNS})
+
+
+def limit_events(plant: Plant) -> list[Event]:
+    """The position limits of all joints, each of which ends a simulation."""
+    events = []
+    for side, limits, direction in zip(("lower", "upper"), position_limits(plant.model), (-1, 1), strict=True):
+        for j in np.flatnonzero(np.isfinite(limits)).tolist():
+            name = f"{side} limit of joint '{plant.model.joint_names[j]}'"
+            events.append(Event(_beyond(plant.model, j, limits[j]), name, True, 1 if direction > 0 else -1))
+    return events
+
+
+def _beyond(model: RobotModel, j: int, limit: float) -> Callable[[float, Array, Array], float]:
+    return lambda t, q, v: float(model.joint_positions(q)[j] - limit)
+
+
+def _values(event: Event, rows: Course) -> Array:
+    q, v = rows.columns["q"], rows.columns["v"]
+    return np.array([float(event.function(t, q[k], v[k])) for k, t in enumerate(rows.time.tolist())])
+
+
+def changes(values: Array, direction: int) -> list[int]:
+    """Rows after which the sign changes; zero itself belongs to the step that ends there."""
+    before, after = values[:-1], values[1:]
+    rises, falls = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
+    chosen = rises if direction > 0 else falls if direction < 0 else rises | falls
+    return [int(k) for k in np.flatnonzero(chosen)]
+
+
+def _crossing(rows: Course, k: int, event: Event) -> float:
+    """When the function vanishes between rows k and k + 1."""
+    from scipy.optimize import brentq
+
+    def value(time: float) -> float:
+        state = _between(rows, k, time)
+        return float(event.function(time, state["q"], state["v"]))
+
+    first, last = float(rows.time[k]), float(rows.time[k + 1])
+    if value(last) == 0:
+        return last
+    return float(brentq(value, first, last, xtol=4 * np.finfo(float).eps * last))
+
+
+def _between(rows: Course, k: int, time: float) -> Rows:
+    """q, v, work and loss at a time between rows k and k + 1."""
+    x, (start, end) = rows.columns, rows.time[[k, k + 1]]
+    rates = {"q": x["v"], "v": x["a"]}
+    for name, torque in (("work", x["tau"]), ("loss", x["passive"])):
+        rates[name] = (torque * x["v"]).sum(axis=-1, keepdims=True)
+    h = end - start
+    s = (time - start) / h
+    weights = (1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2 * h, s**2 * (3 - 2 * s), s**2 * (s - 1) * h
+    return {
+        name: weights[0] * x[name][k] + weights[1] * rate[k] + weights[2] * x[name][k + 1] + weights[3] * rate[k + 1]
+        for name, rate in rates.items()
+    }

@@ -1,0 +1,182 @@
+"""A simulation in steps of equal width, compiled where that is possible, with events found between the steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from math import gcd
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.compiler.stepping.stepping import Stretch
+from graphdyn.errors import IntegrationFailed, InvalidInput
+from graphdyn.layout import Array
+from graphdyn.simulation.integration.compiled import (
+    can_compile,
+    compiled_steps,
+    constants_of,
+    fitting_lanes,
+    ground_of,
+    run_blocks,
+    state_blocks,
+)
+from graphdyn.simulation.integration.course import COLUMNS, Course, Event
+from graphdyn.simulation.integration.equations import Equations
+from graphdyn.simulation.integration.events import Scan
+from graphdyn.simulation.integration.steps import python_steps, tableau
+from graphdyn.simulation.loops.equations import LoopEquations
+from graphdyn.simulation.loops.steps import LoopSteps
+from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.torques import DIVIDES, FOREVER, SMALLER, Torques, whole_steps
+
+CHUNK = 4096
+"""Steps after which progress is told and events are looked for."""
+
+FEW = 64
+"""The same for robots with loops, whose steps take milliseconds."""
+
+Rows = dict[str, Array]
+
+
+def fixed(
+    plant: Plant,
+    start: tuple[Array, Array],
+    duration: float,
+    source: Torques,
+    method: str,
+    step: float,
+    at: Array | None,
+    events: Sequence[Event],
+    stop_at_limits: bool,
+    progress: Callable[[float], None],
+    compiled: bool = True,
+) -> Course:
+    """Rows at the times asked for. Raises InvalidInput, IntegrationFailed.
+
+    compiled: whether compiled steps may be used
+    """
+    steps = whole_steps("the duration", duration, step)
+    wanted = np.arange(steps + 1) if at is None else _numbers_of_steps(at, step)
+    scan = Scan(plant, source, events, stop_at_limits)
+    every = 1 if scan.needed else max(gcd(*wanted.tolist()), 1)
+    hold = source.steps_held(step, steps)
+    if plant.model.chords:
+        run = loop_chunks
+    else:
+        run = compiled_chunks if compiled and source.function is None and can_compile(plant) else python_chunks
+    parts, done = [], 0
+    size = FEW if plant.model.chords else CHUNK
+    for stretch, rows in run(plant, start, source, method, stretches(steps, every, hold, step, size)):
+        numbers = np.arange(-(-stretch.start // every) * every, stretch.start + stretch.count, every)
+        times = numbers.astype(float) * step
+        _refuse_infinite(times, rows)
+        course = scan.searched(Course(times, rows)) if scan.needed else Course(times, rows)
+        parts.append(course)
+        done = stretch.start + stretch.count
+        progress(min(done * step, duration))
+        if scan.ended:
+            break
+    whole = Course.joined(parts, scan.occurrences, scan.ended)
+    if at is None or not len(whole.time):
+        return whole
+    last = whole.time[-1] if scan.ended else np.inf
+    chosen = wanted[wanted * step <= last] // every
+    if scan.ended and (not chosen.size or whole.time[chosen[-1]] < last):
+        chosen = np.append(chosen, len(whole.time) - 1)
+    return whole.rows(chosen)
+
+
+def stretches(steps: int, every: int, hold: int, h: float, size: int = CHUNK) -> Iterator[Stretch]:
+    """Chunks of the steps 0 … steps, the last of which is for its record; each begins with a new torque if any does."""
+    size = size if hold == FOREVER else -(-size // hold) * hold
+    for first in range(0, steps + 1, size):
+        yield Stretch(first, min(size, steps + 1 - first), every, hold, h)
+
+
+def python_chunks(
+    plant: Plant, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[Stretch]
+) -> Iterator[tuple[Stretch, Rows]]:
+    """Every chunk with its records."""
+    equations = Equations(plant)
+    state = {"q": start[0], "v": start[1], "work": np.zeros(1), "loss": np.zeros(1)}
+    for stretch in chunks:
+        period = stretch.hold * stretch.h
+
+        def held(tick: int, q: Array, v: Array, period: float = period) -> Array:
+            return source.tau_from(tick * period, q, v)
+
+        with np.errstate(over="ignore", invalid="ignore"):
+            rows = python_steps(
+                equations, tableau(method), stretch, state, source.tau_at, None if source.function else held
+            )
+        yield stretch, {name: np.array(rows[name]).reshape(stretch.records, -1) for name in COLUMNS}
+
+
+def loop_chunks(
+    plant: Plant, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[Stretch]
+) -> Iterator[tuple[Stretch, Rows]]:
+    """The same of a robot with loops, after few steps each."""
+    equations = LoopEquations(plant)
+    steps = LoopSteps(equations, tableau(method), closed_stages=source.function is not None)
+    y, n, tau = np.concatenate([*start, np.zeros(2)]), len(start[0]), np.zeros(len(start[0]))
+
+    def torque(t: float, q: Array, v: Array) -> Array:
+        return tau if source.function is None else equations.clamped(source.tau_at(t, q, v))
+
+    for stretch in chunks:
+        rows: list[dict[str, Array]] = []
+        for step in range(stretch.start, stretch.start + stretch.count):
+            t = step * stretch.h
+            if source.function is None and (step % stretch.hold == 0 or step == stretch.start):
+                tick = step // stretch.hold
+                tau = equations.clamped(source.tau_from(tick * stretch.hold * stretch.h, y[:n], y[n : 2 * n]))
+            if step % stretch.every == 0:
+                rows.append(steps.row(t, y, torque))
+            y = steps.advanced(t, y, stretch.h, torque).y
+        yield stretch, {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+
+
+def compiled_chunks(
+    plant: Plant, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[Stretch]
+) -> Iterator[tuple[Stretch, Rows]]:
+    """The same from compiled steps."""
+    steps = compiled_steps(plant, method, source.controller, lanes=fitting_lanes(1))
+    state = state_blocks(steps, start[0][None], start[1][None])
+    constants = constants_of(steps, plant, source.gains, 1)
+    memory = steps.memory(1)
+    for stretch in chunks:
+        columns = source.columns(stretch.first_tick, stretch.ticks, stretch.hold * stretch.h)
+        control = np.repeat(columns[None, :, :, None], steps.lanes, axis=-1)
+
+        def repeated(first: int, last: int, control: Array = control) -> Array:
+            return control
+
+        records = run_blocks(
+            steps,
+            stretch,
+            state,
+            constants,
+            repeated,
+            lambda first, last: None,
+            ground_of(plant, method, stretch, source.duration),
+            memory,
+            1,
+            1,
+        )
+        yield stretch, {name: records[name][0] for name in COLUMNS}
+
+
+def _numbers_of_steps(at: Array, step: float) -> NDArray[np.int64]:
+    numbers = np.round(at / step)
+    apart = np.abs(at / step - numbers) > DIVIDES * np.maximum(numbers, 1)
+    if apart.any():
+        raise InvalidInput(
+            f"time {at[apart][0]:g} s of at is no multiple of the step, {step:g} s; take such times, or method 'dop853'"
+        )
+    return numbers.astype(np.int64)
+
+
+def _refuse_infinite(times: Array, rows: Rows) -> None:
+    finite = np.isfinite(rows["q"]).all(axis=-1) & np.isfinite(rows["v"]).all(axis=-1)
+    if not finite.all():
+        raise IntegrationFailed(f"at {times[int(np.argmin(finite))]:g} s the numbers are no longer finite; {SMALLER}")

@@ -1,0 +1,181 @@
+"""Robots with loops, in steps that adapt to a tolerance: DOP853, each step closed before the next begins.
+
+Error and width of the steps as in Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, section II.10,
+and in scipy.integrate. Near a singular pose rounding errors are divided by small numbers, which smaller steps make
+worse: there steps do not become narrower than a part of those before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from graphdyn.errors import IntegrationFailed
+from graphdyn.layout import Array
+from graphdyn.simulation.integration.adaptive import Ticks, Tolerances
+from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
+from graphdyn.simulation.integration.events import changes, limit_events
+from graphdyn.simulation.integration.steps import Torque, tableau
+from graphdyn.simulation.loops.equations import LoopEquations
+from graphdyn.simulation.loops.steps import LoopSteps, Stepped
+
+SAFETY, NARROWER, WIDER, ORDER = 0.9, 0.2, 10.0, 8
+"""Of the choice of the next width, as in scipy.integrate."""
+
+NARROWEST_NEAR_POSE = 1 / 8
+"""Of a step near a singular pose, relative to the last one far from it."""
+
+NARROWEST = 1e-14
+"""Of a step, as a part of the duration: narrower ones would be lost in the rounding of the time."""
+
+FIRST = 1e-3
+"""Width of the first step that is tried, as a part of the duration."""
+
+
+def loop_adaptive(
+    equations: LoopEquations,
+    start: tuple[Array, Array],
+    duration: float,
+    torque: Torque | Ticks,
+    closed_stages: bool,
+    tolerances: Tolerances,
+    at: Array | None,
+    events: Sequence[Event],
+    stop_at_limits: bool,
+    progress: Callable[[float], None],
+) -> Course:
+    """As graphdyn.simulation.integration.adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
+    run = _Run(equations, start, torque, closed_stages, tolerances, duration)
+    watched = [*events, *(limit_events(equations.plant) if stop_at_limits else [])]
+    rows, times, occurrences, ended = list[dict[str, Array]](), list[float](), list[Occurrence](), ""
+    targets = np.append(duration if at is None else at[at > 0], duration)
+    if at is None or at[0] == 0:
+        times, rows = [0.0], [run.row()]
+    before = [event.function(0.0, *run.state) for event in watched]
+    while run.t < duration and not ended:
+        target = float(targets[np.searchsorted(targets, run.t, side="right")])
+        origin = run.t, run.y
+        run.advance(target)
+        found = []
+        after = [event.function(run.t, *run.state) for event in watched]
+        for event, values in zip(watched, zip(before, after, strict=True), strict=True):
+            if changes(np.array(values, dtype=float), event.direction):
+                found.append((*run.crossing(origin, event), event))
+        for time, y, event in sorted(found, key=lambda item: item[0]):
+            q, v = run.split(y)
+            occurrences.append(Occurrence(event.name, time, q, v))
+            if event.stop:
+                run.t, run.y, ended = time, y, event.name
+                break
+        before = after
+        if ended or at is None or run.t in at:
+            times, rows = [*times, run.t], [*rows, run.row()]
+        progress(run.t)
+    columns = {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+    return Course(np.array(times), columns, tuple(occurrences), ended)
+
+
+class _Run:
+    """One integration; t and y = (q, v, work, loss) are where it has come to."""
+
+    def __init__(
+        self,
+        equations: LoopEquations,
+        start: tuple[Array, Array],
+        torque: Torque | Ticks,
+        closed_stages: bool,
+        tolerances: Tolerances,
+        duration: float,
+    ) -> None:
+        from scipy.integrate import DOP853
+
+        self._equations, self._torque, self._tolerances = equations, torque, tolerances
+        errors = np.array([DOP853.E3[: DOP853.n_stages], DOP853.E5[: DOP853.n_stages]])
+        self._steps = LoopSteps(equations, tableau("rk8"), closed_stages, errors)
+        self._n, self._tick, self._width, self._duration = len(start[0]), -1, FIRST * duration, duration
+        self._far_width = self._width
+        self.t, self.y = 0.0, np.concatenate([*start, np.zeros(2)])
+        self._hold()
+
+    @property
+    def state(self) -> tuple[Array, Array]:
+        return self.split(self.y)
+
+    def split(self, y: Array) -> tuple[Array, Array]:
+        return y[: self._n], y[self._n : 2 * self._n]
+
+    def row(self) -> dict[str, Array]:
+        return self._steps.row(self.t, self.y, self._tau)
+
+    def advance(self, target: float) -> None:
+        """One step, to the target at most, and to the next new torque."""
+        end = target
+        if isinstance(self._torque, Ticks):
+            end = min(end, (self._tick + 1) * self._torque.period)
+        while True:
+            h = min(self._width, end - self.t)
+            if h < min(NARROWEST * self._duration, end - self.t):
+                raise IntegrationFailed(
+                    f"the integration failed at {self.t:g} s: steps have become too narrow; the torques may be too "
+                    "stiff or too large"
+                )
+            step = self._tried(h)
+            error = np.inf if step is None else self._error(step)
+            wider = min(WIDER, SAFETY * error ** (-1 / ORDER)) if error > 0 else WIDER
+            near = step is not None and step.distance <= self._steps.wary
+            if step is not None and (error < 1 or (near and h <= self._far_width * NARROWEST_NEAR_POSE)):
+                break
+            self._width = h * max(NARROWER, wider)
+            if near:
+                self._width = max(self._width, self._far_width * NARROWEST_NEAR_POSE)
+        if not near:
+            self._far_width = h
+        self._width = max(self._width if h < self._width else 0.0, h * wider) if error < 1 else h
+        self.t, self.y = end if h == end - self.t else self.t + h, step.y
+        self._hold()
+
+    def crossing(self, origin: tuple[float, Array], event: Event) -> tuple[float, Array]:
+        """Time and state at which an event happens between an earlier state and this one."""
+        from scipy.optimize import brentq
+
+        t, y = origin
+
+        def state(h: float) -> Array:
+            return self._steps.advanced(t, y, h, self._tau).y if h else y
+
+        def value(h: float) -> float:
+            return float(event.function(t + h, *self.split(state(h))))
+
+        last = self.t - t
+        h = last if event.function(self.t, *self.state) == 0 else float(brentq(value, 0.0, last, xtol=1e-15))
+        return t + h, state(h)
+
+    def _tried(self, h: float) -> Stepped | None:
+        try:
+            with np.errstate(over="ignore", invalid="ignore"):
+                step = self._steps.advanced(self.t, self.y, h, self._tau)
+        except IntegrationFailed:
+            return None
+        return step if np.isfinite(step.y).all() else None
+
+    def _error(self, step: Stepped) -> float:
+        """Relative to the tolerances; the work follows from the motion, and does not control the steps."""
+        moving = slice(0, 2 * self._n)
+        size = np.maximum(np.abs(self.y), np.abs(step.y))[moving]
+        third, fifth = step.errors[:, moving] / (self._tolerances.atol + self._tolerances.rtol * size)
+        squares = fifth @ fifth, third @ third
+        if not squares[0]:
+            return 0.0
+        return float(squares[0] / np.sqrt((squares[0] + 0.01 * squares[1]) * 2 * self._n))
+
+    def _hold(self) -> None:
+        """Asks for the torque of the next tick, where it is held."""
+        torque = self._torque
+        if not isinstance(torque, Ticks):
+            self._tau: Torque = lambda t, q, v: self._equations.clamped(torque(t, q, v))
+            return
+        if self.t >= (self._tick + 1) * torque.period:
+            self._tick += 1
+            held = self._equations.clamped(torque.tau(self._tick, *self.state))
+            self._tau = lambda t, q, v: held

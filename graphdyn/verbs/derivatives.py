@@ -1,0 +1,148 @@
+"""The public verbs that answer derivatives in the joint positions, velocities, accelerations, torques and parameters.
+
+Column k of a derivative belongs to joint k: ∂x_i/∂q_k is its entry (…, i, k). External wrenches are fixed in the axes
+of their links. Leading dimensions of the arguments broadcast.
+"""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.verbs.answers import (
+    ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives,
+    InverseDynamicsSecondDerivatives,
+    ReactionDerivatives,
+)
+from graphdyn.verbs.table import Verbs
+
+
+@with_keywords
+def inverse_dynamics_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: InverseDynamicsDerivatives | None = None,
+) -> InverseDynamicsDerivatives:
+    """∂τ/∂q, ∂τ/∂v and ∂τ/∂a = M of inverse_dynamics.
+
+    The methods "projected" and "dense" differentiate those of inverse_dynamics by complex steps, "recursive" its
+    recorded recursion by automatic differentiation.
+    q, v, a: joint state and accelerations                  (…, n)     [rad or m, …/s, …/s²]
+    external_wrenches: force, moment on each body at O_j, fixed in link axes   (…, n, 6)  [N, N m]
+
+    Raises InvalidInput.
+    """
+    return Verbs.inverse_dynamics_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def inverse_dynamics_second_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: InverseDynamicsSecondDerivatives | None = None,
+) -> InverseDynamicsSecondDerivatives:
+    """∂²τ/∂q∂q, ∂²τ/∂q∂v, ∂²τ/∂q∂a and ∂²τ/∂v∂v of inverse_dynamics.
+
+    The methods "projected" and "dense" take exact differences of the first derivatives: in each angle they are sums of
+    sines and cosines up to the double angle, in slides and velocities polynomials. The program of "recursive" is
+    interpreted where it takes seconds to compile: a robot of six joints.
+    Arguments and errors as in inverse_dynamics_derivatives.
+    """
+    return Verbs.inverse_dynamics_second_derivatives(
+        model, (q, v, a), base, method, threads, check, out, external_wrenches
+    )
+
+
+@with_keywords
+def forward_dynamics_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: ForwardDynamicsDerivatives | None = None,
+) -> ForwardDynamicsDerivatives:
+    """∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of forward_dynamics.
+
+    The methods "projected" and "dense" differentiate those of forward_dynamics by complex steps; "recursive" computes
+    -M⁻¹ ∂τ/∂q and -M⁻¹ ∂τ/∂v at the accelerations found.
+    q, v, tau: joint state and actuator torques             (…, n)     [rad or m, …/s, N m or N]
+    external_wrenches: force, moment on each body at O_j, fixed in link axes   (…, n, 6)  [N, N m]
+
+    Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
+    """
+    return Verbs.forward_dynamics_derivatives(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def reaction_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: ReactionDerivatives | None = None,
+) -> ReactionDerivatives:
+    """Derivatives of the constraint forces of inverse_dynamics: multipliers and joint_wrenches, in q, v and a.
+
+    Arguments, methods and errors as in inverse_dynamics_derivatives.
+    """
+    return Verbs.reaction_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def forward_dynamics_parameter_derivatives(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """∂a/∂π (…, n, 10n) of forward_dynamics, π = model.inertial_parameters [rad/s² or m/s² per parameter].
+
+    -M⁻¹ W, with the joint_torque_regressor W at the accelerations found: M a + h = τ is linear in π. Those of inverse
+    dynamics are W itself.
+    q, v, tau: joint state and actuator torques             (…, n)     [rad or m, …/s, N m or N]
+    external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+
+    Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
+    """
+    return Verbs.forward_dynamics_parameter_derivatives(
+        model, (q, v, tau), base, method, threads, check, out, external_wrenches
+    )

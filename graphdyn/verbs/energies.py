@@ -1,0 +1,105 @@
+"""The public verbs that answer energies and power.
+
+Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for wrong shapes, NaN and infinity.
+"""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.verbs.answers import EnergyRegressor
+from graphdyn.verbs.table import Verbs
+
+
+@with_keywords
+def kinetic_energy(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """T = Σ ½ (m ṙ² + ωᵀ J ω) of all bodies (…) [J], in the world also where the base moves.
+
+    q, v: joint state (…, n) [rad or m, …/s]
+
+    Raises InvalidInput.
+    """
+    return Verbs.kinetic_energy(model, (q, v), base, method, threads, check, out)
+
+
+@with_keywords
+def potential_energy(
+    model: RobotModel,
+    q: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """U = -Σ m g·r of all bodies (…) [J]; zero where the centers of mass are at the height of the world's origin.
+
+    q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
+
+    Raises InvalidInput.
+    """
+    return Verbs.potential_energy(model, (q,), base, method, threads, check, out)
+
+
+@with_keywords
+def power(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    external_wrenches: ArrayLike | None = None,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """P_j = τ_j v_j (…, n) [W]: what each actuator supplies, with the torques of inverse_dynamics.
+
+    On a base at rest and without external wrenches, they add up to the rate of kinetic_energy + potential_energy.
+    q, v, a: joint state and accelerations                  (…, n)     [rad or m, …/s, …/s²]
+    external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
+
+    Raises InvalidInput.
+    """
+    return Verbs.power(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+
+
+@with_keywords
+def energy_regressor(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: EnergyRegressor | None = None,
+) -> EnergyRegressor:
+    """T = kinetic @ π and U = potential @ π, π = model.inertial_parameters: (…, 10n) each.
+
+    With τ·v = d(T + U)/dt, an identification without accelerations (Gautier and Khalil, "On the identification of the
+    inertial parameters of robots", IEEE Conference on Decision and Control, 1988). The zero of U is that of
+    potential_energy. The method "dense" is "projected" here.
+    q, v: joint state (…, n) [rad or m, …/s]
+
+    Raises InvalidInput.
+    """
+    return Verbs.energy_regressor(model, (q, v), base, method, threads, check, out)

@@ -1,0 +1,136 @@
+"""The public verbs that answer how a named frame moves.
+
+A frame is named as in RobotModel.frame: a body, the ground, a link fused into its parent, or the fixed joint that
+carried it. Reference says where and in which axes, with the words of Pinocchio:
+
+- "local": at the origin of the frame, in its own axes
+- "local_world_aligned": at the origin of the frame, in world axes
+- "world": in world axes at the world's origin, as if it were a point of the body (the spatial velocity of textbooks)
+
+Linear first. Leading dimensions of the arguments broadcast.
+"""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.arguments.choices import Method, Reference, frame_choice, with_keywords
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.verbs.table import Verbs
+
+
+@with_keywords
+def frame_jacobian(
+    model: RobotModel,
+    q: ArrayLike,
+    frame: str,
+    *,
+    reference: Reference,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """J (…, 6, n): frame_velocity = J v, on a base at rest [m, 1 of revolute joints, 1, 0 of prismatic ones].
+
+    The same matrix serves classical and spatial accelerations, which differ in what is added to J a
+    (frame_jacobian_derivative). Jᵀ turns a wrench on the frame, at the point and in the axes of the reference, into
+    joint torques.
+    q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
+    frame, reference: whose Jacobian, and "local", "local_world_aligned" or "world" (see frame_velocity)
+
+    Raises UnknownFrame, InvalidInput.
+    """
+    choice = frame_choice(model, frame, reference)
+    return Verbs.frame_jacobian(model, (q,), base, method, threads, check, out, frame=choice)
+
+
+@with_keywords
+def frame_velocity(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    frame: str,
+    *,
+    reference: Reference,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """Linear velocity and ω of a frame (…, 6) [m/s, rad/s]; of velocities, classical and spatial are the same.
+
+    q, v: joint state (…, n) [rad or m, …/s]
+    frame: a body, the ground, a fused link or its fixed joint (RobotModel.frame)
+    reference: "local": of the frame's origin, in its own axes; "local_world_aligned": of the frame's origin, in world
+        axes; "world": of the point of the body, or of the space it carries with it, that passes the world's origin, in
+        world axes. These are Pinocchio's LOCAL, LOCAL_WORLD_ALIGNED and WORLD
+
+    Raises UnknownFrame, InvalidInput.
+    """
+    choice = frame_choice(model, frame, reference)
+    return Verbs.frame_velocity(model, (q, v), base, method, threads, check, out, frame=choice)
+
+
+@with_keywords
+def frame_acceleration(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    frame: str,
+    *,
+    reference: Reference,
+    classical: bool = True,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """Linear acceleration, classical or spatial, and ω̇ of a frame (…, 6) [m/s², rad/s²], without gravity.
+
+    q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
+    frame, reference: as in frame_velocity
+    classical: the acceleration of the point that the reference speaks of, what an accelerometer at rest in gravity-free
+        space would read; with False the spatial one, which is less by ω × ẋ, and the derivative of the spatial
+        velocity (Featherstone, 2008, section 2.11). Pinocchio's getFrameClassicalAcceleration and getFrameAcceleration
+
+    Raises UnknownFrame, InvalidInput.
+    """
+    choice = frame_choice(model, frame, reference, classical)
+    return Verbs.frame_acceleration(model, (q, v, a), base, method, threads, check, out, frame=choice)
+
+
+@with_keywords
+def frame_jacobian_derivative(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    frame: str,
+    *,
+    reference: Reference,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """J̇ (…, 6, n): the derivative in time of each entry of frame_jacobian, on a base at rest.
+
+    J a + J̇ v is the derivative in time of frame_velocity: with "local" and "world" the spatial acceleration, with
+    "local_world_aligned" the classical one.
+    q, v: joint state (…, n) [rad or m, …/s]
+    frame, reference: as in frame_velocity
+
+    Raises UnknownFrame; InvalidInput, also for a base that moves.
+    """
+    choice = frame_choice(model, frame, reference)
+    if base is not None and (base.velocity.any() or base.acceleration.any()):
+        raise InvalidInput("frame_jacobian_derivative takes a base at rest: the axes of a moving one turn, too")
+    return Verbs.frame_jacobian_derivative(model, (q, v), base, method, threads, check, out, frame=choice)

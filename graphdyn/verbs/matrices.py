@@ -1,0 +1,153 @@
+"""The public verbs that answer a matrix of the equations of motion.
+
+Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for wrong shapes, NaN and infinity.
+"""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.verbs.table import Verbs
+
+
+@with_keywords
+def mass_matrix(
+    model: RobotModel,
+    q: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """M = NᵀAN (…, n, n) [kg m², kg m, kg].
+
+    q: joint positions (…, n) [rad or m]. The motion of a base does not change M; all verbs take the keyword.
+
+    Raises InvalidInput.
+    """
+    return Verbs.mass_matrix(model, (q,), base, method, threads, check, out)
+
+
+@with_keywords
+def mass_matrix_inverse(
+    model: RobotModel,
+    q: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """M⁻¹ (…, n, n): the accelerations that unit torques give [1/(kg m²), 1/(kg m), 1/kg].
+
+    q: joint positions (…, n) [rad or m]. The motion of a base does not change M.
+
+    Raises InvalidInput; SingularMassMatrix where M has no inverse (massless bodies).
+    """
+    return Verbs.mass_matrix_inverse(model, (q,), base, method, threads, check, out)
+
+
+@with_keywords
+def coriolis_matrix(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """C (…, n, n): C v is the part of the bias torque that velocities cause, and Ṁ - 2C is skew [N m s, N s, kg/s].
+
+    C = ½ (Ṁ + B - Bᵀ) with B = ∂(M v)/∂q, the matrix of the Christoffel symbols (Siciliano et al., Robotics, 2009,
+    section 7.2). The base must be at rest: a moving one adds to the bias torque what is not of this form.
+    q, v: joint state (…, n) [rad or m, …/s]
+
+    Raises InvalidInput, also for a base that moves.
+    """
+    if base is not None and (base.velocity.any() or base.acceleration.any()):
+        raise InvalidInput("coriolis_matrix takes a base at rest: C v is not what a moving base adds to bias_torque")
+    return Verbs.coriolis_matrix(model, (q, v), base, method, threads, check, out)
+
+
+@with_keywords
+def joint_torque_regressor(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
+
+    The body regressors projected onto the joints, as the null space projects the body wrenches. The method "dense" is
+    "projected" here.
+    q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
+
+    Raises InvalidInput.
+    """
+    return Verbs.joint_torque_regressor(model, (q, v, a), base, method, threads, check, out)
+
+
+@with_keywords
+def body_regressor(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
+
+    The Newton-Euler equations (22), (23) moved from the center of mass to the link origin, where they are linear
+    in m, m c and I. The identification matrix of Eq. (49) is its counterpart with known centers of mass. The method
+    "dense" is "projected" here.
+    q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
+
+    Raises InvalidInput.
+    """
+    return Verbs.body_regressor(model, (q, v, a), base, method, threads, check, out)
+
+
+@with_keywords
+def momentum_regressor(
+    model: RobotModel,
+    q: ArrayLike,
+    v: ArrayLike,
+    *,
+    base: BaseMotion | None = None,
+    method: Method = "auto",
+    threads: int | None = None,
+    check: bool = True,
+    out: Array | None = None,
+) -> Array:
+    """(…, n, 10n): M v = it @ π, π = model.inertial_parameters [kg m²/s or kg m/s].
+
+    The momenta of the joints, ∂T/∂v on a base at rest. Their rate is τ + ∂T/∂q - ∂U/∂q: with energy_regressor, an
+    identification without accelerations. The motion of a base does not change M v. The method "dense" is "projected"
+    here.
+    q, v: joint state (…, n) [rad or m, …/s]
+
+    Raises InvalidInput.
+    """
+    return Verbs.momentum_regressor(model, (q, v), base, method, threads, check, out)

@@ -1,0 +1,208 @@
+"""What every verb has in common: arguments in, a method chosen, arrays out.
+
+The dynamics body after body, compiled for the robot at hand: graphdyn.equations.projected for many samples.
+
+The arguments are arrays of one common leading shape (graphdyn.arguments.arrays.joint_arrays, unchecked); external wrenches are
+absent where there are none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, Generic, TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wrenches
+from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.arguments.choices import FrameChoice, Method, is_recursive
+from graphdyn.compiler.batch import Evaluation, Options, evaluate
+from graphdyn.equations import projected
+from graphdyn.equations.loops.reactions import in_self_stress_usually
+from graphdyn.equations.projected import Arguments, Specification, refuse_singular
+from graphdyn.errors import GraphDynError, InvalidInput
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions.table import ARRAYS, RECURSIONS
+
+Answer = TypeVar("Answer")
+
+
+class Verb(Generic[Answer]):
+    """A row of the table of verbs (graphdyn.verbs.table.Verbs), whose attribute names it.
+
+    specification: the answer as the equations read, which the recursion must agree with; a graphdyn.equations.projected
+        Specification, with the keyword frame where the recursion speaks of one
+    recursion: its name in graphdyn.recursions.table, where inputs, outputs, shapes and units are; that of the verb
+        if left out
+    outputs: which of the recursion's outputs the verb answers; all of them if left out
+    closed: the specification for robots with loops, where these matter
+    remedy: what to do with robots with loops instead, of a verb that has no answer for them
+    answer: the class that holds several outputs; without one they are a tuple, and a single output is an array
+    """
+
+    name: str
+
+    def __init__(
+        self,
+        specification: Callable[..., dict[str, Array]],
+        recursion: str | None = None,
+        outputs: tuple[str, ...] = (),
+        answer: type[Answer] | None = None,
+        closed: Specification | None = None,
+        remedy: str | None = None,
+    ) -> None:
+        self.specification, self.closed, self.remedy, self.outputs = specification, closed, remedy, outputs
+        self._recursion, self._answer = recursion, answer
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+        self.recursion = self._recursion or name
+        self.inputs, self.of_frame = RECURSIONS[self.recursion].inputs, RECURSIONS[self.recursion].of_frame
+        self.outputs = self.outputs or RECURSIONS[self.recursion].outputs
+
+    def __str__(self) -> str:
+        """Such as "mass_matrix(q) → mass_matrix (n, n) [kg m², kg m, kg]"."""
+        answers = (f"{name} ({_listed(ARRAYS[name].shape)}) [{ARRAYS[name].unit}]" for name in self.outputs)
+        return f"{self.name}({_listed(self.inputs)}) → {', '.join(answers)}"
+
+    def __call__(
+        self,
+        model: RobotModel,
+        arguments: tuple[ArrayLike, ...],
+        base: BaseMotion | None,
+        method: Method,
+        threads: int | None,
+        check: bool,
+        out: Answer | None,
+        external_wrenches: ArrayLike | None = None,
+        frame: FrameChoice | None = None,
+    ) -> Answer:
+        """The answer for arguments in the order of `inputs`; the keywords are those of graphdyn.arguments.choices.KEYWORDS.
+
+        frame: given to the verbs that speak of one (graphdyn.arguments.choices.frame_choice)
+        """
+        given = dict(zip(self.inputs, arguments, strict=True))
+        if external_wrenches is not None:
+            given["external_wrenches"] = external_wrenches
+        x = joint_arrays(model, base, check=False, **given)
+        self.refuse_loops(model)
+        specification = self.specification if frame is None else partial(self.specification, frame=frame)
+        if model.chords and self.closed is not None:
+            return self._of_loops(self.closed, model, x, base, method, Options(threads, check), out)
+        if is_recursive(method, x, out):
+            moving = base if RECURSIONS[self.recursion].on_moving_base else None
+            options, memory = Options(threads, check), self._memory(out)
+            return self._packed(
+                answers(model, specification, self.recursion, self.outputs, x, moving, options, memory, frame)
+            )
+        return self._packed(specification(model, _complete(model, x), base, method == "dense"))
+
+    def refuse_loops(self, model: RobotModel) -> None:
+        """Raises InvalidInput for a robot with loops where the verb has no answer for them."""
+        if model.chords and self.remedy is not None:
+            raise InvalidInput(f"{self.name} does not know the loops of robot '{model.name}'; {self.remedy}")
+
+    def is_compiled(self, model: RobotModel) -> bool:
+        """Whether it has a compiled form for this robot."""
+        knows_loops = RECURSIONS[self.recursion].closed is not None and not model.couplings
+        return knows_loops or not model.chords or self.closed is None
+
+    def refuse_uncompiled(self, model: RobotModel, remedy: str) -> None:
+        """Raises InvalidInput where there is no compiled form for this robot."""
+        if not self.is_compiled(model):
+            what = "loops and couplings" if model.couplings else "loops"
+            raise InvalidInput(f"{self.name} of robot '{model.name}', which has {what}, has no compiled form; {remedy}")
+
+    def _of_loops(
+        self,
+        closed: Specification,
+        model: RobotModel,
+        x: dict[str, Array],
+        base: BaseMotion | None,
+        method: Method,
+        options: Options,
+        out: Answer | None,
+    ) -> Answer:
+        """Of a robot with loops. What they leave undetermined is NaN."""
+        if is_recursive(method, x, out) and (self.is_compiled(model) or method == "recursive" or out is not None):
+            self.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
+            memory = self._memory(out)
+            arrays = answers(model, closed, self.recursion, self.outputs, x, base, options, memory)
+            for name, undetermined in in_self_stress_usually(model).items():
+                if name in arrays:
+                    arrays[name][..., undetermined] = np.nan
+            return self._packed(arrays)
+        return self._packed(closed(model, _complete(model, x), base, method == "dense"))
+
+    def _packed(self, arrays: dict[str, Array]) -> Answer:
+        found = [np.asarray(arrays[name]) for name in self.outputs]  # a number of one state, too
+        if self._answer is not None:
+            return self._answer(*found)
+        return cast(Answer, found[0] if len(found) == 1 else tuple(found))
+
+    def _memory(self, out: Any) -> dict[str, Array] | None:
+        """The arrays of out by name. Raises InvalidInput where it has another form than the answer."""
+        if out is None:
+            return None
+        if self._answer is not None:
+            if not isinstance(out, self._answer):
+                wanted = f"{self._answer.__name__} with an array for each of its fields"
+                raise InvalidInput(f"out is {type(out).__name__}; give {wanted}")
+            return {name: getattr(out, name) for name in self.outputs}
+        if len(self.outputs) == 1:
+            return {self.outputs[0]: out}
+        if not isinstance(out, tuple) or len(out) != len(self.outputs):
+            raise InvalidInput(f"out is {type(out).__name__}; give a pair of arrays, for {' and '.join(self.outputs)}")
+        return dict(zip(self.outputs, out, strict=True))
+
+
+def _complete(model: RobotModel, x: dict[str, Array]) -> dict[str, Array]:
+    """The arguments, finite, with external wrenches. Raises InvalidInput."""
+    refuse_non_finite(model, x)
+    return with_wrenches(model, x)
+
+
+def _listed(names: Sequence[int | str]) -> str:
+    return ", ".join(map(str, names)) + ("," if names == ("n",) else "")
+
+
+def answers(
+    model: RobotModel,
+    specification: Specification,
+    recursion: str,
+    outputs: tuple[str, ...],
+    x: Arguments,
+    base: BaseMotion | None,
+    options: Options,
+    out: Mapping[str, Array] | None,
+    frame: FrameChoice | None = None,
+) -> dict[str, Array]:
+    """These outputs of a recursion, which agrees with the specification. Raises SingularMassMatrix."""
+    answer = evaluate(model, recursion, outputs, x, base, options, out, frame)
+    if answer.suspects.size:
+        _decide(model, answer, specification, x, base)
+    return answer.arrays
+
+
+def _decide(
+    model: RobotModel, answer: Evaluation, specification: Specification, x: Arguments, base: BaseMotion | None
+) -> None:
+    """Refuse samples with a singular mass matrix; solve those that merely have a small pivot by projection."""
+    batch = x["q"].shape[:-1]
+    index = np.unravel_index(answer.suspects, batch) if batch else ()
+    chosen = with_wrenches(model, {name: array[index] for name, array in x.items()})
+    there = None if base is None else base.at(batch, index)
+    if not model.chords:  # whose specification refuses by itself
+        rows = list(zip(*index, strict=True)) if batch else None
+        refuse_singular(model, projected.mass_matrix(model, chosen, there)["mass_matrix"], rows)
+    try:
+        solved = specification(model, chosen, there, False)
+    except GraphDynError:
+        if model.chords:  # that of all samples names the row
+            specification(model, with_wrenches(model, x), base, False)
+        raise
+    for name, array in answer.arrays.items():
+        array[index] = solved[name]

@@ -1,0 +1,128 @@
+"""One file as an XML document: read without network, entities or other files, within limits of size.
+
+The parser's own guards stay on: libxml2 refuses entity expansion, nesting beyond 256 levels and texts beyond 10 MB.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lxml import etree
+
+from urdf.errors import MalformedXML, TooLarge
+
+TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
+"""Path in messages about a source that has none."""
+
+UNNAMED = (TEXT, BYTES, STREAM)
+
+LARGEST_FILE = 10_000_000
+"""Largest size of a file [bytes]; a robot of 2000 links with long names takes 2 MB."""
+
+MOST_TAGS = 150_000
+"""Largest number of start and end tags of a document, counted as characters "<"."""
+
+MOST_ATTRIBUTES = 100
+"""Largest number of attributes of one element; the time to read them grows with the square of their number."""
+
+_EMPTY, _VERSION, _LIMIT = (
+    etree.ErrorTypes.ERR_DOCUMENT_EMPTY,
+    etree.ErrorTypes.ERR_UNKNOWN_VERSION,
+    etree.ErrorTypes.ERR_RESOURCE_LIMIT,
+)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A file, its bytes, and its root element <robot>; path: as messages give it."""
+
+    path: Path
+    content: bytes
+    robot: etree._Element
+
+
+def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bool = True) -> Document:
+    """The document of these bytes; path: as messages give it.
+
+    encoding: overrides the one that the document declares; lines=False: no line numbers, which would not be those of
+        the file at path
+
+    Raises MalformedXML where yourdfpy would fall back on a parser that guesses, and TooLarge.
+    """
+    parser = etree.XMLParser(
+        resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, encoding=encoding
+    )
+    try:
+        robot = etree.fromstring(content, parser)
+    except etree.XMLSyntaxError as error:
+        raise _syntax_error(path, content, error) from error
+    _check_document_type(path, robot)
+    if robot.xpath(f"boolean(//*[@*[{MOST_ATTRIBUTES + 1}]])"):
+        raise TooLarge(f"an element has more than {MOST_ATTRIBUTES} attributes", "remove what is not URDF", path=path)
+    if not lines:
+        for element in robot.iter():
+            element.sourceline = 0  # lxml's value for an unknown line
+    name = etree.QName(robot).localname
+    if robot.prefix is not None or name != "robot":
+        written = name if robot.prefix is None else f"{robot.prefix}:{name}"
+        raise MalformedXML(
+            f"the root element is <{written}>, not <robot>",
+            "give a URDF file",
+            code="not-a-robot",
+            path=path,
+            line=robot.sourceline,  # type: ignore[arg-type]
+        )
+    return Document(path, content, robot)
+
+
+def check_size(content: bytes, path: Path) -> None:
+    """Raise TooLarge for a document that would take long to parse."""
+    if len(content) > LARGEST_FILE:
+        raise TooLarge(
+            f"the file is larger than {LARGEST_FILE // 1_000_000} MB",
+            "give a URDF file; put meshes into separate files",
+            path=path,
+        )
+    tags = content.count(b"<")
+    if tags > MOST_TAGS:
+        raise TooLarge(f"the file has {tags} tags, more than {MOST_TAGS}", "give a smaller file", path=path)
+
+
+def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> MalformedXML:
+    message, number = " ".join(str(error.msg).split()), getattr(error, "code", None)
+    if number == _LIMIT:
+        return MalformedXML(
+            f"the document exceeds a limit of the XML parser: {message}",
+            "give an ordinary URDF file, without entities, deep nesting and very long texts",
+            code="xml-limits",
+            path=path,
+            line=error.lineno,
+        )
+    if not content.strip():
+        return MalformedXML("the file is empty", "give a URDF file", code="empty-file", path=path)
+    if b"<" not in content.replace(b"\0", b""):
+        return MalformedXML("the file has no XML element", "give a URDF file", code="not-a-robot", path=path)
+    code = "malformed-xml"
+    if number == _EMPTY:
+        code = "text-before-xml"
+    elif number == _VERSION:
+        code = "xml-version"
+    return MalformedXML(
+        f"not well-formed XML: {message}", "repair the file with an XML editor", code=code, path=path, line=error.lineno
+    )
+
+
+def _check_document_type(path: Path, robot: etree._Element) -> None:
+    """Refuse <!DOCTYPE>: its entities change what other readers read, and a robot needs nothing else in it."""
+    grammar: Any = robot.getroottree().docinfo.internalDTD
+    if grammar is None:
+        return
+    if grammar.entities():
+        raise MalformedXML(
+            "the document declares XML entities", "write their text instead", code="xml-entities", path=path
+        )
+    raise MalformedXML(
+        "the document has a document type declaration", "remove <!DOCTYPE …>", code="document-type", path=path
+    )

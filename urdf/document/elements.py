@@ -1,0 +1,98 @@
+"""Elements of an XML document: their tag, name and line, and how messages call them.
+
+The elements that draw a robot: <visual> and <collision> of its links, and the materials that they name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Literal, cast
+
+from lxml import etree
+
+from urdf.errors import shortened
+
+
+def name_of(element: etree._Element) -> str:
+    """Its attribute "name", empty where it has none."""
+    return element.get("name", "")
+
+
+def tag_of(element: etree._Element) -> str:
+    """Its tag as written, whatever namespace xmlns="…" puts it into; empty for comments and for tags with a prefix.
+
+    Pinocchio too compares tags as written, and URDF has no tags with a prefix.
+    """
+    tag = element.tag
+    return tag.rpartition("}")[2] if isinstance(tag, str) and element.prefix is None else ""
+
+
+def written_tag(element: etree._Element) -> str:
+    """Its tag as written, with its prefix; empty for comments."""
+    tag = element.tag
+    local = tag.rpartition("}")[2] if isinstance(tag, str) else ""
+    return local if element.prefix is None else f"{element.prefix}:{local}"
+
+
+def line_of(element: etree._Element) -> int | None:
+    return cast("int | None", element.sourceline)
+
+
+def describe(element: etree._Element) -> str:
+    """The element by name: "link 'wrist'", "<mass> of link 'wrist'"."""
+    above = (element, *element.iterancestors())
+    owner = next((e for e in above if tag_of(e) in ("robot", "link", "joint")), element)
+    tag = tag_of(owner)
+    named = f"{tag} '{shortened(name_of(owner))}'" if name_of(owner) else f"<{tag}>"
+    return named if owner is element else f"<{shortened(written_tag(element))}> of {named}"
+
+
+Geometry = Literal["visual", "collision"]
+GEOMETRIES: tuple[Geometry, ...] = ("visual", "collision")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A <visual> or <collision>, and the name of its link."""
+
+    link: str
+    geometry: Geometry
+    element: etree._Element
+
+    @property
+    def line(self) -> int | None:
+        """Of the file, if known."""
+        return line_of(self.element) or None
+
+    @property
+    def mesh(self) -> bool:
+        """Whether it names a mesh file."""
+        return any(tag_of(shape) == "mesh" for inside in children(self.element, "geometry") for shape in inside)
+
+
+@dataclass(frozen=True)
+class Drawings:
+    """All of a file. materials: those defined in <robot>, by name; the first of each."""
+
+    drawings: tuple[Drawing, ...] = ()
+    materials: Mapping[str, etree._Element] = field(default_factory=dict)
+
+
+def drawings(robot: etree._Element) -> Drawings:
+    """Of a document that still has all its elements."""
+    found = [
+        Drawing(name_of(link), geometry, element)
+        for link in children(robot, "link")
+        for geometry in GEOMETRIES
+        for element in children(link, geometry)
+    ]
+    materials: dict[str, etree._Element] = {}
+    for material in children(robot, "material"):
+        materials.setdefault(name_of(material), material)
+    return Drawings(tuple(found), materials)
+
+
+def children(parent: etree._Element, tag: str) -> Iterator[etree._Element]:
+    """The children with this tag, comments and other namespaces left out."""
+    return (child for child in parent if tag_of(child) == tag)

@@ -1,0 +1,94 @@
+"""Numbers as a URDF file writes them: decimal, finite, separated by spaces.
+
+Roll, pitch and yaw of a rotation, R = R_z(yaw) R_y(pitch) R_x(roll), accurate in every pose.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from lxml import etree
+
+from graphdyn.layout import Array
+from graphdyn.model.spatial import rotation_about
+from urdf.errors import shortened
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+_BLANKS = re.compile(r"[ \t\r\n]+")
+"""White space of XML; str.split splits at many more characters, which no other reader of URDF accepts."""
+
+UNIT_LENGTH = 1e-9
+"""Largest difference from 1 of the length of an axis that is used as a unit vector."""
+
+LARGEST = 1e60
+"""Largest mass, tensor entry, length or angle [SI units]: products of several stay far below 1.8e308, the largest
+double."""
+
+SHORTEST_AXIS = 1e-60
+"""Length of an axis below which it is refused as zero: readers that square the length of a far shorter one get zero."""
+
+UNEXPANDED = re.compile(r"\$[{(]")
+"""Expressions that xacro would have replaced: ${…} and $(…)."""
+
+
+@dataclass(frozen=True)
+class BadNumber:
+    """Why a text is not the numbers that were expected."""
+
+    code: str
+    problem: str
+    remedy: str
+
+
+def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:
+    """The numbers of a text, which should be count, or what is wrong with it. said: the text as messages give it."""
+    if UNEXPANDED.search(text):
+        return BadNumber("unexpanded-number", f"{said} is not expanded", "expand the file with xacro")
+    words = [word for word in _BLANKS.split(text) if word]
+    if len(words) != count:
+        return BadNumber(
+            "wrong-number-of-entries",
+            f"{said} has {len(words)} entries, expected {count}",
+            "separate numbers by spaces",
+        )
+    for word in words:
+        if word.lower().lstrip("+-") in ("nan", "inf", "infinity"):
+            return BadNumber(
+                "not-finite", f"{said} is not finite", "give a finite number, or leave it out where optional"
+            )
+        if not _NUMBER.fullmatch(word):
+            return BadNumber("malformed-number", f"{said}: '{shortened(word)}' is not a number", "correct the number")
+        if not math.isfinite(float(word)):
+            return BadNumber("not-finite", f"{said}: '{shortened(word)}' overflows", "correct the number")
+    return [float(word) for word in words]
+
+
+def values(element: etree._Element | None, attribute: str, count: int) -> list[float] | None:
+    """The numbers of an attribute; None where the element, the attribute or a valid number is missing."""
+    text = None if element is None else element.get(attribute)
+    found = None if text is None else numbers(text, count, "")
+    return None if isinstance(found, BadNumber) else found
+
+
+def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> Array:
+    """R (3, 3) of the three angles [rad]."""
+    x, y, z = np.eye(3)
+    return rotation_about(z, yaw) @ rotation_about(y, pitch) @ rotation_about(x, roll)
+
+
+def rpy_from_rotation(rotation: Array) -> Array:
+    """(roll, pitch, yaw) (3,) [rad], pitch in [-π/2, π/2], of a rotation (3, 3).
+
+    Roll is taken from R_z(-yaw) R, so that the three angles are consistent: they reproduce the matrix to rounding even
+    at pitch = ±π/2, where yaw alone is arbitrary. -0.0 becomes 0.0.
+    """
+    r = rotation
+    yaw = np.arctan2(r[1, 0], r[0, 0])
+    pitch = np.arctan2(-r[2, 0], np.hypot(r[0, 0], r[1, 0]))
+    s, c = np.sin(yaw), np.cos(yaw)
+    roll = np.arctan2(s * r[0, 2] - c * r[1, 2], c * r[1, 1] - s * r[0, 1])
+    return np.array([roll, pitch, yaw]) + 0.0

@@ -1,0 +1,123 @@
+"""The sources of urdf.load and urdf.inspect: a robot's name, a path, XML as text or bytes, an open file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import PathLike, fspath
+from os.path import isfile
+from pathlib import Path
+from typing import IO
+
+from graphdyn.model.robot_model import STANDARD_GRAVITY
+from urdf.document.catalogue import locate
+from urdf.document.document import BYTES, LARGEST_FILE, STREAM, TEXT, Document, check_size, parsed
+from urdf.document.xacro_files import expand
+from urdf.errors import InvalidXacro, MalformedXML, RobotNotFound
+
+Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]
+"""A string is XML if it begins with "<", or has one and several lines and is no file; else it is a name or a path."""
+
+UTF8 = "utf-8"
+
+
+@dataclass(frozen=True)
+class Xacro:
+    """How .xacro files are to be expanded.
+
+    arguments: values of <xacro:arg> by name; packages: folder by the name that $(find NAME) gives
+    """
+
+    arguments: Mapping[str, object] = field(default_factory=dict)
+    packages: Mapping[str, str | PathLike[str]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A document, and the gravity that goes with it (3,) [m/s²].
+
+    complaints: warnings of the expander, None where the file was not expanded
+    """
+
+    document: Document
+    gravity: tuple[float, float, float]
+    complaints: tuple[str, ...] | None = None
+
+
+def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
+    """The document of a source; a file whose name ends with .xacro is expanded first.
+
+    Raises RobotNotFound, MalformedXML, TooLarge, InvalidXacro, XacroNotInstalled; OSError.
+    """
+    path, content, gravity = _read(given)
+    encoding = UTF8 if isinstance(content, str) else None
+    if isinstance(content, str):
+        content = _encoded(content, path)
+    check_size(content, path)
+    if path.suffix.lower() == ".xacro":
+        settings = xacro or Xacro()
+        document = parsed(path, content, encoding)  # raises where the XML is malformed or unsafe
+        text, complaints = expand(path, document.content, settings.arguments, settings.packages)
+        check_size(text, path)
+        return Opened(parsed(path, text, UTF8, lines=False), gravity, tuple(complaints))
+    if xacro is not None:
+        raise InvalidXacro(
+            "xacro arguments and packages are given, but not a file that ends with .xacro",
+            "leave them out, or give the .xacro file",
+            path=path,
+        )
+    return Opened(parsed(path, content, encoding), gravity)
+
+
+def content_of(path: Path) -> bytes:
+    """The bytes of a file; for a .xacro file, of its expansion. Raises as open_document does."""
+    return open_document(path).document.content if path.suffix.lower() == ".xacro" else path.read_bytes()
+
+
+def path_of(given: Given) -> Path:
+    """The file of a source, or TEXT, BYTES or STREAM. Raises RobotNotFound."""
+    if isinstance(given, bytes):
+        return BYTES
+    if isinstance(given, str) and _is_xml(given):
+        return TEXT
+    if isinstance(given, str | PathLike):
+        return locate(given)[0]
+    name = getattr(given, "name", None)
+    return Path(name) if isinstance(name, str) else STREAM
+
+
+def said(given: Given) -> str:
+    """The name or path as given; TEXT, BYTES or STREAM for other sources."""
+    named = isinstance(given, str | PathLike) and not (isinstance(given, str) and _is_xml(given))
+    return fspath(given) if named else str(path_of(given))  # type: ignore[arg-type]
+
+
+def _read(given: Given) -> tuple[Path, str | bytes, tuple[float, float, float]]:
+    path = path_of(given)
+    if isinstance(given, bytes) or (isinstance(given, str) and path == TEXT):
+        return path, given, STANDARD_GRAVITY
+    if isinstance(given, str | PathLike):
+        path, gravity = locate(given)
+        with path.open("rb") as file:
+            return path, file.read(LARGEST_FILE + 1), gravity
+    if not hasattr(given, "read"):
+        raise RobotNotFound(
+            f"a {type(given).__name__} is not a robot", "give a name, a path, XML as text or bytes, or an open file"
+        )
+    content = given.read(LARGEST_FILE + 1)
+    if not isinstance(content, str | bytes):
+        raise RobotNotFound(f"read() of the file returns {type(content).__name__}", "open it as text or binary")
+    return path, content, STANDARD_GRAVITY
+
+
+def _is_xml(text: str) -> bool:
+    return text.lstrip("\ufeff \t\r\n").startswith("<") or ("\n" in text and "<" in text and not isfile(text))
+
+
+def _encoded(text: str, path: Path) -> bytes:
+    try:
+        return text.removeprefix("\ufeff").encode(UTF8)
+    except UnicodeEncodeError as error:
+        raise MalformedXML(
+            f"character {error.start + 1} of the text is half of a surrogate pair", "give the file instead", path=path
+        ) from error

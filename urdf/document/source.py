@@ -1,0 +1,70 @@
+"""One URDF file, reduced to the elements that describe dynamics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from lxml import etree
+
+from urdf.document.document import Document
+from urdf.document.elements import Drawings, describe, drawings, line_of, tag_of
+from urdf.document.vocabulary import READ, RIGID
+from urdf.errors import TooLarge, URDFError
+from urdf.loops.extensions import Extensions, extensions
+
+MOST_LINKS = 2000
+"""Largest number of links, and of joints: dense matrices of more bodies fill gigabytes; the largest published robots
+have some 200 links."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file and its <robot> element, without namespaces, comments and everything that is not read.
+
+    extensions: what of the rest affects dynamics; drawings: what of the rest draws the robot
+    """
+
+    path: Path
+    robot: etree._Element
+    extensions: Extensions
+    drawings: Drawings
+
+    @property
+    def links(self) -> list[etree._Element]:
+        return self.robot.findall("link")
+
+    @property
+    def joints(self) -> list[etree._Element]:
+        return self.robot.findall("joint")
+
+    def error(self, kind: type[URDFError], code: str, element: etree._Element, problem: str, remedy: str) -> URDFError:
+        """An error of this kind, with file, line and element."""
+        return kind(problem, remedy, code=code, path=self.path, line=line_of(element), element=describe(element))
+
+
+def reduced(document: Document) -> Source:
+    """The document without the elements that are not read; its own tree is modified. Raises TooLarge."""
+    robot = document.robot
+    beside, drawn = extensions(robot, document.path), drawings(robot)
+    _reduce(robot)
+    etree.cleanup_namespaces(robot)
+    source = Source(document.path, robot, beside, drawn)
+    for what, number in (("links", len(source.links)), ("joints", len(source.joints))):
+        if number > MOST_LINKS:
+            raise TooLarge(
+                f"the robot has {number} {what}, more than {MOST_LINKS}", "give a smaller robot", path=document.path
+            )
+    return source
+
+
+def _reduce(element: etree._Element) -> None:
+    """Drop the children that are not read and the namespaces of the others."""
+    element.tag = tag_of(element)
+    fixed = element.tag == "joint" and element.get("type") == "fixed"
+    kept = RIGID if fixed else READ.get(element.tag, ())
+    for child in list(element):
+        if tag_of(child) in kept:
+            _reduce(child)
+        else:
+            element.remove(child)

@@ -1,0 +1,94 @@
+"""Expand .xacro files, without ROS, in a separate process that can read only the folders that the user named.
+
+xacro evaluates Python expressions; see _xacro_process for what these may do.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+
+from urdf.errors import MOST, InvalidXacro, XacroNotInstalled, shortened
+
+CPU_SECONDS = 5
+"""Processor time allowed for expanding [s]; the files of one arm take some 0.3 s, on a busy machine twice as much."""
+
+MEGABYTES = 300
+"""Memory allowed for expanding [MB]."""
+
+WALL_SECONDS = 60
+"""Elapsed time allowed for expanding [s]: on a busy machine, far more than the processor time."""
+
+SCRIPT = Path(__file__).with_name("xacro_process.py")
+
+
+def expand(
+    path: Path, content: bytes, arguments: Mapping[str, object], packages: Mapping[str, str | PathLike[str]]
+) -> tuple[bytes, list[str]]:
+    """The XML that a .xacro file expands to, in UTF-8, and the warnings of the expander.
+
+    path: of the file; what it includes must lie in its folder or below, or in a package
+    arguments: values of <xacro:arg> by name; packages: folder by the name that $(find NAME) gives
+
+    Raises XacroNotInstalled; InvalidXacro for faults, forbidden files and expansions that do not end.
+    """
+    _check_packages(path, packages)
+    if importlib.util.find_spec("xacro") is None:
+        raise XacroNotInstalled(
+            "a .xacro file needs an expander, which is not installed",
+            "pip install 'graphdyn[xacro]', or expand the file yourself and give the URDF",
+            path=path,
+        )
+    task = {
+        "path": str(path.resolve()),
+        "content": content.decode("latin-1"),  # bytes as text, one character each
+        "arguments": {name: str(value) for name, value in arguments.items()},
+        "packages": {name: str(Path(folder).resolve()) for name, folder in packages.items()},
+        "cpu_seconds": CPU_SECONDS,
+        "megabytes": MEGABYTES,
+    }
+    command = [sys.executable, "-I", "-X", "utf8", str(SCRIPT)]
+    try:
+        done = subprocess.run(
+            command, input=json.dumps(task).encode(), capture_output=True, env={}, timeout=WALL_SECONDS
+        )
+    except subprocess.TimeoutExpired:
+        raise _endless(path) from None
+    if done.returncode < 0:
+        raise _endless(path)
+    try:
+        answer = json.loads(done.stdout)
+    except ValueError:
+        said = done.stderr.decode(errors="replace").strip().splitlines() or ["nothing"]
+        raise InvalidXacro(
+            f"the expander failed: {shortened(said[-1])}", "report it, with the file", path=path
+        ) from None
+    if "problem" in answer:
+        raise InvalidXacro(" ".join(answer["problem"].split()), answer["remedy"], path=path)
+    return str(answer["text"]).encode(), _complaints(done.stderr)
+
+
+def _check_packages(path: Path, packages: Mapping[str, str | PathLike[str]]) -> None:
+    for name, folder in packages.items():
+        if not Path(folder).is_dir():
+            raise InvalidXacro(f"package '{name}': '{folder}' is not a folder", "give the package's folder", path=path)
+
+
+def _complaints(written: bytes) -> list[str]:
+    """The lines that begin with "warning:"; the others give the place."""
+    lines = (re.sub(r"\x1b\[[\d;]*m", "", line).strip() for line in written.decode(errors="replace").splitlines())
+    return [shortened(line.removeprefix("warning: ")) for line in lines if line.startswith("warning: ")][:MOST]
+
+
+def _endless(path: Path) -> InvalidXacro:
+    return InvalidXacro(
+        f"expanding takes more than {CPU_SECONDS} s of processor time",
+        "expand the file yourself, if you trust it, and give the URDF",
+        path=path,
+    )

@@ -1,0 +1,152 @@
+"""Mesh files as triangles in metres. They are foreign, and read within limits."""
+
+from __future__ import annotations
+
+import io
+import logging
+import stat
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from urdf.errors import shortened
+from urdf.geometry.errors import Unreadable
+from urdf.geometry.meshes.collada import read_collada
+from urdf.geometry.meshes.triangles import Triangles, joined, welded
+from urdf.geometry.shape import Color
+
+LARGEST_MESH = 100_000_000
+"""Largest size of a mesh file [bytes]; the largest of published robots have some 30 MB."""
+
+LARGEST_COLORS = 1_000_000
+"""Largest size of the .mtl file that an OBJ file names [bytes]."""
+
+LONGEST = 1e6
+"""Largest coordinate that is drawn [m]."""
+
+logging.getLogger("trimesh").addHandler(logging.NullHandler())  # else its messages are printed where nobody asked
+
+STL_HEADER, STL_TRIANGLE = 84, 50
+"""Bytes of the header and of a triangle in a binary STL file."""
+
+
+def read_mesh(path: Path) -> tuple[Triangles, ...]:
+    """The triangles of a file [m], those of one color together, with vertices at the same place as one.
+
+    Raises Unreadable: for a file that is none, too large or damaged, for NaN, for a mesh without triangles.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
+        raise Unreadable(f"'{shortened(suffix)}' files are not read, only {', '.join(_READERS)}")
+    content = content_of(path, LARGEST_MESH)
+    try:
+        parts = _READERS[suffix](content, path)
+    except Unreadable:
+        raise
+    except Exception as error:  # whatever the parsers stumble over
+        raise Unreadable(f"the file is damaged: {shortened(f'{type(error).__name__}: {error}')}") from error
+    parts = [_checked(part) for part in parts if len(part.faces)]
+    colors = dict.fromkeys(part.color for part in parts)
+    whole = [welded(joined([part for part in parts if part.color == color])) for color in colors]
+    if not any(len(part.faces) for part in whole):
+        raise Unreadable("the file has no triangles")
+    return tuple(whole)
+
+
+def content_of(path: Path, largest: int) -> bytes:
+    """The bytes of a regular file. Raises Unreadable, also for one that is larger than so many bytes."""
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise Unreadable("not a regular file")
+        with path.open("rb") as file:
+            content = file.read(largest + 1)
+    except (OSError, ValueError) as error:
+        raise Unreadable(f"the file cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    if len(content) > largest:
+        raise Unreadable(f"the file is larger than {largest // 1_000_000} MB; reduce the mesh")
+    return content
+
+
+def _collada(content: bytes, path: Path) -> list[Triangles]:
+    return read_collada(content)
+
+
+def _stl(content: bytes, path: Path) -> list[Triangles]:
+    from trimesh.exchange.stl import load_stl_ascii, load_stl_binary
+
+    if content.lstrip()[:5].lower() == b"solid" and b"facet" in content[:1000]:
+        return _of_trimesh(load_stl_ascii, io.BytesIO(content))
+    if len(content) < STL_HEADER:
+        raise Unreadable("the file is truncated: shorter than the header of an STL file")
+    number = int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
+    end = STL_HEADER + STL_TRIANGLE * number
+    if len(content) < end:
+        held = (len(content) - STL_HEADER) // STL_TRIANGLE
+        raise Unreadable(f"the file is truncated: {held} of {number} triangles")
+    return _of_trimesh(load_stl_binary, io.BytesIO(content[:end]))
+
+
+def _obj(content: bytes, path: Path) -> list[Triangles]:
+    from trimesh.exchange.obj import load_obj
+
+    text = io.StringIO(content.decode(errors="replace"))  # names may be in any encoding
+    return _of_trimesh(load_obj, text, resolver=_Colors(path.parent))
+
+
+_READERS = {".stl": _stl, ".obj": _obj, ".dae": _collada}
+
+
+class _Colors:
+    """What trimesh may read beside an OBJ file: small .mtl files of its folder, and no images."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+
+    def get(self, name: str) -> bytes:
+        path = self.folder / Path(name.strip()).name
+        if path.suffix.lower() != ".mtl":
+            raise FileNotFoundError(name)
+        try:
+            return content_of(path, LARGEST_COLORS)
+        except Unreadable as error:
+            raise FileNotFoundError(name) from error
+
+    __getitem__ = get
+
+
+def _of_trimesh(reader: Any, file: Any, **options: Any) -> list[Triangles]:
+    """What a reader of trimesh gives, without the class Trimesh, which drops vertices that are NaN."""
+    from trimesh.geometry import triangulate_quads
+
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", DeprecationWarning)  # NumPy's, of a text that is not all numbers
+        found = reader(file, **options)
+    return [
+        Triangles(np.array(mesh["vertices"], dtype=float), np.array(triangulate_quads(mesh["faces"])), _color(mesh))
+        for mesh in found.get("geometry", {"": found}).values()
+        if len(mesh.get("faces", ()))
+    ]
+
+
+def _color(mesh: Any) -> Color | None:
+    material = getattr(mesh.get("visual"), "material", None)
+    if material is None or not hasattr(material, "diffuse") or material.diffuse is None:
+        return None
+    red, green, blue, opacity = (float(x) / 255 for x in material.main_color)
+    return red, green, blue, opacity
+
+
+def _checked(part: Triangles) -> Triangles:
+    if part.vertices.shape[1:] != (3,) or part.faces.shape[1:] != (3,):
+        raise Unreadable("the file is damaged: vertices without three coordinates")
+    if part.faces.min() < 0 or part.faces.max() >= len(part.vertices):
+        raise Unreadable("the file is damaged: a triangle names a vertex that is not there")
+    used = part.vertices[part.faces.ravel()]
+    if not np.isfinite(used).all():
+        raise Unreadable("a vertex has a coordinate that is NaN or infinite")
+    if np.abs(used).max() > LONGEST:
+        raise Unreadable(f"a vertex lies farther than {LONGEST:g} m from the origin; check the unit of length")
+    return part

@@ -1,0 +1,62 @@
+"""Boxes, cylinders, spheres and capsules as triangles, centred at the origin, their axis along z."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from urdf.geometry.meshes.triangles import Triangles
+
+SECTIONS = 32
+"""Sides of the prism that a cylinder is drawn as: its radius is short by at most 0.5 %."""
+
+SUBDIVISIONS = 2
+"""Of the icosahedron that a sphere is drawn as: 320 faces."""
+
+SIZES: Mapping[str, Mapping[str, int]] = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "capsule": {"radius": 1, "length": 1},
+}
+"""Per element its attributes, and how many numbers each holds [m]."""
+
+
+def primitive(kind: str, *sizes: float) -> Triangles:
+    """The element with these sizes [m], in the order of SIZES."""
+    mesh = _MAKERS[kind](*sizes)
+    return Triangles(np.array(mesh.vertices, dtype=float), np.array(mesh.faces))
+
+
+def _box(x: float, y: float, z: float) -> Any:
+    from trimesh import creation
+
+    return creation.box((x, y, z))
+
+
+def _cylinder(radius: float, length: float) -> Any:
+    from trimesh import creation
+
+    return creation.cylinder(radius, length, sections=SECTIONS)
+
+
+def _sphere(radius: float) -> Any:
+    from trimesh import creation
+
+    return creation.icosphere(SUBDIVISIONS, radius)
+
+
+def _capsule(radius: float, length: float) -> Any:
+    from trimesh import creation
+
+    return creation.capsule(length, radius, count=(SECTIONS // 2, SECTIONS))
+
+
+_MAKERS: Mapping[str, Callable[..., Any]] = {
+    "box": _box,
+    "cylinder": _cylinder,
+    "sphere": _sphere,
+    "capsule": _capsule,
+}

@@ -1,0 +1,198 @@
+"""Findings about the joints: axes, limits, types, and values that rigid dynamics leave out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from lxml import etree
+
+from urdf.document.numbers import UNIT_LENGTH, values
+from urdf.errors import listed, shortened
+from urdf.inspection.findings import Finding
+from urdf.inspection.messages import about, of_file
+from urdf.inspection.structure import Structure
+
+RIGHT_ANGLE = math.pi / 2
+TRUNCATED, EXACT = 2e-3, 1e-12
+"""Differences from a multiple of π/2 [rad]: an angle between the two is a truncated multiple, such as 3.14 for π."""
+
+OFF_UNIT = 1e-2
+"""Difference from 1 of the length of an axis: a smaller one is rounding, a larger one probably another mistake."""
+
+STRAIGHT = 1e-6
+"""Part of its largest component below which a component of an axis counts as zero."""
+
+
+def joint_findings(structure: Structure) -> Iterator[Finding]:
+    """Findings about the joints in the order of the file."""
+    for element in (*structure.source.links, *structure.source.joints):
+        yield from _angles(element)
+    for joint in structure.source.joints:
+        if joint.find("origin") is None:
+            yield about(
+                "joint-origin-missing",
+                "note",
+                joint,
+                "without <origin>: the joint is at the origin of its parent link",
+                "write <origin>, if that is not meant",
+            )
+    for joint in structure.movable:
+        yield from _kind(joint)
+        yield from _axis(joint)
+        yield from _position_limits(joint)
+        yield from _rate_limits(joint)
+        yield from _dynamics(joint)
+    if structure.movable:
+        yield of_file(
+            "rotor-inertia",
+            "note",
+            None,
+            "URDF has no place for rotor inertia: the model has none, though behind high gear ratios it can be most of "
+            "the inertia that a motor accelerates",
+            "add it to the mass matrix, if you know it",
+        )
+
+
+def _angles(element: etree._Element) -> Iterator[Finding]:
+    for origin in element.iter("origin"):
+        odd = [angle for angle in values(origin, "rpy", 3) or () if _truncated(angle)]
+        if odd:
+            missed = max(abs(angle - RIGHT_ANGLE * round(angle / RIGHT_ANGLE)) for angle in odd)
+            yield about(
+                "rpy-truncated",
+                "note",
+                origin,
+                f"{', '.join(f'{angle:g}' for angle in odd)}: a truncated multiple of π/2, off by {missed:.1e} rad; it "
+                "is used as written",
+                "write all digits: 1.5707963267948966",
+            )
+
+
+def _truncated(angle: float) -> bool:
+    turns = round(angle / RIGHT_ANGLE)
+    return turns != 0 and abs(turns) <= 4 and EXACT < abs(angle - RIGHT_ANGLE * turns) < TRUNCATED
+
+
+def _kind(joint: etree._Element) -> Iterator[Finding]:
+    kind = joint.get("type")
+    if kind == "continuous":
+        yield about(
+            "continuous-joint",
+            "note",
+            joint,
+            "a continuous joint: its coordinate is one angle",
+            "compare angles modulo 2π",
+        )
+    if kind == "prismatic":
+        yield about("prismatic-joint", "note", joint, "a prismatic joint: metres and newtons", "nothing need be done")
+    mimic = joint.find("mimic")
+    if mimic is not None:
+        yield about(
+            "mimic-joint",
+            "note",
+            joint,
+            f"it mimics joint '{shortened(mimic.get('joint', ''))}': it has no entry in q, v, a and τ",
+            "nothing need be done; mimic='independent' makes it a joint of its own, mimic='locked' holds it still",
+        )
+
+
+def _axis(joint: etree._Element) -> Iterator[Finding]:
+    element = joint.find("axis")
+    if element is None:
+        yield about("axis-missing", "note", joint, "without <axis>: it is (1, 0, 0)", "write <axis>")
+        return
+    axis = values(element, "xyz", 3)
+    if axis is None or not any(axis):
+        return
+    length, largest = math.hypot(*axis), max(map(abs, axis))
+    if abs(length - 1) > UNIT_LENGTH:
+        yield about(
+            "axis-not-normalised",
+            "note" if abs(length - 1) < OFF_UNIT else "warning",
+            element,
+            f"the axis has length {length:.9g}; load normalises it",
+            "write it with more digits" if abs(length - 1) < OFF_UNIT else "write a unit vector",
+        )
+    along = [x for x in axis if abs(x) > STRAIGHT * largest]
+    if len(along) > 1:
+        text = " ".join(f"{x:g}" for x in axis)
+        yield about(
+            "oblique-axis", "note", element, f"the axis {text} is along no coordinate axis", "nothing need be done"
+        )
+    elif along[0] < 0:
+        yield about(
+            "negative-axis", "note", element, "the axis points along a negative coordinate axis", "nothing need be done"
+        )
+
+
+def _position_limits(joint: etree._Element) -> Iterator[Finding]:
+    limit, bounded = joint.find("limit"), joint.get("type") in ("revolute", "prismatic")
+    names = ("lower", "upper", "effort", "velocity") if bounded else ("effort", "velocity")
+    missing = [name for name in names if limit is not None and limit.get(name) is None]
+    if bounded and limit is None:
+        yield about("limits-missing", "warning", joint, "without <limit>", "write the limits")
+    elif limit is not None and missing:
+        yield about(
+            "limits-missing", "warning", limit, f"without {', '.join(missing)}: there is no such limit", "write it"
+        )
+    lower, upper = values(limit, "lower", 1), values(limit, "upper", 1)
+    if limit is None or not bounded or lower is None or upper is None:
+        return
+    if lower[0] == upper[0]:
+        yield about(
+            "limits-zero",
+            "note",
+            limit,
+            f"lower and upper limit are both {lower[0]:g}: the joint cannot move"
+            + ("; random states ignore such limits" if lower[0] == 0 else ""),
+            "write the range",
+        )
+
+
+def _rate_limits(joint: etree._Element) -> Iterator[Finding]:
+    limit = joint.find("limit")
+    for name in ("effort", "velocity"):
+        bound = values(limit, name, 1)
+        if limit is None or bound is None:
+            continue
+        if bound[0] == 0:
+            yield about(
+                f"{name}-zero",
+                "note",
+                limit,
+                f"the {name} limit is 0: a placeholder for an unknown one",
+                "write the limit",
+            )
+        elif bound[0] < 0:
+            yield about(
+                f"{name}-negative", "warning", limit, f"the {name} limit {bound[0]:g} is negative", "write the limit"
+            )
+
+
+def _dynamics(joint: etree._Element) -> Iterator[Finding]:
+    element = joint.find("dynamics")
+    friction = values(element, "friction", 1)
+    if element is not None and friction is not None and friction[0] < 0:
+        yield about(
+            "friction-negative", "warning", element, f"the friction {friction[0]:g} is negative", "write the friction"
+        )
+    others = [] if element is None else [name for name in element.attrib if name not in ("damping", "friction")]
+    if element is not None and others:
+        yield about(
+            "unknown-joint-dynamics",
+            "note",
+            element,
+            f"URDF knows no attributes {listed(map(str, others))} of <dynamics>: not read",
+            "correct their names, or give damping and friction",
+        )
+    stated = {name: values(element, name, 1) or [0.0] for name in ("damping", "friction")}
+    if element is not None and any(value[0] for value in stated.values()):
+        said = ", ".join(f"{name} {value[0]:g}" for name, value in stated.items() if value[0])
+        yield about(
+            "joint-dynamics",
+            "note",
+            element,
+            f"{said}: kept with the joint, not part of the rigid dynamics",
+            "add it to the torques, if it matters",
+        )

@@ -1,0 +1,216 @@
+"""Findings about the links: inertials that are missing, dropped, guessed or impossible."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from graphdyn.model.inertia import CONSISTENCY
+from urdf.document.elements import name_of
+from urdf.document.numbers import values
+from urdf.errors import shortened
+from urdf.inspection.findings import Finding
+from urdf.inspection.inertials import LinkInertial
+from urdf.inspection.messages import about, of_file
+from urdf.inspection.structure import Structure
+
+ROUNDED = 0.02
+"""Violation of a triangle inequality, as a part of the largest moment, below which it comes from few digits."""
+
+TINY_MASS = 1e-4
+"""Mass below which it is probably a placeholder [kg]."""
+
+LARGEST_RADIUS = 2.0
+"""Radius of gyration beyond which lengths are probably in other units [m]."""
+
+FARTHEST_CENTER = 50.0
+"""Distance of a center of mass from its link origin beyond which it is probably in other units [m]."""
+
+FAR, SMALLEST_LINK = 5.0, 0.1
+"""A radius of gyration beyond FAR times the link's size is implausible; no link counts as smaller than SMALLEST_LINK
+[m]."""
+
+SEVERAL = 3
+"""Number of links from which equal inertials are not a coincidence."""
+
+
+def link_findings(structure: Structure) -> Iterator[Finding]:
+    """Findings about the links in the order of the file."""
+    yield from _ground(structure)
+    yield from _missing(structure)
+    moving = [inertial for inertial in structure.inertials if structure.moving(inertial.link)]
+    for inertial in moving:
+        yield from _form(structure, inertial)
+        yield from _mass(structure, inertial)
+        if inertial.size > 0:
+            yield from _tensor(inertial)
+            yield from _radius(structure, inertial)
+    yield from _placeholders(moving)
+
+
+def _ground(structure: Structure) -> Iterator[Finding]:
+    for inertial in structure.inertials:
+        if structure.still(inertial.link) and (inertial.mass > 0 or inertial.size > 0):
+            yield about(
+                "root-inertia",
+                "note",
+                inertial.element,
+                f"a mass of {inertial.mass:g} kg that never moves: load drops it, and no torque regressor contains it",
+                "nothing need be done",
+            )
+
+
+def _missing(structure: Structure) -> Iterator[Finding]:
+    links = {name_of(link): link for link in structure.source.links}
+    for carrier, members in structure.members.items():
+        if carrier in links and all(name in links and links[name].find("inertial") is None for name in members):
+            fixed = " (nor has any link fixed to it)" if len(members) > 1 else ""
+            yield about(
+                "missing-inertial",
+                "warning",
+                links[carrier],
+                f"the link moves and has no <inertial>{fixed}: its mass is zero",
+                "write an <inertial>",
+            )
+
+
+def _form(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
+    """How the <inertial> is written."""
+    element, carrier = inertial.element, structure.carrier[inertial.link]
+    if carrier != inertial.link and inertial.mass > 0:
+        yield about(
+            "fused-mass",
+            "note",
+            element,
+            f"the link is fixed: its {inertial.mass:g} kg are added to the body of link '{shortened(str(carrier))}'",
+            "nothing need be done; urdf.fused_links gives the shares",
+        )
+    origin = element.find("origin")
+    if origin is None:
+        yield about(
+            "inertial-origin-missing",
+            "note",
+            element,
+            "without <origin>: the center of mass is the link origin",
+            "write <origin>, if that is not meant",
+        )
+    if any(values(origin, "rpy", 3) or ()):
+        yield about(
+            "inertial-rotated",
+            "note",
+            element,
+            "the inertial frame is rotated: the tensor is turned into link axes",
+            "nothing need be done",
+        )
+    if np.abs(np.triu(inertial.tensor, 1)).any():
+        yield about(
+            "off-diagonal-inertia", "note", element, "the tensor has off-diagonal entries", "nothing need be done"
+        )
+
+
+def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
+    element, mass = inertial.element, inertial.mass
+    if mass == 0:
+        members = structure.members[str(structure.carrier[inertial.link])]
+        alone = not any(other.mass > 0 and other.link in members for other in structure.inertials)
+        yield about(
+            "zero-mass",
+            "warning" if alone else "note",
+            element,
+            "the mass is zero" if inertial.size == 0 else "the mass is zero but the inertia tensor is not",
+            "give the mass" if alone else "nothing need be done: the body has mass from other links",
+        )
+    elif inertial.size == 0:
+        yield about(
+            "zero-inertia",
+            "warning",
+            element,
+            f"{mass:g} kg with an inertia tensor of zero: a point mass",
+            "give the tensor",
+        )
+    distance = float(np.linalg.norm(inertial.center))
+    if distance > FARTHEST_CENTER:
+        yield about(
+            "far-center-of-mass",
+            "warning",
+            element,
+            f"the center of mass is {distance:.3g} m from the origin of the link",
+            "give it in metres, in the link frame; it may be in millimetres",
+        )
+    if 0 < mass < TINY_MASS:
+        yield about(
+            "tiny-mass",
+            "warning",
+            element,
+            f"the mass is {mass:g} kg",
+            "give the mass in kg; it looks like a placeholder",
+        )
+
+
+def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
+    element, (low, middle, high), size = inertial.element, inertial.moments, inertial.size
+    if low < -CONSISTENCY * size:
+        yield about(
+            "indefinite-inertia",
+            "warning",
+            element,
+            f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one",
+            "correct the tensor; a sign may be wrong, or entries swapped",
+        )
+    elif low <= CONSISTENCY * size:
+        yield about(
+            "singular-inertia",
+            "warning",
+            element,
+            f"the tensor is singular: smallest principal moment {low:.3g} kg m²",
+            "give all moments",
+        )
+    excess = high - low - middle
+    if excess > CONSISTENCY * size:
+        rounded = excess < ROUNDED * high
+        yield about(
+            "triangle-inequality",
+            "note" if rounded else "warning",
+            element,
+            f"principal moment {high:.3g} exceeds the sum {low + middle:.3g} kg m² of the others",
+            "write more digits" if rounded else "correct the tensor: it must be about the center of mass, in kg m²",
+        )
+    if low > 0 and np.array_equal(inertial.tensor, inertial.tensor[0, 0] * np.eye(3)):
+        yield about(
+            "isotropic-inertia",
+            "note",
+            element,
+            "the same moment about every axis, as of a sphere: probably a guess",
+            "give the measured tensor, if forces matter",
+        )
+
+
+def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
+    if inertial.mass == 0:
+        return
+    radius = float(np.sqrt(max(inertial.moments[2], 0.0) / inertial.mass))
+    places = (values(joint.find("origin"), "xyz", 3) for joint in structure.joints_from.get(inertial.link, ()))
+    ends = [inertial.center, *(np.array(place) for place in places if place is not None)]
+    size = max(SMALLEST_LINK, *(float(np.linalg.norm(end)) for end in ends))
+    if radius > LARGEST_RADIUS or radius > FAR * size:
+        yield about(
+            "gyration-radius",
+            "warning",
+            inertial.element,
+            f"the radius of gyration is {radius:.3g} m, the link reaches {size:.3g} m: tensor and mass do not fit",
+            "give kg, m and kg m²; the tensor may be in kg mm² or g mm², or about another point",
+        )
+
+
+def _placeholders(moving: list[LinkInertial]) -> Iterator[Finding]:
+    same = {(inertial.mass, inertial.tensor.tobytes()) for inertial in moving}
+    if len(moving) >= SEVERAL and len(same) == 1:
+        yield of_file(
+            "placeholder-inertials",
+            "warning",
+            None,
+            f"all {len(moving)} moving links with <inertial> have the same mass, {moving[0].mass:g} kg, and tensor: "
+            "placeholders",
+            "give the real ones: the numbers computed from these mean nothing",
+        )

@@ -1,0 +1,135 @@
+"""Findings about the loops of a robot: whether they close, what their rows hold, what moves with all motors held."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from graphdyn import InconsistentState, RobotModel
+from graphdyn.layout import Array
+from graphdyn.model.assembly import assembled
+from graphdyn.model.loops import CLOSED, RANK, loop_spaces
+from urdf.document.elements import name_of
+from urdf.errors import listed, shortened
+from urdf.inspection.findings import Finding
+from urdf.inspection.messages import of_file
+from urdf.inspection.structure import Structure
+from urdf.loops.couplings import INDEPENDENT
+
+STATES, SEED, STRAY = 5, 0, 0.1
+"""Closed states that are examined, their seed, and how far from the first of them they are looked for [rad or m]."""
+
+MOST_ROWS = 100
+"""Largest number of chord rows that are examined: closing more takes longer than a second."""
+
+
+def closed_states(model: RobotModel) -> Array:
+    """Joint positions that close the loops (STATES, n_freedoms); the first near q = 0.
+
+    Raises InconsistentState where none is found.
+    """
+    start = model.closed_pose
+    strayed = start + STRAY * np.random.default_rng(SEED).standard_normal((STATES, start.size))
+    strayed[0] = start
+    q, gaps = assembled(model.loops, strayed)
+    closed: Array = q[np.abs(gaps).max(axis=-1) <= CLOSED]
+    return closed
+
+
+def free_motions(model: RobotModel, q: Array) -> list[Array]:
+    """Per state: a basis of the joint velocities that keep the loops closed (n_freedoms, f)."""
+    spaces = loop_spaces(model.loops.jacobian(model.loops.links(q)))
+    return [right[:, free] for right, free in zip(spaces.right, spaces.free, strict=True)]
+
+
+def loop_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
+    """Findings about a robot with chords."""
+    yield from _massless(model)
+    if model.n_chord_rows > MOST_ROWS:
+        yield of_file(
+            "loops-not-examined",
+            "note",
+            None,
+            f"the loops have {model.n_chord_rows} rows: more than {MOST_ROWS} are not examined",
+            "nothing need be done",
+        )
+        return
+    try:
+        q = closed_states(model)
+    except InconsistentState as error:
+        yield of_file("loop-cannot-close", "warning", None, str(error), "correct the loop, or the links on its way")
+        return
+    motions = free_motions(model, q)
+    yield _rows(model, motions)
+    generic = min(motions, key=lambda motion: motion.shape[-1])  # singular poses have more
+    yield from _idle(model, generic)
+    yield from _independent(model, structure, generic)
+
+
+def _massless(model: RobotModel) -> Iterator[Finding]:
+    ends = {body for chord in model.chords for body in (chord.body_i, chord.body_j) if body}
+    massless = [model.body_names[body - 1] for body in sorted(ends) if model.bodies[body - 1].mass == 0]
+    if massless:
+        yield of_file(
+            "massless-closing-link",
+            "note",
+            None,
+            f"loops close at bodies without mass: {listed(massless)}. Pinocchio's constrained dynamics are NaN there",
+            "nothing need be done, if other bodies of the loop have mass",
+        )
+
+
+def _rows(model: RobotModel, motions: list[Array]) -> Finding:
+    n, rows = model.n_freedoms, model.n_chord_rows
+    freedoms = min(motion.shape[-1] for motion in motions)
+    held, gaps = n - freedoms, np.abs(model.loops.gaps(np.zeros(n)))
+    said = [f"{rows} rows close loops: they hold {held} of {n} joint freedoms and leave {freedoms}"]
+    if held < rows:
+        said.append(f"redundant rows: {rows - held}, so that not all reactions are determined")
+    if gaps.max() > CLOSED:
+        said.append(f"at q = 0 the loops are open by {gaps.max():.2g} m or rad")
+    if motions[0].shape[-1] > freedoms:
+        said.append("the closed pose next to q = 0 is singular")
+    return of_file("loop-rows", "note", None, "; ".join(said), "nothing need be done; graphdyn.assemble closes states")
+
+
+def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
+    """Freedoms that the motors do not hold."""
+    if model.actuated is None:
+        return
+    joints = model.independent_joints
+    of_motors = loop_spaces(motion[[joints.index(name) for name in model.actuated]])
+    idle = motion @ of_motors.right[:, of_motors.free]
+    if idle.shape[-1]:
+        names = [name for name, row in zip(joints, idle, strict=True) if np.abs(row).max() > RANK]
+        yield of_file(
+            "idle-freedoms",
+            "warning",
+            None,
+            f"freedoms that no motor drives: {idle.shape[-1]}; with all motors held, joints {listed(names)} can move",
+            "lock one joint of each (lock=), or state more motors",
+        )
+
+
+def _independent(model: RobotModel, structure: Structure, motion: Array) -> Iterator[Finding]:
+    """Joints that are not marked independent="false", where any joint is marked."""
+    marks = {
+        name_of(joint): INDEPENDENT.get((joint.get("independent") or "true").lower(), True)
+        for joint in structure.movable
+    }
+    if not any("independent" in joint.attrib for joint in structure.movable):
+        return
+    joints = model.independent_joints
+    stated = [k for k, name in enumerate(joints) if marks.get(name, True)]
+    rank = np.count_nonzero(np.linalg.svd(motion[stated], compute_uv=False) > RANK) if stated else 0
+    if not rank == len(stated) == motion.shape[-1]:
+        named = listed(shortened(joints[k]) for k in stated)
+        yield of_file(
+            "independent-contradiction",
+            "warning",
+            None,
+            f"the loops leave {motion.shape[-1]} freedoms, and {len(stated)} joints are not marked "
+            f'independent="false", whose motions determine {rank} of them: {named}',
+            "mark as independent as many joints as there are freedoms, so that they determine all others",
+        )

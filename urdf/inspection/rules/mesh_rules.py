@@ -1,0 +1,151 @@
+"""Findings about inertials that do not fit the meshes of their links."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.layout import Array
+from graphdyn.model.inertia import CONSISTENCY
+from urdf.errors import MOST, shortened
+from urdf.geometry.filled_links import FilledLink, filled_links
+from urdf.inspection.findings import Finding
+from urdf.inspection.inertials import LinkInertial
+from urdf.inspection.messages import about, of_file
+from urdf.inspection.structure import Structure
+
+OUTSIDE = 0.05
+"""Distance of a center of mass from the box around the mesh, as a part of its longest side, beyond which they do not
+fit; motors and cables that are not drawn shift it less."""
+
+LIGHTEST, DENSEST = 100.0, 20_000.0
+"""Plausible mass over volume [kg/m³]: a hollow link of plastic, solid tungsten."""
+
+FAR = 10.0
+"""Factor between a principal moment and that of the filled mesh beyond which they do not fit. A thin shell has at most
+5/3 of a filled body; of the catalogue's links, nine in ten stay below 7."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """An inertial beside its link, filled uniformly with the same mass. moments: principal, ascending (3,) [kg m²]"""
+
+    inertial: LinkInertial
+    link: FilledLink
+    moments: Array
+
+    @property
+    def density(self) -> float:
+        """[kg/m³]."""
+        return self.inertial.mass / self.link.filled.volume
+
+    @property
+    def factor(self) -> float:
+        """Largest ratio of the moments, either way; 1 for singular and negative tensors, which have findings."""
+        own = self.inertial.moments
+        if own[0] <= CONSISTENCY * self.inertial.size:
+            return 1.0
+        ratios = own / self.moments
+        return float(max(ratios.max(), 1 / ratios.min()))
+
+    @property
+    def what(self) -> str:
+        """ "visual mesh", "convex hull of its collision mesh"."""
+        return f"{'convex hull of its ' if self.link.filled.hull else ''}{self.link.geometry} mesh"
+
+
+def mesh_findings(structure: Structure, detail: bool) -> Iterator[Finding]:
+    """What the meshes say about the inertials of the moving links; nothing where no mesh is found.
+
+    detail: tensors link by link, instead of one line for all that are far from their meshes
+    """
+    moving = {each.link: each for each in structure.inertials if structure.moving(each.link) and each.mass > 0}
+    links, failed = filled_links(structure.source, moving, only_meshes=True)
+    compared = [_compared(moving[name], links[name]) for name in moving if name in links]
+    if not compared:
+        return
+    yield _files(structure, len(compared), failed)
+    for each in compared:
+        yield from _place(each)
+        yield from _density(each)
+        if detail:
+            yield _tensor(each)
+    yield from _tensors(compared)
+
+
+def _compared(inertial: LinkInertial, link: FilledLink) -> Compared:
+    solid = link.filled
+    moments = np.linalg.eigvalsh(solid.tensor * (inertial.mass / solid.volume))
+    return Compared(inertial, link, moments.astype(float))
+
+
+def _files(structure: Structure, compared: int, failed: dict[str, str]) -> Finding:
+    names = [f"'{shortened(link)}' ({reason})" for link, reason in failed.items()][:MOST]
+    more = f" and {len(failed) - MOST} more" if len(failed) > MOST else ""
+    left = f"; links that are not: {', '.join(names)}{more}" if failed else ""
+    drawings = structure.source.drawings.drawings
+    lines = [each.line for each in drawings if each.mesh]
+    return of_file(
+        "mesh-files",
+        "note",
+        lines[0],
+        f"mesh files: {len(lines)}; links whose inertials are compared with them: {compared}{left}",
+        "nothing need be done",
+    )
+
+
+def _place(each: Compared) -> Iterator[Finding]:
+    solid, center = each.link.filled, each.inertial.center
+    outside = float(np.linalg.norm(np.maximum(np.maximum(solid.low - center, center - solid.high), 0.0)))
+    size = float((solid.high - solid.low).max())
+    if outside > OUTSIDE * size:
+        yield about(
+            "center-outside-mesh",
+            "warning",
+            each.inertial.element,
+            f"the center of mass lies {outside:.3g} m outside the box around the {each.link.geometry} mesh, whose "
+            f"longest side is {size:.3g} m",
+            "give it in the link frame, in metres; or correct the placement or the scale of the mesh",
+        )
+
+
+def _density(each: Compared) -> Iterator[Finding]:
+    if not LIGHTEST <= each.density <= DENSEST:
+        yield about(
+            "mesh-density",
+            "warning",
+            each.inertial.element,
+            f"{each.inertial.mass:.3g} kg in {each.link.filled.volume:.3g} m³ ({each.what}) are "
+            f"{each.density:.4g} kg/m³",
+            "give the mass in kg and the mesh in metres, with its scale; a part of the link may not be drawn",
+        )
+
+
+def _tensors(compared: list[Compared]) -> Iterator[Finding]:
+    far = sorted((each for each in compared if each.factor > FAR), key=lambda each: -each.factor)
+    if far:
+        yield of_file(
+            "inertia-unlike-mesh",
+            "warning",
+            None,
+            f"the tensors of {len(far)} of {len(compared)} links are far from those of their meshes, filled uniformly "
+            f"with the same mass: by a factor of {far[0].factor:.3g} for link '{shortened(far[0].inertial.link)}'",
+            "compare them link by link: urdf.inspect(…, meshes='detail'), graphdyn inspect --meshes detail",
+        )
+
+
+def _tensor(each: Compared) -> Finding:
+    own, filled = (
+        ", ".join(f"{moment:.3g}" for moment in moments) for moments in (each.inertial.moments, each.moments)
+    )
+    apart = float(np.linalg.norm(each.inertial.center - each.link.filled.center))
+    return about(
+        "inertia-of-mesh",
+        "note",
+        each.inertial.element,
+        f"principal moments {own} kg m²; filled uniformly with {each.inertial.mass:.3g} kg ({each.density:.4g} kg/m³), "
+        f"the {each.what} has {filled}, a factor of {each.factor:.3g}, and its center of mass {apart:.3g} m away",
+        "correct the inertial where the factor is large, or load with repair=(urdf.InertialsFromMeshes(…),)",
+    )

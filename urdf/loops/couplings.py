@@ -1,0 +1,87 @@
+"""<coupling> of URDF+: which joint each drives, and by which sum of others."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from lxml import etree
+
+from urdf.document.elements import name_of
+from urdf.document.source import Source
+from urdf.document.tree import joint_into, path_up
+from urdf.errors import InvalidLoop, listed, shortened
+from urdf.loops.loops import Closure, CoupledSums, Place
+
+INDEPENDENT = {"true": True, "1": True, "false": False, "0": False}
+"""By the lower-case text of the attribute independent= of a joint."""
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A joint that others drive: its position is Σ ratio × theirs + offset.
+
+    cause: what says so, in words; instead: what could be done about it
+    """
+
+    joint: str
+    ratios: Mapping[str, float]
+    offset: float
+    cause: str
+    instead: str
+    place: Place
+
+
+def relations(source: Source, closures: Sequence[Closure], taken: Container[str]) -> Iterator[Relation]:
+    """One for each coupling between links of the source, a valid tree, unless all joints on its way are fixed.
+
+    A coupling drives the joint nearest to the successor that is marked independent="false", or where none is, the
+    nearest that is not marked "true"; not one that is driven already. taken: joints that mimic others
+
+    Raises InvalidLoop where no joint is left to drive, for sums of angles and lengths, and for an attribute
+    independent= that is neither true nor false.
+    """
+    into, links = joint_into(source), {name_of(link) for link in source.links}
+    driven: set[str] = set()
+    for closure in closures:
+        sums, place = closure.says, closure.place
+        if not isinstance(sums, CoupledSums) or not {sums.predecessor, sums.successor} <= links:
+            continue
+        above, below = path_up(into, sums.predecessor), path_up(into, sums.successor)
+        to_successor = [joint for joint in below if joint not in above and joint.get("type") != "fixed"]
+        to_predecessor = [joint for joint in above if joint not in below and joint.get("type") != "fixed"]
+        for way in (to_successor, to_predecessor):
+            if len({joint.get("type") == "prismatic" for joint in way}) > 1:
+                problem = f"'{shortened(sums.name)}' adds angles to lengths: joints {listed(map(name_of, way))}"
+                raise place.error(InvalidLoop, problem, "couple joints of one kind")
+        joints = [*to_successor, *to_predecessor]
+        if not joints:
+            continue
+        terms = {name_of(joint): 1.0 for joint in to_successor}
+        terms |= {name_of(joint): -sums.ratio for joint in to_predecessor}
+        free = [joint for joint in joints if name_of(joint) not in taken and name_of(joint) not in driven]
+        joint = _driven(sums, place, free, joints)
+        driven.add(joint)
+        ratios = {name: -term / terms[joint] for name, term in terms.items() if name != joint}
+        cause = f"coupling '{shortened(sums.name)}' drives it"
+        yield Relation(joint, ratios, 0.0, cause, "remove the coupling", place)
+
+
+def _driven(sums: CoupledSums, place: Place, free: list[etree._Element], joints: list[etree._Element]) -> str:
+    marks = {}
+    for joint in joints:
+        text = joint.get("independent")
+        if text is not None and text.lower() not in INDEPENDENT:
+            problem = f"joint '{shortened(name_of(joint))}' has independent=\"{shortened(text)}\""
+            raise place.error(InvalidLoop, problem, 'write "true" or "false"')
+        marks[joint] = None if text is None else INDEPENDENT[text.lower()]
+    for wanted in (False, None):
+        for joint in free:
+            if marks[joint] is wanted:
+                return name_of(joint)
+    raise place.error(
+        InvalidLoop,
+        f"'{shortened(sums.name)}' has no joint to drive: {listed(map(name_of, joints))} are independent or driven "
+        "already",
+        'mark the one that it drives independent="false", or remove the coupling',
+    )

@@ -1,0 +1,120 @@
+"""What a file has beside the tree of rigid bodies: elements that close loops, change dynamics, or are unknown."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from lxml import etree
+
+from urdf.document.elements import describe, line_of, name_of, tag_of, written_tag
+from urdf.document.vocabulary import ATTRIBUTES, CHANGES, CLOSES, HARMLESS, LOOPS, READ, RIGID
+from urdf.errors import shortened
+from urdf.loops.loop_elements import read
+from urdf.loops.loops import Closure, Motor, Place
+
+
+@dataclass(frozen=True)
+class Unread:
+    """Something that is not read, at one or more places; element, line: the first."""
+
+    code: str
+    element: str
+    line: int | None
+    problem: str
+    places: int
+
+
+@dataclass(frozen=True)
+class Extensions:
+    """What a document has beside the tree of rigid bodies."""
+
+    closures: tuple[Closure, ...] = ()
+    motors: tuple[Motor, ...] = ()
+    unread: tuple[Unread, ...] = ()
+
+
+def extensions(robot: etree._Element, path: Path) -> Extensions:
+    """Of a document that still has all its elements."""
+    return Extensions(tuple(_closures(robot, path)), tuple(_motors(robot, path)), tuple(_unread(robot)))
+
+
+def _closures(robot: etree._Element, path: Path) -> Iterator[Closure]:
+    links = frozenset(name_of(link) for link in robot if tag_of(link) == "link")
+    for parent in (robot, *robot):
+        meanings = CLOSES.get(tag_of(parent), {})
+        for element in parent.iterchildren(etree.Element):
+            meaning = meanings.get(written_tag(element))
+            if meaning is not None:
+                name = f"'{shortened(name_of(element))}'" if name_of(element) else "it"
+                place = _place(element, path)
+                says = read(element, links, place) if parent is robot else None
+                yield Closure(place, f"{name} {meaning}", links & _quoted(element), says)
+
+
+def _motors(robot: etree._Element, path: Path) -> Iterator[Motor]:
+    """Of <transmission>: the joints that have an <actuator>."""
+    for transmission in robot.iterchildren(etree.Element):
+        tags = [tag_of(child) for child in transmission]
+        if tag_of(transmission) == "transmission" and "actuator" in tags:
+            for child in transmission:
+                if tag_of(child) == "joint":
+                    yield Motor(name_of(child), _place(transmission, path))
+
+
+def _place(element: etree._Element, path: Path) -> Place:
+    return Place(path, line_of(element), describe(element))
+
+
+def _quoted(element: etree._Element) -> frozenset[str]:
+    """All texts and attributes of an element, without its own name."""
+    inside = [text for child in element.iterdescendants(etree.Element) for text in child.attrib.values()]
+    texts = [child.text or "" for child in element.iter(etree.Element)]
+    own = [text for name, text in element.attrib.items() if name != "name"]
+    return frozenset(str(text).strip() for text in (*own, *inside, *texts))
+
+
+def _unread(robot: etree._Element) -> Iterator[Unread]:
+    """One per problem, in the order of the file."""
+    first: dict[tuple[str, str], etree._Element] = {}
+    places: Counter[tuple[str, str]] = Counter()
+    for code, problem, element in _places(robot):
+        first.setdefault((code, problem), element)
+        places[code, problem] += 1
+    for (code, problem), element in first.items():
+        yield Unread(code, describe(element), line_of(element), problem, places[code, problem])
+
+
+_ON_THE_WAY = {
+    **READ,
+    "robot": (*READ["robot"], *LOOPS, "gazebo", "mujoco", "transmission"),
+    "transmission": ("actuator",),
+}
+"""Per element, its children whose children are looked at."""
+
+
+def _places(parent: etree._Element) -> Iterator[tuple[str, str, etree._Element]]:
+    """What is not read in this element and below: code, problem and place."""
+    kind = tag_of(parent)
+    for name in map(str, parent.attrib if kind in ATTRIBUTES else ()):
+        if "}" not in name and name not in ATTRIBUTES[kind]:
+            yield "unknown-attribute", f"URDF knows no attribute '{shortened(name)}' of <{kind}>", parent
+    fixed = kind == "joint" and parent.get("type") == "fixed"
+    for element in parent.iterchildren(etree.Element):
+        tag = written_tag(element)
+        meaning, applies = CHANGES.get(kind, {}).get(tag, ("", None))
+        if applies is not None and applies(element):
+            yield "unread-dynamics", f"<{tag}> in <{kind}> {meaning}", element
+        elif kind in READ and not _is_known(kind, tag, element):
+            yield "unknown-element", f"URDF knows no <{shortened(tag)}> in <{kind}>", element
+        if tag in (RIGID if fixed else _ON_THE_WAY.get(kind, ())):
+            yield from _places(element)
+
+
+def _is_known(kind: str, tag: str, element: etree._Element) -> bool:
+    """Elements of xacro have findings of their own."""
+    namespace = etree.QName(element).namespace or ""
+    known = (*READ[kind], *HARMLESS.get(kind, ()), *CLOSES.get(kind, ()))
+    return tag in known or namespace.rstrip("/").endswith("xacro")

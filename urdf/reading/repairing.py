@@ -1,0 +1,90 @@
+"""Repairs that the caller asks for by name; everything else stays as the file says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+
+from lxml import etree
+
+from urdf.document.elements import describe, line_of
+from urdf.document.numbers import UNIT_LENGTH, values
+from urdf.document.source import Source
+from urdf.errors import InvalidRepair
+from urdf.reading.limits import ENDLESS
+from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_meshes
+
+ROUNDED = 1e-3
+"""Difference from 1 below which the length of an axis is 1, written with few digits."""
+
+
+FROM_MESHES = "inertials-from-meshes"
+"""The name of the repair that has numbers."""
+
+Repair = str | InertialsFromMeshes
+"""A repair by its name, or one that has numbers."""
+
+
+def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
+    """Repair the elements of the source; return every change, in words. Raises InvalidRepair for unknown names.
+
+    InertialsFromMeshes: links get inertials that are computed from their shapes
+    "axis": axes whose length differs from 1 by less than ROUNDED get unit length
+    "limits": lower and upper limits of position that are reversed are exchanged
+    """
+    if isinstance(wanted, Repair):
+        raise InvalidRepair(f"repair is {_said(wanted)}", f"give a tuple: ({wanted!r},)", path=source.path)
+    wanted = tuple(wanted)
+    names = [one for one in wanted if not isinstance(one, InertialsFromMeshes)]
+    unknown = [name for name in names if name not in REPAIRS]
+    if FROM_MESHES in unknown:
+        remedy = "give urdf.InertialsFromMeshes(density=…) or (total_mass=…)"
+        raise InvalidRepair(f"'{FROM_MESHES}' needs a density or a total mass", remedy, path=source.path)
+    if unknown:
+        known = ", ".join((*REPAIRS, "urdf.InertialsFromMeshes(…)"))
+        raise InvalidRepair(f"no repair is called {unknown[0]!r}", f"known: {known}", path=source.path)
+    changes = [change for name in REPAIRS if name in names for change in REPAIRS[name](source)]
+    for one in wanted:
+        if isinstance(one, InertialsFromMeshes):
+            changes += inertials_from_meshes(source, one)
+    return changes
+
+
+def _said(wanted: Repair) -> str:
+    return f"the string '{wanted}'" if isinstance(wanted, str) else f"one {type(wanted).__name__}"
+
+
+def crossed_limits(joint: etree._Element) -> tuple[float, float] | None:
+    """Lower and upper limit of position where they are reversed; None where they are in order, infinite or missing."""
+    limit = joint.find("limit")
+    lower, upper = values(limit, "lower", 1), values(limit, "upper", 1)
+    if joint.get("type") not in ("revolute", "prismatic") or lower is None or upper is None:
+        return None
+    finite = abs(lower[0]) < ENDLESS and abs(upper[0]) < ENDLESS
+    return (lower[0], upper[0]) if finite and lower[0] > upper[0] else None
+
+
+def _axes(source: Source) -> Iterator[str]:
+    for joint in source.joints:
+        element = joint.find("axis")
+        axis = values(element, "xyz", 3)
+        if element is None or axis is None:
+            continue
+        length = math.hypot(*axis)
+        if UNIT_LENGTH < abs(length - 1) < ROUNDED:
+            element.set("xyz", " ".join(repr(x / length) for x in axis))
+            yield f"line {line_of(element)}: {describe(element)}: length {length:.9g} made 1"
+
+
+def _limits(source: Source) -> Iterator[str]:
+    for joint in source.joints:
+        crossed, limit = crossed_limits(joint), joint.find("limit")
+        if crossed is not None and limit is not None:
+            lower, upper = limit.get("lower", ""), limit.get("upper", "")
+            limit.set("lower", upper)
+            limit.set("upper", lower)
+            yield f"line {line_of(limit)}: {describe(limit)}: lower {lower} and upper {upper} exchanged"
+
+
+REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {"axis": _axes, "limits": _limits}
+"""The repairs, by the names that urdf.load takes."""

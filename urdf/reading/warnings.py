@@ -1,0 +1,85 @@
+"""The warnings of urdf.load: each kind once per file, with all names."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+
+import numpy as np
+
+from graphdyn.layout import Array
+from urdf.document.numbers import UNIT_LENGTH, rotation_from_rpy, values
+from urdf.errors import (
+    MOST,
+    AxisNotNormalizedWarning,
+    ChainWarning,
+    MimicJointWarning,
+    MissingInertialWarning,
+    RepairWarning,
+    UnreadWarning,
+    URDFWarning,
+    XacroWarning,
+    one_line,
+)
+from urdf.loops.extensions import Unread
+from urdf.reading.cutting import Cut
+from urdf.reading.parsing import Parsed
+
+TILTED = 1e-9
+"""Relative difference of gravity between the axes of the base link and of the root beyond which the base is tilted."""
+
+
+def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> None:
+    """Issue the warnings, at the line that called load.
+
+    gravity: of the model, None where the caller gave it (3,) [m/s²]; complaints: warnings of the expander of .xacro
+    """
+    _tell(XacroWarning, parsed, "expanding the file: ", complaints)
+    unread = [_at(unread) for unread in parsed.unread[:MOST]]
+    more = f" and {len(parsed.unread) - MOST} more" if len(parsed.unread) > MOST else ""
+    _tell(UnreadWarning, parsed, "not read: ", unread, more)
+    joints, cut, assembly = parsed.robot.joints, parsed.cut, parsed.assembly
+    _tell(RepairWarning, parsed, "repaired: ", parsed.changes)
+    held = [f"'{name}'" for name in cut.held if parsed.locked.get(name) == 0 and name not in parsed.stated]
+    after = "; the chain carries their links; lock= locks them at other values"
+    _tell(ChainWarning, parsed, "movable joints beside the chain are locked at 0: ", held, after)
+    left_out = [f"'{name}'" for name in cut.left_out]
+    after = "; the base link supports what they carry, not the chain"
+    _tell(ChainWarning, parsed, "movable joints on the base of the chain are left out: ", left_out, after)
+    if gravity is not None:
+        _tell(ChainWarning, parsed, "", _tilt(cut, parsed.root, gravity))
+    lengths = {joint.name: math.hypot(*joint.axis) for joint in joints if joint.type != "fixed"}
+    odd = [f"joint '{name}' ({length:.9g})" for name, length in lengths.items() if abs(length - 1) > UNIT_LENGTH]
+    _tell(AxisNotNormalizedWarning, parsed, "axis not of unit length, normalised: ", odd)
+    aside = {*parsed.locked, *(coupling.joint for coupling in parsed.couplings)}
+    mimics = [f"'{joint.name}'" for joint in joints if joint.mimic is not None and joint.name not in aside]
+    _tell(MimicJointWarning, parsed, "mimic joints are loaded as independent joints: ", mimics, "; lock= locks them")
+    massless = [f"'{name}'" for names in assembly.massless for name in names]
+    after = "; their mass is zero and forward dynamics are not determined"
+    _tell(MissingInertialWarning, parsed, "moving links without <inertial>: ", massless, after)
+
+
+def _at(unread: Unread) -> str:
+    return unread.problem if unread.line is None else f"line {unread.line}: {unread.problem}"
+
+
+def _tilt(cut: Cut, base: str, gravity: Array) -> list[str]:
+    """Gravity in the axes of the base link, if the link is tilted in the whole robot with all joints at 0."""
+    rotation = np.eye(3)
+    for joint in cut.before:
+        rotation = rotation_from_rpy(*(values(joint.find("origin"), "rpy", 3) or (0.0, 0.0, 0.0))) @ rotation
+    there = rotation.T @ gravity
+    if np.abs(there - gravity).max() <= TILTED * np.abs(gravity).max():
+        return []
+    said = ", ".join(f"{x:.9g}" for x in there + 0.0)
+    return [
+        f"base link '{base}' is tilted in the whole robot, but upright as the root of the chain; "
+        f"gravity=({said}) restores the direction that gravity has in the whole robot with all joints at 0"
+    ]
+
+
+def _tell(kind: type[URDFWarning], parsed: Parsed, before: str, items: Sequence[str], after: str = "") -> None:
+    """One warning with all items; none where there are no items."""
+    if items:
+        warnings.warn(one_line(f"{parsed.path}: {before}{', '.join(items)}{after}"), kind, stacklevel=4)

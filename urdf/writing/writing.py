@@ -1,0 +1,127 @@
+"""RobotModel → <robot> element: a link per body, a fixed link per frame."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable
+from dataclasses import dataclass
+from itertools import chain, count
+
+import numpy as np
+from lxml import etree
+
+from graphdyn import Coupling, Joint, Placement, RobotModel
+from urdf.errors import CannotSave
+from urdf.reading import limits
+from urdf.writing.loop_writing import coupling_elements, independent_marks, loop_elements, transmission_elements
+from urdf.writing.written import add_numbers, add_placement, inertial_element, text
+
+
+@dataclass(frozen=True, eq=False)
+class _FixedLink:
+    """A link without inertia, and the fixed joint that carries it."""
+
+    name: str
+    joint: str
+    parent: str
+    placement: Placement
+
+
+def robot_element(model: RobotModel) -> etree._Element:
+    """The model as XML. Raises CannotSave for names and couplings that a URDF cannot have."""
+    links = (model.base_name, *model.body_names)
+    frames = _fixed_links(model, links)
+    link_names = [*links, *(frame.name for frame in frames)]
+    chord_names = [chord.name for chord in model.chords]
+    _check_names([model.name, *link_names, *model.joint_names, *(frame.joint for frame in frames), *chord_names])
+
+    mimics = {coupling.joint: coupling for coupling in model.couplings if len(coupling.ratios) == 1}
+    marks = independent_marks(model)
+    robot = etree.Element("robot", name=model.name)
+    root = model.base_name
+    if not _is_identity(model.base):
+        root = _free_name("world", link_names)
+        etree.SubElement(robot, "link", name=root)
+    etree.SubElement(robot, "link", name=model.base_name)
+    for body in model.bodies:
+        link = etree.SubElement(robot, "link", name=body.name)
+        if body.mass != 0 or body.inertia.any():  # without <inertial>, loading warns of the missing mass
+            link.append(inertial_element(body))
+    for frame in frames:
+        etree.SubElement(robot, "link", name=frame.name)
+
+    if root != model.base_name:
+        joint_names = [*model.joint_names, *(frame.joint for frame in frames)]
+        _add_joint(robot, _free_name(model.base_name, joint_names), "fixed", root, model.base_name, model.base)
+    for joint, body in zip(model.joints, model.bodies, strict=True):
+        element = _add_joint(robot, joint.name, joint.kind, links[joint.inside], body.name, joint.placement)
+        _add_motion(element, joint)
+        if joint.name in mimics:
+            element.append(_mimic(mimics[joint.name]))
+        if joint.name in marks:
+            element.set("independent", marks[joint.name])
+    for frame in frames:
+        _add_joint(robot, frame.joint, "fixed", frame.parent, frame.name, frame.placement)
+    robot.extend([*coupling_elements(model), *loop_elements(model), *transmission_elements(model)])
+    return robot
+
+
+def _fixed_links(model: RobotModel, links: tuple[str, ...]) -> list[_FixedLink]:
+    """The frames as links.
+
+    The fixed joint has the name of the frame's first alias. Without an alias it has the frame's own name: a joint
+    named like a link gives the reloaded frame no alias. Further aliases become links of their own at the same place.
+    """
+    joints = set(model.joint_names)
+    fixed = []
+    for frame in model.frames:
+        first = next((alias for alias in frame.aliases if alias not in joints), frame.name)
+        for name in (frame.name, *(alias for alias in frame.aliases if alias != first)):
+            joint = _free_name(first if name == frame.name else name, joints)
+            joints.add(joint)
+            fixed.append(_FixedLink(name, joint, links[frame.body], frame.placement))
+    return fixed
+
+
+def _free_name(wish: str, taken: Container[str]) -> str:
+    """The wanted name, or the first of wish_1, wish_2, … that is not taken."""
+    candidates = chain([wish], (f"{wish}_{k}" for k in count(1)))
+    return next(name for name in candidates if name not in taken)
+
+
+def _check_names(names: Iterable[str]) -> None:
+    for name in names:
+        if not name:
+            raise CannotSave("the robot, a link, a joint or a chord has an empty name", "give it a name")
+        try:
+            etree.Element("link", name=name)
+        except ValueError as error:
+            raise CannotSave(f"the name {name!r} cannot stand in XML", "rename it") from error
+
+
+def _is_identity(placement: Placement) -> bool:
+    return np.array_equal(placement.rotation, np.eye(3)) and not placement.translation.any()
+
+
+def _add_joint(
+    robot: etree._Element, name: str, kind: str, parent: str, child: str, placement: Placement
+) -> etree._Element:
+    joint = etree.SubElement(robot, "joint", name=name, type=kind)
+    add_placement(joint, placement)
+    etree.SubElement(joint, "parent", link=parent)
+    etree.SubElement(joint, "child", link=child)
+    return joint
+
+
+def _add_motion(element: etree._Element, joint: Joint) -> None:
+    """Axis, limits, damping and friction of a movable joint."""
+    etree.SubElement(element, "axis", xyz=text(joint.axis))
+    bounds = limits.to_attributes(joint)
+    if bounds:
+        add_numbers(element, "limit", bounds)
+    if joint.damping or joint.friction:
+        add_numbers(element, "dynamics", {"damping": joint.damping, "friction": joint.friction})
+
+
+def _mimic(coupling: Coupling) -> etree._Element:
+    ((driver, ratio),) = coupling.ratios.items()
+    return etree.Element("mimic", joint=driver, multiplier=repr(ratio), offset=repr(float(coupling.offset)))
