@@ -13,8 +13,8 @@ from graphdyn import layout, motion_laws
 from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.equations.joint_readings import joint_acceleration, joint_state
 from graphdyn.equations.kinematics import MaximalState, frame_placement, maximal_state
-from graphdyn.equations.kkt import KKTSolution, KKTSystem
 from graphdyn.equations.loops.analysis import LoopAnalysis, analyze_loops
+from graphdyn.equations.system.kkt import KKTSolution, KKTSystem
 from graphdyn.errors import (
     EstimationFailed,
     GimbalLock,

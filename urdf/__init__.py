@@ -4,6 +4,7 @@ Strict where other parsers guess: a missing value is refused, with file, line, e
 """
 
 from urdf.document.catalogue import RobotEntry, robots
+from urdf.document.connections.loops import Loop
 from urdf.document.opening import Xacro
 from urdf.errors import (
     AxisNotNormalizedWarning,
@@ -38,7 +39,6 @@ from urdf.errors import (
 )
 from urdf.geometry.shape import MissingShape, Shape, Shapes
 from urdf.inspection import Finding, Inspection, inspect
-from urdf.loops.loops import Loop
 from urdf.reading.loading import fused_links, load
 from urdf.reading.mesh_inertials import InertialsFromMeshes
 from urdf.reading.shapes import shapes

@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from crosscheck.comparing.states import RANDOM, Case, cases
 from crosscheck.quantities import scales
 from crosscheck.quantities.derived_errors import derived_errors, derived_forward_errors
+from crosscheck.quantities.states import RANDOM, Case, cases
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import BareCalls, RefereeValues, multipliers_of
 from graphdyn import Placement, RobotModel, inverse_dynamics, mass_matrix

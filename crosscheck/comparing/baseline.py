@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.comparing.states import ACCELERATION_RANGE
 from crosscheck.quantities.scales import term_sizes
+from crosscheck.quantities.states import ACCELERATION_RANGE
 from crosscheck.quantities.tolerances import EPS
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import InvalidInput, RobotModel, joint_torque_regressor, maximal_state

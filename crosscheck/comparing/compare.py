@@ -16,7 +16,6 @@ from crosscheck.comparing.comparison import Comparison
 from crosscheck.comparing.coupled import coupled_answers, coupled_case, coupled_errors
 from crosscheck.comparing.error_record import ErrorRecord
 from crosscheck.comparing.looped import looped_case, looped_errors, why_not_closed
-from crosscheck.comparing.states import RANDOM, Case, cases, has_mass
 from crosscheck.quantities.answers import forward_answers, passive_answers
 from crosscheck.quantities.derived_answers import FEW, DerivedAnswers, derived_answers
 from crosscheck.quantities.derived_errors import derived_errors, derived_forward_errors, second_errors
@@ -29,6 +28,7 @@ from crosscheck.quantities.errors import (
     torque_errors,
 )
 from crosscheck.quantities.quantities import LOOPED, QUANTITIES, RECURSIVE
+from crosscheck.quantities.states import RANDOM, Case, cases, has_mass
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.reference.reference_values import RefereeValues
 from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, subject

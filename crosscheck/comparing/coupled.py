@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.comparing.states import ACCELERATION_RANGE, Case
 from crosscheck.quantities.scales import (
     acceleration_scale,
     by_parameter_type,
@@ -20,6 +19,7 @@ from crosscheck.quantities.scales import (
     relative,
     term_sizes,
 )
+from crosscheck.quantities.states import ACCELERATION_RANGE, Case
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import (
     InverseDynamics,

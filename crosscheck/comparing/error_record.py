@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.comparing.comparison import QuantityResult, WorstState
-from crosscheck.comparing.states import Case
 from crosscheck.quantities.errors import Conditioning
 from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED
+from crosscheck.quantities.states import Case
 from graphdyn.layout import Array
 
 

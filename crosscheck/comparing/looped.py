@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from crosscheck.comparing.coupled import METHODS
-from crosscheck.comparing.states import ACCELERATION_RANGE, LOAD, Case
 from crosscheck.quantities.scales import acceleration_scale, largest
+from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD, Case
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.pinocchio_model.closed import KINDS, closed_dynamics

@@ -17,10 +17,10 @@ from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Ju
 from crosscheck.judging.observing.conventions import check_declared
 from crosscheck.judging.observing.function_under_test import BatchFunction, ForeignFunction, joint_order
 from crosscheck.judging.observing.references import References
-from crosscheck.judging.searching.diagnosis import merged
-from crosscheck.judging.searching.explaining import diagnoses_of
 from crosscheck.judging.states.judged_states import JudgedStates
-from crosscheck.judging.verdicts import judged
+from crosscheck.judging.verdicts.diagnosis import merged
+from crosscheck.judging.verdicts.explaining import diagnoses_of
+from crosscheck.judging.verdicts.verdicts import judged
 from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
 from crosscheck.reference.mujoco_model import MujocoRefuses
 from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject

@@ -15,15 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 import urdf
-from crosscheck.comparing.states import ACCELERATION_RANGE, Case, turned, unit_turn
 from crosscheck.quantities.quantities import kkt_batch
+from crosscheck.quantities.states import ACCELERATION_RANGE, Case, turned, unit_turn
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import MaximalState, Placement, RobotModel, inverse_dynamics, kr500, maximal_state
-from graphdyn.equations.cardano import cardano_drift, cardano_form, rate_map
-from graphdyn.equations.constraints import constraints
 from graphdyn.equations.joint_readings import project_accelerations
 from graphdyn.equations.kinematics import bias_acceleration
-from graphdyn.equations.kkt import KKTSystem
+from graphdyn.equations.system.cardano import cardano_drift, cardano_form, rate_map
+from graphdyn.equations.system.constraints import constraints
+from graphdyn.equations.system.kkt import KKTSystem
 from graphdyn.layout import ANGULAR, LINEAR, Array, body_rows, joint_rows, per_body, stacked
 from graphdyn.model.spatial import apply, cos_beta, rotation_about, skew, solve
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import graphdyn
-from crosscheck.comparing.states import Case
 from crosscheck.quantities.quantities import QUANTITIES, kkt_batch
+from crosscheck.quantities.states import Case
 from graphdyn import (
     ForwardDynamics,
     InverseDynamics,

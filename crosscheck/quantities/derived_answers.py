@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.comparing.states import Case, has_mass
+from crosscheck.quantities.states import Case, has_mass
 from crosscheck.reference.frame_choices import of_frames
 from graphdyn import (
     center_of_mass,

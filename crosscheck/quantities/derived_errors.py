@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.comparing.states import Case, has_mass
 from crosscheck.quantities.derived_answers import Answers
 from crosscheck.quantities.scales import (
     PARAMETER_TYPES,
@@ -21,6 +20,7 @@ from crosscheck.quantities.scales import (
     relative,
     term_sizes,
 )
+from crosscheck.quantities.states import Case, has_mass
 from crosscheck.reference.frame_choices import REFERENCES, compared_frames
 from crosscheck.reference.reference_values import RefereeValues
 from graphdyn import inverse_dynamics

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.comparing.states import Case
 from crosscheck.quantities.answers import ForwardAnswers, InverseAnswers, PassiveAnswers, SolvedAnswers
 from crosscheck.quantities.quantities import BY_NAME, RECURSIVE, kkt_batch
 from crosscheck.quantities.scales import (
@@ -27,6 +26,7 @@ from crosscheck.quantities.scales import (
     relative,
     term_sizes,
 )
+from crosscheck.quantities.states import Case
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import RefereeValues, multipliers_of
 from graphdyn import ForwardDynamics, frame_placement, mass_matrix, maximal_state

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosscheck.comparing.states import Case
+from crosscheck.quantities.states import Case
 from crosscheck.quantities.tolerances import (
     ACCELERATION,
     AGREEMENT,
@@ -19,9 +19,9 @@ from crosscheck.quantities.tolerances import (
     Tolerance,
 )
 from graphdyn import maximal_state
-from graphdyn.equations.constraints import constraints
-from graphdyn.equations.kkt import KKTSystem
-from graphdyn.equations.unconstrained import applied_terms, mass_terms
+from graphdyn.equations.system.constraints import constraints
+from graphdyn.equations.system.kkt import KKTSystem
+from graphdyn.equations.system.unconstrained import applied_terms, mass_terms
 from graphdyn.layout import Array
 
 

@@ -12,13 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.arguments.base_motion import BaseMotion, ground, rooted_ground
-from graphdyn.equations.chord_rows import chord_rows, pin_rows
-from graphdyn.equations.constraints import constraints, coupling_rows
 from graphdyn.equations.joint_readings import project_accelerations
 from graphdyn.equations.kinematics import MaximalState, bias_acceleration, null_space, state_on
-from graphdyn.equations.kkt import KKTSystem
-from graphdyn.equations.reactions import in_link_axes, join_reactions, split_reactions, transmitted_wrenches
-from graphdyn.equations.unconstrained import actuator_terms, applied_terms, mass_blocks, mass_terms, passive_terms
+from graphdyn.equations.system.chord_rows import chord_rows, pin_rows
+from graphdyn.equations.system.constraints import constraints, coupling_rows
+from graphdyn.equations.system.kkt import KKTSystem
+from graphdyn.equations.system.reactions import in_link_axes, join_reactions, split_reactions, transmitted_wrenches
+from graphdyn.equations.system.unconstrained import (
+    actuator_terms,
+    applied_terms,
+    mass_blocks,
+    mass_terms,
+    passive_terms,
+)
 from graphdyn.errors import SingularMassMatrix, in_row
 from graphdyn.layout import BODY_FREEDOMS, Array, per_body, per_joint, stacked
 from graphdyn.model.robot_model import RobotModel

@@ -4,13 +4,13 @@ Public are the names in `__all__`.
 """
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
-from graphdyn.excitation.clearances import Ball, Poses, frame_origins
 from graphdyn.excitation.criteria import ConditionNumber, log_det, mean_sigma
 from graphdyn.excitation.limits import Clearance, MotionLimits, Plane
 from graphdyn.excitation.optimizing import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import Course, JointMotion, TabulatedCourse, Trajectory, Usage, sample_times
+from graphdyn.excitation.watched_points import Ball, Poses, frame_origins
 
 __all__ = [
     "Ball",

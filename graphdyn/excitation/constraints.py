@@ -7,9 +7,10 @@ from functools import cache
 
 import numpy as np
 
-from graphdyn.excitation.clearances import Ball, Poses, clearance_signal
+from graphdyn.excitation.clearances import clearance_signal
 from graphdyn.excitation.limits import MotionLimits, Plane
 from graphdyn.excitation.trajectory import JointMotion, Signal
+from graphdyn.excitation.watched_points import Ball, Poses
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.derivatives import inverse_dynamics_derivatives

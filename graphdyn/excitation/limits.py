@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
-from graphdyn.excitation.clearances import Ball, ball_around
+from graphdyn.excitation.watched_points import Ball, ball_around
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 

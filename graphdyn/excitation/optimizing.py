@@ -16,7 +16,7 @@ import numpy as np
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.clearances import SCALE, Ball, frame_origins
+from graphdyn.excitation.clearances import SCALE
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.criteria import Criterion, log_det
 from graphdyn.excitation.information import Information
@@ -33,6 +33,7 @@ from graphdyn.excitation.trajectory import (
     smooth_slope,
     usage,
 )
+from graphdyn.excitation.watched_points import Ball, frame_origins
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.clearances import Ball
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.limits import MotionLimits
 from graphdyn.excitation.trajectory import Trajectory, usage
+from graphdyn.excitation.watched_points import Ball
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 

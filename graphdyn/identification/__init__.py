@@ -11,7 +11,7 @@ from graphdyn.identification.algebra.least_squares import LeastSquares, ordinary
 from graphdyn.identification.algebra.rank_revealing import ParameterEstimate
 from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.consistent import PhysicalLimits
-from graphdyn.identification.data.filtering import RowFilter
+from graphdyn.identification.data.row_filter import RowFilter
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.comparison import MethodComparison, MethodResult, compare_methods
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
@@ -33,12 +33,12 @@ from graphdyn.identification.estimators import (
     TotalLeastSquares,
     WeightedLeastSquares,
 )
+from graphdyn.identification.estimators.tuning import Tunable, Tuned, tuned
 from graphdyn.identification.online.extended_kalman import ExtendedKalmanFilter
 from graphdyn.identification.online.recursive import RecursiveLeastSquares
 from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
-from graphdyn.identification.problem.tuning import Tunable, Tuned, tuned
 from graphdyn.identification.statistics.residual_statistics import (
     ResidualSizes,
     ResidualStatistics,

@@ -18,13 +18,13 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller
 from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_loops
+from graphdyn.simulation.equations.loop_equations import LoopEquations, equations_of, refuse_dry_friction
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances, adaptive
 from graphdyn.simulation.integration.course import Course, Event
 from graphdyn.simulation.integration.fixed import fixed
+from graphdyn.simulation.integration.loop_adaptive import loop_adaptive
 from graphdyn.simulation.integration.maximal import Stabilisation, maximal
 from graphdyn.simulation.integration.steps import FIXED_STEPS
-from graphdyn.simulation.loops.adaptive import loop_adaptive
-from graphdyn.simulation.loops.equations import LoopEquations, equations_of, refuse_dry_friction
 from graphdyn.simulation.plant import Plant, Wrenches, make_plant
 from graphdyn.simulation.result import Simulation
 from graphdyn.simulation.torques import DIVIDES, TorqueFunction, Torques, torques

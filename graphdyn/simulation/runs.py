@@ -13,6 +13,7 @@ from graphdyn.compiler.stepping.stepping import Stretch, in_blocks
 from graphdyn.layout import Array
 from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
 from graphdyn.simulation.drives import finite, per_joint
+from graphdyn.simulation.equations.equations import Equations
 from graphdyn.simulation.integration.compiled import (
     compiled_steps,
     constants_of,
@@ -22,7 +23,6 @@ from graphdyn.simulation.integration.compiled import (
     state_blocks,
 )
 from graphdyn.simulation.integration.course import COLUMNS
-from graphdyn.simulation.integration.equations import Equations
 from graphdyn.simulation.integration.steps import python_steps, tableau
 from graphdyn.simulation.plant import Plant
 from graphdyn.simulation.torques import GAINS, Torques

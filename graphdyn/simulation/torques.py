@@ -15,7 +15,7 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller, PDControl, reference
 from graphdyn.simulation.drives import finite, per_joint, refuse_loops
-from graphdyn.simulation.integration.equations import answer
+from graphdyn.simulation.equations.equations import answer
 from graphdyn.verbs.compiled import SingleState
 from graphdyn.verbs.compiled import compile as compiled
 

@@ -13,10 +13,10 @@ from graphdyn.arguments.arrays import one_state
 from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.arguments.choices import Method, with_keywords
 from graphdyn.equations import projected
-from graphdyn.equations.cardano import cardano_system
 from graphdyn.equations.kinematics import bias_acceleration
-from graphdyn.equations.kkt import Coordinates, KKTSystem
 from graphdyn.equations.loops.dynamics import closed
+from graphdyn.equations.system.cardano import cardano_system
+from graphdyn.equations.system.kkt import Coordinates, KKTSystem
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel

@@ -17,8 +17,8 @@ from shared_data import ARMS
 import crosscheck
 import urdf
 from crosscheck.commands.crosscheck.command import DEFAULT_ROBOTS
-from crosscheck.comparing.states import RANDOM, cases
 from crosscheck.quantities.quantities import BY_NAME, DERIVED, RECURSIVE
+from crosscheck.quantities.states import RANDOM, cases
 from graphdyn import Body, Joint, Placement, RobotModel, kr500
 from graphdyn.model.parts import JOINT_KINDS
 

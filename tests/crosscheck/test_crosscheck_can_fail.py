@@ -15,15 +15,15 @@ from crosscheck.commands.program.exits import DISAGREED
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.comparing.error_record import ErrorRecord
-from crosscheck.comparing.states import cases
 from crosscheck.paper.errata import world_axis_rows
 from crosscheck.quantities.quantities import BY_NAME, DERIVED, QUANTITIES, RECURSIVE
+from crosscheck.quantities.states import cases
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import RefereeValues
 from crosscheck.report.json import plain
 from graphdyn import Placement, inverse_dynamics, kr500
-from graphdyn.equations.constraints import constraints
-from graphdyn.equations.unconstrained import mass_terms
+from graphdyn.equations.system.constraints import constraints
+from graphdyn.equations.system.unconstrained import mass_terms
 from graphdyn.model.spatial import rotation_about
 
 PLANTED = 1e-11

@@ -11,8 +11,8 @@ from planting import PLANTED, Plant
 import urdf
 from crosscheck.commands.program import output_files
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.comparing.states import cases
 from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities.states import cases
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.versions import versions
 from graphdyn import inverse_dynamics

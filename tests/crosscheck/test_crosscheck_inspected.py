@@ -10,10 +10,10 @@ from shared_data import ARMS, existing
 
 import crosscheck
 import urdf
-from crosscheck.comparing.states import cases
 from crosscheck.quantities.answers import forward_answers, passive_answers
 from crosscheck.quantities.errors import forward_errors, passive_errors
 from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities.states import cases
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 
 SAMPLES = 5

@@ -9,8 +9,8 @@ from planting import PLANTED, SAMPLES, SEED, with_body
 
 import urdf
 from crosscheck.comparing.comparison import WorstState
-from crosscheck.comparing.states import cases
 from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities.states import cases
 from crosscheck.report.snippets import CALLS, worst_state
 
 

@@ -8,7 +8,7 @@ from planting import mixed_tree
 from random_trees import random_placement
 
 import urdf
-from crosscheck.comparing.states import ACCELERATION_RANGE, AWKWARD, FAST, cases, turned, unit_turn
+from crosscheck.quantities.states import ACCELERATION_RANGE, AWKWARD, FAST, cases, turned, unit_turn
 from graphdyn import inverse_dynamics, kr500, maximal_state
 from graphdyn.equations.kinematics import joint_axes
 from graphdyn.model.spatial import cos_beta

@@ -22,8 +22,8 @@ from witnesses import (
 
 import graphdyn
 from graphdyn import MaximalState
-from graphdyn.equations.constraints import constraints
 from graphdyn.equations.kinematics import bias_acceleration, link_origins, null_space
+from graphdyn.equations.system.constraints import constraints
 from graphdyn.layout import constraint_row_names
 from graphdyn.model.spatial import (
     cardano_angles,

@@ -7,8 +7,8 @@ from witnesses import relative_error
 
 import graphdyn
 from graphdyn import Body, Frame, Joint, Placement, RobotModel
-from graphdyn.equations.constraints import constraints
 from graphdyn.equations.kinematics import link_origins, null_space
+from graphdyn.equations.system.constraints import constraints
 from graphdyn.experiments.kr500 import cylinder
 from graphdyn.model.spatial import rotation_about, skew
 

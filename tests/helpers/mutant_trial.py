@@ -14,11 +14,11 @@ import numpy as np
 from mends import MENDS, NEW_NAME, mended
 
 import urdf
-from crosscheck.comparing.states import Case
 from crosscheck.quantities.answers import passive_answers
 from crosscheck.quantities.errors import frame_errors, passive_errors, torque_errors
 from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.quantities.scales import SHORTEST_LEVER, relative
+from crosscheck.quantities.states import Case
 from crosscheck.quantities.tolerances import AGREEMENT
 from crosscheck.reference.pinocchio_model import GROUND, PinocchioModel, PinocchioRefuses
 from graphdyn import Placement, RobotModel, kr500

@@ -12,7 +12,7 @@ from crosscheck.comparing import compare as comparing
 from crosscheck.quantities import answers, quantities
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import RobotModel
-from graphdyn.equations.kkt import KKTSystem
+from graphdyn.equations.system.kkt import KKTSystem
 
 SEED = 3
 SAMPLES = 2

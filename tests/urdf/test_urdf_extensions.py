@@ -8,8 +8,8 @@ from urdf_text import joint, link, robot_text
 
 import urdf
 from crosscheck.reference.pinocchio_model import PinocchioModel
+from urdf.document.connections.loop_elements import FORMS
 from urdf.document.vocabulary import CHANGES, CLOSES
-from urdf.loops.loop_elements import FORMS
 
 DRAKE = 'xmlns:drake="http://drake.mit.edu"'
 CONSTRAINTS = {

@@ -12,7 +12,7 @@ from inspection_sample import CLEAN
 from numpy.testing import assert_array_equal
 
 import urdf
-from urdf.document import xacro_files
+from urdf.document.xacro import files as xacro_files
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("xacro") is None, reason="the extra xacro is not installed")
 

@@ -12,7 +12,7 @@ from typing import IO
 from graphdyn.model.robot_model import STANDARD_GRAVITY
 from urdf.document.catalogue import locate
 from urdf.document.document import BYTES, LARGEST_FILE, STREAM, TEXT, Document, check_size, parsed
-from urdf.document.xacro_files import expand
+from urdf.document.xacro.files import expand
 from urdf.errors import InvalidXacro, MalformedXML, RobotNotFound
 
 Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]

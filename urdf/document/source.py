@@ -9,9 +9,9 @@ from lxml import etree
 
 from urdf.document.document import Document
 from urdf.document.elements import Drawings, describe, drawings, line_of, tag_of
+from urdf.document.extensions import Extensions, extensions
 from urdf.document.vocabulary import READ, RIGID
 from urdf.errors import TooLarge, URDFError
-from urdf.loops.extensions import Extensions, extensions
 
 MOST_LINKS = 2000
 """Largest number of links, and of joints: dense matrices of more bodies fill gigabytes; the largest published robots

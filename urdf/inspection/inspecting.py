@@ -10,6 +10,7 @@ import numpy as np
 
 from graphdyn import InvalidInput
 from graphdyn.model.robot_model import STANDARD_GRAVITY
+from urdf.document.connections.loops import Beside
 from urdf.document.opening import Given, Opened, Xacro, open_document, path_of, said
 from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, tree_faults
@@ -25,7 +26,6 @@ from urdf.inspection.rules.name_rules import name_findings
 from urdf.inspection.rules.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
-from urdf.loops.loops import Beside
 from urdf.reading.checks import faults
 from urdf.reading.parsing import build, parse
 

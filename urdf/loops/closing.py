@@ -10,12 +10,12 @@ from pathlib import Path
 from lxml import etree
 
 from graphdyn import Chord, Placement
+from urdf.document.connections.loop_yaml import beside, read_yaml
+from urdf.document.connections.loops import Beside, Closure, Loop, Place
 from urdf.document.elements import name_of
 from urdf.document.source import Source
 from urdf.document.tree import end, joint_into, path_up
 from urdf.errors import InvalidLoop, UnsupportedConstraint, URDFError, shortened
-from urdf.loops.loop_yaml import beside, read_yaml
-from urdf.loops.loops import Beside, Closure, Loop, Place
 
 Loops = Sequence[Loop] | str | PathLike[str] | None
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from urdf.document.connections.loops import Closure, CoupledSums, Place
 from urdf.document.elements import name_of
 from urdf.document.source import Source
 from urdf.document.tree import joint_into, path_up
 from urdf.errors import InvalidLoop, listed, shortened
-from urdf.loops.loops import Closure, CoupledSums, Place
 
 INDEPENDENT = {"true": True, "1": True, "false": False, "0": False}
 """By the lower-case text of the attribute independent= of a joint."""

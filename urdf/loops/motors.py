@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
 
+from urdf.document.connections.loops import Beside, Motor
 from urdf.document.elements import name_of
+from urdf.document.extensions import Unread
 from urdf.document.source import Source
 from urdf.errors import InvalidLoop, shortened
-from urdf.loops.extensions import Unread
-from urdf.loops.loops import Beside, Motor
 
 
 def check_motors(source: Source, beside: Beside) -> None:

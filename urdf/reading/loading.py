@@ -11,9 +11,9 @@ from graphdyn.layout import Array
 from urdf.document.opening import Given, Xacro, open_document
 from urdf.document.source import reduced
 from urdf.loops.closing import Loops, stated_beside
+from urdf.loops.mimics import Mimic
 from urdf.reading.cutting import Chain
 from urdf.reading.locking import Lock
-from urdf.reading.mimics import Mimic
 from urdf.reading.parsing import build, parse
 from urdf.reading.repairing import Repair
 from urdf.reading.warnings import warn

@@ -11,11 +11,10 @@ from lxml import etree
 
 from graphdyn import Body
 from urdf.document.elements import describe, line_of, name_of, tag_of
-from urdf.document.numbers import values
+from urdf.document.numbers import inertial_element, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair, listed
 from urdf.geometry.filled_links import FilledLink, filled_links
-from urdf.writing.written import inertial_element
 
 
 @dataclass(frozen=True)

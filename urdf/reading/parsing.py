@@ -13,18 +13,18 @@ from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import Chord, Coupling, InvalidModel, RobotModel
+from urdf.document.connections.loops import Beside
+from urdf.document.extensions import Unread
 from urdf.document.source import Source
 from urdf.document.tree import carriers, check_tree, joints_in_order
 from urdf.errors import InvalidRobot
 from urdf.loops.closing import all_closures, chords, closure_faults
-from urdf.loops.extensions import Unread
-from urdf.loops.loops import Beside
+from urdf.loops.mimics import Mimic, resolve
 from urdf.loops.motors import actuated, check_motors, unread_beside, unread_motors
 from urdf.reading.checks import check
 from urdf.reading.cutting import Chain, Cut, cut
 from urdf.reading.fusing import Assembly, assemble
 from urdf.reading.locking import Lock, locked_values
-from urdf.reading.mimics import Mimic, resolve
 from urdf.reading.repairing import Repair
 from urdf.reading.repairing import repair as mend
 

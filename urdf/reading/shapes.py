@@ -11,9 +11,9 @@ from urdf.document.opening import Given, Xacro, open_document
 from urdf.document.source import reduced
 from urdf.geometry.reading import placed_shapes
 from urdf.geometry.shape import Shapes
+from urdf.loops.mimics import Mimic
 from urdf.reading.cutting import Chain
 from urdf.reading.locking import Lock
-from urdf.reading.mimics import Mimic
 from urdf.reading.parsing import build, parse
 from urdf.reading.repairing import Repair
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from graphdyn.layout import Array
+from urdf.document.extensions import Unread
 from urdf.document.numbers import UNIT_LENGTH, rotation_from_rpy, values
 from urdf.errors import (
     MOST,
@@ -22,7 +23,6 @@ from urdf.errors import (
     XacroWarning,
     one_line,
 )
-from urdf.loops.extensions import Unread
 from urdf.reading.cutting import Cut
 from urdf.reading.parsing import Parsed
 

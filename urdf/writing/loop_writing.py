@@ -14,8 +14,8 @@ from itertools import product
 from lxml import etree
 
 from graphdyn import Coupling, RobotModel
+from urdf.document.numbers import add_placement, text
 from urdf.errors import CannotSave, shortened
-from urdf.writing.written import add_placement, text
 
 LOOP_TYPES = {"hinge": "revolute", "slide": "prismatic", "weld": "fixed", "ball": "spherical", "distance": "distance"}
 """By the kind of a chord: the type of <loop>."""

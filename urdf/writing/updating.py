@@ -20,12 +20,12 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import consistency_problems
 from urdf.document.catalogue import locate
 from urdf.document.files import write_whole
+from urdf.document.numbers import inertial_element
 from urdf.errors import CannotUpdate, one_line
+from urdf.loops.mimics import Mimic
 from urdf.reading.cutting import Chain
 from urdf.reading.loading import fused_links, load
 from urdf.reading.locking import Lock
-from urdf.reading.mimics import Mimic
-from urdf.writing.written import inertial_element
 
 _TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
 """A whole tag; attribute values may contain '>'."""

@@ -10,10 +10,10 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import Coupling, Joint, Placement, RobotModel
+from urdf.document.numbers import add_numbers, add_placement, inertial_element, text
 from urdf.errors import CannotSave
 from urdf.reading import limits
 from urdf.writing.loop_writing import coupling_elements, independent_marks, loop_elements, transmission_elements
-from urdf.writing.written import add_numbers, add_placement, inertial_element, text
 
 
 @dataclass(frozen=True, eq=False)

@@ -116,7 +116,7 @@ def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], ch
     import warnings
 
     import urdf
-    from crosscheck.comparing.states import cases
+    from crosscheck.quantities.states import cases
 
     with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
         model = urdf.load(robot, chain=chain, lock=locked or None).uncoupled.opened

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import graphdyn
-from crosscheck.comparing.states import ACCELERATION_RANGE, LOAD
 from crosscheck.judging.states.experiments import TrialStates
 from crosscheck.quantities.scales import Sizes, term_sizes
+from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD
 from graphdyn import InverseDynamics, MaximalState, RobotModel
 from graphdyn.equations.kinematics import link_origins
 from graphdyn.layout import Array

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import one_state
-from graphdyn.equations.chord_rows import chord_rows
 from graphdyn.equations.loops.dynamics import closed
 from graphdyn.equations.loops.reactions import in_self_stress, self_stress, transmission
 from graphdyn.equations.projected import rooted_state
+from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import JOINT_CONSTRAINTS, Array
 from graphdyn.model.loops import SELF_STRESS, loop_spaces, pivoted_columns

@@ -16,7 +16,7 @@ from graphdyn.equations.joint_readings import project_accelerations
 from graphdyn.equations.kinematics import MaximalState, bias_acceleration, null_space
 from graphdyn.equations.loops.reactions import reactions
 from graphdyn.equations.projected import Arguments, Specification
-from graphdyn.equations.unconstrained import passive_terms
+from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.errors import InvalidInput, SingularMassMatrix, in_row
 from graphdyn.layout import Array, per_body, stacked
 from graphdyn.model.assembly import refuse_moving_apart, refuse_open

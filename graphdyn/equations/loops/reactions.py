@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.equations import projected
-from graphdyn.equations.chord_rows import chord_rows
 from graphdyn.equations.kinematics import MaximalState, joint_axes
-from graphdyn.equations.reactions import transmitted_wrenches
-from graphdyn.equations.unconstrained import passive_terms
+from graphdyn.equations.system.chord_rows import chord_rows
+from graphdyn.equations.system.reactions import transmitted_wrenches
+from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body
 from graphdyn.model.loops import SELF_STRESS, LoopSpaces, loop_spaces
 from graphdyn.model.robot_model import RobotModel

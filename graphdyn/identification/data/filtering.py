@@ -1,6 +1,4 @@
-"""The interface of a linear filter along time.
-
-Parallel filtering: a linear filter along time on the torque and on every column of the regressor.
+"""Parallel filtering: a linear filter along time on the torque and on every column of the regressor.
 
 From τ = W x follows F τ = (F W) x for any linear F, so that no filter biases x, whatever it does to sign(v). A torque
 that is filtered alone has lost what its regressor still has: friction comes out wrong by percents. Gautier, "Dynamic
@@ -10,37 +8,14 @@ identification of robots with power model", IEEE ICRA 1997.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.errors import InvalidInput
+from graphdyn.identification.data.row_filter import RowFilter, filtered_length
 from graphdyn.identification.data.rows import Rows
 from graphdyn.layout import Array
-
-
-class RowFilter(Protocol):
-    """A linear filter along the rows, the same for every column: low-pass, decimation, one after the other.
-
-    factor: of the rows 0, 1, 2, … every factor-th one stays
-    memory: number of rows before and after a row on which its filtered value depends
-    """
-
-    @property
-    def factor(self) -> int: ...
-    @property
-    def memory(self) -> int: ...
-
-    def __call__(self, columns: Array) -> Array:
-        """(N, k) → (⌈N / factor⌉, k). Raises InvalidInput for too few rows."""
-        ...
-
-
-def filtered_length(rows: int, row_filter: RowFilter | None) -> int:
-    """Number of rows that a filter leaves."""
-    return rows if row_filter is None else -(-rows // row_filter.factor)
-
 
 LEAST_WINDOW = 4096
 """Smallest number of rows that are filtered at once, beside those around them."""

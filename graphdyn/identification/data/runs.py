@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import chain
 
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.data.filtering import RowFilter, filtered_length
+from graphdyn.identification.data.row_filter import RowFilter, filtered_length
 from graphdyn.identification.data.samples import Samples
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.data.filtering import RowFilter
+from graphdyn.identification.data.row_filter import RowFilter
 from graphdyn.layout import Array
 
 

@@ -7,7 +7,7 @@ to sample, as long as nothing slips, by the motion of the joint:
 
 Far from reversals z = sign(v): an element of its own is Coulomb friction with presliding (Dahl's, with corners).
 Several elements with different d are the hysteresis of the generalised Maxwell-slip model without its Stribeck curve,
-which Stribeck(…) adds. The torque is linear in F_m; d is not, see graphdyn.identification.problem.tuning.
+which Stribeck(…) adds. The torque is linear in F_m; d is not, see graphdyn.identification.estimators.tuning.
 
 Lampaert, Al-Bender and Swevers, "A generalized Maxwell-slip friction model appropriate for control purposes", IEEE
 PhysCon 2003; Al-Bender, Lampaert and Swevers, IEEE Transactions on Automatic Control 50(11), 2005.

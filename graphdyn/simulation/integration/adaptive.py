@@ -18,8 +18,8 @@ from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.drives import position_limits
+from graphdyn.simulation.equations.equations import Contact, Equations
 from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
-from graphdyn.simulation.integration.equations import Contact, Equations
 from graphdyn.simulation.integration.steps import Torque
 
 SLIDING_PASSES = 20

@@ -12,8 +12,8 @@ import numpy as np
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.drives import position_limits
+from graphdyn.simulation.equations.loop_equations import LoopEquations, equations_of
 from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
-from graphdyn.simulation.loops.equations import LoopEquations, equations_of
 from graphdyn.simulation.plant import Plant
 from graphdyn.simulation.torques import Torques
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from graphdyn.compiler.stepping.stepping import Stretch
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
+from graphdyn.simulation.equations.equations import Equations
+from graphdyn.simulation.equations.loop_equations import LoopEquations
 from graphdyn.simulation.integration.compiled import (
     can_compile,
     compiled_steps,
@@ -21,11 +23,9 @@ from graphdyn.simulation.integration.compiled import (
     state_blocks,
 )
 from graphdyn.simulation.integration.course import COLUMNS, Course, Event
-from graphdyn.simulation.integration.equations import Equations
 from graphdyn.simulation.integration.events import Scan
+from graphdyn.simulation.integration.loop_steps import LoopSteps
 from graphdyn.simulation.integration.steps import python_steps, tableau
-from graphdyn.simulation.loops.equations import LoopEquations
-from graphdyn.simulation.loops.steps import LoopSteps
 from graphdyn.simulation.plant import Plant
 from graphdyn.simulation.torques import DIVIDES, FOREVER, SMALLER, Torques, whole_steps
 

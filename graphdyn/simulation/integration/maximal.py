@@ -15,17 +15,17 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from graphdyn.equations.constraints import constraints
 from graphdyn.equations.joint_readings import project_accelerations, read_joints
 from graphdyn.equations.kinematics import MaximalState, bias_acceleration, maximal_state
-from graphdyn.equations.kkt import KKTSystem
 from graphdyn.equations.projected import kkt
-from graphdyn.equations.unconstrained import mass_terms
+from graphdyn.equations.system.constraints import constraints
+from graphdyn.equations.system.kkt import KKTSystem
+from graphdyn.equations.system.unconstrained import mass_terms
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
 from graphdyn.model.spatial import apply
+from graphdyn.simulation.equations.equations import Equations
 from graphdyn.simulation.integration.course import COLUMNS, Course
-from graphdyn.simulation.integration.equations import Equations
 from graphdyn.simulation.integration.steps import Tableau, tableau
 from graphdyn.simulation.plant import Plant
 from graphdyn.simulation.torques import Torques, whole_steps

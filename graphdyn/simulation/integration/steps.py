@@ -17,7 +17,7 @@ import numpy as np
 
 from graphdyn.compiler.stepping.stepping import Stretch
 from graphdyn.layout import Array
-from graphdyn.simulation.integration.equations import Contact, Equations
+from graphdyn.simulation.equations.equations import Contact, Equations
 
 FIXED_STEPS = ("rk8", "rk4", "euler")
 

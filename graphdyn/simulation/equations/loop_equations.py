@@ -13,7 +13,7 @@ import numpy as np
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.loops import loop_spaces
-from graphdyn.simulation.integration.equations import Contact, Equations, Rates
+from graphdyn.simulation.equations.equations import Contact, Equations, Rates
 from graphdyn.simulation.plant import Plant
 
 NEWTON_STEPS = 6

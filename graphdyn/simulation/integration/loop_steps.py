@@ -14,9 +14,9 @@ import numpy as np
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
-from graphdyn.simulation.integration.equations import Contact
+from graphdyn.simulation.equations.equations import Contact
+from graphdyn.simulation.equations.loop_equations import LoopEquations
 from graphdyn.simulation.integration.steps import Tableau, Torque
-from graphdyn.simulation.loops.equations import LoopEquations
 from graphdyn.simulation.torques import SMALLER
 
 WARY = 0.1

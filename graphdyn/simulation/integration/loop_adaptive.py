@@ -13,12 +13,12 @@ import numpy as np
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
+from graphdyn.simulation.equations.loop_equations import LoopEquations
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances
 from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
 from graphdyn.simulation.integration.events import changes, limit_events
+from graphdyn.simulation.integration.loop_steps import LoopSteps, Stepped
 from graphdyn.simulation.integration.steps import Torque, tableau
-from graphdyn.simulation.loops.equations import LoopEquations
-from graphdyn.simulation.loops.steps import LoopSteps, Stepped
 
 SAFETY, NARROWER, WIDER, ORDER = 0.9, 0.2, 10.0, 8
 """Of the choice of the next width, as in scipy.integrate."""

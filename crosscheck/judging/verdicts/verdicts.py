@@ -9,8 +9,8 @@ from crosscheck.judging.judgment import FailedState, JudgedFunction, WorstCall, 
 from crosscheck.judging.observing.conventions import FoundConventions, found_conventions, relative_errors
 from crosscheck.judging.observing.function_under_test import Answers, ForeignFunction
 from crosscheck.judging.observing.references import BACKWARD_SCALE, References, backward_errors
-from crosscheck.judging.observing.repetition import repeated
 from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.verdicts.repetition import repeated
 from graphdyn.layout import Array
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.equations.constraints import constraints
 from graphdyn.equations.kinematics import MaximalState
+from graphdyn.equations.system.constraints import constraints
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, JOINT_CONSTRAINTS, LINEAR, Array, body_rows
 from graphdyn.model.chord import Chord
 from graphdyn.model.spatial import apply, cross
@@ -63,7 +63,7 @@ def chord_rows(state: MaximalState) -> tuple[Array, Array]:
 
 
 def pin_rows(state: MaximalState) -> tuple[Array, Array]:
-    """φ_q and ζ of the joints (graphdyn.equations.constraints) with forces along t_1, t_2, p instead of the world's axes.
+    """φ_q and ζ of the joints (graphdyn.equations.system.constraints) with forces along t_1, t_2, p instead of the world's axes.
 
     Which reactions loops determine shows along the axes of the pins only.
     """

@@ -20,10 +20,10 @@ from lxml import etree
 
 from graphdyn import Placement
 from graphdyn.model.chord import ChordKind
+from urdf.document.connections.loops import CoupledSums, Loop, Place
 from urdf.document.elements import name_of, written_tag
 from urdf.document.numbers import LARGEST, SHORTEST_AXIS, BadNumber, numbers, rotation_from_rpy
 from urdf.errors import InvalidLoop, UnsupportedConstraint, URDFError, shortened
-from urdf.loops.loops import CoupledSums, Loop, Place
 
 Kinds = Mapping[str, ChordKind]
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 from lxml import etree
 
+from urdf.document.connections.loop_elements import read
+from urdf.document.connections.loops import Closure, Motor, Place
 from urdf.document.elements import describe, line_of, name_of, tag_of, written_tag
 from urdf.document.vocabulary import ATTRIBUTES, CHANGES, CLOSES, HARMLESS, LOOPS, READ, RIGID
 from urdf.errors import shortened
-from urdf.loops.loop_elements import read
-from urdf.loops.loops import Closure, Motor, Place
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from pathlib import Path
 import yaml
 
 from graphdyn.model.chord import ChordKind
+from urdf.document.connections.loops import Beside, Loop, Motor, Place
 from urdf.errors import InvalidLoop, URDFError, shortened
-from urdf.loops.loops import Beside, Loop, Motor, Place
 
 KINDS: dict[str, ChordKind] = {"6d": "weld", "6D": "weld", "3d": "ball", "3D": "ball"}
 

@@ -16,11 +16,11 @@ from crosscheck.judging.observing.observation import of_judged
 from crosscheck.judging.observing.observing import observe
 from crosscheck.judging.observing.precision import noise
 from crosscheck.judging.observing.regions import region
-from crosscheck.judging.observing.repetition import earlier_arguments, kept_between_calls
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault
-from crosscheck.judging.searching.diagnosis import diagnose
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
-from crosscheck.judging.verdicts import Judged
+from crosscheck.judging.verdicts.diagnosis import diagnose
+from crosscheck.judging.verdicts.repetition import earlier_arguments, kept_between_calls
+from crosscheck.judging.verdicts.verdicts import Judged
 from urdf.reading.misreading import Misreadings
 
 Readings = Callable[[], Misreadings | None]

@@ -7,7 +7,7 @@ import numpy as np
 
 from graphdyn.arguments.base_motion import Ground
 from graphdyn.equations.kinematics import MaximalState
-from graphdyn.equations.unconstrained import actuator_terms
+from graphdyn.equations.system.unconstrained import actuator_terms
 from graphdyn.equations.vertices import JointVectors, Vertices, joint_vectors
 from graphdyn.layout import ANGULAR, JOINT_CONSTRAINTS, LINEAR, Array, body_rows, joint_rows
 from graphdyn.model.spatial import cross

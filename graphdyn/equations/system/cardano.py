@@ -6,7 +6,7 @@ With ω = D θ̇ (Eq. 33) and ω̇ = D θ̈ + Ḋ θ̇: rotational rows times D�
 import numpy as np
 
 from graphdyn.equations.kinematics import MaximalState
-from graphdyn.equations.kkt import KKTSystem
+from graphdyn.equations.system.kkt import KKTSystem
 from graphdyn.errors import GimbalLock
 from graphdyn.layout import ANGULAR, LINEAR, Array, block_diagonal, stacked
 from graphdyn.model.spatial import apply, cardano_rate_matrix, cardano_rate_matrix_derivative, cos_beta

@@ -25,7 +25,7 @@ MEGABYTES = 300
 WALL_SECONDS = 60
 """Elapsed time allowed for expanding [s]: on a busy machine, far more than the processor time."""
 
-SCRIPT = Path(__file__).with_name("xacro_process.py")
+SCRIPT = Path(__file__).with_name("process.py")
 
 
 def expand(

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 from graphdyn import Coupling
+from urdf.document.connections.loops import Closure, Place
 from urdf.document.elements import describe, line_of, name_of
 from urdf.document.source import Source
 from urdf.errors import InvalidLock, InvalidMimic, URDFError, listed, shortened
 from urdf.loops.couplings import Relation, relations
-from urdf.loops.loops import Closure, Place
 
 if TYPE_CHECKING:
     import yourdfpy

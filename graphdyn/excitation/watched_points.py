@@ -1,0 +1,105 @@
+"""Points and balls of the robot that planes keep on one side, and that keep clear of each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.equations.kinematics import joint_axes, link_origins, maximal_state
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+from graphdyn.model.spatial import cross
+
+Numbers = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Ball:
+    """A ball fixed in a body: center in its link frame (3,) [m], and radius [m]; 0 is a point. Body 0 is the ground."""
+
+    body: int
+    center: Array
+    radius: float = 0.0
+
+
+def frame_origins(model: RobotModel) -> tuple[Ball, ...]:
+    """The origins of all frames that move: bodies and the links that are fused into them, a tool among them."""
+    origins = [(body, (0.0, 0.0, 0.0)) for body in range(1, model.n_bodies + 1)]
+    origins += [(frame.body, tuple(frame.placement.translation.tolist())) for frame in model.frames if frame.body]
+    return tuple(Ball(body, np.array(center)) for body, center in dict.fromkeys(origins))
+
+
+def ball_around(balls: Sequence[Ball]) -> Ball:
+    """Around balls of one body."""
+    centers = np.array([ball.center for ball in balls])
+    radii = np.array([ball.radius for ball in balls])
+    middle = (centers.max(axis=0) + centers.min(axis=0)) / 2
+    return Ball(balls[0].body, middle, float(np.max(np.linalg.norm(centers - middle, axis=1) + radii)))
+
+
+class Poses:
+    """Where the bodies of a robot are at positions q (N, n_freedoms), and how forces on balls act on its joints."""
+
+    def __init__(self, model: RobotModel, q: Array) -> None:
+        self._model = model
+        self._state = maximal_state(model, q, method="recursive")
+        self._origins = link_origins(self._state)
+        self._centers: dict[tuple[Ball, ...], Array] = {}
+
+    def __len__(self) -> int:
+        return len(self._origins)
+
+    def of_body(self, body: int) -> tuple[Array, Array]:
+        """Rotation (N, 3, 3) and origin of the link frame (N, 3) [m], world axes; of the ground for 0."""
+        vertices = self._state.vertices
+        origin = self._state.ground.position if body == 0 else self._origins[:, body - 1]  # type: ignore[union-attr]
+        return vertices.rotation[:, body], origin
+
+    def centers(self, balls: tuple[Ball, ...]) -> Array:
+        """World positions (N, balls, 3) [m], computed once for the same balls."""
+        if balls not in self._centers:
+            self._centers[balls] = self._computed(balls)
+        return self._centers[balls]
+
+    def _computed(self, balls: tuple[Ball, ...]) -> Array:
+        carrying = np.array([ball.body for ball in balls])
+        local = np.array([ball.center for ball in balls])
+        found = np.empty((len(self._origins), len(balls), 3))
+        for body in np.unique(carrying).tolist():
+            rotation, origin = self.of_body(body)
+            mine = carrying == body
+            found[:, mine] = local[mine] @ rotation.swapaxes(-1, -2) + origin[:, None]
+        return found
+
+    def joint_forces(self, rows: Numbers, bodies: Numbers, points: Array, forces: Array) -> Array:
+        """Generalised forces (N, n_freedoms) of forces (K, 3) at points (K, 3) of bodies (K,) in the poses rows (K,).
+
+        A revolute joint feels the moment of all forces beyond it about its axis, a prismatic one their part along it:
+        Jᵀ f. World axes [m].
+        """
+        model = self._model
+        moments = cross(points[:, None] - self._origins[rows], forces[:, None])
+        felt = np.where(self._is_revolute[:, None], moments, forces[:, None])
+        along = (felt * self._axes[rows]).sum(axis=-1) * self._beyond[bodies]
+        total = np.zeros((len(self), model.n_bodies))
+        np.add.at(total, rows, along)
+        return np.asarray(total @ model.freedoms.matrix)
+
+    @cached_property
+    def _is_revolute(self) -> NDArray[np.bool_]:
+        return np.array([not joint.is_prismatic for joint in self._model.joints])
+
+    @cached_property
+    def _axes(self) -> Array:
+        """Of the joints (N, n, 3)."""
+        return joint_axes(self._state)
+
+    @cached_property
+    def _beyond(self) -> Array:
+        """1 in row i, column j if joint j carries body i; the ground is row 0 (n + 1, n)."""
+        carried = self._model.graph.path_matrix().T.astype(float)
+        return np.vstack([np.zeros(self._model.n_bodies), carried])
