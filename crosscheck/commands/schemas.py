@@ -1,7 +1,6 @@
 """The published schemas of the JSON files: `python -m crosscheck.commands.schemas docs/schemas` writes them.
 
-A test compares them with the committed ones. Only this needs pydantic, which reads the types and the descriptions of the
-fields.
+A test compares them with the committed ones. Only this needs pydantic: it reads the types of the fields.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""TODO"""
+"""The cross-check of one robot: graphdyn beside Pinocchio, quantity by quantity."""

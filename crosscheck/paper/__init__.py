@@ -1,1 +1,1 @@
-"""TODO"""
+"""The paper beside the corrected model: its tables, its multipliers, its errata."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""The reference implementations: the same robot in Pinocchio and in MuJoCo."""

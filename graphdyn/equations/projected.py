@@ -1,6 +1,6 @@
 """The dynamics as the equations read: Eq. (111) solved as it stands, or projected onto the null space of φ_q.
 
-The specification of each verb: of arrays of one common leading shape (graphdyn.arguments.arrays.joint_arrays), all arrays that
+The specification of each verb: of arrays of one common leading shape (arrays.joint_arrays), all arrays that
 its recursion answers, by name.
 """
 

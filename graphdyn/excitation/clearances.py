@@ -9,14 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from graphdyn.excitation.limits import Clearance
 from graphdyn.excitation.trajectory import Signal
 from graphdyn.excitation.watched_points import Ball, Numbers, Poses
 from graphdyn.layout import Array
-
-
 
 SCALE = 0.01
 """[m] In which distances are measured: the smooth maximum is sharp to some SCALE / ρ, and what is by SCALE farther

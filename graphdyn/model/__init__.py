@@ -1,1 +1,1 @@
-"""TODO"""
+"""The description of a robot: bodies, joints, couplings, chords. It never changes."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""The fast forms: recursions over the bodies, written once on scalars, and the table of them."""

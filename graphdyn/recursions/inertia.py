@@ -11,7 +11,7 @@ all joints outside free to move, the pivot of the elimination in graphdyn.recurs
 
 Accelerations of short chains: M a = τ - h, with M by composite rigid bodies and h by inverse dynamics.
 
-As many operations as the elimination of graphdyn.recursions.forward for six joints in a row, and more for longer chains.
+As many operations as the elimination of recursions.forward for six joints in a row, and more for longer chains.
 But M and h are two sums that do not wait for each other, where the elimination is one: the longest sequence of
 operations is shorter by a third.
 """

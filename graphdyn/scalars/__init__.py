@@ -1,1 +1,1 @@
-"""TODO"""
+"""Scalars that record the operations on them, small vectors of such scalars, and their automatic differentiation."""

@@ -2,7 +2,7 @@
 
 The dynamics body after body, compiled for the robot at hand: graphdyn.equations.projected for many samples.
 
-The arguments are arrays of one common leading shape (graphdyn.arguments.arrays.joint_arrays, unchecked); external wrenches are
+The arguments are arrays of one common leading shape (arrays.joint_arrays, unchecked); external wrenches are
 absent where there are none.
 """
 
@@ -80,7 +80,7 @@ class Verb(Generic[Answer]):
         external_wrenches: ArrayLike | None = None,
         frame: FrameChoice | None = None,
     ) -> Answer:
-        """The answer for arguments in the order of `inputs`; the keywords are those of graphdyn.arguments.choices.KEYWORDS.
+        """The answer for arguments in the order of `inputs`; the keywords are those of choices.KEYWORDS.
 
         frame: given to the verbs that speak of one (graphdyn.arguments.choices.frame_choice)
         """

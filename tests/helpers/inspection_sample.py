@@ -81,3 +81,7 @@ class Case:
 def changed(*changes: str) -> str:
     """CLEAN with these replacements."""
     return with_changes(CLEAN, *changes)
+
+
+MESH_CODES = ("center-outside-mesh", "mesh-density", "inertia-unlike-mesh", "inertia-of-mesh")
+"""Codes of findings about inertials beside the meshes of their links."""

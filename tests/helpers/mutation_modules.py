@@ -1,12 +1,14 @@
 """The modules in which mutation_run.py plants faults, and the changes that make no difference."""
 
+_STATISTICS = "tests/graphdyn/identification/statistics/test_statistics.py"
+
 MODULES = {
-    "crosscheck/recordings/mapping/units.py": "tests/crosscheck/test_crosscheck_record_mapping.py",
-    "crosscheck/quantities/scales.py": "tests/crosscheck/test_crosscheck_scales.py",
-    "crosscheck/report/plain_text.py": "tests/crosscheck/test_crosscheck_shown_numbers.py",
-    "graphdyn/identification/statistics/correlation_length.py": "tests/identification/test_identification_small_samples.py",
-    "graphdyn/identification/statistics/jackknife.py": "tests/identification/test_identification_small_samples.py",
-    "urdf/reading/checks.py": "tests/urdf/test_urdf_thresholds.py tests/urdf/test_urdf_refusals.py",
+    "crosscheck/recordings/mapping/units.py": "tests/crosscheck/recordings/mapping/test_mapping.py",
+    "crosscheck/quantities/scales.py": "tests/crosscheck/quantities/test_scales.py",
+    "crosscheck/report/plain_text.py": "tests/crosscheck/report/test_shown_numbers.py",
+    "graphdyn/identification/statistics/correlation_length.py": _STATISTICS,
+    "graphdyn/identification/statistics/jackknife.py": _STATISTICS,
+    "urdf/reading/checks.py": "tests/urdf/reading/test_thresholds.py tests/urdf/reading/test_checks.py",
 }
 """The tests of each."""
 

@@ -7,7 +7,7 @@ A long check: prints method, settings, rows, processor time and errors for
   pendulum that it is, 3 θ̈ = -3.5 g cos θ, and the balance of energy;
 - IFToMM A04, Bricard's mechanism, 1 s: the point P3.
 
-tests/simulation/test_simulation_loops.py holds shorter ones.
+tests/graphdyn/simulation/test_loops.py holds shorter ones.
 """
 
 from __future__ import annotations

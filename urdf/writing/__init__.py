@@ -1,1 +1,1 @@
-"""TODO"""
+"""From the model to URDF, and new inertial parameters into an existing file."""

@@ -26,7 +26,7 @@ def save(model: RobotModel, path: str | PathLike[str]) -> None:
 
     The order of bodies comes back if they are numbered depth first, as load does. A frame becomes a link on a fixed
     joint that is named after its first alias. A base placement becomes a root link "world" with a fixed joint. A
-    missing effort or velocity limit is written as the largest double (urdf.reading.limits.NO_LIMIT); a continuous joint has no
+    missing effort or velocity limit is written as the largest double (limits.NO_LIMIT); a continuous joint has no
     position limits. A body without mass and inertia gets no <inertial>. Chords become <loop> elements of URDF+, joints
     that several others drive its <coupling>, and actuated joints <transmission> elements.
 

@@ -1,1 +1,1 @@
-"""TODO"""
+"""The implementations that the benchmark compares, one file for each library."""

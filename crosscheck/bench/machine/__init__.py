@@ -1,1 +1,1 @@
-"""TODO"""
+"""The machine under the benchmark: its load, its limits, and times taken on it."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""What the commands share: options, output files, exit codes, console, processes."""

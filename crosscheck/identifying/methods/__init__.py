@@ -1,1 +1,1 @@
-"""TODO"""
+"""Identification methods and torque terms by name; methods beside graphdyn's own."""

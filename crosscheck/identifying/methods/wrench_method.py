@@ -1,6 +1,6 @@
 """The graph method of the paper as an estimator: bodies one by one from the wrenches in all joints.
 
-Eq. (53)-(64) of the paper in the general form of graphdyn.identification.wrenches.inertial_parameters: all ten parameters of
+Eq. (53)-(64) of the paper in the general form of graphdyn.identification.inertial_parameters: all ten parameters of
 every body. Friction, and parameters that the wrenches do not determine, come from the torques: weighted least squares
 with the other parameters held, nearest to the model.
 """

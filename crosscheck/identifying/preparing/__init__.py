@@ -1,1 +1,1 @@
-"""TODO"""
+"""From a recording to equations: filters, which rows are fitted, and which are predicted."""

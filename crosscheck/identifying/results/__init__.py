@@ -1,1 +1,1 @@
-"""TODO"""
+"""The result of an identification: models, baselines, errors, recommendation."""

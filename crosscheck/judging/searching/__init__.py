@@ -1,1 +1,1 @@
-"""TODO"""
+"""The search for faults that explain the observed answers."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""The states of a judgment and the experiments made at them."""

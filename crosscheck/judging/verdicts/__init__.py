@@ -1,1 +1,1 @@
-"""TODO"""
+"""The verdict on a function and its diagnosis."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Checks of recorded values and time stamps."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""File formats of recordings: one file for each."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Recordings that are larger than memory: read in windows and in parts."""

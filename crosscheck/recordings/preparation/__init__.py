@@ -1,1 +1,1 @@
-"""TODO"""
+"""Filters, derivatives, resampling, decimation, and the division of recordings."""

@@ -70,7 +70,7 @@ class PinocchioModel(OrderedModel):
         return evaluate(self, q, v, a, tau, external_wrenches)
 
     def derive(self, q: Array, v: Array, a: Array, tau: Array, external_wrenches: Array) -> dict[str, Array]:
-        """Values of the quantities crosscheck.quantities.quantities.DERIVED that are no second derivatives, at N states.
+        """Values of those of quantities.DERIVED that are no second derivatives, at N states.
 
         q, v, a, tau (N, n), external_wrenches (N, n, 6)
         """

@@ -1,1 +1,1 @@
-"""TODO"""
+"""The configuration of a study: TOML tables, scenarios, robots, methods."""

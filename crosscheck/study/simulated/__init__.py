@@ -1,1 +1,1 @@
-"""TODO"""
+"""What a study simulates: robots, controllers, reference motions and noisy recordings."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Statistics of a study: intervals, ranks and tests."""

@@ -1,6 +1,6 @@
 """Inverse and forward dynamics as steps of one body, which is a robot of one body on its inside body.
 
-A step is given graphdyn.compiler.rolled.rolling.Body: the link, its joint arrays and external wrench; the inside body as
+A step is given rolling.Body: the link, its joint arrays and external wrench; the inside body as
 a ground that moves; and memory: what earlier steps of the body kept, what bodies outside have added to its sums.
 """
 

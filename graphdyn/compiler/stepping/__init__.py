@@ -1,1 +1,1 @@
-"""TODO"""
+"""Whole simulations in compiled code, one robot per lane."""

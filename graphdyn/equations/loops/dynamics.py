@@ -53,7 +53,7 @@ def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None 
 
 
 def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """As graphdyn.equations.projected.forward_dynamics, with chord_multipliers. Raises InconsistentState, SingularMassMatrix."""
+    """As projected.forward_dynamics, with chord_multipliers. Raises InconsistentState, SingularMassMatrix."""
     found = solved(model, x, base)
     state, a, multipliers = found.state, found.a, found.multipliers
     if dense:
@@ -106,7 +106,7 @@ def response(spaces: LoopSpaces, mass: Array) -> Array:
 
 
 def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """As graphdyn.equations.projected.inverse_dynamics, of the actuated joints; the smallest torques where these are redundant.
+    """As projected.inverse_dynamics, of the actuated joints; the smallest torques where these are redundant.
 
     Raises InconsistentState; InvalidInput, naming the motion, where the actuated joints leave one free.
     """

@@ -63,7 +63,7 @@ def chord_rows(state: MaximalState) -> tuple[Array, Array]:
 
 
 def pin_rows(state: MaximalState) -> tuple[Array, Array]:
-    """φ_q and ζ of the joints (graphdyn.equations.system.constraints) with forces along t_1, t_2, p instead of the world's axes.
+    """φ_q and ζ of the joints (system.constraints) with forces along t_1, t_2, p instead of the world's axes.
 
     Which reactions loops determine shows along the axes of the pins only.
     """

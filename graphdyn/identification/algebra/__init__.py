@@ -1,1 +1,1 @@
-"""TODO"""
+"""Linear algebra of the identification: base parameters, rank, triangular factors, least squares with covariance."""

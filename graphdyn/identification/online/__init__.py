@@ -1,1 +1,1 @@
-"""TODO"""
+"""Estimators for data that arrive sample by sample."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""An identification problem: the torque model, the prior, and the equations that a recording gives."""

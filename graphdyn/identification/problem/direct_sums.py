@@ -1,6 +1,6 @@
 """Gram matrices of a torque model straight from the motion, without storing any equation.
 
-The rigid bodies come from graphdyn.compiler.gram.gram, which multiplies the columns of the regressor as it computes them; the
+The rigid bodies come from compiler.gram, which multiplies the columns of the regressor as it computes them; the
 columns of the other terms are handed to it, joint by joint.
 """
 

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Inertial parameters body by body from measured joint wrenches: the paper's section 2.3, generalized."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Recursions of robots whose joints depend on each other: couplings, chords, independent joints."""

@@ -45,7 +45,7 @@ def loop_adaptive(
     stop_at_limits: bool,
     progress: Callable[[float], None],
 ) -> Course:
-    """As graphdyn.simulation.integration.adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
+    """As adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
     run = _Run(equations, start, torque, closed_stages, tolerances, duration)
     watched = [*events, *(limit_events(equations.plant) if stop_at_limits else [])]
     rows, times, occurrences, ended = list[dict[str, Array]](), list[float](), list[Occurrence](), ""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""Connections that close loops, as files and callers state them."""

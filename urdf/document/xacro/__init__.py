@@ -1,1 +1,1 @@
-"""TODO"""
+"""Expansion of .xacro files in a separate process."""

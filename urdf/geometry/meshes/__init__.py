@@ -1,1 +1,1 @@
-"""TODO"""
+"""Mesh files as triangles, read within limits; primitives; fewer triangles."""

@@ -1,1 +1,1 @@
-"""TODO"""
+"""The format `graphdyn identify 2`."""

@@ -1,0 +1,242 @@
+"""`graphdyn excite`: motions, what they promise, and the files that robots take."""
+
+import json
+import re
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+from planting import mixed_tree
+from shared_data import REPOSITORY
+
+import urdf
+from crosscheck.commands.excite import search as excite_search
+from crosscheck.commands.excite.report import random_is_better
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.distributing import LocalProcesses, Lost
+from crosscheck.exciting.motion_formats.krl import AxisSettings
+from crosscheck.exciting.motion_formats.motion_file import WRITTEN, document, read_motion, slides
+from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
+from crosscheck.exciting.noise import assumed_noise
+from crosscheck.recordings import load_recording
+from crosscheck.recordings.errors import BadRecordingFile
+from graphdyn import InvalidInput, joint_torques
+from graphdyn.excitation import FourierBasis, Trajectory
+
+ROOT = REPOSITORY
+
+SHORT = ("--duration", 4, "--harmonics", 2, "--seeds", 1, "--random", 3, "--jobs", 1, "--rate", 100)
+LIMITS = ("--velocity", 2, "--torque", 200, "--lower", -2, "--upper", 2)
+
+ROUNDED = {".csv": 1e-15, ".yaml": 1e-15, ".yml": 1e-15, ".script": 1e-15, ".src": 1e-8}
+"""[rad or m] Degrees and millimetres have six decimals."""
+
+SETTINGS = AxisSettings((1.0, -1.0, 1.0), (0.0, 25.0, -90.0))
+
+
+def course(model):
+    rng = np.random.default_rng(0)
+    return Trajectory(FourierBasis(4.0, 3), 0.3 * rng.normal(size=(model.n_freedoms, 5)))
+
+
+def timed(model, rate=50.0):
+    return TimedMotion.of(course(model), model.independent_joints, slides(model), rate)
+
+
+@pytest.mark.parametrize("suffix", WRITTEN)
+def test_files_are_read_back(suffix, tmp_path):
+    model, path = mixed_tree(), tmp_path / f"motion{suffix}"
+    path.write_bytes(document(timed(model), path, SETTINGS))
+    found = read_motion(path, model, SETTINGS)
+    assert found.duration == pytest.approx(4.0, abs=1e-9)
+    assert np.abs(found.positions - timed(model).q).max() < ROUNDED[suffix]
+
+
+def test_rows_at_a_rate():
+    """The end is a row even where it is no multiple of the period."""
+    motion = timed(mixed_tree(), rate=0.4)
+    assert motion.time.tolist() == [0.0, 2.5, 4.0]
+    assert np.abs(motion.v[[0, -1]]).max() < 1e-12
+
+
+def test_message_for_ros(tmp_path):
+    model, path = mixed_tree(), tmp_path / "motion.yaml"
+    message = yaml.safe_load(document(timed(model), path, SETTINGS))
+    assert message["joint_names"] == list(model.joint_names)
+    assert set(message) == {"header", "joint_names", "points"}
+    assert message["points"][51]["time_from_start"] == {"sec": 1, "nanosec": 20_000_000}
+    assert message["points"][51]["velocities"] == timed(model).v[51].tolist()
+
+
+def test_program_for_kuka(tmp_path):
+    """Degrees, the maker's signs and zeros, sliding joints as external axes in millimetres, the time of the block."""
+    model = mixed_tree()
+    text = document(timed(model), tmp_path / "motion.src", SETTINGS).decode()
+    q = timed(model).q[0]
+    degrees = np.degrees(q) * [1, 0, 1] + [0, 0, -90]
+    expected = f"PTP {{A1 {degrees[0]:.6f},E1 {25 - 1000 * q[1]:.6f},A2 {degrees[2]:.6f}}}"
+    assert text.splitlines()[2] == expected
+    assert "TIME_BLOCK END = 4.000000" in text
+    assert text.count("SPTP {") == 200
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("a.yaml", "a: [", r"a\.yaml: is no YAML"),
+        ("a.yaml", "points: []", r"a\.yaml: has no joint_names and points"),
+        ("a.yaml", "{joint_names: [x], points: []}", r"a\.yaml: joint_names lacks joint 'joint1'; it has x"),
+        (
+            "a.yaml",
+            "{joint_names: [joint1, joint2, joint3], points: [{positions: [1]}]}",
+            r"a\.yaml: a point lacks 3 positions or time_from_start",
+        ),
+        ("a.script", "servoj([1])", r"a\.script: has no line 'global period = …'"),
+        ("a.script", "global period = 0.1\nservoj([x, 1])", r"a\.script: a servoj holds something else"),
+        ("a.script", "global period = 0.1\nservoj([1])", r"a\.script: servoj has 1 joints, the robot 3"),
+        ("a.src", "PTP {A1 1}", r"a\.src: has no points"),
+        ("a.src", "PTP {A1 1}\nSPTP {A1 1}\nTIME_BLOCK END = 1", r"a\.src: point \{A1 1\} lacks axis E1"),
+    ],
+)
+def test_faulty_files(name, content, message, tmp_path):
+    (tmp_path / name).write_text(content, encoding="utf-8")
+    with pytest.raises(BadRecordingFile, match=message):
+        read_motion(tmp_path / name, mixed_tree(), SETTINGS)
+
+
+def test_refused_settings(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    with pytest.raises(BadRecordingFile, match=r"a\.yaml: to read YAML, install PyYAML"):
+        read_motion(tmp_path / "a.yaml", mixed_tree(), SETTINGS)
+    with pytest.raises(InvalidInput, match=r"axis signs are 2; each is 1 or -1"):
+        AxisSettings((2.0,))
+    with pytest.raises(InvalidInput, match=r"2 axis zeros for 3 joints; give one, or one for each"):
+        AxisSettings(zeros=(1.0, 2.0)).of(3)
+    with pytest.raises(InvalidInput, match=r"a planned motion is written as .csv, .*, not as '.h5'"):
+        document(timed(mixed_tree()), tmp_path / "a.h5", SETTINGS)
+
+
+def test_assumed_noise(small_arm):
+    noise, words = assumed_noise(urdf.load("ur5"))
+    assert noise == pytest.approx([1.5, 1.5, 1.5, 0.28, 0.28, 0.28])
+    assert "efforts" in words
+    noise, words = assumed_noise(mixed_tree())
+    assert np.all(noise > 0)
+    assert "torque that the bodies" in words
+    massless = mixed_tree().with_inertial_parameters(np.zeros(30))
+    assert assumed_noise(massless)[0].tolist() == [1, 1, 1]
+
+
+def test_the_program(program, small_arm, tmp_path):
+    """Record, page and file of two motions; the file keeps its promise when it is examined."""
+    out, file, page = tmp_path / "m.csv", tmp_path / "r.json", tmp_path / "r.html"
+    done = program(
+        "excite", "--robot", small_arm, *SHORT, *LIMITS, "--motions", 2, "--out", out, "--json", file, "--html", page
+    )
+    assert done.code == AGREED, done.err
+    assert "keeps all limits" in done.out
+    record = json.loads(file.read_text(encoding="utf-8"))
+    schema = json.loads((ROOT / "docs" / "schemas" / "excite-1.schema.json").read_text(encoding="utf-8"))
+    Draft202012Validator(schema).validate(record)
+    assert [motion["number"] for motion in record["motions"]] == [1, 2]
+    assert all(limit["used"] <= 1 for motion in record["motions"] for limit in motion["limits"])
+    assert record["plan"]["geometric_mean"] < record["median_random"]["geometric_mean"]
+    assert f"Standard deviations of {len(record['parameters'])} base parameters" in page.read_text(encoding="utf-8")
+
+    first = tmp_path / "m-1.csv"
+    assert record["out"] == [str(first), str(tmp_path / "m-2.csv")]
+    again = tmp_path / "again.json"
+    arguments = ("--motion", first, "--against", first, "--cutoff", "none", "--json", again, "--random", 0)
+    done = program("excite", "--robot", small_arm, *SHORT[:-6], *LIMITS, "--rate", 100, *arguments)
+    assert done.code == AGREED, done.err
+    examined = json.loads(again.read_text(encoding="utf-8"))
+    assert examined["motions"][0]["seed"] is None
+    assert examined["best_random"] is None
+    for row, whole in zip(examined["parameters"], record["parameters"], strict=True):
+        assert row["recorded"] == pytest.approx(row["sigma"], rel=0.05)  # the rates differ, and the borders
+        assert whole["sigma"] < row["sigma"]  # two motions determine more than one
+
+
+@pytest.mark.parametrize(
+    ("best_random", "seed", "better"), [(0.9, 3, True), (1.1, 3, False), (0.9, None, False), (None, 3, False)]
+)
+def test_a_better_random_motion_is_told(best_random, seed, better):
+    found = SimpleNamespace(
+        motions=[SimpleNamespace(seed=seed)],
+        plan=SimpleNamespace(geometric_mean=1.0),
+        best_random=best_random and SimpleNamespace(geometric_mean=best_random),
+    )
+    assert random_is_better(found) is better
+
+
+def test_motion_beyond_a_limit(program, small_arm, tmp_path):
+    model = urdf.load(small_arm)
+    path = tmp_path / "fast.csv"
+    path.write_bytes(document(timed(model), path, SETTINGS))
+    done = program("excite", "--robot", small_arm, *LIMITS, "--velocity", 0.01, "--motion", path, "--random", 0)
+    assert done.code == DISAGREED
+    assert "VIOLATES LIMITS" in done.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((), r"joint '.*' has no limit of velocity; give one"),
+        (("--out", "m.h5"), r"--out m.h5: name a file that ends with .csv"),
+        (("--plane", "1,2"), r"--plane 1,2: four numbers X,Y,Z,D are needed"),
+        (("--criterion", "best"), r"--criterion best: use one of log-det, sigma, condition"),
+        (("--velocity-share", "2"), r"--velocity-share 2.0: give a part, above 0 and at most 1"),
+        (("--rate", "0"), r"--rate and --out-rate must be above zero"),
+        (("--noise", "x"), r"--noise x: give numbers with commas between them"),
+        (("--axis-signs", "3"), r"axis signs are 3; each is 1 or -1"),
+    ],
+)
+def test_bad_options(program, small_arm, arguments, message):
+    velocity = ("--velocity", 2) if arguments else ()
+    done = program("excite", "--robot", small_arm, *velocity, *arguments)
+    assert done.code == BAD_INPUT
+    assert re.search(message, " ".join(done.err.replace("│", " ").split()))
+
+
+def motion_of(value, seed):
+    return SimpleNamespace(value=value, seed=seed)
+
+
+def test_the_best_seed_is_kept(monkeypatch, capsys):
+    """Also after an interruption, a seed that found nothing, and a process that died."""
+
+    def interrupted(_self, function, tasks):
+        yield 1, motion_of(-3.0, 1)
+        yield 0, motion_of(-2.0, 0)
+        yield 2, "no motion from seed 2"
+        yield 3, Lost("it died")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(LocalProcesses, "each", interrupted)
+    found = excite_search.best_of(None, None, range(5), 2, lambda what, steps: None)
+    assert (found.best.seed, found.interrupted) == (1, True)
+    assert found.failures == ["no motion from seed 2", "the search from seed 3 was lost: it died"]
+    assert "interrupted: the best motion so far, of seed 1, is kept" in capsys.readouterr().err
+
+
+def test_interrupted_too_early(monkeypatch):
+    def interrupted(_self, function, tasks):
+        raise KeyboardInterrupt
+        yield
+
+    monkeypatch.setattr(LocalProcesses, "each", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        excite_search.best_of(None, None, range(2), 2, lambda what, steps: None)
+
+
+def test_table_is_a_recording(tmp_path):
+    """Its torques are those of the motion, so that a plan can be compared with what was measured."""
+    model, path = mixed_tree(), tmp_path / "motion.csv"
+    path.write_bytes(document(timed(model), path, SETTINGS))
+    found = load_recording(path, joints=model.joint_names)
+    assert found.prismatic == slides(model)
+    expected = joint_torques(model, *course(model).motion(found.t)[:3])
+    assert np.abs(joint_torques(model, found.q, found.v, found.a) - expected).max() < 1e-9

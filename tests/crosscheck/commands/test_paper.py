@@ -1,0 +1,272 @@
+"""What graphdyn paper says: on the terminal, as a page, as JSON."""
+
+import dataclasses
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from browser import CHROMIUM, too_wide
+from jsonschema import Draft202012Validator
+from pages import complaints, parsed, table
+from planted_records import planted
+from reproduced_paper import reproduced
+from rich.cells import cell_len
+from shared_data import REPOSITORY
+from typer.testing import CliRunner
+
+from crosscheck.commands import app
+from crosscheck.commands.paper.over_time_report import MARKED
+from crosscheck.commands.paper.record import record as record_of
+from crosscheck.commands.paper.report import paper_report
+from crosscheck.commands.paper.texts import error_text, misprints, printed_text, value_text
+from crosscheck.commands.program import console
+from crosscheck.paper.checks import REFEREE, Check
+from crosscheck.paper.printed import TABLE_2, Printed
+from crosscheck.paper.reproduction import PARTS, reproduce
+from crosscheck.report.html import page as html_page
+from crosscheck.report.json import plain
+from crosscheck.report.report import Plot
+from crosscheck.report.text import renderables
+from crosscheck.report.versions import versions
+
+ROOT = REPOSITORY
+SCHEMA = json.loads((ROOT / "docs/schemas/paper-1.schema.json").read_text(encoding="utf-8"))
+COMMAND = ["graphdyn", "paper", "--html", "page.html"]
+NARROW = 80
+
+LARGEST = 1_000_000
+"""Bytes of the page."""
+
+
+@pytest.fixture(scope="module")
+def found():
+    return reproduced()
+
+
+@pytest.fixture(scope="module")
+def page(found):
+    return page_of(found)
+
+
+def page_of(found):
+    return html_page(paper_report(found), COMMAND, versions())
+
+
+def paper(*arguments):
+    return CliRunner().invoke(app, ["paper", "--samples", "10", *map(str, arguments)])
+
+
+def shown(found, monkeypatch, width=console.WIDTH):
+    """What the terminal shows at this width."""
+    monkeypatch.setattr(console.out, "width", width)
+    with console.out.capture() as captured:
+        for part in renderables(paper_report(found), width):
+            console.out.print(part)
+    return captured.get()
+
+
+class TestText:
+    def test_order_of_the_paper(self, found, monkeypatch):
+        said = shown(found, monkeypatch)
+        titles = ["What holds", "Table 2", "The experiment of section 3.1", "Tables 3 and 4", "Table 3", "Table 4",
+                  "Section 3.2 as printed", "Section 3.2 corrected", "Over the whole motion",
+                  "What the printed errors do"]  # fmt: skip
+        places = [said.index(f"\n{title}") for title in titles]
+        assert places == sorted(places)
+
+    def test_contents(self, found, monkeypatch):
+        said = shown(found, monkeypatch)
+        assert "5.4619 B5" in said
+        assert re.search(r"λ_33 +2\.393758e4 B6 +-2\.393758e\+04 +7 +reproduced", said)
+        assert "2.393758e4 is a misprint for -2.393758e4 (B6)." in " ".join(said.split())
+        assert re.search(r"λ_24 +-1\.233380e11 +– +not determined: .* \(A2\)", said)
+        assert re.search(r"λ_14 .*not reproduced", said)
+        assert re.search(r"λ_61 +1\.356146e-4 +0 +zero; the paper prints rounding", said)
+        assert re.search(r"J_22 +printed +982\.8120", said)
+        assert said.startswith("The paper beside the corrected model: every check holds\n")
+        assert "Every number that the text determines is reproduced within its bound" in said
+        for sentence in found.corrected.reading:
+            assert sentence[:60] in said
+
+    def test_tables_of_the_paper_fit_into_80_characters(self, found, monkeypatch):
+        """None of them is taken apart or cut."""
+        said = shown(found, monkeypatch, NARROW)
+        assert max(map(cell_len, said.splitlines())) <= NARROW
+        assert "…" not in said.replace("A1, A3 …", "")
+        assert len(re.findall(r"parameter +source +B_1 +B_2 +B_3 +B_4 +B_5 +B_6\n", said)) == 3
+
+    def test_failure_is_said(self, found, monkeypatch):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
+        said = shown(broken, monkeypatch)
+        assert "1 of 1 checks DO NOT HOLD" in said
+        assert "DOES NOT HOLD" in said
+        assert "Not every number is within its bound" in said
+
+    def test_numbers(self):
+        assert value_text(-0.00001) == "0.0000"
+        assert value_text(math.nan) == error_text(math.nan) == printed_text(Printed(None)) == "–"
+        assert (error_text(0.0), error_text(-3.4e-13)) == ("0", "-3e-13")
+        assert misprints([Printed("1"), Printed("2", "3", "B9")]) == "2 is a misprint for 3 (B9)."
+
+
+class TestCommand:
+    def test_everything(self, tmp_path):
+        file, page = tmp_path / "r.json", tmp_path / "r.html"
+        done = paper("--json", file, "--html", page)
+        assert done.exit_code == 0
+        assert done.stderr == ""
+        assert "Table 3" in done.stdout
+        record = json.loads(file.read_text(encoding="utf-8"))
+        Draft202012Validator(SCHEMA).validate(record)
+        assert record["format"] == "graphdyn paper 1"
+        assert record["errata"]["samples"] == 10
+        assert "<h1>The paper beside the corrected model</h1>" in page.read_text(encoding="utf-8")
+
+    def test_failure_is_exit_code_1(self, found, monkeypatch):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
+        monkeypatch.setattr("crosscheck.paper.reproduction.reproduce", lambda *_: broken)
+        assert paper().exit_code == 1
+
+    def test_bad_input(self, tmp_path):
+        done = paper("--html", tmp_path)
+        assert done.exit_code == 2
+        assert "is a folder" in done.stderr
+        assert CliRunner().invoke(app, ["paper", "--samples", "9"]).exit_code == 2
+
+    def test_progress(self):
+        """Each part once, in order."""
+        said = []
+        reproduce(10, progress=said.append)
+        assert tuple(said[: len(PARTS)]) == PARTS
+        assert said[len(PARTS)] == "A1 on kr500"
+
+
+class TestRecord:
+    def test_follows_the_schema(self, found):
+        record = plain(record_of(found, COMMAND))
+        Draft202012Validator(SCHEMA).validate(json.loads(json.dumps(record, allow_nan=False)))
+
+    @pytest.mark.parametrize("number", [math.nan, math.inf])
+    def test_every_number_that_may_be_null(self, found, number):
+        record = plain(planted(record_of(found, COMMAND), number))
+        assert record["corrected"]["difference"] is None
+        Draft202012Validator(SCHEMA).validate(record)
+
+    def test_a_number_that_is_none(self, found):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
+        record = plain(record_of(broken, COMMAND))
+        assert (record["agrees"], record["checks"][0]["measured"]) == (False, None)
+
+    def test_undetermined_and_misprinted(self, found):
+        record = plain(record_of(found, COMMAND))
+        assert [row[0] for row in record["identification"]["trials"][0]["values"].values()].count(None) == 3
+        assert record["identification"]["table_3"]["J_33"][3] == {
+            "printed": "5.4619",
+            "reading": "5.6419",
+            "erratum": "B5",
+        }
+        assert record["identification"]["table_3"]["m(e_2)"][0]["printed"] is None
+
+
+class TestPage:
+    def test_tables(self, found, page):
+        table_2 = table(page, "from 7801 kg/m³")
+        assert table_2[4] == ["m [kg]", "printed", *(number.text for number in TABLE_2.rows["m [kg]"])]
+        assert table_2[5] == ["", "graphdyn", *found.geometry.texts[2]]
+        table_3 = table(page, "Table 3 [kg")
+        assert len(table_3) == 18
+        assert table_3[15][:3] == ["J_33", "printed", "982.8120"]
+        assert table_3[15][5] == "5.4619 B5"
+        assert "5.4619 is a misprint for 5.6419 (B5)." in page
+        assert table_3[16][:3] == ["", "exact data", "–"]
+        assert len(table(page, "Table 4 [kg")) == 18
+        assert len(table(page, "Over the 33 entries")) == 3 + len(found.identification.rounded)
+
+    def test_section_3_2(self, found, page):
+        printed = {row[0]: row[1:] for row in table(page, "Eq. (113)-(118)")}
+        assert list(printed) == [number.name for number in found.numbers]
+        assert printed["λ_33"][:3] == ["2.393758e4 B6", "-2.393758e+04", "7"]
+        assert "2.393758e4 is a misprint for -2.393758e4 (B6)." in page
+        assert printed["λ_24"][1] == "–"
+        corrected = table(page, "All thirty multipliers")
+        assert len(corrected) == 12
+        assert corrected[0][2:] == corrected[1][2:]
+        assert [row[0] for row in table(page, "tan 33.75°")] == ["2", "3", "5"]
+
+    def test_checks_and_errata(self, found, page):
+        assert [row[1] for row in table(page, "Each number with its bound")] == ["✓ holds"] * len(found.checks)
+        assert len(table(page, "Quantiles")) == len(found.effects)
+
+    def test_failure(self, found):
+        broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
+        html = page_of(broken)
+        assert "✗ 1 of 1 checks DO NOT HOLD" in html
+        assert "Not every number is" in html
+        assert table(html, "Each number with its bound")[0] == [
+            "here",
+            "✗ DOES NOT HOLD",
+            "this",
+            "–",
+            "≤ 1",
+            "because",
+        ]
+
+    def test_pictures(self, page):
+        labels = re.findall(r'<svg[^>]*aria-label="([^"]*)"', page)
+        starts = ["Figure 2", "Figure 11", "Figure 10", "Absolute errors", *(f"Joint {j}" for j in range(1, 7)),
+                  "Distribution", "A3", "A2"]  # fmt: skip
+        assert [label.startswith(start) for label, start in zip(labels, starts, strict=True)] == [True] * len(starts)
+        assert "joint 1 at 33.75°, joint 2 at -33.75°, carriage at 2.25 m" in labels[1]
+        for joint in range(1, 7):
+            for number in range(1, 6):
+                assert f">λ_{joint}{number}</text>" in page
+
+    def test_curves_over_the_motion(self, found):
+        """Every tenth sample of rnea lies on graphdyn's line."""
+        (section,) = [one for one in paper_report(found).sections if one.key == "over-time"]
+        plots = [block for block in section.blocks if isinstance(block, Plot)]
+        motion = found.over_time
+        assert [plot.title for plot in plots] == [f"Joint {j}" for j in range(1, 7)]
+        for j, plot in enumerate(plots):
+            assert np.array_equal(plot.x, motion.recording.time)
+            for panel in plot.panels:
+                assert [one.style for one in panel.series] == ["line"] * 3 + ["marks"] * 3
+                scale = max(np.abs(one.y).max() for one in panel.series[:3])
+                for line, marks in zip(panel.series[:3], panel.series[3:], strict=True):
+                    assert np.array_equal(np.flatnonzero(~np.isnan(marks.y)), np.arange(0, len(plot.x), MARKED))
+                    assert np.nanmax(np.abs(marks.y - line.y)) <= REFEREE * scale
+            expected = np.hstack(
+                [motion.multipliers[:, j], motion.recording.tau[:, j, None], motion.recording.joint_moments[:, j]]
+            )
+            lines = np.column_stack([one.y for panel in plot.panels for one in panel.series[:3]])
+            assert np.array_equal(lines, 1e-3 * expected)
+            assert [panel.unit for panel in plot.panels] == ["kN", "kN m", "kN m"]
+
+    def test_well_formed(self, page):
+        assert complaints(page) == []
+        ids = re.findall(r'\bid="([^"]+)"', page)
+        assert len(set(ids)) == len(ids)
+        assert set(re.findall(r'href="#([^"]+)"', page) + re.findall(r"url\(#([^)]+)\)", page)) <= set(ids)
+
+    def test_needs_nothing_else(self, page):
+        written = re.sub(r"<script>.*?</script>", "", page, flags=re.DOTALL)  # a comment of uPlot names its home
+        assert set(re.findall(r"""https?://[^"'\s<)]*""", written)) == {"http://www.w3.org/2000/svg"}
+        assert "default-src 'none'" in page
+        root = parsed(page)
+        assert not root.xpath("//link | //img | //iframe | //script[@src]")
+        assert len(page.encode()) < LARGEST
+
+    def test_semantics(self, page):
+        root = parsed(page)
+        assert len(root.xpath("//h1")) == 1
+        assert all(one.find("caption") is not None for one in root.iter("table"))
+        assert all(cell.get("scope") in ("row", "col", "rowgroup") for cell in root.iter("th"))
+
+    def test_same_arguments_same_page(self, found, page):
+        assert page_of(found) == page
+
+    @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
+    def test_never_wider_than_its_window(self, tmp_path, page):
+        assert too_wide({"page.html": page}, tmp_path) == []

@@ -1,0 +1,215 @@
+"""The report of a study: page, terminal and record say the same, and every point leads to its run."""
+
+import json
+
+import numpy as np
+import pyarrow
+import pytest
+from browser import CHROMIUM, document
+from jsonschema import Draft202012Validator
+from lxml import html
+from pyarrow.parquet import write_table
+from shared_data import REPOSITORY
+from study_tables import METHODS, NOISES, study_tables
+
+from crosscheck.commands.study.pareto_picture import Trade, efficient
+from crosscheck.commands.study.rank_picture import bar_columns
+from crosscheck.commands.study.report import study_report
+from crosscheck.report.html import page
+from crosscheck.report.json import plain
+from crosscheck.report.text import as_text
+from crosscheck.study.statistics.grid import grid_of
+from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
+from crosscheck.study.statistics.summary import summarised
+
+SCHEMA = REPOSITORY / "docs/schemas/study-1.schema.json"
+RUNS = 5
+
+
+def repeat(scenario, run):
+    return ["graphdyn", "study", "--only", f"{scenario}:{run}"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("study")
+    for name, rows in zip(("results", "scenarios", "times"), study_tables(RUNS), strict=True):
+        write_table(pyarrow.Table.from_pylist(rows), made / f"{name}.parquet")
+    return made
+
+
+@pytest.fixture(scope="module")
+def report(folder):
+    return study_report(folder, [("robot", "ur5: 6 joints")], repeat)
+
+
+@pytest.fixture(scope="module")
+def written(report):
+    return page(report, ["graphdyn", "study"], {"graphdyn": "1"})
+
+
+@pytest.fixture(scope="module")
+def shown(written):
+    return html.fromstring(written)
+
+
+def test_record(report, folder):
+    """It follows the schema, and has the numbers of the statistics."""
+    record = plain(report.record(["study"]))
+    Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
+    found = summarised(read_outcomes(folder))
+    ranking = found.rankings["torques", "torque_error"]
+    said = next(one for one in record["rankings"] if one["error"] == "torque_error")
+    assert [one["method"] for one in said["methods"]] == list(ranking.methods)
+    assert said["leaders"] == list(ranking.leaders)
+    assert said["methods"][0]["better_than"] == [m for k, m in enumerate(ranking.methods) if ranking.better(0, k)] != []
+    for scenario, summary in zip(record["scenarios"], found.scenarios, strict=True):
+        by_name = {one["method"]: one for one in scenario["results"]}
+        assert ("graph" in by_name) == (scenario["axes"]["motion"] == "Fourier"), (
+            "takes part where wrenches are measured"
+        )
+        for one in summary.methods:
+            if one.runs:
+                assert by_name[one.method.name]["bias"] == pytest.approx(one.parameters.bias.tolist())
+
+
+def test_terminal(report, folder):
+    """Who leads, with what right; the median torque errors; why methods failed."""
+    text = as_text(report, 200)
+    ranking = summarised(read_outcomes(folder)).rankings["torques", "torque_error"]
+    assert f"{', '.join(ranking.leaders)} lead and are not told apart, by torque error" in " ".join(text.split())
+    assert f"{ranking.distance:.2f}" in text
+    assert "no convergence after 50 iterations" in text
+    assert "intervals of medians reach from the smallest to the largest of 5 runs, which has 93.8%" in text
+    middle = np.median([row["torque_error"] for row in study_tables(RUNS)[0][:: len(METHODS)][:RUNS]])
+    assert f"{100 * middle:.2g} (" in text
+
+
+def test_one_run(tmp_path):
+    """No intervals, and that is said."""
+    for name, rows in zip(("results", "scenarios", "times"), study_tables(1, motions=("Fourier",)), strict=True):
+        write_table(pyarrow.Table.from_pylist(rows), tmp_path / f"{name}.parquet")
+    report = study_report(tmp_path, [], repeat)
+    text = as_text(report, 200)
+    assert "one run of a scenario says nothing of its scatter: there are no intervals" in text
+    assert "1 run of each" in text
+    record = plain(report.record(["study"]))
+    Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
+    assert record["scenarios"][0]["results"][0]["torque_error"]["low"] is None
+
+
+def test_every_point_leads_to_its_run(shown):
+    """Each run of each scenario has a folded table with all methods and the command that repeats it."""
+    runs = shown.xpath("//div[starts-with(@id, 'run-')]")
+    assert len(runs) == RUNS * 2 * len(NOISES)
+    ids = shown.xpath("//@id")
+    assert len(ids) == len(set(ids))
+    targets = {link.get("href") for link in shown.iter("a") if link.get("href", "").startswith("#run-")}
+    assert targets == {f"#{run.get('id')}" for run in runs}
+    assert all(link.get("target") is None for link in shown.iter("a"))
+    said = {link.get("href"): link.findtext("title") for link in shown.xpath("//*[name()='svg']//*[name()='a']")}
+    assert said["#run-1-2"] == "run 2, position noise 0.001 rad: all methods"
+    scenario = study_tables(RUNS)[1][0]["scenario"]
+    first = shown.get_element_by_id("run-1-0").text_content()
+    assert f"graphdyn study --only {scenario}:0" in first
+    assert all(name in first for name in METHODS)
+
+
+def test_failures_say_why(shown):
+    """A failed run is marked, with the reason, and the table of failures leads to it."""
+    (table,) = shown.xpath("//section[@id='failures']//table")
+    rows = [[cell.text_content().strip() for cell in row] for row in table.xpath(".//tbody/tr")]
+    assert ["run 0", "position noise 0.01 rad", "didim 1, cloe 4", "no convergence after 50 iterations"] in rows
+    link = table.xpath(".//a/@href")[0]
+    marked = shown.get_element_by_id(link[1:]).xpath(".//tr[contains(@class, 'disagrees')]")
+    assert "no convergence after 50 iterations" in marked[0].text_content()
+
+
+def test_classes_are_apart(shown):
+    """No ranking or picture has methods that measure different things."""
+    for svg in shown.xpath("//section[@id!='study']//*[name()='svg']"):
+        words = [text.text_content() for text in svg.xpath(".//*[name()='text']")]
+        assert not any(word.startswith("graph") for word in words) or not any(word.startswith("iv") for word in words)
+
+
+def test_largest_studies_keep_a_page(folder, monkeypatch):
+    """The first runs of every scenario have their tables; links and dots of others are left out."""
+    monkeypatch.setattr("crosscheck.commands.study.scenarios_report.MOST_RUNS", 8)
+    report = study_report(folder, [], repeat)
+    groups = [group for section in report.sections for group in section.blocks if getattr(group, "title", "") == "Runs"]
+    assert len(groups) == 2 * len(NOISES)
+    for group in groups:
+        *runs, left = group.blocks
+        assert [run.title[:5] for run in runs] == ["run 0", "run 1"]
+        assert left.text == "results.parquet has 3 more."
+    failures = next(section for section in report.sections if section.key == "failures").blocks[0]
+    assert {row.link for row in failures.rows} <= {run.key for group in groups for run in group.blocks[:-1]} | {None}
+
+
+def scenarios_at(*axes):
+    """Scenarios of a study of one method that never fails."""
+    named = {"base_names": ["M_1"], "base_units": ["kg"], "truth": [1.0]}
+    rows = [{"scenario": str(k), **one, **named} for k, one in enumerate(axes)]
+    result = study_tables(1)[0][0]
+    results = [result | {"scenario": row["scenario"], "base": [1.0], "sigma": [0.1]} for row in rows]
+    return outcomes(results, rows, []).scenarios
+
+
+def test_grid():
+    """One view along the noise, one along each axis that shows further scenarios; what changes together is one axis."""
+    usual = {"position_noise": 1e-3, "torque_noise": 0.1, "motion": "random", "duration": 5.0, "start": "wls"}
+    grid = grid_of(
+        scenarios_at(
+            usual,
+            usual | {"position_noise": 1.75e-4},
+            usual | {"motion": "paper", "duration": 2.0},
+            usual | {"motion": "steps"},
+            usual | {"position_noise": 1e-2, "torque_noise": 0.2},
+        )
+    )
+    noise, motion = grid.views()
+    assert (noise.title, noise.places) == (
+        "position noise [rad], and torque noise with it",
+        ("1.75e-4", "0.001", "0.01"),
+    )
+    assert noise.lines == (("usual", (1, 0, 4)),)
+    assert (motion.title, motion.places) == ("motion, and duration with it", ("random", "paper", "steps"))
+    assert motion.lines == (("usual", (0, 2, 3)),)
+    assert grid.words(grid.scenarios[2]) == "position noise 0.001 rad, motion paper, duration 2 s"
+    assert grid.usual == "motion random, duration 5 s"
+    assert grid.order() == [1, 0, 4, 2, 3]
+
+
+def test_lines_of_a_grid():
+    """All combinations of two axes are one view with a line for each value of the second."""
+    rows = [{"position_noise": noise, "motion": motion} for motion in ("a", "b") for noise in (1.0, 2.0)]
+    (view,) = grid_of(scenarios_at(*rows)).views()
+    assert view.lines == (("usual", (0, 1)), ("motion b", (2, 3)))
+
+
+def test_one_scenario():
+    grid = grid_of(scenarios_at({"motion": "random"}))
+    assert grid.views() == []
+    assert grid.words(grid.scenarios[0]) == "the only scenario"
+
+
+def test_efficient():
+    """Neither slower nor less accurate than another."""
+    trades = [Trade(name, *both, 0, 0, True) for name, both in
+              {"a": (1, 5), "b": (2, 2), "c": (3, 2), "d": (2, 3), "e": (9, 1)}.items()]  # fmt: skip
+    assert [trade.name for trade in efficient(trades)] == ["a", "b", "e"]
+
+
+def test_bars_of_groups():
+    """Groups that overlap stand beside each other."""
+    assert bar_columns([(0, 2), (1, 3), (3, 5), (4, 6)]) == [0, 1, 0, 1]
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+def test_in_a_browser(written, tmp_path):
+    """A link to a run opens it."""
+    path = tmp_path / "study.html"
+    path.write_text(written, encoding="utf-8")
+    tree = html.fromstring(document(f"{path.as_uri()}#run-2-1", tmp_path / "profile"))
+    assert tree.get_element_by_id("run-2-1").find("details").get("open") is not None
+    assert tree.get_element_by_id("run-2-2").find("details").get("open") is None

@@ -1,0 +1,200 @@
+"""crosscheck.identify: baselines, the parameters of the links, what --json writes, names of methods and terms."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torque_data
+from identified_arm import CUTOFF, POSES, compared, identified, identified_from, virtual
+from jsonschema import Draft202012Validator
+from planted_records import planted
+from shared_data import REPOSITORY
+
+import graphdyn
+from crosscheck.commands.identify.record.record import record
+from crosscheck.identifying import METHODS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
+from crosscheck.identifying.methods.torque_terms import with_setting
+from crosscheck.identifying.results.baselines import constant_errors
+from crosscheck.identifying.results.parameters import base_rows, body_rows, deviations_of
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.report.json import plain
+from graphdyn import InvalidInput, mass_matrix
+from graphdyn.identification import Problem, Samples, WeightedLeastSquares
+from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
+
+NOISE = [2.0, 3.0, 1.0, 0.5, 0.4, 0.2]
+"""[N m] Given for the torques of an arm."""
+
+SAME = 1e-10
+"""Estimates by Pinocchio's regressor and by ours, relative; measured below 1e-14."""
+
+
+class TestBaselines:
+    def test_pinocchio_gives_the_same_answer(self):
+        found = compared().comparison
+        ours, theirs = found.of("WLS"), found.of("WLS, Pinocchio's regressor")
+        assert theirs.estimate.settings["difference"] <= SAME
+        assert np.allclose(ours.base_values, theirs.base_values, rtol=0, atol=SAME * np.abs(ours.base_values).max())
+        assert np.allclose(ours.standard_deviations, theirs.standard_deviations, rtol=1e-6)
+        assert "differs from WLS by" in theirs.estimate.remarks[-1]
+
+    def test_pinocchio_weighs_with_the_noise_that_is_given(self):
+        problem = Problem(replace(torque_data.torque_model(), noise=NOISE), torque_data.noisy_samples())
+        estimate = WithPinocchio(WeightedLeastSquares()).estimate(problem)
+        assert estimate.settings["difference"] <= SAME
+        assert np.array_equal(estimate.noise, NOISE)
+
+    def test_another_regressor_would_be_noticed(self):
+        """Pinocchio's reading of a robot with one joint moved."""
+        model = virtual().subject.model
+        placement = model.joints[1].placement
+        moved = replace(placement, translation=placement.translation + 0.01)
+        joints = (model.joints[0], replace(model.joints[1], placement=moved), *model.joints[2:])
+        other = PinocchioModel.from_model(replace(model, joints=joints))
+        found = identified([WithPinocchio(WeightedLeastSquares(), other)]).comparison.results[0]
+        assert found.failure is not None or found.estimate.settings["difference"] > 1e-4
+
+    def test_graph_method_uses_wrenches(self):
+        result = compared().comparison.of("graph method")
+        assert result.estimate.settings["determined by wrenches"] == 21
+        assert "21 of 30 parameters of the bodies from wrenches" in result.estimate.remarks[0]
+
+    def test_graph_method_says_why_not(self):
+        bare = replace(virtual().fitted, joint_wrenches=None)
+        found = identified_from(bare, ["graph", "wls"])
+        assert "the method needs all six components" in found.comparison.of("graph method").failure
+        assert found.comparison.of("WLS").failure is None
+
+    def test_a_channel_that_is_zero(self):
+        recording = CUTOFF.differentiated(virtual().fitted)
+        dead = replace(recording, tau=recording.tau * [0, 1, 1])
+        found = constant_errors(virtual().subject.model, CUTOFF, LastPart().divide([dead]))
+        assert found.everything.rms[0] == 0
+        assert np.all(found.everything.rms[1:] > 1)
+
+    def test_known_bodies_leave_nothing_to_exchange(self):
+        found = identified(["graph", "wls-pinocchio", "wls"], terms=(Viscous(), Offset()), known=(KnownBodies(),))
+        assert found.comparison.of("graph method").failure == "no body is unknown"
+        assert "no body is unknown" in found.comparison.of("WLS, Pinocchio's regressor").failure
+        assert found.comparison.of("WLS").failure is None
+
+
+class TestParameters:
+    def test_deviations_stand_in(self):
+        found = compared()
+        entropic = found.comparison.of("consistent, entropic prior")
+        bare = replace(entropic, standard_deviations=None, block_deviations=None)
+        source, words = deviations_of(found, bare)
+        assert source.name == "WLS"
+        assert words.startswith("of WLS, because consistent, entropic prior gives none")
+        alone = replace(found, comparison=replace(found.comparison, results=(bare,)), others=())
+        assert deviations_of(alone, bare) == (None, "consistent, entropic prior gives none")
+        assert np.isnan(base_rows(alone, bare)[0].deviation)
+
+    def test_a_known_payload_is_no_part_of_the_links(self):
+        load = KnownPayload([1.0, *[0.0] * 9])
+        with_load = identified(["wls"], known=(load,))
+        without = identified(["wls"])
+        links = [found.body_parameters(found.comparison.of("WLS")) for found in (without, with_load)]
+        lighter = links[0] - links[1]
+        model = virtual().subject.model
+        assert mass_of_base(with_load, lighter) == pytest.approx(
+            mass_of_base(with_load, load_parameters(model)), abs=1e-8
+        )
+
+    def test_an_unknown_payload_belongs_to_its_link(self):
+        terms = (Payload(), *virtual().torque_model.terms[1:])
+        found = identified(["wls"], terms=terms, known=(KnownBodies(),))
+        x = found.shown().estimate.parameters
+        model = virtual().subject.model
+        expected = model.inertial_parameters.reshape(-1, 10).copy()
+        expected[-1] += x[:10]
+        np.testing.assert_allclose(found.body_parameters(found.shown()), expected)
+
+    def test_links_make_the_mass_matrix_of_the_estimate(self):
+        found = compared()
+        result = found.comparison.of("consistent")
+        robot = virtual().subject.model.with_inertial_parameters(found.body_parameters(result).ravel())
+        q, _ = robot.random_state(np.random.default_rng(0), POSES)
+        smallest = np.linalg.eigvalsh(mass_matrix(robot, q))[:, 0]
+        np.testing.assert_allclose(smallest, result.plausibility.mass_matrix_eigenvalues, rtol=1e-6)
+        assert all(row.eigenvalue > 0 for row in body_rows(found, result))
+
+
+def load_parameters(model):
+    ten = np.zeros((model.n_bodies, 10))
+    ten[-1, 0] = 1.0
+    return ten
+
+
+def mass_of_base(found, links):
+    """Base parameters that belong to links alone."""
+    x = np.zeros(len(found.torque_model.columns))
+    x[found.torque_model.slice_of(RigidBodies)] = links.ravel()
+    return found.problem.base.values(x)
+
+
+class TestRecord:
+    """What --json writes, also of a method without an answer and of numbers that are not finite."""
+
+    def checked(self, whole):
+        schema = REPOSITORY / "docs/schemas/identify-2.schema.json"
+        Draft202012Validator(json.loads(schema.read_text(encoding="utf-8"))).validate(plain(whole))
+        return plain(whole)
+
+    @pytest.mark.parametrize("number", [math.nan, math.inf])
+    def test_every_number_that_may_be_null(self, number):
+        found = compared()
+        whole = record(found, found.comparison.results[0], ["identify"])
+        spoiled = self.checked(planted(whole, number))
+        assert set(spoiled["methods"][0]["parameters"]) == {None}
+        assert spoiled["shown"]["base_parameters"][0]["error"] is None
+        assert set(self.checked(whole)["methods"][0]["parameters"]) != {None}
+
+    def test_failure(self):
+        found = identified_from(replace(virtual().fitted, joint_wrenches=None), ["graph", "wls"])
+        written = self.checked(record(found, None, []))
+        assert written["shown"] is written["methods"][0]["held_out"] is written["methods"][0]["parameters"] is None
+        assert written["methods"][1]["failure"] is None
+
+
+class TestNames:
+    def test_every_method_and_term_has_a_name(self):
+        assert len({method_named(name).name for name in METHODS}) == len(METHODS)
+        assert len(friction_terms(list(TERMS))) == len(TERMS)
+
+    def test_unknown_ones(self):
+        with pytest.raises(InvalidInput, match="there is no method 'magic'; known: ols, wls"):
+            method_named("magic")
+        with pytest.raises(InvalidInput, match="there is no term 'magic'; known: viscous"):
+            friction_terms(["magic"])
+        with pytest.raises(InvalidInput, match="the term 'offset' is given twice"):
+            friction_terms(["offset", "offset"])
+
+    @pytest.mark.parametrize("option", ["width", "stribeck_velocity", "stribeck_exponent"])
+    def test_no_term_ignores_an_option(self, option):
+        """A term either changes with it, or it is refused."""
+        model = graphdyn.kr500()
+        q, v = model.random_state(np.random.default_rng(0), 10)
+        samples = Samples(q, v, np.ones_like(q), np.zeros_like(q))
+        for name in TERMS:
+            (plain,) = friction_terms([name])
+            if name in with_setting(option.removeprefix("stribeck_")):
+                (other,) = friction_terms([name], **{option: 0.7})
+                assert not np.array_equal(plain.rows(model, samples), other.rows(model, samples)), name
+            else:
+                with pytest.raises(InvalidInput, match=rf"is given, but none of the terms \({name}\) has one"):
+                    friction_terms([name], **{option: 0.7})
+
+    def test_a_method_of_ones_own_stands_beside_the_others(self):
+        class Half:
+            name, reference, assumptions, needs = "half", "none", "none", "nothing"
+
+            def estimate(self, problem):
+                return graphdyn.identification.Estimate(problem.torque_model.prior() / 2)
+
+        found = identified(["wls", Half()])
+        assert found.comparison.of("half").failure is None
+        assert found.recommendation.name is None
