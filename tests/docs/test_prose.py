@@ -1,0 +1,66 @@
+"""README and documentation are written in sentences that a reader takes in at the first reading."""
+
+import re
+from statistics import mean
+
+import pytest
+from shared_data import REPOSITORY
+
+README = REPOSITORY / "README.md"
+DOCUMENTS = [README, *sorted((REPOSITORY / "docs").glob("*.md"))]
+MEAN_WORDS = 20
+"""Largest mean number of words of a sentence, over all documents."""
+NO_PROSE = (
+    r"^(```|~~~|:::).*?^\1[`:~]*$",  # blocks of code and of the site's markup
+    r"^\$\$.*?^\$\$$",
+    r"^\|.*$",  # rows of tables
+    r"^#+ .*$",
+    r"<!--.*?-->",
+    r"!\[[^\]]*\]\([^)]*\)",
+)
+ABBREVIATIONS = r"(?:et al|e\.g|i\.e|vs|cf|Eq|Eqs|Fig|Sec|No|approx|resp|pp|p|Vol|vol)"
+
+
+def paragraphs(text):
+    """Paragraphs and list items in words alone: code, formulas and links count as what a reader sees of them."""
+    for pattern in NO_PROSE:
+        text = re.sub(pattern, "\n\n", text, flags=re.MULTILINE | re.DOTALL if "?" in pattern else re.MULTILINE)
+    text = re.sub(r"(?s)^---\n.*?\n---\n", "", text)
+    text = re.sub(r"^( {2,}|> )", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^([-*+]|\d+\.) +", "\n\n", text, flags=re.MULTILINE)
+    text = re.sub(r"`+[^`]+`+|\$[^$]+\$", "code", text)
+    text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    return [" ".join(part.split()).replace("*", "") for part in re.split(r"\n\s*\n", text) if part.strip()]
+
+
+def sentences(text):
+    """Sentences of at least two words; numbers and signs between spaces are words, as in `wc -w`."""
+    found = []
+    for paragraph in paragraphs(text):
+        whole = re.sub(rf"\b({ABBREVIATIONS})\.(?= )", r"\1", paragraph)
+        found += [part for part in re.split(r"(?<=[.!?])[\"”’)]* +(?=[A-Z\"“(]|code\b|\d)", whole) if " " in part]
+    return found
+
+
+def n_words(sentence):
+    return len(sentence.split())
+
+
+def test_sentences_are_short_in_the_mean():
+    lengths = [n_words(s) for document in DOCUMENTS for s in sentences(document.read_text(encoding="utf-8"))]
+    assert len(lengths) > 1000
+    assert mean(lengths) <= MEAN_WORDS
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("One sentence here. Another `x.y` one (Fig. 3) et al. say.", [3, 8]),
+        ("- an item\n- another item. Two sentences.\n", [2, 2, 2]),
+        ("| a table | cell |\n\nText [with a link](https://x.y/z.html) and $a + b$.\n", [6]),
+        ("```python\nprint('A sentence. Or two.')\n```\nAfter the code.\n", [3]),
+        ("A line\n  goes on.\n\n$$\na = b\n$$\n\nThe end.", [4, 2]),
+    ],
+)
+def test_what_counts_as_a_sentence(text, expected):
+    assert [n_words(s) for s in sentences(text)] == expected
