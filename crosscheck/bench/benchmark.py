@@ -23,7 +23,7 @@ from crosscheck.bench.works import DESCRIPTIONS, Peers, work, works_of
 from crosscheck.reference.pinocchio_model import VERSION as PINOCCHIO
 from crosscheck.reference.subject import check_counts
 from graphdyn import InvalidInput, RobotModel
-from graphdyn.compiler.running import chosen_backend, cores
+from graphdyn.compiler import chosen_backend, cores
 
 LONGER = 10
 """Factor on the given number of samples for the recording of the identification and for the largest batch."""

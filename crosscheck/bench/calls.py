@@ -11,7 +11,7 @@ from crosscheck.bench.contender import Contender
 from crosscheck.bench.forms.graphdyn_forms import our_name
 from crosscheck.bench.forms.pinocchio_forms import PARALLEL
 from crosscheck.bench.states import States
-from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.compiler import aligned
 from graphdyn.layout import Array
 
 

@@ -68,7 +68,7 @@ def identify_graphdyn(folder: Path) -> dict[str, Any]:
     """The inertial parameters by ordinary least squares on sums of products: the regressor is never written out."""
     import scipy.linalg  # noqa: F401  # imported before the clock starts, as Pinocchio is below
 
-    from graphdyn.compiler.running import chosen_backend
+    from graphdyn.compiler import chosen_backend
     from graphdyn.identification import OrdinaryLeastSquares, Problem, Samples, TorqueModel
     from graphdyn.identification.terms import RigidBodies
 

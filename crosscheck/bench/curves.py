@@ -20,10 +20,9 @@ from crosscheck.bench.machine.timing import Times, in_turns
 from crosscheck.bench.states import States, random_states
 from crosscheck.bench.works import OURS, PINOCCHIO
 from graphdyn import Body, Joint, Placement, RobotModel
-from graphdyn.compiler.rolled.rolling import UNROLLED, is_long
-from graphdyn.compiler.running import chosen_backend, cores
+from graphdyn.compiler import UNROLLED, chosen_backend, cores, is_long
 from graphdyn.layout import Array
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model import rotation_about
 
 LENGTH, RADIUS, MASS = 0.2, 0.04, 1.0
 """Length, radius and mass of each body, a cylinder along z [m, m, kg]."""

@@ -14,8 +14,8 @@ from crosscheck.quantities.states import RANDOM, Case, cases
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import BareCalls, RefereeValues, multipliers_of
 from graphdyn import Placement, RobotModel, inverse_dynamics, mass_matrix
-from graphdyn.arguments.choices import Reference
-from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.arguments import Reference
+from graphdyn.compiler import aligned
 from graphdyn.layout import Array
 
 FEW = 200

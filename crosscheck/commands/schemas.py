@@ -26,7 +26,7 @@ from crosscheck.commands.simulate import record as simulate
 from crosscheck.commands.study import record as study
 from crosscheck.commands.vectors import record as vectors
 from crosscheck.report.json import as_bytes
-from urdf.document.files import write_whole
+from urdf.document import write_whole
 
 
 def schemas() -> dict[str, dict[str, Any]]:

@@ -14,7 +14,7 @@ from crosscheck.quantities.states import ACCELERATION_RANGE
 from crosscheck.quantities.tolerances import EPS
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import InvalidInput, RobotModel, joint_torque_regressor, maximal_state
-from graphdyn.equations.kinematics import link_origins
+from graphdyn.equations import link_origins
 from graphdyn.identification import Samples, base_parameters, ordinary_least_squares
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import BODY_PARAMETERS, Array

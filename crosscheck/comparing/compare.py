@@ -33,11 +33,11 @@ from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuse
 from crosscheck.reference.reference_values import RefereeValues
 from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
-from graphdyn.arguments.choices import WORTH_COMPILING, Method
-from graphdyn.compiler.running import interpreted
-from graphdyn.equations.projected import singular
+from graphdyn.arguments import WORTH_COMPILING, Method
+from graphdyn.compiler import interpreted
+from graphdyn.equations import singular
 from graphdyn.layout import Array
-from urdf.reading.cutting import Chain
+from urdf.reading import Chain
 
 CHUNK = 250
 """Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""

@@ -30,7 +30,7 @@ from graphdyn import (
     joint_torque_regressor,
     mass_matrix,
 )
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments import Method
 from graphdyn.layout import Array
 
 MOST = 100

@@ -27,8 +27,7 @@ from graphdyn import (
     mass_matrix,
 )
 from graphdyn.layout import ANGULAR, LINEAR, Array
-from graphdyn.model.loops import loop_spaces
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model import loop_spaces, rotation_about
 
 MOST = 20
 """Largest number of states: closing loops takes long, and the other quantities have looked at the tree."""

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from crosscheck.exciting.self_collision import SelfCollision
-from graphdyn.excitation import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised, sample_times
-from graphdyn.excitation.optimizing import CHECK_RATE
+from graphdyn.excitation import (
+    CHECK_RATE,
+    ExcitationProblem,
+    NoFeasibleMotion,
+    OptimisedMotion,
+    optimised,
+    sample_times,
+)
 
 TRIES = 6
 """Searches at most, each with more distance between the balls of links that collided in the one before."""

@@ -10,6 +10,7 @@ import numpy as np
 from crosscheck.exciting.self_collision import Hit, SelfCollision
 from crosscheck.recordings import Recording
 from graphdyn.excitation import (
+    CHECK_RATE,
     Course,
     ExcitationPlan,
     ExcitationProblem,
@@ -19,8 +20,7 @@ from graphdyn.excitation import (
     random_trajectory,
     sample_times,
 )
-from graphdyn.excitation.optimizing import CHECK_RATE
-from graphdyn.identification.algebra.least_squares import one_thread
+from graphdyn.identification import one_thread
 from graphdyn.layout import Array
 
 PIECE = 1000

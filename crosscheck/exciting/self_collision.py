@@ -19,8 +19,7 @@ from crosscheck.exciting.ball_cover import ball_cover
 from crosscheck.exciting.link_meshes import LinkMesh
 from crosscheck.exciting.mesh_contacts import MeshContacts, Pair
 from graphdyn import RobotModel
-from graphdyn.excitation import Ball, Clearance, ExcitationProblem, Poses
-from graphdyn.excitation.clearances import smallest_distances
+from graphdyn.excitation import Ball, Clearance, ExcitationProblem, Poses, smallest_distances
 from graphdyn.layout import Array
 
 POSES = 1000

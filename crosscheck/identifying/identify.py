@@ -20,10 +20,9 @@ from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import Recording
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, refuse_chords, subject
 from graphdyn import InvalidInput
-from graphdyn.identification import ClosedLoop, Estimator
-from graphdyn.identification.estimation.plausibility import POSES
+from graphdyn.identification import POSES, ClosedLoop, Estimator
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
-from urdf.reading.cutting import Chain
+from urdf.reading import Chain
 
 
 def identify(

@@ -24,6 +24,7 @@ from crosscheck.recordings import PartitionedRecording, Provenance, Recording, c
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import (
+    POSES,
     Estimator,
     GeneralisedLeastSquares,
     MaximumLikelihood,
@@ -33,10 +34,9 @@ from graphdyn.identification import (
     TorqueModel,
     Tunable,
     compare_methods,
+    one_thread,
 )
-from graphdyn.identification.algebra.least_squares import one_thread
-from graphdyn.identification.estimation.plausibility import POSES
-from urdf.reading.cutting import Chain
+from urdf.reading import Chain
 
 EXCERPT = 100_000
 """Rows from the beginnings of the logs that are in memory: for their health, and for the curves of a page."""

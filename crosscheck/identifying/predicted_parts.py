@@ -9,9 +9,7 @@ import numpy as np
 
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, PieceSquares, TorqueCurve
 from crosscheck.recordings import PartitionedRecording
-from graphdyn.identification import Problem
-from graphdyn.identification.problem.problem import own_rows
-from graphdyn.identification.statistics.residual_statistics import MOVING
+from graphdyn.identification import MOVING, Problem, own_rows
 from graphdyn.layout import Array
 
 

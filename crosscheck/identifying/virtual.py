@@ -19,7 +19,7 @@ from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.motion_laws import FourierSeries
-from urdf.reading.cutting import Chain
+from urdf.reading import Chain
 
 FREQUENCY, HARMONICS = 0.1, 5
 """Fundamental frequency of the excitation [Hz], and number of its harmonics."""

@@ -25,8 +25,7 @@ from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
 from crosscheck.reference.mujoco_model import MujocoRefuses
 from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
-from urdf.reading.cutting import Chain
-from urdf.reading.misreading import Misreadings
+from urdf.reading import Chain, Misreadings
 
 Foreign = Callable[..., ArrayLike] | BatchFunction
 """A function of one state: arrays of shape (n,) in the order of joint_names; or foreign code that is given batches."""

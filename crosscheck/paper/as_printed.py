@@ -17,7 +17,7 @@ import numpy as np
 from crosscheck.paper.errata import world_axis_rows
 from crosscheck.paper.instant import joint_motion, rail
 from graphdyn import MaximalState, kr500, maximal_state
-from graphdyn.equations.kinematics import joint_axes
+from graphdyn.equations import joint_axes
 from graphdyn.layout import ANGULAR, LINEAR, Array, body_rows, joint_rows
 
 DEPENDENT = 1e-9

@@ -11,7 +11,7 @@ from crosscheck.paper.instant import joint_motion, rail
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import multipliers_of
 from graphdyn import inverse_dynamics, kr500, maximal_state
-from graphdyn.equations.kinematics import joint_axes
+from graphdyn.equations import joint_axes
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 

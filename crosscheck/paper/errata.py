@@ -18,14 +18,17 @@ import urdf
 from crosscheck.quantities.quantities import kkt_batch
 from crosscheck.quantities.states import ACCELERATION_RANGE, Case, turned, unit_turn
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from graphdyn import MaximalState, Placement, RobotModel, inverse_dynamics, kr500, maximal_state
-from graphdyn.equations.joint_readings import project_accelerations
-from graphdyn.equations.kinematics import bias_acceleration
-from graphdyn.equations.system.cardano import cardano_drift, cardano_form, rate_map
-from graphdyn.equations.system.constraints import constraints
-from graphdyn.equations.system.kkt import KKTSystem
+from graphdyn import KKTSystem, MaximalState, Placement, RobotModel, inverse_dynamics, kr500, maximal_state
+from graphdyn.equations import (
+    bias_acceleration,
+    cardano_drift,
+    cardano_form,
+    constraints,
+    project_accelerations,
+    rate_map,
+)
 from graphdyn.layout import ANGULAR, LINEAR, Array, body_rows, joint_rows, per_body, stacked
-from graphdyn.model.spatial import apply, cos_beta, rotation_about, skew, solve
+from graphdyn.model import apply, cos_beta, rotation_about, skew, solve
 
 
 def without_d_transposed(state: MaximalState, twist: KKTSystem) -> KKTSystem:

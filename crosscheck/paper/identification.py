@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from crosscheck.paper.printed import SAMPLE_TIMES, TABLE_2, TABLE_3, TABLE_4
 from graphdyn import RobotModel, VirtualRecording, kr500, kr500_experiment
-from graphdyn.identification import identify_principal_parameters, identify_principal_parameters_together
-from graphdyn.identification.algebra.rank_revealing import EPS
+from graphdyn.identification import EPS, identify_principal_parameters, identify_principal_parameters_together
 from graphdyn.layout import Array
 
 DIGITS = 7

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from graphdyn import BaseMotion, kr500_experiment
-from graphdyn.experiments.kr500 import RAIL_ACCELERATION
+from graphdyn.experiments import RAIL_ACCELERATION
 from graphdyn.layout import Array
 
 ALONG_THE_RAIL = np.array([1.0, 0.0, 0.0])

@@ -10,7 +10,7 @@ from crosscheck.paper.as_printed import INSTANT, printed_rank
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import multipliers_of
 from graphdyn import BaseMotion, VirtualRecording, inverse_dynamics, kr500, kr500_experiment, maximal_state
-from graphdyn.experiments.kr500 import RAIL_ACCELERATION
+from graphdyn.experiments import RAIL_ACCELERATION
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 MOMENTS = slice(3, 5)

@@ -8,7 +8,7 @@ import numpy as np
 
 from crosscheck.paper.printed import TABLE_2, Printed
 from graphdyn import kr500
-from graphdyn.experiments.kr500 import LENGTHS, RADII
+from graphdyn.experiments import LENGTHS, RADII
 from graphdyn.layout import Array
 
 WHY_TABLE_2 = (

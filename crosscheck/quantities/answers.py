@@ -21,9 +21,9 @@ from graphdyn import (
     mass_matrix,
     maximal_state,
 )
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments import Method
 from graphdyn.layout import Array
-from graphdyn.verbs.table import VERBS
+from graphdyn.verbs import VERBS
 
 
 @dataclass(frozen=True, eq=False)

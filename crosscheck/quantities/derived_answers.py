@@ -34,7 +34,7 @@ from graphdyn import (
     reaction_derivatives,
     static_torque,
 )
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments import Method
 from graphdyn.layout import Array
 
 Answers = Mapping[str, Array]

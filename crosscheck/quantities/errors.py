@@ -30,7 +30,7 @@ from crosscheck.quantities.states import Case
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import RefereeValues, multipliers_of
 from graphdyn import ForwardDynamics, frame_placement, mass_matrix, maximal_state
-from graphdyn.equations.kinematics import link_origins
+from graphdyn.equations import link_origins
 from graphdyn.layout import Array
 
 

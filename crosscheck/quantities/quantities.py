@@ -18,10 +18,8 @@ from crosscheck.quantities.tolerances import (
     RESIDUAL,
     Tolerance,
 )
-from graphdyn import maximal_state
-from graphdyn.equations.system.constraints import constraints
-from graphdyn.equations.system.kkt import KKTSystem
-from graphdyn.equations.system.unconstrained import applied_terms, mass_terms
+from graphdyn import KKTSystem, maximal_state
+from graphdyn.equations import applied_terms, constraints, mass_terms
 from graphdyn.layout import Array
 
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 from crosscheck.recordings.errors import RecordingFinding
 from crosscheck.recordings.formats.virtual_recording_columns import JOINT_UNITS
 from crosscheck.recordings.mapping.mapping import ColumnMapping
-from graphdyn import InvalidInput
-from graphdyn.experiments.virtual_recording import VirtualRecording
+from graphdyn import InvalidInput, VirtualRecording
 from graphdyn.layout import Array
 
 MOTION_CHANNELS = ("q", "v", "a", "tau")

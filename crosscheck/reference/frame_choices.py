@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 
 from graphdyn import RobotModel
-from graphdyn.arguments.choices import Reference
+from graphdyn.arguments import Reference
 from graphdyn.layout import Array
 
 REFERENCES: tuple[Reference, ...] = get_args(Reference)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from graphdyn import RobotModel
 from graphdyn.layout import ANGULAR, LINEAR, Array
-from graphdyn.model.spatial import cross
+from graphdyn.model import cross
 
 
 def multipliers_of(model: RobotModel, rotation: NDArray[Any], wrenches: NDArray[Any]) -> NDArray[Any]:

@@ -12,10 +12,8 @@ from numpy.typing import ArrayLike
 
 import urdf
 from graphdyn import InvalidInput, RobotModel
-from urdf.document.catalogue import locate
-from urdf.document.document import UNNAMED
-from urdf.document.opening import content_of, path_of
-from urdf.reading.cutting import Chain
+from urdf.document import UNNAMED, content_of, locate, path_of
+from urdf.reading import Chain
 
 Robot = str | PathLike[str] | RobotModel
 Lock = Mapping[str, float] | Iterable[str] | None

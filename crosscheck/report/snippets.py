@@ -13,7 +13,7 @@ from crosscheck.judging.judgment import UNCOUPLED, JudgedFunction, Judgement
 from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from graphdyn.verbs.table import VERBS
+from graphdyn.verbs import VERBS
 
 _REFERENCE = "reference = referee.evaluate(*(np.array([x]) for x in (q, v, a, tau, external_wrenches)))"
 _MULTIPLIERS = "multipliers_of(model, reference.rotation, reference.{})[0]"

@@ -21,7 +21,7 @@ from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.tables import write_tables
 from crosscheck.study.tasks import Outcome, Task, compute, failed
 from graphdyn import InvalidInput
-from urdf.document.files import write_whole
+from urdf.document import write_whole
 
 CONFIGURATION, DATABASE = "study.toml", "study.sqlite"
 

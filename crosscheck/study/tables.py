@@ -16,8 +16,8 @@ from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
 from crosscheck.study.tasks import Outcome
-from graphdyn.identification.problem.structure import structure
-from urdf.document.files import write_whole
+from graphdyn.identification import structure
+from urdf.document import write_whole
 
 RESULTS, SCENARIOS, TIMES = "results.parquet", "scenarios.parquet", "times.parquet"
 

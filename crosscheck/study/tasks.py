@@ -16,9 +16,7 @@ from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.runs import Record, known_model, simulated
 from crosscheck.study.validation import Yardstick, yardstick
 from graphdyn import EstimationFailed, InvalidInput
-from graphdyn.identification import Estimate
-from graphdyn.identification.algebra.least_squares import one_thread
-from graphdyn.identification.estimation.plausibility import plausibility
+from graphdyn.identification import Estimate, one_thread, plausibility
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,8 @@ from crosscheck.study.settings.robot_settings import RobotSettings
 from crosscheck.study.simulated.motions import reference, start_of
 from crosscheck.study.simulated.plants import Plant, plant_of
 from graphdyn import Friction, InvalidInput, rollout
-from graphdyn.identification import Samples, TorqueModel
-from graphdyn.identification.algebra.base_parameters import BaseParameters
-from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
-from graphdyn.identification.problem.structure import structure
+from graphdyn.identification import BaseParameters, Samples, TorqueModel, structure
+from graphdyn.identification.closed_loop import DrivenRobot
 from graphdyn.layout import Array
 from graphdyn.motion_laws import MotionLaw
 

@@ -1,1 +1,12 @@
 """What all verbs take: arrays of one leading shape, the motion of the base, the choice of a method and of a frame."""
+
+from graphdyn.arguments.arrays import one_state
+from graphdyn.arguments.choices import WORTH_COMPILING, Method, Reference, frame_choice
+
+__all__ = [
+    "Method",
+    "Reference",
+    "WORTH_COMPILING",
+    "frame_choice",
+    "one_state",
+]

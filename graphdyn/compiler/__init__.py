@@ -3,3 +3,29 @@
 From a verb down: batch (arrays in and out), running (threads, compiled or not), programs (a recursion recorded for one
 robot), native and interpreter (the two back ends).
 """
+
+from graphdyn.compiler.gram.gram import TorqueGram, torque_gram
+from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.compiler.llvm.vector_code import VectorCode
+from graphdyn.compiler.native import MachineCode, host_lanes
+from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.rolled.rolling import UNROLLED, is_long
+from graphdyn.compiler.running import CHOICE, chosen_backend, cores, in_threads, interpreted
+
+__all__ = [
+    "CHOICE",
+    "MachineCode",
+    "Request",
+    "TorqueGram",
+    "UNROLLED",
+    "VectorCode",
+    "aligned",
+    "chosen_backend",
+    "cores",
+    "host_lanes",
+    "in_threads",
+    "interpreted",
+    "is_long",
+    "record",
+    "torque_gram",
+]

@@ -4,9 +4,10 @@ Public are the names in `__all__`.
 """
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
-from graphdyn.excitation.criteria import ConditionNumber, log_det, mean_sigma
-from graphdyn.excitation.limits import Clearance, MotionLimits, Plane
-from graphdyn.excitation.optimizing import ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
+from graphdyn.excitation.clearances import smallest_distances
+from graphdyn.excitation.criteria import ConditionNumber, Criterion, log_det, mean_sigma
+from graphdyn.excitation.limits import KINDS, Clearance, MotionLimits, Plane
+from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import Course, JointMotion, TabulatedCourse, Trajectory, Usage, sample_times
@@ -15,13 +16,16 @@ from graphdyn.excitation.watched_points import Ball, Poses, frame_origins
 __all__ = [
     "Ball",
     "Basis",
+    "CHECK_RATE",
     "Clearance",
     "ConditionNumber",
     "Course",
+    "Criterion",
     "ExcitationPlan",
     "ExcitationProblem",
     "FourierBasis",
     "JointMotion",
+    "KINDS",
     "MotionLimits",
     "NoFeasibleMotion",
     "OptimisedMotion",
@@ -39,4 +43,5 @@ __all__ = [
     "prior_spread",
     "random_trajectory",
     "sample_times",
+    "smallest_distances",
 ]

@@ -7,15 +7,16 @@ modules may change without notice.
 from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.base_parameters import BaseParameters, base_parameters
 from graphdyn.identification.algebra.compressed import CompressedEquations
-from graphdyn.identification.algebra.least_squares import LeastSquares, ordinary_least_squares
-from graphdyn.identification.algebra.rank_revealing import ParameterEstimate
+from graphdyn.identification.algebra.least_squares import LeastSquares, one_thread, ordinary_least_squares
+from graphdyn.identification.algebra.rank_revealing import EPS, ParameterEstimate
 from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.consistent import PhysicalLimits
+from graphdyn.identification.data.partitions import Partitioned
 from graphdyn.identification.data.row_filter import RowFilter
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.estimation.comparison import MethodComparison, MethodResult, compare_methods
+from graphdyn.identification.estimation.comparison import ENOUGH, MethodComparison, MethodResult, compare_methods
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
-from graphdyn.identification.estimation.plausibility import Plausibility, plausibility
+from graphdyn.identification.estimation.plausibility import POSES, Plausibility, plausibility
 from graphdyn.identification.estimators import (
     ClosedLoopOutputError,
     ConsistentLeastSquares,
@@ -34,12 +35,15 @@ from graphdyn.identification.estimators import (
     WeightedLeastSquares,
 )
 from graphdyn.identification.estimators.tuning import Tunable, Tuned, tuned
+from graphdyn.identification.estimators.weighted import joint_noise, weighted_solution
 from graphdyn.identification.online.extended_kalman import ExtendedKalmanFilter
 from graphdyn.identification.online.recursive import RecursiveLeastSquares
 from graphdyn.identification.problem.prior import Prior, model_prior
-from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.problem.problem import Problem, own_rows
+from graphdyn.identification.problem.structure import structure
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.statistics.residual_statistics import (
+    MOVING,
     ResidualSizes,
     ResidualStatistics,
     residual_statistics,
@@ -63,7 +67,6 @@ from graphdyn.identification.wrenches.principal_parameters import (
 )
 
 __all__ = [
-    "PRINCIPAL_PARAMETER_NAMES",
     "Accumulator",
     "BaseParameters",
     "ClosedLoop",
@@ -72,6 +75,8 @@ __all__ = [
     "ConsistentLeastSquares",
     "ConsistentWithPrior",
     "DirectInverse",
+    "ENOUGH",
+    "EPS",
     "EssentialParameters",
     "Estimate",
     "Estimator",
@@ -82,11 +87,15 @@ __all__ = [
     "InstrumentalVariables",
     "LeastSquares",
     "LogCholesky",
+    "MOVING",
     "MaximumLikelihood",
     "MethodComparison",
     "MethodResult",
     "OrdinaryLeastSquares",
+    "POSES",
+    "PRINCIPAL_PARAMETER_NAMES",
     "ParameterEstimate",
+    "Partitioned",
     "PhysicalLimits",
     "Plausibility",
     "Prior",
@@ -113,14 +122,19 @@ __all__ = [
     "identify_inertial_parameters_together",
     "identify_principal_parameters",
     "identify_principal_parameters_together",
+    "joint_noise",
     "joint_wrench_regressor",
     "link_wrenches",
     "mass_rows",
     "model_prior",
     "moment_rows",
+    "one_thread",
     "ordinary_least_squares",
+    "own_rows",
     "plausibility",
     "principal_regressor",
     "residual_statistics",
+    "structure",
     "tuned",
+    "weighted_solution",
 ]

@@ -1,1 +1,5 @@
 """Scalars that record the operations on them, small vectors of such scalars, and their automatic differentiation."""
+
+from graphdyn.scalars.expressions import Program
+
+__all__ = ["Program"]

@@ -11,8 +11,8 @@ from importlib import metadata
 from os import PathLike
 from pathlib import Path, PurePosixPath
 
-from graphdyn.experiments.kr500 import GRAVITY as KR500_GRAVITY
-from graphdyn.model.robot_model import STANDARD_GRAVITY
+from graphdyn.experiments import GRAVITY as KR500_GRAVITY
+from graphdyn.model import STANDARD_GRAVITY
 from urdf.errors import RobotNotFound, shortened
 
 DISTRIBUTION = "example-robot-data"

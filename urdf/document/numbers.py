@@ -17,7 +17,7 @@ from lxml import etree
 
 from graphdyn import Body, Placement
 from graphdyn.layout import Array
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model import rotation_about
 from urdf.errors import shortened
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)

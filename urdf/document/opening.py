@@ -9,7 +9,7 @@ from os.path import isfile
 from pathlib import Path
 from typing import IO
 
-from graphdyn.model.robot_model import STANDARD_GRAVITY
+from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.catalogue import locate
 from urdf.document.document import BYTES, LARGEST_FILE, STREAM, TEXT, Document, check_size, parsed
 from urdf.document.xacro.files import expand

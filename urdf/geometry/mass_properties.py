@@ -10,7 +10,7 @@ import numpy as np
 
 from graphdyn import Placement
 from graphdyn.layout import Array
-from graphdyn.model.inertia import parallel_axis
+from graphdyn.model import parallel_axis
 from urdf.geometry.drawn import MESH, Drawn
 from urdf.geometry.errors import Unreadable
 from urdf.geometry.meshes.triangles import Triangles, joined, welded

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from graphdyn import InvalidInput
-from graphdyn.model.robot_model import STANDARD_GRAVITY
+from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.connections.loops import Beside
 from urdf.document.opening import Given, Opened, Xacro, open_document, path_of, said
 from urdf.document.source import Source, reduced

@@ -13,8 +13,7 @@ import numpy as np
 
 from graphdyn import Body, Frame, Joint, Placement
 from graphdyn.layout import Array
-from graphdyn.model.inertia import parallel_axis, parameters_from_inertia
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model import parallel_axis, parameters_from_inertia, rotation_about
 from urdf.reading import limits
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import RobotModel
-from graphdyn.model.robot_model import STANDARD_GRAVITY, check_model
+from graphdyn.model import STANDARD_GRAVITY, check_model
 from urdf.document.files import write_whole
 from urdf.errors import GravityNotSavedWarning, one_line
 from urdf.writing.writing import robot_element

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn import Body, InvalidModel
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.model.inertia import consistency_problems
+from graphdyn.model import consistency_problems
 from urdf.document.catalogue import locate
 from urdf.document.files import write_whole
 from urdf.document.numbers import inertial_element

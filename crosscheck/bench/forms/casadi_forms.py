@@ -14,9 +14,9 @@ import numpy as np
 from crosscheck.bench.contender import AMORTISED, Contender
 from crosscheck.bench.states import States
 from graphdyn import GraphDynError
-from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler import Request, record
 from graphdyn.layout import Array
-from graphdyn.scalars.expressions import Program
+from graphdyn.scalars import Program
 
 NAME = "casadi code generation"
 FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")

@@ -17,16 +17,13 @@ from crosscheck.bench.states import REFERENCE, States
 from crosscheck.quantities import scales
 from crosscheck.reference.subject import tip
 from graphdyn import RobotModel
-from graphdyn.arguments.choices import Method
-from graphdyn.compiler.gram.gram import TorqueGram, torque_gram
-from graphdyn.compiler.llvm.memory import aligned
-from graphdyn.compiler.running import CHOICE, chosen_backend
-from graphdyn.identification import TorqueModel
-from graphdyn.identification.problem.structure import structure
+from graphdyn.arguments import Method
+from graphdyn.compiler import CHOICE, TorqueGram, aligned, chosen_backend, torque_gram
+from graphdyn.identification import TorqueModel, structure
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
-from graphdyn.recursions.table import ARRAYS
-from graphdyn.verbs.table import VERBS
+from graphdyn.recursions import ARRAYS
+from graphdyn.verbs import VERBS
 
 COMPILED, RECURSIVE, PROJECTED, DENSE = "graphdyn compiled", "graphdyn NumPy", "graphdyn projected", "dense NumPy"
 

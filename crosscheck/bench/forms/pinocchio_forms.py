@@ -8,10 +8,10 @@ import numpy as np
 
 from crosscheck.bench.contender import ALL, Contender, Forms
 from crosscheck.bench.states import States
-from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.compiler import aligned
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.recursions.table import ARRAYS
-from graphdyn.verbs.table import VERBS
+from graphdyn.recursions import ARRAYS
+from graphdyn.verbs import VERBS
 
 LOOP, PARALLEL = "pinocchio loop", "pinocchio InParallel"
 IN_LOOP = "a Python loop, results copied to given memory"

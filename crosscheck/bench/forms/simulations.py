@@ -10,7 +10,7 @@ from crosscheck.bench.contender import Contender
 from crosscheck.bench.states import FEW, States
 from crosscheck.reference.mujoco_model import MujocoModel
 from graphdyn import rollout
-from graphdyn.compiler.running import chosen_backend
+from graphdyn.compiler import chosen_backend
 from graphdyn.layout import Array
 
 NAME, TITLE = "simulation", "simulated steps, Runge-Kutta of order 4"

@@ -12,7 +12,7 @@ from crosscheck.bench.contender import Contender
 from crosscheck.bench.states import States
 from crosscheck.reference.reference_values import BareCalls
 from graphdyn.layout import Array
-from graphdyn.verbs.compiled import SingleState
+from graphdyn.verbs import SingleState
 
 CALLS = 1000
 """Number of calls of a run, each with another state."""

@@ -13,13 +13,9 @@ from crosscheck.bench.machine.instructions import floating_point_operations, fus
 from crosscheck.bench.states import REFERENCE
 from crosscheck.reference.subject import tip
 from graphdyn import RobotModel
-from graphdyn.arguments.choices import frame_choice
-from graphdyn.compiler.llvm.memory import aligned
-from graphdyn.compiler.llvm.vector_code import VectorCode
-from graphdyn.compiler.native import MachineCode, host_lanes
-from graphdyn.compiler.programs import Request, record
-from graphdyn.compiler.running import chosen_backend, in_threads
-from graphdyn.recursions.table import RECURSIONS
+from graphdyn.arguments import frame_choice
+from graphdyn.compiler import MachineCode, Request, VectorCode, aligned, chosen_backend, host_lanes, in_threads, record
+from graphdyn.recursions import RECURSIONS
 
 CHAINS = 12
 """Number of independent sums: enough to keep every pipeline of a processor busy, fewer than AVX2 has registers."""

@@ -6,8 +6,8 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 
-from graphdyn.compiler.llvm.vector_code import VectorCode
-from graphdyn.scalars.expressions import Program
+from graphdyn.compiler import VectorCode
+from graphdyn.scalars import Program
 
 NAME, CONTRACTED = r"%[\w.]+", " contract "
 """Of values in LLVM code; the mark of sums that may take in a product."""

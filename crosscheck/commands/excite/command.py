@@ -112,7 +112,7 @@ def run(
     from crosscheck.exciting.excited import Excited, planned, random_plans, recorded_information
     from crosscheck.exciting.motion_formats.motion_file import read_motion
     from crosscheck.report.report import with_stage
-    from graphdyn.compiler.running import cores
+    from graphdyn.compiler import cores
     from graphdyn.excitation import ExcitationProblem, FourierBasis, SplineBasis, excitation_plan
     from graphdyn.identification import TorqueModel
     from graphdyn.identification.terms import RigidBodies

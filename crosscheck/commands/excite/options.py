@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from crosscheck.exciting.motion_formats.krl import AxisSettings
     from crosscheck.exciting.self_collision import SelfCollision
     from graphdyn import RobotModel
-    from graphdyn.excitation import MotionLimits, Plane
-    from graphdyn.excitation.criteria import Criterion
+    from graphdyn.excitation import Criterion, MotionLimits, Plane
     from graphdyn.identification import TorqueModel
     from graphdyn.identification.terms import Term
     from graphdyn.layout import Array

@@ -18,8 +18,7 @@ from crosscheck.commands.excite.record import (
 from crosscheck.exciting.excited import Excited, PlannedMotion
 from crosscheck.exciting.self_collision import SelfCollision
 from graphdyn import RobotModel
-from graphdyn.excitation import ExcitationPlan, FourierBasis, Trajectory
-from graphdyn.excitation.optimizing import CHECK_RATE
+from graphdyn.excitation import CHECK_RATE, ExcitationPlan, FourierBasis, Trajectory
 
 
 def excite_record(found: Excited, written: Sequence[str], command: Sequence[str]) -> ExciteRecord:

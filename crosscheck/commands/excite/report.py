@@ -35,9 +35,7 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.robot_parts import locked_text, robot_picture
 from graphdyn import joint_torques
-from graphdyn.excitation import ExcitationPlan, FourierBasis, sample_times
-from graphdyn.excitation.limits import KINDS
-from graphdyn.excitation.optimizing import CHECK_RATE
+from graphdyn.excitation import CHECK_RATE, KINDS, ExcitationPlan, FourierBasis, sample_times
 
 MOST = 3
 """Links without shapes that are named, of either kind."""

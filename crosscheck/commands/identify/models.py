@@ -91,7 +91,7 @@ def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[Kno
     import numpy as np
 
     from graphdyn.identification.terms import KnownPayload, Payload, PayloadMass
-    from graphdyn.model.inertia import parameters_from_inertia
+    from graphdyn.model import parameters_from_inertia
 
     if text is None:
         if link is not None:

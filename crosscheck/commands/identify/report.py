@@ -16,8 +16,7 @@ from crosscheck.commands.identify.record.record import record
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
 from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict
-from graphdyn.identification import MethodResult
-from graphdyn.identification.estimation.comparison import ENOUGH
+from graphdyn.identification import ENOUGH, MethodResult
 from graphdyn.layout import Array
 
 MOST_NAMES = 6

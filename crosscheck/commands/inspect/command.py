@@ -72,7 +72,7 @@ def run(
 
 def _found(given: str) -> list[str]:
     """The files that an argument stands for. Raises RobotNotFound where there is none."""
-    from urdf.document.catalogue import locate
+    from urdf.document import locate
 
     if Path(given).is_dir():
         return files_below(given)

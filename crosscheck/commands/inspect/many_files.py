@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from crosscheck.distributing import LocalProcesses, Lost
-from graphdyn.compiler.running import cores
+from graphdyn.compiler import cores
 from urdf import Finding, Inspection, inspect
 
 FEW = 16

@@ -12,8 +12,8 @@ from crosscheck.report.pictures.colors import CURVES, INK
 from crosscheck.report.pictures.stick_figure import AZIMUTH, ELEVATION, FAINT, GROUND, JOINT, LINK
 from crosscheck.report.pictures.svg import picture
 from graphdyn import MaximalState, kr500, maximal_state
-from graphdyn.equations.kinematics import joint_axes, link_origins
-from graphdyn.experiments.kr500 import LENGTHS, RADII
+from graphdyn.equations import joint_axes, link_origins
+from graphdyn.experiments import LENGTHS, RADII
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:

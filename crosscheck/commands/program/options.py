@@ -12,7 +12,7 @@ import typer
 
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.distributing import DaskWorkers, LocalProcesses
-from graphdyn.compiler.running import cores
+from graphdyn.compiler import cores
 
 EXAMPLES = "\b\nExamples:\n"
 """Heading of the examples in the help of a command; \\b keeps the line breaks."""
@@ -23,7 +23,7 @@ FACES = 12000
 
 def robot_names(incomplete: str) -> list[str]:
     """Names of the catalogue that begin like this, for completion by the shell, which completes files if none does."""
-    from urdf.document.catalogue import robots
+    from urdf import robots
 
     return [entry.name for entry in robots() if entry.name.startswith(incomplete)]
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import typer
 
 from crosscheck.commands.program import console
-from urdf.document.files import write_whole
+from urdf.document import write_whole
 
 STANDARD_OUTPUT = ("-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
 
@@ -132,7 +132,7 @@ def _candidates(text: str) -> Iterator[str]:
 
     A path, a robot's name, FILE.py:NAME, MODULE:NAME, several with commas, NAME=PROGRAM ARGUMENT ….
     """
-    from urdf.document.catalogue import robots
+    from urdf import robots
 
     yield text
     yield from (str(entry.path) for entry in robots() if entry.name == text)

@@ -28,8 +28,8 @@ from crosscheck.commands.show.record import (
 )
 from graphdyn import InvalidInput, LoopAnalysis, Placement, RobotModel, analyze_loops, inverse_dynamics, kkt_system
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
-from graphdyn.model.chord import FORCES, MOMENTS
-from urdf.document.numbers import rpy_from_rotation
+from graphdyn.model import FORCES, MOMENTS
+from urdf.document import rpy_from_rotation
 
 
 def placed(placement: Placement) -> dict[str, Any]:

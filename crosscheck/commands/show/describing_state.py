@@ -23,11 +23,10 @@ from graphdyn import (
     momentum,
     potential_energy,
 )
-from graphdyn.arguments.choices import Reference
-from graphdyn.equations.kinematics import link_origins
-from graphdyn.equations.loops.dynamics import closed
+from graphdyn.arguments import Reference
+from graphdyn.equations import closed, link_origins
 from graphdyn.layout import Array
-from urdf.document.numbers import rpy_from_rotation
+from urdf.document import rpy_from_rotation
 
 
 def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference: Reference) -> StateRecord:

@@ -9,7 +9,7 @@ import numpy as np
 from crosscheck.commands.show.record import LoopsRecord, ReactionRecord, ShowRecord
 from crosscheck.report.plain_text import ROUNDING, matrix_lines, vector_text
 from crosscheck.report.report import NOTHING, Block, Column, Facts, Group, Lines, Row, Section, Table
-from graphdyn.model.chord import FORCES, MOMENTS
+from graphdyn.model import FORCES, MOMENTS
 
 SHOWN_STRESSES = 20
 """Self-stresses on terminal and page; of a linkage of 42 loops there are 138."""

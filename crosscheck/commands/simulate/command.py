@@ -200,7 +200,7 @@ def _write(motion: Simulation, out: OutputFile, settings: dict[str, Any]) -> Non
     """The motion as a recording, with the robot as URDF, and what it was simulated with."""
     from crosscheck.recordings.formats.motion_files import motion_document
     from crosscheck.report.versions import versions
-    from urdf.writing.saving import urdf_document
+    from urdf.writing import urdf_document
 
     told = {**settings, "gravity": motion.model.gravity.tolist(), "command": command_line(), "versions": versions()}
     metadata = {"urdf": urdf_document(motion.model).decode(), "simulation": json.dumps(told, ensure_ascii=False)}

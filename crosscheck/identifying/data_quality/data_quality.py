@@ -14,9 +14,15 @@ from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import TorqueModel, Tunable
-from graphdyn.identification.data_quality import Change, Fault, RecordingHealth, TooShort, recording_health
-from graphdyn.identification.data_quality.halves import contradictions
-from graphdyn.identification.data_quality.searching import RIGHT_RATE
+from graphdyn.identification.data_quality import (
+    RIGHT_RATE,
+    Change,
+    Fault,
+    RecordingHealth,
+    TooShort,
+    contradictions,
+    recording_health,
+)
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
 CLIPPED = 0.01

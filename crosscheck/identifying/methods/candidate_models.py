@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from crosscheck.identifying.methods.methods import STANDARD_METHODS
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.identification import Estimator, TorqueModel, WeightedLeastSquares
-from graphdyn.identification.terms import KnownBodies, KnownTerm, Offset, RigidBodies, Term
-from graphdyn.identification.terms.term import CarriesBodies
+from graphdyn.identification.terms import CarriesBodies, KnownBodies, KnownTerm, Offset, RigidBodies, Term
 
 CAD = "CAD links"
 

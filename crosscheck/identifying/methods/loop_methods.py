@@ -17,8 +17,7 @@ from graphdyn.identification import (
     MethodComparison,
     Problem,
 )
-from graphdyn.identification.closed_loop import SimulatedLoop
-from graphdyn.identification.closed_loop.exogeneity import EXOGENEITY, Exogeneity, exogeneity
+from graphdyn.identification.closed_loop import EXOGENEITY, Exogeneity, SimulatedLoop, exogeneity
 
 IN_LOOP = (InstrumentalVariables, DirectInverse, ClosedLoopOutputError)
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from graphdyn import InvalidInput
 from graphdyn.identification import Tunable
 from graphdyn.identification.terms import (
+    DEFLECTION,
     AsymmetricCoulomb,
     AsymmetricViscous,
     Coulomb,
@@ -26,7 +27,6 @@ from graphdyn.identification.terms import (
     Term,
     Viscous,
 )
-from graphdyn.identification.terms.maxwell_slip import DEFLECTION
 
 STRIBECK_VELOCITY = 0.1
 """Default Stribeck velocity of a gear [rad/s or m/s]."""

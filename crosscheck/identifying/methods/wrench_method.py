@@ -13,8 +13,7 @@ import numpy as np
 
 from crosscheck.recordings import Recording
 from graphdyn import EstimationFailed, RobotModel, maximal_state
-from graphdyn.identification import Estimate, Problem, identify_inertial_parameters, model_prior
-from graphdyn.identification.estimators.weighted import joint_noise
+from graphdyn.identification import Estimate, Problem, identify_inertial_parameters, joint_noise, model_prior
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import ANGULAR, LINEAR, Array
 

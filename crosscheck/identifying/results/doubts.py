@@ -13,8 +13,7 @@ import numpy as np
 from crosscheck.identifying.data_quality.data_quality import Health
 from crosscheck.identifying.results.baselines import Baselines
 from crosscheck.identifying.results.recommending import joint_errors
-from graphdyn.identification import MethodResult, Problem
-from graphdyn.identification.estimators.weighted import weighted_solution
+from graphdyn.identification import MethodResult, Problem, weighted_solution
 from graphdyn.layout import Array
 
 LARGEST = 0.5

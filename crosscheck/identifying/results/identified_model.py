@@ -9,12 +9,18 @@ from functools import cached_property
 import numpy as np
 
 from crosscheck.reference.subject import Subject
-from graphdyn.identification import MethodComparison, MethodResult, Problem, ResidualStatistics, TorqueModel, Tuned
-from graphdyn.identification.data.partitions import Partitioned
-from graphdyn.identification.problem.problem import own_rows
-from graphdyn.identification.statistics.residual_statistics import MOVING
-from graphdyn.identification.terms import KnownPayload
-from graphdyn.identification.terms.term import CarriesKnownBodies
+from graphdyn.identification import (
+    MOVING,
+    MethodComparison,
+    MethodResult,
+    Partitioned,
+    Problem,
+    ResidualStatistics,
+    TorqueModel,
+    Tuned,
+    own_rows,
+)
+from graphdyn.identification.terms import CarriesKnownBodies, KnownPayload
 from graphdyn.layout import Array
 
 

@@ -8,10 +8,9 @@ import numpy as np
 
 from crosscheck.identifying.results.identified_model import IdentifiedModel
 from crosscheck.identifying.results.result import Identified
-from graphdyn.identification import MethodResult
-from graphdyn.identification.estimation.comparison import ENOUGH
+from graphdyn.identification import ENOUGH, MethodResult
 from graphdyn.layout import Array
-from graphdyn.model.inertia import pseudo_inertia_from_parameters
+from graphdyn.model import pseudo_inertia_from_parameters
 
 ROUNDING = 1e-13
 """Value, relative to the largest, that counts as zero: the rounding left where terms cancel."""

@@ -20,7 +20,7 @@ from crosscheck.judging.observing.function_under_test import ForeignFunction, jo
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.reference.subject import Lock, Robot, check_counts, refuse_chords, subject
 from graphdyn import RobotModel
-from urdf.reading.cutting import Chain
+from urdf.reading import Chain
 
 
 @dataclass(frozen=True, kw_only=True)

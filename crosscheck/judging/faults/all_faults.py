@@ -18,7 +18,7 @@ from crosscheck.judging.faults.signs import signs
 from crosscheck.judging.faults.terms import terms
 from crosscheck.judging.faults.units import units
 from graphdyn import RobotModel
-from urdf.reading.misreading import Misreadings
+from urdf.reading import Misreadings
 
 
 def faults(model: RobotModel, readings: Misreadings | None) -> Iterator[Fault]:

@@ -13,7 +13,7 @@ from crosscheck.judging.faults.fault import Fault
 from crosscheck.judging.faults.recursion import Code, Numbers
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model import rotation_about
 
 ROUND = 1e-6
 """Relative distance from a round number within which a fitted factor is that number."""

@@ -12,8 +12,8 @@ from crosscheck.judging.faults.changes import named, rotation_from
 from crosscheck.judging.faults.fault import Fault
 from crosscheck.judging.faults.recursion import Code
 from graphdyn.layout import Array
-from urdf.document.numbers import rpy_from_rotation
-from urdf.reading.misreading import Misreadings
+from urdf.document import rpy_from_rotation
+from urdf.reading import Misreadings
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Joint, Link, Robot

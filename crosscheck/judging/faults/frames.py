@@ -10,8 +10,8 @@ from crosscheck.judging.faults.changes import E1, E2, E3, Changed, of_joints
 from crosscheck.judging.faults.fault import Fault
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from graphdyn.model.spatial import rotation_about
-from urdf.document.numbers import rpy_from_rotation
+from graphdyn.model import rotation_about
+from urdf.document import rpy_from_rotation
 
 
 def frames(model: RobotModel) -> Iterator[Fault]:

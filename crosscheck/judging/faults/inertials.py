@@ -12,8 +12,7 @@ from crosscheck.judging.faults.fault import Fault
 from crosscheck.judging.faults.recursion import Code, Numbers
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from graphdyn.model.inertia import parallel_axis
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model import parallel_axis, rotation_about
 
 UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 NAMES = ("I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_zz")

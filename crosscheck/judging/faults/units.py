@@ -10,7 +10,7 @@ from crosscheck.judging.faults.changes import joints_said, of_joints, rotation_f
 from crosscheck.judging.faults.fault import Change, Fault
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from urdf.document.numbers import rpy_from_rotation
+from urdf.document import rpy_from_rotation
 
 LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254}
 """Units that a length may be in, per metre."""

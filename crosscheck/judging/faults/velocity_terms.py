@@ -10,9 +10,9 @@ import numpy as np
 
 from crosscheck.judging.faults.recursion import Code, torques_of
 from graphdyn import MaximalState, RobotModel, maximal_state
-from graphdyn.equations.kinematics import null_space
+from graphdyn.equations import null_space
 from graphdyn.layout import ANGULAR, LINEAR, Array
-from graphdyn.model.spatial import apply, cross
+from graphdyn.model import apply, cross
 
 Terms = dict[str, Array]
 """Torques (N, n) by the name of the term; their sum is c."""

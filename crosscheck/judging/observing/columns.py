@@ -9,7 +9,7 @@ from crosscheck.judging.faults.changes import ROUND
 from crosscheck.judging.faults.fault import Said
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.model.inertia import PARAMETER_NAMES
+from graphdyn.model import PARAMETER_NAMES
 
 ALIKE = 1e-6
 """Part of a column that may remain after subtracting a multiple of another one to count as that multiple."""

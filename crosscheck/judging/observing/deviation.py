@@ -11,7 +11,7 @@ from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.observing.precision import precision_said
 from crosscheck.judging.states.experiments import PARTS, Parts, TrialStates
 from graphdyn import RobotModel
-from urdf.reading.misreading import Misreadings
+from urdf.reading import Misreadings
 
 TIMES_NOISE = 10.0
 """A fault explains a deviation if it leaves at most this many times the noise of the function, at every state."""

@@ -13,7 +13,7 @@ from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities.scales import largest
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.model.inertia import PARAMETER_NAMES
+from graphdyn.model import PARAMETER_NAMES
 
 MOST_NAMED = 6
 """Columns that a message lists at most."""

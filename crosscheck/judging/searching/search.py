@@ -16,7 +16,7 @@ from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import fitted, root_mean_square, sparse
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from urdf.reading.misreading import Misreadings
+from urdf.reading import Misreadings
 
 TRIED = 2
 """Number of states of the experiments with which all faults are tried; the first, and one with whole turns added."""

@@ -13,7 +13,7 @@ from crosscheck.judging.states.experiments import TrialStates
 from crosscheck.quantities.scales import Sizes, term_sizes
 from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD
 from graphdyn import InverseDynamics, MaximalState, RobotModel
-from graphdyn.equations.kinematics import link_origins
+from graphdyn.equations import link_origins
 from graphdyn.layout import Array
 
 EXPERIMENTS = 6

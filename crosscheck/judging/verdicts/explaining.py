@@ -21,7 +21,7 @@ from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.verdicts.diagnosis import diagnose
 from crosscheck.judging.verdicts.repetition import earlier_arguments, kept_between_calls
 from crosscheck.judging.verdicts.verdicts import Judged
-from urdf.reading.misreading import Misreadings
+from urdf.reading import Misreadings
 
 Readings = Callable[[], Misreadings | None]
 Progress = Callable[[str], object]

@@ -23,10 +23,10 @@ from crosscheck.recordings.formats.virtual_recording_columns import (
     elements_of,
 )
 from crosscheck.recordings.table import cells_of_column
-from graphdyn import InvalidInput
-from graphdyn.experiments.virtual_recording import CHANNELS, VirtualRecording
+from graphdyn import InvalidInput, VirtualRecording
+from graphdyn.experiments import CHANNELS
 from graphdyn.layout import Array
-from urdf.document.files import write_whole
+from urdf.document import write_whole
 
 FIRST_ROW = {".csv": ("line", 2), ".parquet": ("row", 1)}
 """Per kind of file: what a row is called in messages, and the number of the first."""

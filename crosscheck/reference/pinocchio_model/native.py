@@ -10,7 +10,7 @@ import pinocchio as pin
 
 from graphdyn import Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import Array
-from urdf.document.opening import content_of
+from urdf.document import content_of
 
 VERSION: str = pin.__version__
 

@@ -12,7 +12,7 @@ import pinocchio as pin
 from crosscheck.reference.pinocchio_model.native import write_position
 from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from crosscheck.reference.reference_values import multipliers_of
-from graphdyn.equations.complex_steps import STEP
+from graphdyn.equations import STEP
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, Array
 
 

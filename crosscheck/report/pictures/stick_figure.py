@@ -11,7 +11,7 @@ from crosscheck.report.pictures import colors
 from crosscheck.report.pictures.colors import CURVES, MIDDLE, SOFT
 from crosscheck.report.pictures.svg import picture
 from graphdyn import RobotModel, frame_placement, maximal_state
-from graphdyn.equations.kinematics import joint_axes, link_origins
+from graphdyn.equations import joint_axes, link_origins
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.study.settings.settings import Settings, not_negative, number, one_of, positive, whole
-from graphdyn.identification.closed_loop.loop import LONGEST_STEP
+from graphdyn.identification.closed_loop import LONGEST_STEP
 
 MOTIONS = ("random", "excited", "steps", "paper")
 """Kinds of references:

@@ -9,10 +9,20 @@ from numpy.typing import ArrayLike
 
 from crosscheck.study.settings.robot_settings import ErrorSettings
 from crosscheck.study.simulated.plants import Plant
-from graphdyn import Body, Friction, InvalidInput, Joint, JointLimits, JointStops, PDControl, RobotModel, mass_matrix
-from graphdyn.identification.closed_loop.loop import LONGEST_STEP
+from graphdyn import (
+    Body,
+    Friction,
+    InvalidInput,
+    Joint,
+    JointLimits,
+    JointStops,
+    PDControl,
+    Placement,
+    RobotModel,
+    mass_matrix,
+)
+from graphdyn.identification.closed_loop import LONGEST_STEP
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.model.spatial import Placement
 from graphdyn.motion_laws import Locked
 
 STABLE = 1.0

@@ -4,10 +4,11 @@ from graphdyn.identification.data_quality.changes import Change
 from graphdyn.identification.data_quality.channels import Channels
 from graphdyn.identification.data_quality.excitation import Excitation, excitation
 from graphdyn.identification.data_quality.gain import Gains
+from graphdyn.identification.data_quality.halves import contradictions
 from graphdyn.identification.data_quality.lag import Lag
 from graphdyn.identification.data_quality.recorded_columns import RecordedColumns
 from graphdyn.identification.data_quality.recording_quality import RecordingHealth, recording_health
-from graphdyn.identification.data_quality.searching import Fault
+from graphdyn.identification.data_quality.searching import RIGHT_RATE, Fault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 
 __all__ = [
@@ -18,9 +19,11 @@ __all__ = [
     "Gains",
     "Lag",
     "Piece",
+    "RIGHT_RATE",
     "RecordedColumns",
     "RecordingHealth",
     "TooShort",
+    "contradictions",
     "excitation",
     "recording_health",
 ]

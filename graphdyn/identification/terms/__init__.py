@@ -12,18 +12,21 @@ from graphdyn.identification.terms.friction import (
     Viscous,
 )
 from graphdyn.identification.terms.load_friction import LoadFriction, SmoothCoulomb
-from graphdyn.identification.terms.maxwell_slip import MaxwellSlip
+from graphdyn.identification.terms.maxwell_slip import DEFLECTION, MaxwellSlip
 from graphdyn.identification.terms.payload import KnownPayload, Payload, PayloadMass
 from graphdyn.identification.terms.rigid_bodies import KnownBodies, RigidBodies
-from graphdyn.identification.terms.term import Column, KnownTerm, Term
+from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies, Column, KnownTerm, Term
 from graphdyn.identification.terms.user_columns import KnownTorque, ScaledTorque, UserColumns
 
 __all__ = [
     "AsymmetricCoulomb",
     "AsymmetricViscous",
+    "CarriesBodies",
+    "CarriesKnownBodies",
     "Column",
     "Coulomb",
     "CoupledWrist",
+    "DEFLECTION",
     "Drift",
     "KnownBodies",
     "KnownPayload",

@@ -19,7 +19,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import Placement
-from graphdyn.model.chord import ChordKind
+from graphdyn.model import ChordKind
 from urdf.document.connections.loops import CoupledSums, Loop, Place
 from urdf.document.elements import name_of, written_tag
 from urdf.document.numbers import LARGEST, SHORTEST_AXIS, BadNumber, numbers, rotation_from_rpy

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import yaml
 
-from graphdyn.model.chord import ChordKind
+from graphdyn.model import ChordKind
 from urdf.document.connections.loops import Beside, Loop, Motor, Place
 from urdf.errors import InvalidLoop, URDFError, shortened
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn import Chord, InvalidModel, Placement
-from graphdyn.model.chord import ChordKind
+from graphdyn.model import ChordKind
 from urdf.errors import URDFError
 
 

@@ -19,7 +19,7 @@ from lxml import etree
 from numpy.typing import NDArray
 
 from graphdyn.layout import Array
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model import rotation_about
 from urdf.errors import shortened
 from urdf.geometry.errors import Unreadable
 from urdf.geometry.meshes.triangles import MOST_TRIANGLES, Triangles

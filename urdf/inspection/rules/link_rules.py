@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from graphdyn.model.inertia import CONSISTENCY
+from graphdyn.model import CONSISTENCY
 from urdf.document.elements import name_of
 from urdf.document.numbers import values
 from urdf.errors import shortened

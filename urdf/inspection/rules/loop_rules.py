@@ -8,8 +8,7 @@ import numpy as np
 
 from graphdyn import InconsistentState, RobotModel
 from graphdyn.layout import Array
-from graphdyn.model.assembly import assembled
-from graphdyn.model.loops import CLOSED, RANK, loop_spaces
+from graphdyn.model import CLOSED, RANK, assembled, loop_spaces
 from urdf.document.elements import name_of
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding

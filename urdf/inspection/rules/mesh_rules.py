@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.layout import Array
-from graphdyn.model.inertia import CONSISTENCY
+from graphdyn.model import CONSISTENCY
 from urdf.errors import MOST, shortened
 from urdf.geometry.filled_links import FilledLink, filled_links
 from urdf.inspection.findings import Finding

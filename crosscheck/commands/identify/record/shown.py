@@ -10,7 +10,7 @@ from crosscheck.identifying.results.parameters import base_rows, body_rows, corr
 from crosscheck.identifying.results.result import Identified
 from crosscheck.report.record_fields import Keywords, Number, taken
 from graphdyn.identification import MethodResult
-from graphdyn.model.inertia import PARAMETER_NAMES
+from graphdyn.model import PARAMETER_NAMES
 
 Inertial = Annotated[
     Mapping[str, float],
