@@ -2,7 +2,7 @@
 
 from graphdyn.identification.data_quality.changes import Change
 from graphdyn.identification.data_quality.channels import Channels
-from graphdyn.identification.data_quality.excitation import Excitation, excitation
+from graphdyn.identification.data_quality.excited_parameters import Excitation, excitation
 from graphdyn.identification.data_quality.gain import Gains
 from graphdyn.identification.data_quality.halves import contradictions
 from graphdyn.identification.data_quality.lag import Lag

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.closed_loop.exogeneity import EXOGENEITY, exogeneity
+from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY, exogeneity
 from graphdyn.identification.closed_loop.iterating import Iterated, Start
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
