@@ -4,9 +4,9 @@ from graphdyn.arguments.arrays import one_state
 from graphdyn.arguments.choices import WORTH_COMPILING, Method, Reference, frame_choice
 
 __all__ = [
+    "WORTH_COMPILING",
     "Method",
     "Reference",
-    "WORTH_COMPILING",
     "frame_choice",
     "one_state",
 ]

@@ -14,10 +14,10 @@ from graphdyn.compiler.running import CHOICE, chosen_backend, cores, in_threads,
 
 __all__ = [
     "CHOICE",
+    "UNROLLED",
     "MachineCode",
     "Request",
     "TorqueGram",
-    "UNROLLED",
     "VectorCode",
     "aligned",
     "chosen_backend",

@@ -14,9 +14,10 @@ from graphdyn.excitation.trajectory import Course, JointMotion, TabulatedCourse,
 from graphdyn.excitation.watched_points import Ball, Poses, frame_origins
 
 __all__ = [
+    "CHECK_RATE",
+    "KINDS",
     "Ball",
     "Basis",
-    "CHECK_RATE",
     "Clearance",
     "ConditionNumber",
     "Course",
@@ -25,7 +26,6 @@ __all__ = [
     "ExcitationProblem",
     "FourierBasis",
     "JointMotion",
-    "KINDS",
     "MotionLimits",
     "NoFeasibleMotion",
     "OptimisedMotion",

@@ -3,4 +3,4 @@
 from graphdyn.verbs.compiled import SingleState
 from graphdyn.verbs.table import VERBS
 
-__all__ = ["SingleState", "VERBS"]
+__all__ = ["VERBS", "SingleState"]

@@ -6,11 +6,11 @@ from graphdyn.identification.closed_loop.loop import LONGEST_STEP, ClosedLoop, h
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 
 __all__ = [
+    "EXOGENEITY",
+    "LONGEST_STEP",
     "ClosedLoop",
     "DrivenRobot",
-    "EXOGENEITY",
     "Exogeneity",
-    "LONGEST_STEP",
     "SimulatedLoop",
     "exogeneity",
     "held_torque",

@@ -12,6 +12,7 @@ from graphdyn.identification.data_quality.searching import RIGHT_RATE, Fault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 
 __all__ = [
+    "RIGHT_RATE",
     "Change",
     "Channels",
     "Excitation",
@@ -19,7 +20,6 @@ __all__ = [
     "Gains",
     "Lag",
     "Piece",
-    "RIGHT_RATE",
     "RecordedColumns",
     "RecordingHealth",
     "TooShort",

@@ -19,6 +19,7 @@ from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
 from graphdyn.identification.terms.user_columns import KnownTorque, ScaledTorque, UserColumns
 
 __all__ = [
+    "DEFLECTION",
     "AsymmetricCoulomb",
     "AsymmetricViscous",
     "CarriesBodies",
@@ -26,7 +27,6 @@ __all__ = [
     "Column",
     "Coulomb",
     "CoupledWrist",
-    "DEFLECTION",
     "Drift",
     "KnownBodies",
     "KnownPayload",
