@@ -53,7 +53,7 @@ def read_configuration(name: str) -> Configuration:
     """One of SHIPPED, or a file. Raises BadConfiguration, OSError."""
     path = Path(name)
     if name in SHIPPED:
-        content = (resources.files(__package__) / "configurations" / f"{name}.toml").read_bytes()
+        content = (resources.files("crosscheck.study") / "configurations" / f"{name}.toml").read_bytes()
     elif not path.is_file():
         raise BadConfiguration(f"there is no file {name}; name a configuration, or one of {', '.join(SHIPPED)}")
     else:

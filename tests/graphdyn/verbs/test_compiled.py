@@ -15,6 +15,7 @@ import graphdyn
 from graphdyn import InvalidInput
 from graphdyn.compiler import running
 from graphdyn.compiler.python_calls import can_call
+from graphdyn.verbs import compiled as compiled_module
 from graphdyn.verbs.compiled import SINGLE
 
 MODEL = NAMED["mixed_chain"]
@@ -101,9 +102,9 @@ class TestThreads:
         def make(*of):
             monkeypatch.undo()
             first.append(compiled.gravity_torque)
-            return compiled.SingleState(*of)
+            return compiled_module.SingleState(*of)
 
-        monkeypatch.setattr(compiled, "SingleState", make)
+        monkeypatch.setattr(compiled_module, "SingleState", make)
         assert compiled.gravity_torque is first[0]
 
     def test_taking_turns(self):

@@ -278,7 +278,7 @@ def test_an_expander_that_fails(arm, monkeypatch, tmp_path):
 FENCE = """
 import sys
 sys.path.insert(0, sys.argv[1])
-import _xacro_process as process
+import process
 sys.addaudithook(process.fence([sys.argv[2]]))
 import os, socket
 for attempt in (

@@ -301,10 +301,13 @@ class TestFiles:
 def test_every_code_has_a_case():
     """Read from the sources: what can be found is found here or in the tests of hostile files."""
     package = Path(urdf.__file__).parent
-    rules = "".join(path.read_text(encoding="utf-8") for path in (package / "inspection").glob("*.py"))
+    rules = "".join(path.read_text(encoding="utf-8") for path in (package / "inspection").rglob("*.py"))
     written = set(re.findall(r'(?:about|of_file)\(\s*"([a-z-]+)"', rules))
     written |= {f"{name}-{how}" for name in ("effort", "velocity") for how in ("zero", "negative")}
-    strict = "".join((package / f"_{name}.py").read_text(encoding="utf-8") for name in ("checks", "tree", "numerals"))
+    strict = "".join(
+        (package / name).read_text(encoding="utf-8")
+        for name in ("reading/checks.py", "document/tree.py", "document/numbers.py")
+    )
     written |= set(re.findall(r'(?:[A-Z]\w+,|BadNumber\()\s*"([a-z]+(?:-[a-z]+)+|cycle)"', strict))
     written |= {f"missing-{tag}" for tag in ("mass", "inertia", "parent", "child", "axis")}
     written |= set(unread_rules.REMEDIES)

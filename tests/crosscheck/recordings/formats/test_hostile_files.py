@@ -21,7 +21,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.formats import files as sizes
+from crosscheck.recordings.formats import files
 from graphdyn import InvalidInput
 
 T = np.arange(20) / 10
@@ -32,12 +32,12 @@ LARGEST = 10_000
 @pytest.fixture
 def small_bound(monkeypatch):
     """The bound on expanded files, at a size that a test can exceed."""
-    for module in ("sizes", "text_files", "matlab_files"):
-        monkeypatch.setattr(f"crosscheck.recordings.{module}.LARGEST_EXPANDED", LARGEST)
+    for module in ("files", "matlab_files"):
+        monkeypatch.setattr(f"crosscheck.recordings.formats.{module}.LARGEST_EXPANDED", LARGEST)
 
 
 def test_the_bound_that_is_documented():
-    assert sizes.LARGEST_EXPANDED == 1_073_741_824
+    assert files.LARGEST_EXPANDED == 1_073_741_824
 
 
 def npy(shape, body=b"", kind="<f8"):

@@ -10,6 +10,7 @@ from wrench_data import PAPER_TIMES, random_recording, recorded
 from graphdyn import InvalidInput, kr500, kr500_experiment
 from graphdyn.identification import (
     PRINCIPAL_PARAMETER_NAMES,
+    body_wrenches,
     identify_principal_parameters,
     identify_principal_parameters_together,
     mass_rows,
@@ -17,7 +18,6 @@ from graphdyn.identification import (
     principal_regressor,
 )
 from graphdyn.identification.algebra.rank_revealing import MARGIN
-from graphdyn.identification.wrenches import body_wrenches
 from graphdyn.identification.wrenches.wrench_equations import LARGEST_TOLERANCE
 
 EXACT = 1e-12
