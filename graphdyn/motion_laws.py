@@ -29,7 +29,7 @@ __all__ = [
     "MotionLaw",
     "Polynomial",
     "Rail",
-    "Table",
+    "TabulatedMotion",
     "Turntable",
 ]
 
@@ -131,7 +131,7 @@ class FourierSeries:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class TabulatedMotion:
     """Positions at given times, joined by an interpolating quintic spline.
 
     times: increasing, at least six                         (K,)  [s]
@@ -146,16 +146,22 @@ class Table:
 
     def __post_init__(self) -> None:
         for name in ("times", "positions"):
-            array = _finite("Table", name, getattr(self, name), ("K",))
+            array = _finite("TabulatedMotion", name, getattr(self, name), ("K",))
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if len(self.times) != len(self.positions):
-            raise InvalidInput(f"Table: {len(self.times)} times and {len(self.positions)} positions; give one for each")
+            raise InvalidInput(
+                f"TabulatedMotion: {len(self.times)} times and {len(self.positions)} positions; give one for each"
+            )
         if len(self.times) <= SPLINE_DEGREE:
-            raise InvalidInput(f"Table: {len(self.times)} rows; a quintic spline needs at least {SPLINE_DEGREE + 1}")
+            raise InvalidInput(
+                f"TabulatedMotion: {len(self.times)} rows; a quintic spline needs at least {SPLINE_DEGREE + 1}"
+            )
         if np.any(np.diff(self.times) <= 0):
             row = int(np.argmax(np.diff(self.times) <= 0)) + 1
-            raise InvalidInput(f"Table: time {self.times[row]:g} s in row {row} does not increase; sort the rows")
+            raise InvalidInput(
+                f"TabulatedMotion: time {self.times[row]:g} s in row {row} does not increase; sort the rows"
+            )
 
     @cached_property
     def _derivatives(self) -> tuple[Any, Any, Any]:
@@ -170,7 +176,7 @@ class Table:
         outside = (times < first - slack) | (times > last + slack)
         if outside.any():
             raise InvalidInput(
-                f"Table: time {times[outside][0]:g} s is outside the table ({first:g} … {last:g} s); "
+                f"TabulatedMotion: time {times[outside][0]:g} s is outside the table ({first:g} … {last:g} s); "
                 "nothing is extrapolated: give a longer table or fewer times"
             )
         position, velocity, acceleration = (spline(np.clip(times, first, last)) for spline in self._derivatives)

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from crosscheck.bench import curves
 from crosscheck.bench.cold import in_fresh_process
-from crosscheck.bench.contender import Measured, measure
+from crosscheck.bench.contender import MeasuredWork, measure
 from crosscheck.bench.curves import ScalingCurve
 from crosscheck.bench.forms.casadi_forms import NAME as CASADI
 from crosscheck.bench.forms.pinocchio_forms import instruction_set
@@ -75,7 +75,7 @@ class Benchmark:
     floors: Mapping[str, Floor]
     peers: Mapping[str, str]
     left_out: Mapping[str, str]
-    works: tuple[Measured, ...]
+    works: tuple[MeasuredWork, ...]
     imports: Mapping[str, Times]
     first_calls: Mapping[str, Times]
     identification: Identifications
@@ -179,7 +179,7 @@ def thread_numbers(most: int) -> tuple[int, ...]:
     return (*doubled, most)
 
 
-def _peers(works: list[Measured]) -> dict[str, str]:
+def _peers(works: list[MeasuredWork]) -> dict[str, str]:
     """A description of each library that was measured: version and build."""
     taking_part = {entry.name.split()[0] for measured in works for entry in measured.entries}
     described = {"pinocchio": f"{PINOCCHIO}, as installed, built for {instruction_set()}"}

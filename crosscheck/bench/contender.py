@@ -107,7 +107,7 @@ class SpeedRatio:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredWork:
     """A measured work. agrees: whether the errors of our answers are within the bound.
 
     core_share: part of the time of its runs on one thread for which they had a core
@@ -151,7 +151,7 @@ class Measured:
 
 def measure(
     work: Work, samples: int, duration: float, repeats: int, limit: Callable[[int], object] | None = None
-) -> Measured:
+) -> MeasuredWork:
     """Measure all contenders of a work in turns.
 
     duration: of one run of slow ones, which get fewer samples [s]
@@ -175,7 +175,7 @@ def measure(
         Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
         for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
     )
-    return Measured(work.name, work.title, work.error, work.bound, entries, share.share, limited)
+    return MeasuredWork(work.name, work.title, work.error, work.bound, entries, share.share, limited)
 
 
 def _per_sample(seconds: Sequence[float], samples: int) -> Times:

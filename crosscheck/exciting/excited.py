@@ -11,9 +11,9 @@ from crosscheck.exciting.self_collision import Hit, SelfCollision
 from crosscheck.recordings import Recording
 from graphdyn.excitation import (
     CHECK_RATE,
-    Course,
     ExcitationPlan,
     ExcitationProblem,
+    FiniteMotion,
     JointMotion,
     Usage,
     excitation_plan,
@@ -37,7 +37,7 @@ class PlannedMotion:
     seed: that found the motion, None for one that was given
     """
 
-    course: Course
+    course: FiniteMotion
     usages: tuple[Usage, ...]
     hits: tuple[Hit, ...]
     poses: int
@@ -84,7 +84,7 @@ class Excited:
 
 
 def planned(
-    problem: ExcitationProblem, course: Course, collisions: SelfCollision | None, seed: int | None = None
+    problem: ExcitationProblem, course: FiniteMotion, collisions: SelfCollision | None, seed: int | None = None
 ) -> PlannedMotion:
     motion = course.motion(sample_times(course.duration, CHECK_RATE))
     hits = collisions.hits(motion.q) if collisions else ()

@@ -13,7 +13,7 @@ from crosscheck.identifying.methods.loop_methods import in_loop, with_exogeneity
 from crosscheck.identifying.methods.methods import method_named
 from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
-from crosscheck.identifying.preparing.holding_out import Division, Trial
+from crosscheck.identifying.preparing.holding_out import Division, Fold
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.preparing.trials import pooled, problems_of
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
@@ -99,7 +99,7 @@ def _fitted(comparison: MethodComparison) -> tuple[dict[str, Array], dict[str, R
 
 
 def _predicted(
-    trial: Trial, fit: Problem, recording: Recording, preparation: Preparation, comparison: MethodComparison
+    trial: Fold, fit: Problem, recording: Recording, preparation: Preparation, comparison: MethodComparison
 ) -> Tried:
     """The rows of a trial, predicted by results that are there already."""
     _, problem, times = problems_of(trial, fit, recording, preparation)
@@ -110,7 +110,7 @@ def _predicted(
 
 
 def _tried(
-    trial: Trial,
+    trial: Fold,
     fit: Problem,
     recording: Recording,
     preparation: Preparation,

@@ -15,7 +15,7 @@ from crosscheck.identifying.methods.methods import method_named
 from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
 from crosscheck.identifying.predicted_parts import PredictedParts
-from crosscheck.identifying.preparing.holding_out import Division, Trial
+from crosscheck.identifying.preparing.holding_out import Division, Fold
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.baselines import constant_model, fitted_constant
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
@@ -107,11 +107,11 @@ def identify_long(
     begin, ahead = _excerpt(fitted, begun, preparation), _excerpt(predicted, begun_ahead, preparation)
     first = candidates[0].of(compared.model)
     if validate is None:
-        division = Division(begin, [Trial("", begin, ahead)], f"the last {100 * HELD_OUT:g} % of every log")
+        division = Division(begin, [Fold("", begin, ahead)], f"the last {100 * HELD_OUT:g} % of every log")
     else:
         _refuse_shared(fitted, predicted)
         names = _names(predicted)
-        division = Division(begin, [Trial(names, begin, ahead, own_recording=True)], f"all of {names}")
+        division = Division(begin, [Fold(names, begin, ahead, own_recording=True)], f"all of {names}")
 
     def say(what: str) -> Callable[[int], None] | None:
         return None if progress is None else lambda rows: progress(what, rows)

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from crosscheck.study.tasks import Outcome
+from crosscheck.study.tasks import StudyOutcome
 from graphdyn import InvalidInput
 
 Key = tuple[str, int]
@@ -39,17 +39,17 @@ class Database:
         with self._connection:
             self._connection.executemany("INSERT INTO inputs VALUES (?, ?)", inputs.items())
 
-    def write(self, key: Key, outcome: Outcome) -> None:
+    def write(self, key: Key, outcome: StudyOutcome) -> None:
         with self._connection:
             self._connection.execute("INSERT INTO tasks VALUES (?, ?, ?)", (*key, json.dumps(outcome.as_json())))
 
     def done(self) -> set[Key]:
         return set(self._connection.execute("SELECT scenario, run FROM tasks"))
 
-    def outcomes(self) -> Iterator[tuple[Key, Outcome]]:
+    def outcomes(self) -> Iterator[tuple[Key, StudyOutcome]]:
         """Sorted by scenario and run."""
         for scenario, run, outcome in self._connection.execute("SELECT * FROM tasks ORDER BY scenario, run"):
-            yield (scenario, run), Outcome.from_json(json.loads(outcome))
+            yield (scenario, run), StudyOutcome.from_json(json.loads(outcome))
 
 
 @contextmanager

@@ -19,7 +19,7 @@ from crosscheck.study.methods import taking_part
 from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.tables import write_tables
-from crosscheck.study.tasks import Outcome, Task, compute, failed
+from crosscheck.study.tasks import StudyOutcome, StudyTask, compute, failed
 from graphdyn import InvalidInput
 from urdf.document import write_whole
 
@@ -113,10 +113,10 @@ def _changes(before: Any, now: Any, where: str) -> list[str]:
     return [change for name, old, new in inside for change in _changes(old, new, name)]
 
 
-def tasks_of(study: Configuration) -> list[Task]:
+def tasks_of(study: Configuration) -> list[StudyTask]:
     """All, one run of every scenario after the other, so that what is left is known early."""
     methods = [(scenario, taking_part(study.methods, scenario)) for scenario in study.scenarios]
-    return [Task(scenario, run, part) for run in range(study.runs) for scenario, part in methods if part]
+    return [StudyTask(scenario, run, part) for run in range(study.runs) for scenario, part in methods if part]
 
 
 def _compute(
@@ -130,7 +130,7 @@ def _compute(
     tasks = [task for task in everything if (task.scenario.name, task.run) not in done]
     left = Remaining(tasks)
     progress(Progress(len(done), len(everything)))
-    lost = list[Task]()
+    lost = list[StudyTask]()
     with closing(workers.each(partial(compute, study), tasks)) as answers:
         for k, outcome in answers:
             task = tasks[k]
@@ -147,10 +147,10 @@ def _compute(
         progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
 
 
-def _one_by_one(study: Configuration, task: Task, workers: Workers, tell: Callable[[str], None]) -> Outcome:
+def _one_by_one(study: Configuration, task: StudyTask, workers: Workers, tell: Callable[[str], None]) -> StudyOutcome:
     """A task during which a process died, each method by itself, so that only the one that is to blame fails."""
-    alone = [Task(task.scenario, task.run, (method,)) for method in task.methods]
-    found: dict[int, Outcome] = {}
+    alone = [StudyTask(task.scenario, task.run, (method,)) for method in task.methods]
+    found: dict[int, StudyOutcome] = {}
     with closing(workers.each(partial(compute, study), alone)) as answers:
         for k, outcome in answers:
             if isinstance(outcome, Lost):
@@ -158,14 +158,14 @@ def _one_by_one(study: Configuration, task: Task, workers: Workers, tell: Callab
                 outcome = failed(alone[k], DIED)
             found[k] = outcome
     parts = [found[k] for k in range(len(alone))]
-    return Outcome(
+    return StudyOutcome(
         tuple(result for part in parts for result in part.results),
         tuple(seconds for part in parts for seconds in part.seconds),
         sum(part.total for part in parts),
     )
 
 
-def _name(task: Task) -> str:
+def _name(task: StudyTask) -> str:
     return f"scenario {task.scenario.name}, run {task.run}"
 
 
@@ -176,7 +176,7 @@ class Remaining:
     run at once as so far.
     """
 
-    def __init__(self, tasks: Sequence[Task], clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, tasks: Sequence[StudyTask], clock: Callable[[], float] = time.monotonic) -> None:
         self._clock, self._begin = clock, clock()
         self._left: dict[str, int] = defaultdict(int)
         self._taken: dict[str, list[float]] = defaultdict(list)
@@ -188,7 +188,7 @@ class Remaining:
         """Number of those that are left."""
         return sum(self._left.values())
 
-    def count(self, task: Task, seconds: float | None) -> None:
+    def count(self, task: StudyTask, seconds: float | None) -> None:
         """One is done. seconds: processor time, None where it is not known."""
         self._left[task.scenario.name] -= 1
         if seconds is not None:

@@ -15,7 +15,7 @@ from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
-from crosscheck.study.tasks import Outcome
+from crosscheck.study.tasks import StudyOutcome
 from graphdyn.identification import structure
 from urdf.document import write_whole
 
@@ -63,7 +63,7 @@ OF_TIMES = pa.schema(
 )
 
 
-def write_tables(study: Configuration, outcomes: Iterable[tuple[Key, Outcome]], folder: Path) -> None:
+def write_tables(study: Configuration, outcomes: Iterable[tuple[Key, StudyOutcome]], folder: Path) -> None:
     """outcomes: sorted by scenario and run. Raises OSError."""
     rows, times = list[dict[str, Any]](), list[dict[str, Any]]()
     for (scenario, run), outcome in outcomes:

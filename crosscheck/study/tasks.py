@@ -20,7 +20,7 @@ from graphdyn.identification import Estimate, one_thread, plausibility
 
 
 @dataclass(frozen=True)
-class Task:
+class StudyTask:
     """One run of a scenario. methods: as in the configuration."""
 
     scenario: Scenario
@@ -56,7 +56,7 @@ class Result:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StudyOutcome:
     """The results of a task, one for each method, and the processor time of each.
 
     seconds: of the estimation alone, None where there was none; total: of the whole task, simulation included   [s]
@@ -70,7 +70,7 @@ class Outcome:
         return asdict(self)
 
     @classmethod
-    def from_json(cls, plain: dict[str, Any]) -> Outcome:
+    def from_json(cls, plain: dict[str, Any]) -> StudyOutcome:
         results = tuple(Result(**{**row, **_tuples(row)}) for row in plain["results"])
         return cls(results, tuple(plain["seconds"]), plain["total"])
 
@@ -79,13 +79,13 @@ def _tuples(row: dict[str, Any]) -> dict[str, Any]:
     return {name: tuple(row[name]) for name in ("base", "sigma") if row[name] is not None}
 
 
-def failed(task: Task, reason: str) -> Outcome:
+def failed(task: StudyTask, reason: str) -> StudyOutcome:
     """All methods, for one reason."""
     results = tuple(Result(shown_name(method), measures(estimator_of(method)), reason) for method in task.methods)
-    return Outcome(results, (None,) * len(results), 0.0)
+    return StudyOutcome(results, (None,) * len(results), 0.0)
 
 
-def compute(study: Configuration, task: Task) -> Outcome:
+def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
     """Simulate and identify. Raises nothing: whatever goes wrong is the reason of failures."""
     begin = time.process_time()
     with one_thread(), warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
@@ -98,7 +98,7 @@ def compute(study: Configuration, task: Task) -> Outcome:
             return replace(failed(task, f"no record: {failure}"), total=time.process_time() - begin)
         found = [_identified(method, record, task.scenario, measure) for method in task.methods]
     results, seconds = zip(*found, strict=True)
-    return Outcome(results, seconds, time.process_time() - begin)
+    return StudyOutcome(results, seconds, time.process_time() - begin)
 
 
 def _identified(method: str, record: Record, scenario: Scenario, measure: Yardstick) -> tuple[Result, float | None]:

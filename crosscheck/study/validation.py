@@ -12,7 +12,7 @@ import numpy as np
 
 from crosscheck.study.settings.robot_settings import RobotSettings
 from crosscheck.study.simulated.motions import reference, start_of
-from crosscheck.study.simulated.plants import Plant, plant_of
+from crosscheck.study.simulated.plants import ControlledRobot, plant_of
 from graphdyn import Friction, InvalidInput, rollout
 from graphdyn.identification import BaseParameters, Samples, TorqueModel, structure
 from graphdyn.identification.closed_loop import DrivenRobot
@@ -43,7 +43,7 @@ class Yardstick:
     followed: positions of the simulated loop of the robot as it is   (K, n)
     """
 
-    plant: Plant
+    plant: ControlledRobot
     torque_model: TorqueModel
     laws: tuple[MotionLaw, ...]
     base: BaseParameters
@@ -91,7 +91,9 @@ def yardstick(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> 
     return Yardstick(plant, torque_model, laws, base, truth, regressor, torque, followed)
 
 
-def _followed(plant: Plant, laws: tuple[MotionLaw, ...], bodies: Array, friction: Friction, rotors: Array) -> Array:
+def _followed(
+    plant: ControlledRobot, laws: tuple[MotionLaw, ...], bodies: Array, friction: Friction, rotors: Array
+) -> Array:
     """Positions of the simulated loop without noise (K, n)."""
     controller = plant.controller(laws, 1 / LOOP_RATE)
     q, v = start_of(laws)

@@ -30,7 +30,7 @@ class BodyShape:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class LoadedMotion:
     """A motion at N times, and its loads.
 
     time: increasing                                        (N,)           [s]
@@ -66,7 +66,7 @@ class Figure:
 
     name: str
     robot: ShownRobot
-    motion: Motion | None = None
+    motion: LoadedMotion | None = None
     notes: tuple[str, ...] = ()
     start: Array | None = None
 

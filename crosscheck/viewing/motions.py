@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.recordings import Recording
-from crosscheck.viewing.figures import Motion
+from crosscheck.viewing.figures import LoadedMotion
 from graphdyn import GraphDynError, RobotModel, Simulation, inverse_dynamics
-from graphdyn.excitation import Course
+from graphdyn.excitation import FiniteMotion
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 RATE = 50.0
@@ -18,7 +18,7 @@ MOST_INSTANTS = 6000
 """Of a motion at most; a longer one is shown at a lower rate."""
 
 
-def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tuple[str, ...]]:
+def recorded_motion(model: RobotModel, recording: Recording) -> tuple[LoadedMotion, tuple[str, ...]]:
     """The motion of a recording with q, v and a, and notes on how it is shown.
 
     Its joint wrenches are shown where it has them; else those that inverse dynamics gives.
@@ -32,7 +32,7 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tu
     else:
         wrenches, source = recording.joint_wrenches[rows], "loads as recorded"
     tau = None if recording.tau is None else recording.tau[rows]
-    motion = Motion(recording.t[rows], q, wrenches, _along_axes(model, wrenches), tau)
+    motion = LoadedMotion(recording.t[rows], q, wrenches, _along_axes(model, wrenches), tau)
     notes = [_told(recording.t, rows), *recording.provenance.steps, source]
     pieces = len(recording.block_slices)
     if pieces > 1:
@@ -40,16 +40,16 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[Motion, tu
     return motion, tuple(notes)
 
 
-def planned_motion(model: RobotModel, course: Course) -> tuple[Motion, tuple[str, ...]]:
+def planned_motion(model: RobotModel, course: FiniteMotion) -> tuple[LoadedMotion, tuple[str, ...]]:
     """A motion that is not made yet, with the loads of the bodies, and notes on how it is shown."""
     rate = min(RATE, MOST_INSTANTS / course.duration)
     times = np.linspace(0.0, course.duration, int(course.duration * rate) + 1)
     q, v, a, _ = course.motion(times)
     wrenches, source = _loads(model, q, v, a)
-    return Motion(times, q, wrenches, _along_axes(model, wrenches)), ("as planned", source)
+    return LoadedMotion(times, q, wrenches, _along_axes(model, wrenches)), ("as planned", source)
 
 
-def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tuple[Motion, tuple[str, ...]]:
+def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tuple[LoadedMotion, tuple[str, ...]]:
     """A robot with loops at rest, as a motion of one instant, and notes on it.
 
     position: q (n_freedoms,) that closes the loops; the model's closed pose if None [rad or m]
@@ -58,16 +58,16 @@ def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tupl
     """
     q = np.asarray(model.closed_pose if position is None else position)[None]
     wrenches, source = _loads(model, q, 0 * q, 0 * q)
-    motion = Motion(np.zeros(1), q, wrenches, _along_axes(model, wrenches))
+    motion = LoadedMotion(np.zeros(1), q, wrenches, _along_axes(model, wrenches))
     return motion, ("the pose that closes the loops, at rest", source)
 
 
-def simulated_motion(simulation: Simulation) -> tuple[Motion, tuple[str, ...]]:
+def simulated_motion(simulation: Simulation) -> tuple[LoadedMotion, tuple[str, ...]]:
     """The motion of a simulation, and notes on how it is shown."""
     rows = shown_rows(simulation.time)
     wrenches = simulation.reactions.joint_wrenches[rows]
     tau = _along_axes(simulation.model, wrenches)
-    motion = Motion(simulation.time[rows], simulation.q[rows], wrenches, tau, simulation.tau[rows])
+    motion = LoadedMotion(simulation.time[rows], simulation.q[rows], wrenches, tau, simulation.tau[rows])
     return motion, (_told(simulation.time, rows),)
 
 

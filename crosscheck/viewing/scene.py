@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.viewing.figures import BodyShape, Figure, Motion, ShownRobot, inertia_ellipsoid
+from crosscheck.viewing.figures import BodyShape, Figure, LoadedMotion, ShownRobot, inertia_ellipsoid
 from crosscheck.viewing.numbers import NumberStore
 from graphdyn import Body, Chord, Joint, Placement, RobotModel
 
@@ -109,7 +109,7 @@ def _shape(shape: BodyShape, store: NumberStore) -> dict[str, Any]:
     }
 
 
-def motion_record(motion: Motion, store: NumberStore) -> dict[str, Any]:
+def motion_record(motion: LoadedMotion, store: NumberStore) -> dict[str, Any]:
     """Time from the start of the motion, and what is known over it."""
     recorded = motion.recorded_tau
     return {

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.viewing.figures import Figure, Motion
+from crosscheck.viewing.figures import Figure, LoadedMotion
 from crosscheck.viewing.motions import closed_instant, simulated_motion
 from crosscheck.viewing.numbers import NumberStore
 from crosscheck.viewing.page import page
@@ -101,17 +101,17 @@ class PageServer(ThreadingHTTPServer):
         return {"motion": motion_record(motion, store), "numbers": store.text(), "notes": notes}
 
     @property
-    def questions(self) -> dict[str, Callable[..., tuple[Motion, tuple[str, ...]]]]:
+    def questions(self) -> dict[str, Callable[..., tuple[LoadedMotion, tuple[str, ...]]]]:
         """By the last part of their path."""
         return {"let-go": self._let_go, "pose": self._pose}
 
-    def _let_go(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[Motion, tuple[str, ...]]:
+    def _let_go(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[LoadedMotion, tuple[str, ...]]:
         """The motion from rest under gravity and the file's friction, without torques, for some seconds."""
         seconds = min(float(asked["seconds"]), LONGEST)
         rest = np.zeros(model.n_freedoms)
         return simulated_motion(simulate(model, q, rest, seconds, method="rk4", step=STEP, friction="model"))
 
-    def _pose(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[Motion, tuple[str, ...]]:
+    def _pose(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[LoadedMotion, tuple[str, ...]]:
         """The closed pose of a robot with loops near q, with one joint, hold, as it is."""
         return closed_instant(model, assemble(model, q, hold=[str(asked["hold"])]))
 

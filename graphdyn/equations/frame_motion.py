@@ -62,7 +62,7 @@ def frame_acceleration(
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
+class _FramePoint:
     """What the choice of frame and reference means at a rooted state.
 
     body: the vertex that the frame is fixed in
@@ -83,7 +83,7 @@ class _Seen:
         return np.concatenate([apply(self.axes, linear), apply(self.axes, angular)], axis=-1)
 
 
-def _seen(model: RobotModel, base: BaseMotion | None, state: MaximalState, frame: FrameChoice) -> _Seen:
+def _seen(model: RobotModel, base: BaseMotion | None, state: MaximalState, frame: FrameChoice) -> _FramePoint:
     assert state.ground is not None
     chosen, vertices = model.frame(frame.name), state.vertices
     i, own = chosen.body, chosen.placement
@@ -96,4 +96,4 @@ def _seen(model: RobotModel, base: BaseMotion | None, state: MaximalState, frame
     if frame.reference == "local":
         axes = np.swapaxes(vertices.rotation[..., i, :, :] @ own.rotation, -1, -2)
     arm = point - center
-    return _Seen(i, axes, point, arm, vertices.velocity[..., i, :] + cross(omega, arm), omega)
+    return _FramePoint(i, axes, point, arm, vertices.velocity[..., i, :] + cross(omega, arm), omega)

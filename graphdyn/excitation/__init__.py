@@ -10,7 +10,7 @@ from graphdyn.excitation.limits import KINDS, Clearance, MotionLimits, Plane
 from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
-from graphdyn.excitation.trajectory import Course, JointMotion, TabulatedCourse, Trajectory, Usage, sample_times
+from graphdyn.excitation.trajectory import FiniteMotion, JointMotion, TabulatedCourse, Trajectory, Usage, sample_times
 from graphdyn.excitation.watched_points import Ball, Poses, frame_origins
 
 __all__ = [
@@ -20,10 +20,10 @@ __all__ = [
     "Basis",
     "Clearance",
     "ConditionNumber",
-    "Course",
     "Criterion",
     "ExcitationPlan",
     "ExcitationProblem",
+    "FiniteMotion",
     "FourierBasis",
     "JointMotion",
     "MotionLimits",

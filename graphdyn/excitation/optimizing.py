@@ -23,7 +23,7 @@ from graphdyn.excitation.information import Information
 from graphdyn.excitation.limits import MotionLimits
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import (
-    Course,
+    FiniteMotion,
     JointMotion,
     Signal,
     Trajectory,
@@ -131,14 +131,14 @@ class ExcitationProblem:
         """Of a recording of the whole motion."""
         return self.rate * self.basis.duration
 
-    def total_information(self, trajectory: Course) -> Array:
+    def total_information(self, trajectory: FiniteMotion) -> Array:
         """F of a recording of a trajectory, with what is known."""
         motion = trajectory.motion(sample_times(trajectory.duration, self.rate))
         return self.information.matrix(motion, self.rate * trajectory.duration) + (
             0.0 if self.known is None else self.known
         )
 
-    def value(self, trajectory: Course) -> float:
+    def value(self, trajectory: FiniteMotion) -> float:
         """The criterion of a trajectory, friction with its sharp sign."""
         return self.criterion(self.total_information(trajectory))[0]
 

@@ -34,7 +34,7 @@ class JointMotion(NamedTuple):
     jerk: Array
 
 
-class Course(Protocol):
+class FiniteMotion(Protocol):
     """A motion from time zero to duration."""
 
     @property

@@ -22,7 +22,7 @@ import numpy as np
 
 from graphdyn.recursions.inverse import Wrench, added, answers, inwards, unloaded
 from graphdyn.recursions.mechanism.mechanism import Link
-from graphdyn.recursions.motion import Motion, Place, Root, inertial_wrench, motions, places
+from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, inertial_wrench, motions, places
 from graphdyn.scalars.vectors import E_Z, Scalars, cross, skew, symmetric, zeros
 
 
@@ -46,7 +46,7 @@ class Inertia:
     def times(self, a: Scalars, alpha: Scalars) -> Wrench:
         return self.m @ a + self.h @ alpha, self.h.T @ a + self.j @ alpha
 
-    def inwards(self, place: Place) -> Inertia:
+    def inwards(self, place: JointPlacement) -> Inertia:
         """The same inertia in joint axes, and about the origin, of the inside body."""
         m = symmetric(place.symmetric_inwards(self.m))
         h = place.matrix_inwards(self.h)
@@ -121,13 +121,13 @@ def forward_dynamics(
         transmitted.append(wrench)
         accelerations.append(a_j)
         gained.append((linear, angular))
-        moving.append(Motion(motion.omega, motion.alpha + angular, motion.compensated + linear))
+        moving.append(BodyMotion(motion.omega, motion.alpha + angular, motion.compensated + linear))
     reactions = answers(links, at, root, moving, transmitted)
     return {"a": accelerations, "pivots": pivots, "required": required, **reactions}
 
 
 def accelerated(
-    link: Link, place: Place, leaf: SeenThroughJoint, inside: tuple[Scalars, Scalars]
+    link: Link, place: JointPlacement, leaf: SeenThroughJoint, inside: tuple[Scalars, Scalars]
 ) -> tuple[Any, tuple[Scalars, Scalars], Wrench]:
     """Acceleration of joint j, those of O_j and ω̇ of body j beyond a = 0, and what the joint transmits.
 

@@ -15,7 +15,7 @@ import numpy as np
 from graphdyn.arguments.choices import FrameChoice
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.mechanism.mechanism import Link
-from graphdyn.recursions.motion import Motion, Root, motions, origins, places, rotations, twists
+from graphdyn.recursions.motion import BodyMotion, Root, motions, origins, places, rotations, twists
 from graphdyn.scalars.differentiation import directional
 from graphdyn.scalars.vectors import Scalars, cross, scalars, zeros
 
@@ -86,7 +86,7 @@ def frame_acceleration(
     """Of the point, classical or spatial, then ω̇ (6)."""
     to_reference, point = _view(links, root, q, frame)
     at = places(links, q)
-    here = Motion(root.omega, root.alpha, root.acceleration)
+    here = BodyMotion(root.omega, root.alpha, root.acceleration)
     if frame.body >= 0:
         here = motions(links, at, replace(root, compensated=root.acceleration), v, a)[frame.body]
     linear = here.compensated + here.spread() @ point

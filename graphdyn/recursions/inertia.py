@@ -27,7 +27,7 @@ import numpy as np
 from graphdyn.recursions.forward import reciprocal
 from graphdyn.recursions.inverse import Wrench, inverse_dynamics, inwards
 from graphdyn.recursions.mechanism.mechanism import Link
-from graphdyn.recursions.motion import Place, Root, places
+from graphdyn.recursions.motion import JointPlacement, Root, places
 from graphdyn.scalars.vectors import E_Z, Scalars, cross, symmetric, zeros
 
 
@@ -39,7 +39,7 @@ class Composite:
     first_moment: Scalars
     tensor: Scalars
 
-    def inwards(self, place: Place) -> Composite:
+    def inwards(self, place: JointPlacement) -> Composite:
         """The same bodies in joint axes, and about the origin, of the inside body."""
         h, p = place.inwards(self.first_moment), place.translation
         cross_terms = np.outer(h, p)
@@ -51,7 +51,7 @@ class Composite:
         return Composite(self.mass + other.mass, self.first_moment + other.first_moment, self.tensor + other.tensor)
 
 
-def composites(links: Sequence[Link], at: Sequence[Place]) -> list[Composite]:
+def composites(links: Sequence[Link], at: Sequence[JointPlacement]) -> list[Composite]:
     """Body j with all bodies outside, for every j."""
     done = [Composite(link.mass, link.first_moment, link.tensor) for link in links]
     for j in reversed(range(len(links))):

@@ -11,7 +11,16 @@ from typing import Any
 import numpy as np
 
 from graphdyn.recursions.mechanism.mechanism import Link
-from graphdyn.recursions.motion import Motion, Place, Root, inertial_wrench, motions, places, rotations, stacked
+from graphdyn.recursions.motion import (
+    BodyMotion,
+    JointPlacement,
+    Root,
+    inertial_wrench,
+    motions,
+    places,
+    rotations,
+    stacked,
+)
 from graphdyn.scalars.vectors import Scalars, cross, turn
 
 Wrench = tuple[Scalars, Scalars]
@@ -19,7 +28,7 @@ Wrench = tuple[Scalars, Scalars]
 
 
 def transmitted(
-    links: Sequence[Link], at: Sequence[Place], needed: Sequence[Wrench], external: Sequence[Wrench] | None
+    links: Sequence[Link], at: Sequence[JointPlacement], needed: Sequence[Wrench], external: Sequence[Wrench] | None
 ) -> list[Wrench]:
     """Wrench of the inside body on body j: needed by body j and all bodies outside, less the external wrenches."""
     wrenches = unloaded(needed, external)
@@ -30,7 +39,7 @@ def transmitted(
     return wrenches
 
 
-def inwards(place: Place, wrench: Wrench) -> Wrench:
+def inwards(place: JointPlacement, wrench: Wrench) -> Wrench:
     """The same wrench in joint axes, and about the origin, of the inside body."""
     force, moment = place.inwards(wrench[0]), place.inwards(wrench[1])
     return force, moment + cross(place.translation, force)
@@ -49,9 +58,9 @@ def unloaded(needed: Sequence[Wrench], external: Sequence[Wrench] | None) -> lis
 
 def answers(
     links: Sequence[Link],
-    at: Sequence[Place],
+    at: Sequence[JointPlacement],
     root: Root,
-    moving: Sequence[Motion],
+    moving: Sequence[BodyMotion],
     wrenches: Sequence[Wrench],
 ) -> dict[str, list[Any]]:
     """body_accelerations, multipliers and joint_wrenches as graphdyn states them, from joint axes."""
@@ -72,9 +81,9 @@ def answers(
 
 def along_pins(
     links: Sequence[Link],
-    at: Sequence[Place],
+    at: Sequence[JointPlacement],
     root: Root,
-    moving: Sequence[Motion],
+    moving: Sequence[BodyMotion],
     wrenches: Sequence[Wrench],
 ) -> dict[str, list[Any]]:
     """The same of robots with loops: forces and moments along t_1, t_2, p, which turn with the inside body."""
@@ -91,7 +100,7 @@ def along_pins(
 
 
 def _body_accelerations(
-    links: Sequence[Link], root: Root, moving: Sequence[Motion], to_world: Sequence[Scalars]
+    links: Sequence[Link], root: Root, moving: Sequence[BodyMotion], to_world: Sequence[Scalars]
 ) -> list[Any]:
     """r̈ of the centers of mass in world axes, ω̇ in link axes."""
     accelerations = []

@@ -17,7 +17,7 @@ import numpy as np
 from graphdyn.recursions.inertia import composites, per_rate
 from graphdyn.recursions.inverse import Wrench, added, inwards, transmitted
 from graphdyn.recursions.mechanism.mechanism import Link
-from graphdyn.recursions.motion import Place, Root, origins, places, rooted, rotations, twists
+from graphdyn.recursions.motion import JointPlacement, Root, origins, places, rooted, rotations, twists
 from graphdyn.scalars.differentiation import directional, jacobian
 from graphdyn.scalars.vectors import Scalars, cross, zeros
 
@@ -116,7 +116,7 @@ def _momentum(link: Link, u: Scalars, omega: Scalars) -> Wrench:
     return u * link.mass + cross(omega, link.first_moment), cross(link.first_moment, u) + link.tensor @ omega
 
 
-def _center(links: Sequence[Link], at: Sequence[Place], mass: float) -> Scalars:
+def _center(links: Sequence[Link], at: Sequence[JointPlacement], mass: float) -> Scalars:
     """Of all bodies, from the origin of the ground frame in its axes."""
     first_moment = zeros(3)
     for link, place, outside in zip(links, at, composites(links, at), strict=True):
@@ -126,7 +126,7 @@ def _center(links: Sequence[Link], at: Sequence[Place], mass: float) -> Scalars:
     return center
 
 
-def _at_ground(links: Sequence[Link], at: Sequence[Place], of_joints: Sequence[Wrench]) -> Wrench:
+def _at_ground(links: Sequence[Link], at: Sequence[JointPlacement], of_joints: Sequence[Wrench]) -> Wrench:
     """The sum of what the joints on the ground transmit, about the origin of the ground frame in its axes."""
     total = zeros(3), zeros(3)
     for link, place, wrench in zip(links, at, of_joints, strict=True):

@@ -59,7 +59,7 @@ def rooted(links: Sequence[Link], root: Root) -> tuple[list[Link], Root]:
     Sums about this point lose no digits where joint 1 is far from the ground frame or the world's origin.
     """
     arm = links[0].translation
-    relative = Motion(root.omega, root.alpha, root.compensated).spread() @ arm
+    relative = BodyMotion(root.omega, root.alpha, root.compensated).spread() @ arm
     moved = replace(
         root,
         position=root.position + root.rotation @ arm,
@@ -71,7 +71,7 @@ def rooted(links: Sequence[Link], root: Root) -> tuple[list[Link], Root]:
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class JointPlacement:
     """Where body j is in its inside body: rotation R Rz(q), translation with the slide. R comes last."""
 
     rotation: Scalars
@@ -97,7 +97,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class BodyMotion:
     """ω, ω̇ and the gravity-compensated acceleration p̈ - g of O_j."""
 
     omega: Scalars
@@ -111,11 +111,11 @@ class Motion:
         return spread
 
 
-def places(links: Sequence[Link], q: Sequence[Any]) -> list[Place]:
+def places(links: Sequence[Link], q: Sequence[Any]) -> list[JointPlacement]:
     return [
-        Place(link.rotation, 1.0, 0.0, link.translation + link.rotation @ (E_Z * x))
+        JointPlacement(link.rotation, 1.0, 0.0, link.translation + link.rotation @ (E_Z * x))
         if link.prismatic
-        else Place(link.rotation, *_cosine_and_sine(x + link.offset, link.quarters), link.translation)
+        else JointPlacement(link.rotation, *_cosine_and_sine(x + link.offset, link.quarters), link.translation)
         for link, x in zip(links, q, strict=True)
     ]
 
@@ -126,11 +126,13 @@ def _cosine_and_sine(angle: Any, quarters: int) -> tuple[Any, Any]:
     return ((c, s), (-s, c), (-c, -s), (s, -c))[quarters]
 
 
-def motions(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[Any], a: Sequence[Any]) -> list[Motion]:
+def motions(
+    links: Sequence[Link], at: Sequence[JointPlacement], root: Root, v: Sequence[Any], a: Sequence[Any]
+) -> list[BodyMotion]:
     """Of all bodies, at joint velocities v and accelerations a."""
-    done: list[Motion] = []
+    done: list[BodyMotion] = []
     for link, place, rate, acceleration in zip(links, at, v, a, strict=True):
-        inside = done[link.inside] if link.inside >= 0 else Motion(root.omega, root.alpha, root.compensated)
+        inside = done[link.inside] if link.inside >= 0 else BodyMotion(root.omega, root.alpha, root.compensated)
         omega, alpha = place.outwards(inside.omega), place.outwards(inside.alpha)
         compensated = place.outwards(inside.compensated + inside.spread() @ place.translation)
         if link.prismatic:
@@ -138,11 +140,11 @@ def motions(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[
         else:
             alpha = alpha + cross(omega, E_Z * rate) + E_Z * acceleration
             omega = omega + E_Z * rate
-        done.append(Motion(omega, alpha, compensated))
+        done.append(BodyMotion(omega, alpha, compensated))
     return done
 
 
-def rotations(links: Sequence[Link], at: Sequence[Place], root: Root) -> list[Scalars]:
+def rotations(links: Sequence[Link], at: Sequence[JointPlacement], root: Root) -> list[Scalars]:
     """Joint axes of body j to world axes."""
     done: list[Scalars] = []
     for link, place in zip(links, at, strict=True):
@@ -151,7 +153,7 @@ def rotations(links: Sequence[Link], at: Sequence[Place], root: Root) -> list[Sc
     return done
 
 
-def origins(links: Sequence[Link], at: Sequence[Place], axes: Sequence[Scalars], root: Root) -> list[Scalars]:
+def origins(links: Sequence[Link], at: Sequence[JointPlacement], axes: Sequence[Scalars], root: Root) -> list[Scalars]:
     """O_j of all bodies in the world; axes: their rotations."""
     done: list[Scalars] = []
     for link, place in zip(links, at, strict=True):
@@ -160,7 +162,9 @@ def origins(links: Sequence[Link], at: Sequence[Place], axes: Sequence[Scalars],
     return done
 
 
-def twists(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[Any]) -> list[tuple[Scalars, Scalars]]:
+def twists(
+    links: Sequence[Link], at: Sequence[JointPlacement], root: Root, v: Sequence[Any]
+) -> list[tuple[Scalars, Scalars]]:
     """Velocity of O_j and ω of all bodies, in joint axes."""
     done: list[tuple[Scalars, Scalars]] = []
     for link, place, rate in zip(links, at, v, strict=True):
@@ -170,13 +174,13 @@ def twists(links: Sequence[Link], at: Sequence[Place], root: Root, v: Sequence[A
     return done
 
 
-def inertial_wrench(link: Link, motion: Motion) -> tuple[Scalars, Scalars]:
+def inertial_wrench(link: Link, motion: BodyMotion) -> tuple[Scalars, Scalars]:
     """Force, and moment about O_j, that the motion of body j takes: Eq. (22), (23) moved to the link origin."""
     force = link.mass * motion.compensated + motion.spread() @ link.first_moment
     return force, rotary_moment(link.tensor, motion) + cross(link.first_moment, motion.compensated)
 
 
-def rotary_moment(tensor: Scalars, motion: Motion) -> Scalars:
+def rotary_moment(tensor: Scalars, motion: BodyMotion) -> Scalars:
     """I ω̇ + ω × I ω, summed by the entries of I, whose factors are entries of the spread or common products."""
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
     (x, y, z), (alpha_x, alpha_y, alpha_z), spread = motion.omega, motion.alpha, motion.spread()

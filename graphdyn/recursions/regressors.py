@@ -13,7 +13,7 @@ import numpy as np
 
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR
 from graphdyn.recursions.mechanism.mechanism import Link
-from graphdyn.recursions.motion import Motion, Place, Root, motions, places, resting_root
+from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, motions, places, resting_root
 from graphdyn.scalars.vectors import E_Z, Scalars, cross, skew, zeros
 
 
@@ -50,17 +50,17 @@ def momentum_regressor(links: Sequence[Link], q: Sequence[Any], v: Sequence[Any]
     return joint_torque_regressor(links, resting_root(), q, [0.0] * len(links), v)
 
 
-def _outwards(place: Place, linear: Scalars, angular: Scalars) -> tuple[Scalars, Scalars]:
+def _outwards(place: JointPlacement, linear: Scalars, angular: Scalars) -> tuple[Scalars, Scalars]:
     """Velocity of O_j and ω of body j when its inside body moves so."""
     return place.outwards(linear + cross(angular, place.translation)), place.outwards(angular)
 
 
-def _in_link_axes(link: Link, motion: Motion) -> Motion:
+def _in_link_axes(link: Link, motion: BodyMotion) -> BodyMotion:
     q = link.link_axes
-    return Motion(q @ motion.omega, q @ motion.alpha, q @ motion.compensated)
+    return BodyMotion(q @ motion.omega, q @ motion.alpha, q @ motion.compensated)
 
 
-def _body_regressor(motion: Motion) -> Scalars:
+def _body_regressor(motion: BodyMotion) -> Scalars:
     y = zeros(6, BODY_PARAMETERS)
     y[LINEAR, 0] = motion.compensated
     y[LINEAR, 1:4] = motion.spread()

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats, joint_arrays
 from graphdyn.compiler.batch import Options
-from graphdyn.compiler.stepping.stepping import Stretch
+from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import CarriageLaw
 from graphdyn.layout import Array
@@ -123,7 +123,7 @@ def rollout(
         controller=controls if isinstance(controls, Controller) else None,
         noise=noise,
         seed=seed,
-        stretch=Stretch(0, steps + 1, every, hold, step),
+        stretch=StepRange(0, steps + 1, every, hold, step),
         method=method,
     )
     rows = all_runs.compiled(threads) if can_compile(plant) else all_runs.in_python()

@@ -20,12 +20,12 @@ from graphdyn.simulation.controllers import Controller
 from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_loops
 from graphdyn.simulation.equations.loop_equations import LoopEquations, equations_of, refuse_dry_friction
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances, adaptive
-from graphdyn.simulation.integration.course import Course, Event
+from graphdyn.simulation.integration.course import Event, SimulatedCourse
 from graphdyn.simulation.integration.fixed import fixed
 from graphdyn.simulation.integration.loop_adaptive import loop_adaptive
 from graphdyn.simulation.integration.maximal import Stabilisation, maximal
 from graphdyn.simulation.integration.steps import FIXED_STEPS
-from graphdyn.simulation.plant import Plant, Wrenches, make_plant
+from graphdyn.simulation.plant import PlantConstants, Wrenches, make_plant
 from graphdyn.simulation.result import Simulation
 from graphdyn.simulation.torques import DIVIDES, TorqueFunction, Torques, torques
 from graphdyn.verbs.matrices import mass_matrix
@@ -132,7 +132,7 @@ def simulate(
     return simulation(plant, course)
 
 
-def simulation(plant: Plant, course: Course) -> Simulation:
+def simulation(plant: PlantConstants, course: SimulatedCourse) -> Simulation:
     """The result of a course."""
     columns = course.columns
     return Simulation(
@@ -152,7 +152,7 @@ def simulation(plant: Plant, course: Course) -> Simulation:
 
 
 def _adaptive(
-    plant: Plant,
+    plant: PlantConstants,
     start: tuple[Array, Array],
     duration: float,
     source: Torques,
@@ -161,7 +161,7 @@ def _adaptive(
     events: Sequence[Event],
     limits: object,
     progress: Callable[[float], None],
-) -> Course:
+) -> SimulatedCourse:
     for name, value in vars(tolerances).items():
         if not value > 0:
             raise InvalidInput(f"{name} is {value!r}; give a tolerance above zero")
@@ -187,7 +187,7 @@ def _check_times(duration: float, method: str, step: float | None) -> None:
         raise InvalidInput(f"step is {step!r}; method '{method}' takes steps of fixed width: give seconds above zero")
 
 
-def _refuse_in_maximal(plant: Plant, method: str, limits: object, events: Sequence[Event]) -> None:
+def _refuse_in_maximal(plant: PlantConstants, method: str, limits: object, events: Sequence[Event]) -> None:
     given = {
         "friction": plant.has_friction,
         "rotor_inertia": "rotor" in plant.constants,

@@ -21,7 +21,7 @@ Wrenches = Callable[[float, Array, Array], ArrayLike]
 
 
 @dataclass(frozen=True, eq=False)
-class Plant:
+class PlantConstants:
     """The constants of one run, or of several at once.
 
     constants: by name (…, width), those that are there: viscous, coulomb, offset; least_torque, largest_torque; lower,
@@ -62,13 +62,13 @@ class Plant:
         """I_a (…, n), zero where there is none."""
         return self.constants.get("rotor", np.zeros(self.model.n_freedoms))
 
-    def of_run(self, run: int) -> Plant:
+    def of_run(self, run: int) -> PlantConstants:
         """One of several runs, with its inertial parameters in the model."""
         constants = {name: array[run] for name, array in self.constants.items() if name != "parameters"}
         model = self.model
         if "parameters" in self.constants:
             model = model.with_inertial_parameters(self.constants["parameters"][run])
-        return Plant(model, constants, self.base, self.wrenches)
+        return PlantConstants(model, constants, self.base, self.wrenches)
 
 
 def make_plant(
@@ -82,7 +82,7 @@ def make_plant(
     external_wrenches: ArrayLike | Wrenches | None = None,
     parameters: ArrayLike | None = None,
     base: CarriageLaw | Sequence[CarriageLaw] = (),
-) -> Plant:
+) -> PlantConstants:
     """The arguments of simulate and rollout, checked. Raises InvalidInput."""
     check_model(model)
     constants: dict[str, Array] = {}
@@ -125,7 +125,7 @@ def make_plant(
             raise InvalidInput(f"external_wrenches has shape {given.shape}, expected {shape}") from None
     if parameters is not None:
         constants["parameters"] = _parameters(model, parameters, runs)
-    return Plant(model, constants, (base,) if isinstance(base, CarriageLaw) else tuple(base), wrenches)
+    return PlantConstants(model, constants, (base,) if isinstance(base, CarriageLaw) else tuple(base), wrenches)
 
 
 def _parameters(model: RobotModel, parameters: ArrayLike, runs: int | None) -> Array:

@@ -16,7 +16,7 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.drives import refuse_loops
 from graphdyn.simulation.integration.course import Occurrence
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.answers import InverseDynamics
 from graphdyn.verbs.dynamics import forward_dynamics, inverse_dynamics
 from graphdyn.verbs.energies import kinetic_energy, potential_energy
@@ -69,7 +69,7 @@ class Simulation:
     passive: Array
     occurrences: tuple[Occurrence, ...]
     ended: str
-    _plant: Plant = field(repr=False)
+    _plant: PlantConstants = field(repr=False)
     _work: Array = field(repr=False)
     _loss: Array = field(repr=False)
     _bodies: MaximalState | None = field(default=None, repr=False)

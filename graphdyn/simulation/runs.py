@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.compiler.native import host_lanes
-from graphdyn.compiler.stepping.stepping import Stretch, in_blocks
+from graphdyn.compiler.stepping.stepping import StepRange, in_blocks
 from graphdyn.layout import Array
 from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
 from graphdyn.simulation.drives import finite, per_joint
@@ -24,7 +24,7 @@ from graphdyn.simulation.integration.compiled import (
 )
 from graphdyn.simulation.integration.course import COLUMNS
 from graphdyn.simulation.integration.steps import python_steps, tableau
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import GAINS, Torques
 
 
@@ -43,14 +43,14 @@ class MeasurementNoise:
 class Runs:
     """All runs; torques (R, T, n), each held as the stretch says."""
 
-    plant: Plant
+    plant: PlantConstants
     q: Array
     v: Array
     torques: Array | None
     controller: Controller | None
     noise: MeasurementNoise | None
     seed: int
-    stretch: Stretch
+    stretch: StepRange
     method: str
 
     @property

@@ -6,7 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graphdyn import InvalidInput
-from graphdyn.motion_laws import ConstantAcceleration, FourierSeries, Locked, Polynomial, Rail, Table, Turntable
+from graphdyn.motion_laws import (
+    ConstantAcceleration,
+    FourierSeries,
+    Locked,
+    Polynomial,
+    Rail,
+    TabulatedMotion,
+    Turntable,
+)
 
 STEP = 1e-4
 DIFFERENCE = 1e-6
@@ -30,7 +38,7 @@ def laws(draw, kind):
         return Polynomial(values)
     if kind == "fourier":
         return FourierSeries(draw(st.floats(0.05, 0.5)), values, values[::-1], draw(numbers))
-    return Table(KNOTS, np.polynomial.Polynomial(values)(np.sin(KNOTS)))
+    return TabulatedMotion(KNOTS, np.polynomial.Polynomial(values)(np.sin(KNOTS)))
 
 
 @pytest.mark.parametrize("kind", ["locked", "constant", "polynomial", "fourier", "table"])
@@ -68,7 +76,7 @@ def test_fourier_series_is_that_of_swevers():
 
 def test_table_meets_its_points_and_the_curve_between_them():
     times = np.linspace(0.0, 4.0, 81)
-    law = Table(times, np.sin(times))
+    law = TabulatedMotion(times, np.sin(times))
     assert law(times)[0] == pytest.approx(np.sin(times), abs=1e-14)
     between = np.linspace(0.0, 4.0, 333)
     position, velocity, acceleration = law(between)
@@ -79,13 +87,13 @@ def test_table_meets_its_points_and_the_curve_between_them():
 
 def test_table_keeps_its_own_numbers():
     times = np.arange(6.0)
-    law = Table(times, times)
+    law = TabulatedMotion(times, times)
     times[:] = 0.0
     assert law.times.tolist() == [0, 1, 2, 3, 4, 5]
 
 
 def test_a_time_at_the_end_of_the_table_may_be_rounded():
-    law = Table(np.arange(7) * 0.1, np.zeros(7))
+    law = TabulatedMotion(np.arange(7) * 0.1, np.zeros(7))
     assert law(np.array([0.1 * 6, 0.6, -1e-17]))[0].tolist() == [0, 0, 0]
 
 
@@ -111,12 +119,15 @@ SIX = np.arange(6.0)
         (lambda: Polynomial([1.0, np.inf]), r"Polynomial: coefficients contains NaN or infinity"),
         (lambda: FourierSeries(0.0, [1], [1]), r"FourierSeries: frequency is 0.0 Hz; give one above zero"),
         (lambda: FourierSeries(1.0, [1], [1, 2]), r"a has 1 harmonics and b 2; give as many, zeros included"),
-        (lambda: Table(SIX, SIX[:5]), r"Table: 6 times and 5 positions; give one for each"),
-        (lambda: Table(SIX[:5], SIX[:5]), r"Table: 5 rows; a quintic spline needs at least 6"),
-        (lambda: Table([0, 1, 2, 2, 3, 4], SIX), r"Table: time 2 s in row 3 does not increase; sort the rows"),
-        (lambda: Table(SIX, [SIX]), r"Table: positions has shape \(1, 6\), expected \(K,\)"),
+        (lambda: TabulatedMotion(SIX, SIX[:5]), r"TabulatedMotion: 6 times and 5 positions; give one for each"),
+        (lambda: TabulatedMotion(SIX[:5], SIX[:5]), r"TabulatedMotion: 5 rows; a quintic spline needs at least 6"),
         (
-            lambda: Table(SIX, SIX)(np.array([1.0, 5.5])),
+            lambda: TabulatedMotion([0, 1, 2, 2, 3, 4], SIX),
+            r"TabulatedMotion: time 2 s in row 3 does not increase; sort the rows",
+        ),
+        (lambda: TabulatedMotion(SIX, [SIX]), r"TabulatedMotion: positions has shape \(1, 6\), expected \(K,\)"),
+        (
+            lambda: TabulatedMotion(SIX, SIX)(np.array([1.0, 5.5])),
             r"time 5.5 s is outside the table \(0 … 5 s\); nothing is extrap",
         ),
         (lambda: Rail((0, 0, 0), Locked()), r"Rail: direction is zero; give a direction in world axes"),

@@ -10,7 +10,7 @@ from pathlib import Path
 from lxml import etree
 
 from urdf.document.connections.loop_elements import read
-from urdf.document.connections.loops import Closure, Motor, Place
+from urdf.document.connections.loops import Closure, Motor, SourceLocation
 from urdf.document.elements import describe, line_of, name_of, tag_of, written_tag
 from urdf.document.vocabulary import ATTRIBUTES, CHANGES, CLOSES, HARMLESS, LOOPS, READ, RIGID
 from urdf.errors import shortened
@@ -64,8 +64,8 @@ def _motors(robot: etree._Element, path: Path) -> Iterator[Motor]:
                     yield Motor(name_of(child), _place(transmission, path))
 
 
-def _place(element: etree._Element, path: Path) -> Place:
-    return Place(path, line_of(element), describe(element))
+def _place(element: etree._Element, path: Path) -> SourceLocation:
+    return SourceLocation(path, line_of(element), describe(element))
 
 
 def _quoted(element: etree._Element) -> frozenset[str]:

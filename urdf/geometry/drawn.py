@@ -12,7 +12,7 @@ from graphdyn import Placement
 from urdf.document.elements import Drawing, children, name_of, tag_of
 from urdf.document.numbers import BadNumber, numbers, rotation_from_rpy
 from urdf.errors import shortened
-from urdf.geometry.errors import Unreadable
+from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.mesh_files import LONGEST
 from urdf.geometry.meshes.primitives import SIZES
 from urdf.geometry.shape import Color
@@ -42,23 +42,23 @@ def read_drawing(drawing: Drawing, materials: Mapping[str, etree._Element]) -> D
     """The element as numbers; materials: of the robot, by name. Raises Unreadable with what is wrong in it."""
     geometry = next(children(drawing.element, "geometry"), None)
     if geometry is None:
-        raise Unreadable(f"<{drawing.geometry}> has no <geometry>")
+        raise UnreadableMesh(f"<{drawing.geometry}> has no <geometry>")
     inside = [child for child in geometry if tag_of(child)]
     if len(inside) != 1:
-        raise Unreadable(f"<geometry> has {len(inside)} elements, expected one")
+        raise UnreadableMesh(f"<geometry> has {len(inside)} elements, expected one")
     (element,) = inside
     kind = tag_of(element)
     placement, color = _placement(drawing.element), _color(drawing.element, materials)
     if kind == MESH:
         scale = _numbers(element, "scale", 3, (1.0, 1.0, 1.0))
         if not np.all(scale):
-            raise Unreadable(f'scale="{shortened(element.get("scale", ""))}": a scale of zero')
+            raise UnreadableMesh(f'scale="{shortened(element.get("scale", ""))}": a scale of zero')
         return Drawn(kind, scale, placement, color, element.get("filename", ""))
     if kind not in SIZES:
-        raise Unreadable(f"<{shortened(kind)}> is none of {', '.join(f'<{name}>' for name in (*SIZES, MESH))}")
+        raise UnreadableMesh(f"<{shortened(kind)}> is none of {', '.join(f'<{name}>' for name in (*SIZES, MESH))}")
     sizes = tuple(x for name, count in SIZES[kind].items() for x in _numbers(element, name, count))
     if min(sizes) <= 0:
-        raise Unreadable(f"<{kind}>: a size that is not positive")
+        raise UnreadableMesh(f"<{kind}>: a size that is not positive")
     return Drawn(kind, sizes, placement, color)
 
 
@@ -68,13 +68,13 @@ def _numbers(
     text = element.get(name)
     if text is None:
         if default is None:
-            raise Unreadable(f"<{tag_of(element)}>: attribute '{name}' is missing")
+            raise UnreadableMesh(f"<{tag_of(element)}>: attribute '{name}' is missing")
         return default
     found = numbers(text, count, f'{name}="{shortened(text)}"')
     if isinstance(found, BadNumber):
-        raise Unreadable(f"<{tag_of(element)}>: {found.problem}; {found.remedy}")
+        raise UnreadableMesh(f"<{tag_of(element)}>: {found.problem}; {found.remedy}")
     if max(map(abs, found)) > LONGEST:
-        raise Unreadable(f'<{tag_of(element)}>: {name}="{shortened(text)}" is larger than {LONGEST:g}; give metres')
+        raise UnreadableMesh(f'<{tag_of(element)}>: {name}="{shortened(text)}" is larger than {LONGEST:g}; give metres')
     return tuple(found)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from urdf.errors import one_line
 
 
-class Unreadable(Exception):
+class UnreadableMesh(Exception):
     """The reason, on one line; caught where the drawings of a robot are read, and listed."""
 
     def __init__(self, reason: str):

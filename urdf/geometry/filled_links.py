@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from urdf.document.elements import GEOMETRIES, Geometry
 from urdf.document.source import Source
 from urdf.geometry.drawn import MESH
-from urdf.geometry.errors import Unreadable
+from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.mass_properties import Filled, filled, together
 from urdf.geometry.reading import Solid, read_solids
 
@@ -47,6 +47,6 @@ def filled_links(
                 continue
             try:
                 found[link] = FilledLink(together([filled(one.drawn, one.parts) for one in own]), geometry, mesh)
-            except Unreadable as error:
+            except UnreadableMesh as error:
                 failed.setdefault(link, str(error))
     return found, {link: reason for link, reason in failed.items() if link not in found}

@@ -12,7 +12,7 @@ from graphdyn import Placement
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
 from urdf.geometry.drawn import MESH, Drawn
-from urdf.geometry.errors import Unreadable
+from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
 
 if TYPE_CHECKING:
@@ -113,7 +113,7 @@ def _hull(vertices: Array) -> trimesh.Trimesh:
     except QhullError:
         hull = None
     if hull is None or hull.volume < FLAT * np.ptp(vertices, axis=0).max() ** 3:
-        raise Unreadable("the mesh is flat: it has no volume")
+        raise UnreadableMesh("the mesh is flat: it has no volume")
     a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
     inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
     faces = np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)

@@ -12,7 +12,7 @@ from graphdyn import Placement
 from urdf.document.elements import Drawing, Geometry
 from urdf.document.source import Source
 from urdf.geometry.drawn import MESH, Drawn, read_drawing
-from urdf.geometry.errors import Unreadable
+from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.decimation import decimated, shared_out
 from urdf.geometry.meshes.mesh_files import read_mesh
 from urdf.geometry.meshes.mesh_paths import find_mesh
@@ -55,7 +55,7 @@ def read_solids(source: Source, geometry: Geometry, links: Collection[str]) -> t
     """The solids of these links in the order of the file, and what cannot be read."""
     solids: list[Solid] = []
     missing: list[MissingShape] = []
-    reader = _Reader(source)
+    reader = _MeshReader(source)
     for drawing in source.drawings.drawings:
         if drawing.geometry != geometry or drawing.link not in links:
             continue
@@ -64,18 +64,18 @@ def read_solids(source: Source, geometry: Geometry, links: Collection[str]) -> t
             drawn = read_drawing(drawing, source.drawings.materials)
             file = drawn.file
             solids.append(Solid(drawing.link, drawn, reader.parts(drawn)))
-        except Unreadable as error:
+        except UnreadableMesh as error:
             missing.append(MissingShape(drawing.link, file, _at(drawing, error)))
     return solids, missing
 
 
-class _Reader:
+class _MeshReader:
     """Reads every mesh file once, and no more triangles than MOST_TRIANGLES."""
 
     def __init__(self, source: Source):
         self.document = source.path
         self.bytes = self.triangles = 0
-        self.files: dict[str, tuple[Triangles, ...] | Unreadable] = {}
+        self.files: dict[str, tuple[Triangles, ...] | UnreadableMesh] = {}
         self.scaled: dict[tuple[str, tuple[float, ...]], tuple[Triangles, ...]] = {}
 
     def parts(self, drawn: Drawn) -> tuple[Triangles, ...]:
@@ -86,7 +86,7 @@ class _Reader:
             parts = self._file(drawn.file)
         number = sum(len(part.faces) for part in parts)
         if self.triangles + number > MOST_TRIANGLES:
-            raise Unreadable(f"with it, the robot has more than {MOST_TRIANGLES} triangles; reduce the meshes")
+            raise UnreadableMesh(f"with it, the robot has more than {MOST_TRIANGLES} triangles; reduce the meshes")
         self.triangles += number
         if drawn.file is None:
             return parts
@@ -101,15 +101,17 @@ class _Reader:
                 path = find_mesh(name, self.document)
                 self.bytes += os.path.getsize(path)
                 if self.bytes > MOST_BYTES:
-                    raise Unreadable(f"with it, the meshes have more than {MOST_BYTES // 1_000_000} MB; reduce them")
+                    raise UnreadableMesh(
+                        f"with it, the meshes have more than {MOST_BYTES // 1_000_000} MB; reduce them"
+                    )
                 self.files[name] = read_mesh(path)
-            except Unreadable as error:
+            except UnreadableMesh as error:
                 self.files[name] = error
         found = self.files[name]
-        if isinstance(found, Unreadable):
+        if isinstance(found, UnreadableMesh):
             raise found
         return found
 
 
-def _at(drawing: Drawing, error: Unreadable) -> str:
+def _at(drawing: Drawing, error: UnreadableMesh) -> str:
     return str(error) if drawing.line is None else f"line {drawing.line}: {error}"

@@ -10,7 +10,7 @@ import numpy as np
 
 from graphdyn import InvalidInput
 from graphdyn.model import STANDARD_GRAVITY
-from urdf.document.connections.loops import Beside
+from urdf.document.connections.loops import CompanionFiles
 from urdf.document.opening import Given, Opened, Xacro, open_document, path_of, said
 from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, tree_faults
@@ -109,13 +109,13 @@ def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
         )
 
 
-def _refusals(source: Source, beside: Beside) -> Iterator[URDFError]:
+def _refusals(source: Source, beside: CompanionFiles) -> Iterator[URDFError]:
     yield from faults(source)
     yield from tree_faults(source)
     yield from closure_faults(all_closures(source, beside), carriers(source), source)
 
 
-def _of_the_model(source: Source, beside: Beside, structure: Structure) -> Iterator[Finding]:
+def _of_the_model(source: Source, beside: CompanionFiles, structure: Structure) -> Iterator[Finding]:
     try:
         model = build(parse(source, beside), STANDARD_GRAVITY)
     except URDFError as error:

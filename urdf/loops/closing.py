@@ -11,7 +11,7 @@ from lxml import etree
 
 from graphdyn import Chord, Placement
 from urdf.document.connections.loop_yaml import beside, read_yaml
-from urdf.document.connections.loops import Beside, Closure, Loop, Place
+from urdf.document.connections.loops import Closure, CompanionFiles, Loop, SourceLocation
 from urdf.document.elements import name_of
 from urdf.document.source import Source
 from urdf.document.tree import end, joint_into, path_up
@@ -23,7 +23,7 @@ Locations = Mapping[str, tuple[int, Placement]]
 """Per link: its body, and its placement in the link frame of that body."""
 
 
-def stated_beside(loops: Loops, path: Path) -> Beside:
+def stated_beside(loops: Loops, path: Path) -> CompanionFiles:
     """What is stated beside a file: by loops=, or where that is None by the YAML file beside it.
 
     Raises InvalidLoop; OSError.
@@ -36,17 +36,19 @@ def stated_beside(loops: Loops, path: Path) -> Beside:
     if wrong:
         kind = type(wrong[0]).__name__
         raise InvalidLoop(f"loops has an entry of type {kind}", "give urdf.Loop(…), or the YAML file", path=path)
-    return Beside(tuple((loop, Place(path, None, f"loop '{shortened(str(loop.name))}'")) for loop in loops))
+    return CompanionFiles(
+        tuple((loop, SourceLocation(path, None, f"loop '{shortened(str(loop.name))}'")) for loop in loops)
+    )
 
 
-def all_closures(source: Source, added: Beside) -> list[Closure]:
+def all_closures(source: Source, added: CompanionFiles) -> list[Closure]:
     """Those of the file and those stated beside it; source: with all its links."""
     links = {name_of(link) for link in source.links}
     carried = {name_of(joint): end(joint, "child") for joint in source.joints}
     return [*source.extensions.closures, *(_closure(loop, place, links, carried) for loop, place in added.loops)]
 
 
-def _closure(loop: Loop, place: Place, links: set[str], carried: Mapping[str, str | None]) -> Closure:
+def _closure(loop: Loop, place: SourceLocation, links: set[str], carried: Mapping[str, str | None]) -> Closure:
     """The loop with links in place of joints."""
     ends, fault = [], None
     for name in (loop.link_i, loop.link_j):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from urdf.document.connections.loops import Closure, CoupledSums, Place
+from urdf.document.connections.loops import Closure, CoupledSums, SourceLocation
 from urdf.document.elements import name_of
 from urdf.document.source import Source
 from urdf.document.tree import joint_into, path_up
@@ -29,7 +29,7 @@ class Relation:
     offset: float
     cause: str
     instead: str
-    place: Place
+    place: SourceLocation
 
 
 def relations(source: Source, closures: Sequence[Closure], taken: Container[str]) -> Iterator[Relation]:
@@ -67,7 +67,7 @@ def relations(source: Source, closures: Sequence[Closure], taken: Container[str]
         yield Relation(joint, ratios, 0.0, cause, "remove the coupling", place)
 
 
-def _driven(sums: CoupledSums, place: Place, free: list[etree._Element], joints: list[etree._Element]) -> str:
+def _driven(sums: CoupledSums, place: SourceLocation, free: list[etree._Element], joints: list[etree._Element]) -> str:
     marks = {}
     for joint in joints:
         text = joint.get("independent")

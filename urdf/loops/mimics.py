@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
 from graphdyn import Coupling
-from urdf.document.connections.loops import Closure, Place
+from urdf.document.connections.loops import Closure, SourceLocation
 from urdf.document.elements import describe, line_of, name_of
 from urdf.document.source import Source
 from urdf.errors import InvalidLock, InvalidMimic, URDFError, listed, shortened
@@ -113,7 +113,7 @@ def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Re
         if joint.mimic is not None and joint.type != "fixed":
             ratio, offset = _or(joint.mimic.multiplier, 1.0), _or(joint.mimic.offset, 0.0)
             element = elements[joint.name]
-            place = Place(source.path, line_of(element), describe(element))
+            place = SourceLocation(source.path, line_of(element), describe(element))
             cause = f"it mimics joint '{shortened(joint.mimic.joint)}'"
             instead = "load with mimic='independent'"
             found[joint.name] = Relation(joint.name, {joint.mimic.joint: ratio}, offset, cause, instead, place)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
 
-from urdf.document.connections.loops import Beside, Motor
+from urdf.document.connections.loops import CompanionFiles, Motor
 from urdf.document.elements import name_of
 from urdf.document.extensions import Unread
 from urdf.document.source import Source
 from urdf.errors import InvalidLoop, shortened
 
 
-def check_motors(source: Source, beside: Beside) -> None:
+def check_motors(source: Source, beside: CompanionFiles) -> None:
     """Raises InvalidLoop for a motor stated beside the file, at a joint that the file lacks; source: all of it."""
     joints = {name_of(joint) for joint in source.joints}
     for motor in beside.motors:
@@ -33,7 +33,7 @@ def unread_motors(motors: Sequence[Motor], driven: Container[str]) -> Iterator[U
             yield Unread("unread-dynamics", motor.place.element or "", motor.place.line, problem, 1)
 
 
-def unread_beside(beside: Beside) -> Iterator[Unread]:
+def unread_beside(beside: CompanionFiles) -> Iterator[Unread]:
     """What the YAML file has that is not known."""
     for said in beside.unread:
         yield Unread("unread-dynamics", "", None, said, 1)

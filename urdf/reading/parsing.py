@@ -13,7 +13,7 @@ from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import Chord, Coupling, InvalidModel, RobotModel
-from urdf.document.connections.loops import Beside
+from urdf.document.connections.loops import CompanionFiles
 from urdf.document.extensions import Unread
 from urdf.document.source import Source
 from urdf.document.tree import carriers, check_tree, joints_in_order
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import yourdfpy
 
 
-NOTHING_BESIDE = Beside()
+NOTHING_BESIDE = CompanionFiles()
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class Parsed:
 
 def parse(
     source: Source,
-    beside: Beside = NOTHING_BESIDE,
+    beside: CompanionFiles = NOTHING_BESIDE,
     *,
     chain: Chain = None,
     lock: Lock = None,

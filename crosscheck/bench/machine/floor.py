@@ -97,7 +97,7 @@ def machine(threads: int) -> Machine | None:
     """Measure the machine; None where nothing can be compiled."""
     if chosen_backend() != "llvm":
         return None
-    loops = [Loops() for _ in range(threads)]
+    loops = [FloorLoops() for _ in range(threads)]
     lanes = host_lanes()
     work = lanes * STEPS * threads
     operations = 2 * CHAINS * work / _best(lambda k, _: loops[k].multiply(STEPS), threads)
@@ -131,7 +131,7 @@ def _needed(instructions: int, products: int, size: int, on: Machine) -> dict[st
 
 def limit(floor: Floor, on: Machine) -> Callable[[int], None]:
     """run(samples) takes the least time of as many samples: a loop of what takes longest on this machine."""
-    loops = Loops()
+    loops = FloorLoops()
     needed = _needed(floor.instructions, floor.products, floor.bytes, on)
     longest = max(needed, key=lambda name: needed[name])
     if longest == "mix" and on.operations / 2 >= on.instructions:  # one kind of pipeline for all
@@ -143,7 +143,7 @@ def limit(floor: Floor, on: Machine) -> Callable[[int], None]:
     return lambda samples: loops.copy(round(floor.bytes * samples / (2 * 8)))
 
 
-class Loops:
+class FloorLoops:
     """Loops that never wait, with memory of their own: for one thread."""
 
     def __init__(self) -> None:

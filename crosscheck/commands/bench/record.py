@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from crosscheck.bench.benchmark import Benchmark
-from crosscheck.bench.contender import Measured
+from crosscheck.bench.contender import MeasuredWork
 from crosscheck.bench.curves import ScalingCurve
 from crosscheck.bench.identification import Identifications
 from crosscheck.bench.machine.floor import Floor, Machine
@@ -184,7 +184,7 @@ class WorkRecord:
     """Everyone who took part."""
 
 
-def work_record(measured: Measured, floor: Floor | None) -> WorkRecord:
+def work_record(measured: MeasuredWork, floor: Floor | None) -> WorkRecord:
     above = measured.above_limit
     return taken(
         WorkRecord,

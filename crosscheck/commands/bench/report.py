@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from crosscheck.bench.benchmark import Benchmark
-from crosscheck.bench.contender import Measured, SpeedRatio
+from crosscheck.bench.contender import MeasuredWork, SpeedRatio
 from crosscheck.bench.identification import OURS, THEIRS, IdentificationRun, Identifications
 from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.load import Load
@@ -161,7 +161,7 @@ def _comparisons(found: Identifications) -> tuple[SpeedRatio, ...]:
     return tuple(SpeedRatio(OURS, THEIRS, threads, ratio) for threads, ratio in found.comparisons)
 
 
-def _work(measured: Measured, floor: Floor | None) -> Section:
+def _work(measured: MeasuredWork, floor: Floor | None) -> Section:
     state = Verdict("agrees", "agrees") if measured.agrees else Verdict("disagrees", "DISAGREES")
     times = Table(
         (
@@ -189,7 +189,7 @@ def _bars(comparisons: tuple[SpeedRatio, ...]) -> tuple[Block, ...]:
     return (Picture(partial(ratio_bars, comparisons=comparisons), "Bars: medians, black: quartiles.", on=("page",)),)
 
 
-def _notes(measured: Measured, floor: Floor | None) -> Facts:
+def _notes(measured: MeasuredWork, floor: Floor | None) -> Facts:
     """What the times of each contender are of, what errors are relative to, what the machine could do."""
     items = {entry.name: entry.included for entry in measured.entries}
     items["errors"] = (

@@ -30,7 +30,7 @@ def compare_folder(
     from crosscheck.commands.crosscheck.folder_file import SweepFile, taken_over
     from crosscheck.commands.crosscheck.folder_report import FEW, folder_report
     from crosscheck.commands.crosscheck.summary import DISAGREES, compared_row, failed_row
-    from crosscheck.commands.crosscheck.worker import Details, Task, examine
+    from crosscheck.commands.crosscheck.worker import ComparisonTask, Details, examine
 
     robots, failures = [], []
     for argument in given:
@@ -45,7 +45,7 @@ def compare_folder(
         file.records.update(taken_over(json_file.path, robots, samples, seed))
         say(f"{len(file.records)} of {len(robots)} robots taken over from {json_file.path}")
     details: Details = "none" if html_file is None else "all" if len(robots) <= FEW else "disagreeing"
-    tasks = [Task(robot, samples, seed, details) for robot in robots if robot not in file.records]
+    tasks = [ComparisonTask(robot, samples, seed, details) for robot in robots if robot not in file.records]
     comparisons = {}
     try:
         with progress("crosscheck", len(robots)) as advance:

@@ -17,7 +17,7 @@ Details = Literal["none", "disagreeing", "all"]
 
 
 @dataclass(frozen=True)
-class Task:
+class ComparisonTask:
     """A robot to be compared, and how."""
 
     robot: str
@@ -27,7 +27,7 @@ class Task:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class ComparisonOutcome:
     """The result of a task: a record as in the JSON file, or the reason for a failure.
 
     comparison: where the task asks for it
@@ -39,17 +39,19 @@ class Outcome:
     comparison: Comparison | None = None
 
 
-def examine(task: Task) -> Outcome:
+def examine(task: ComparisonTask) -> ComparisonOutcome:
     """Compare one robot. Warnings go into the notes, and every error into the outcome."""
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             comparison = comparing.compare(task.robot, task.samples, task.seed)
     except (GraphDynError, OSError) as error:
-        return Outcome(task.robot, failure=str(error))
+        return ComparisonOutcome(task.robot, failure=str(error))
     except Exception as error:
-        return Outcome(task.robot, failure=f"the comparison failed: {type(error).__name__}: {error}; report it")
+        return ComparisonOutcome(
+            task.robot, failure=f"the comparison failed: {type(error).__name__}: {error}; report it"
+        )
     notes = [*comparison.notes, *(str(warning.message).removeprefix(f"{task.robot}: ") for warning in caught)]
     comparison = replace(comparison, notes=tuple(notes))
     wanted = task.details == "all" or (task.details == "disagreeing" and not comparison.agrees)
-    return Outcome(task.robot, plain(robot_record(comparison)), None, comparison if wanted else None)
+    return ComparisonOutcome(task.robot, plain(robot_record(comparison)), None, comparison if wanted else None)

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from graphdyn.excitation import ExcitationProblem, OptimisedMotion
 
 
-class Task(NamedTuple):
+class SearchTask(NamedTuple):
     problem: ExcitationProblem
     seed: int
     collisions: SelfCollision | None
 
 
-class Found(NamedTuple):
+class SearchSummary(NamedTuple):
     """best: of the seeds that found a motion; failures: why the others did not; interrupted: before all were done"""
 
     best: OptimisedMotion | None
@@ -27,7 +27,7 @@ class Found(NamedTuple):
     interrupted: bool
 
 
-def search(task: Task) -> OptimisedMotion | str:
+def search(task: SearchTask) -> OptimisedMotion | str:
     """The motion from one seed, or why there is none."""
     from crosscheck.exciting.collision_free import collision_free
     from graphdyn.excitation import NoFeasibleMotion, optimised
@@ -40,7 +40,7 @@ def search(task: Task) -> OptimisedMotion | str:
         return str(error)
 
 
-def one_by_one(tasks: list[Task]) -> Generator[tuple[int, OptimisedMotion | str]]:
+def one_by_one(tasks: list[SearchTask]) -> Generator[tuple[int, OptimisedMotion | str]]:
     """In this process: starting another takes longer than a search."""
     for k, task in enumerate(tasks):
         yield k, search(task)
@@ -52,9 +52,9 @@ def best_of(
     seeds: range,
     processes_used: int,
     advance: Callable[[str, int], None],
-) -> Found:
+) -> SearchSummary:
     """The best motion from these seeds. Raises KeyboardInterrupt where it comes before the first motion is found."""
-    tasks = [Task(problem, seed, collisions) for seed in seeds]
+    tasks = [SearchTask(problem, seed, collisions) for seed in seeds]
     best: OptimisedMotion | None = None
     failures = list[str]()
     answers = LocalProcesses(processes_used).each(search, tasks) if processes_used > 1 else one_by_one(tasks)
@@ -71,7 +71,7 @@ def best_of(
         if best is None:
             raise
         say(f"interrupted: the best motion so far, of seed {best.seed}, is kept", "yellow")
-        return Found(best, failures, True)
+        return SearchSummary(best, failures, True)
     finally:
         answers.close()  # ends its processes
-    return Found(best, failures, False)
+    return SearchSummary(best, failures, False)

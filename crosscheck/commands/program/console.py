@@ -37,15 +37,15 @@ Advance = Callable[[str, int], None]
 """Called with what was just done, and the number of its steps."""
 
 
-class Output(Console):
+class PipeConsole(Console):
     """A console that raises BrokenPipeError when its reader has closed the pipe; rich would exit with code 1."""
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError
 
 
-err = Output(stderr=True, markup=False, highlight=False)
-out = Output(markup=False, highlight=False, width=None if stdout.isatty() else WIDTH)
+err = PipeConsole(stderr=True, markup=False, highlight=False)
+out = PipeConsole(markup=False, highlight=False, width=None if stdout.isatty() else WIDTH)
 
 
 def say(text: str, style: str | None = None) -> None:

@@ -6,10 +6,10 @@ from dataclasses import fields
 
 from crosscheck.report.report import Column, Facts, Report, Row, Section, Table, Verdict
 from crosscheck.study.settings.scenarios import Scenario
-from crosscheck.study.tasks import Outcome, Result, Task
+from crosscheck.study.tasks import Result, StudyOutcome, StudyTask
 
 
-def study_run_report(task: Task, outcome: Outcome) -> Report:
+def study_run_report(task: StudyTask, outcome: StudyOutcome) -> Report:
     facts = Facts(tuple((axis.name.replace("_", " "), _text(task.scenario, axis.name)) for axis in fields(Scenario)))
     table = Table(
         (

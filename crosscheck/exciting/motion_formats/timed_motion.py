@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from graphdyn.excitation import Course, sample_times
+from graphdyn.excitation import FiniteMotion, sample_times
 from graphdyn.layout import Array
 
 
@@ -30,7 +30,9 @@ class TimedMotion:
     a: Array
 
     @classmethod
-    def of(cls, course: Course, joint_names: tuple[str, ...], prismatic: tuple[bool, ...], rate: float) -> TimedMotion:
+    def of(
+        cls, course: FiniteMotion, joint_names: tuple[str, ...], prismatic: tuple[bool, ...], rate: float
+    ) -> TimedMotion:
         """At a rate [Hz]; the end is a row even where it is no multiple of the period."""
         times = sample_times(course.duration, rate)
         if course.duration - times[-1] > 1e-9 * course.duration:

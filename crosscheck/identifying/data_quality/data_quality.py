@@ -17,7 +17,7 @@ from graphdyn.identification import TorqueModel, Tunable
 from graphdyn.identification.data_quality import (
     RIGHT_RATE,
     Change,
-    Fault,
+    DataFault,
     RecordingHealth,
     TooShort,
     contradictions,
@@ -129,7 +129,7 @@ def _faults(found: RecordingHealth, recording: Recording) -> list[HealthFinding]
     return said
 
 
-def _errors(fault: Fault) -> str:
+def _errors(fault: DataFault) -> str:
     before, after = (100 * np.exp(np.mean(np.log(errors))) for errors in (fault.before, fault.after))
     worst = int(np.argmax(fault.before / fault.after))
     return (

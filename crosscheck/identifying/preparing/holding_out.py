@@ -22,7 +22,7 @@ NANOSECONDS = 9
 """Decimal places of the start time, computed with rounding from the rows that the filter cut off."""
 
 
-class Trial(NamedTuple):
+class Fold(NamedTuple):
     """Rows that are fitted, and rows that are predicted from them.
 
     name: of the rows that are predicted; own_recording: whether they are all of a recording that is not fitted
@@ -47,9 +47,9 @@ class Division(NamedTuple):
     """
 
     fit: Recording
-    trials: list[Trial]
+    trials: list[Fold]
     words: str
-    aside: tuple[Trial, ...] = ()
+    aside: tuple[Fold, ...] = ()
 
 
 class HeldOut(Protocol):
@@ -110,7 +110,7 @@ class OtherRecordings:
             if shared:
                 raise InvalidInput(f"{file}: {len(shared)} rows are fitted and predicted; predict another recording")
         trials = [
-            Trial(Path(other.provenance.files[0]).name, fit, other, own_recording=True) for other in self.recordings
+            Fold(Path(other.provenance.files[0]).name, fit, other, own_recording=True) for other in self.recordings
         ]
         files = [name for other in self.recordings for name in other.provenance.files]
         return Division(fit, trials, f"all of {', '.join(files)}")
@@ -148,7 +148,7 @@ class Folds:
     aside: HeldOut | None = None
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
-        words, kept = f"{self.folds} consecutive folds, each from the others", tuple[Trial, ...]()
+        words, kept = f"{self.folds} consecutive folds, each from the others", tuple[Fold, ...]()
         if self.aside is None:
             recording = concatenated(recordings)
         else:
@@ -157,12 +157,12 @@ class Folds:
             words += f"; kept aside: {others.words}"
         guard = max(GUARD, settling_time(float(recording.torque_cutoff.min()), FORGOTTEN))
         folds = zip(time_folds(recording, self.folds, guard), fold_rows(recording, self.folds, guard), strict=True)
-        trials = [Trial(f"fold {number}", *split, fold=rows) for number, (split, rows) in enumerate(folds, start=1)]
+        trials = [Fold(f"fold {number}", *split, fold=rows) for number, (split, rows) in enumerate(folds, start=1)]
         return Division(recording, trials, words, kept)
 
 
 def _one(split: Split, words: str) -> Division:
-    return Division(split.train, [Trial(words, *split)], words)
+    return Division(split.train, [Fold(words, *split)], words)
 
 
 def _rows_of_files(recording: Recording) -> dict[Path, set[int]]:

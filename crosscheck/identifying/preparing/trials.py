@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crosscheck.identifying.preparing.holding_out import Trial
+from crosscheck.identifying.preparing.holding_out import Fold
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn.identification import Problem, ResidualSizes, ResidualStatistics
@@ -17,7 +17,7 @@ from graphdyn.layout import Array
 
 
 def problems_of(
-    trial: Trial, fit: Problem, recording: Recording, preparation: Preparation
+    trial: Fold, fit: Problem, recording: Recording, preparation: Preparation
 ) -> tuple[Problem, Problem, list[Array]]:
     """Of the rows that are fitted, of those that are predicted, and the times of these; fit: that of the recording."""
     if trial.fold is None:

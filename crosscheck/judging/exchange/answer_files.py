@@ -13,7 +13,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from crosscheck.judging.exchange.line_process import shown
-from crosscheck.judging.exchange.protocols import Unreadable, flat_numbers
+from crosscheck.judging.exchange.protocols import UnreadableAnswer, flat_numbers
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
@@ -129,7 +129,7 @@ def _entry(number: Any, answer: Any, where: str) -> tuple[int, GivenAnswer]:
         raise BadAnswers(f"{where}: the id is {number!r}; give that of a question, a number")
     try:
         numbers = flat_numbers(answer)
-    except Unreadable as error:
+    except UnreadableAnswer as error:
         raise BadAnswers(f"{where}, id {number}: {error}") from None
     return _id(float(number), where), GivenAnswer(numbers, where)
 

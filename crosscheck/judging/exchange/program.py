@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from types import TracebackType
 
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed
-from crosscheck.judging.exchange.protocols import Protocol, Shape, Unreadable
+from crosscheck.judging.exchange.protocols import Protocol, Shape, UnreadableAnswer
 from crosscheck.judging.observing.function_under_test import Refusal
 from graphdyn.layout import Array
 
@@ -50,7 +50,7 @@ class ProgramFunction:
     def _read(self, line: str, number: int, shape: Shape) -> Array | Refusal:
         try:
             return self._protocol.answer(line, number, shape)
-        except Unreadable as error:
+        except UnreadableAnswer as error:
             raise ProgramFailed(
                 f"{self._what}: answer {number} is {error}; write answers alone to standard output, and everything "
                 "else to standard error"

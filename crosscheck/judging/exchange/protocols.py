@@ -18,7 +18,7 @@ Shape = tuple[int | None, ...]
 """Of an answer; None for any number."""
 
 
-class Unreadable(Exception):
+class UnreadableAnswer(Exception):
     """A line that is no answer. Its text says what was expected."""
 
 
@@ -44,7 +44,7 @@ def _plain_answer(line: str, _number: int, shape: Shape) -> Array | Refusal:
     try:
         numbers = np.array([float(x) for x in line.replace(",", " ").split()])
     except ValueError:
-        raise Unreadable(f"{shown(line)}, which is no line of numbers") from None
+        raise UnreadableAnswer(f"{shown(line)}, which is no line of numbers") from None
     return shaped(numbers, shape, shown(line))
 
 
@@ -58,17 +58,17 @@ def _json_answer(line: str, number: int, shape: Shape) -> Array | Refusal:
     try:
         found = json.loads(line)
     except ValueError:
-        raise Unreadable(f"{shown(line)}, which is no JSON; an answer is {form}") from None
+        raise UnreadableAnswer(f"{shown(line)}, which is no JSON; an answer is {form}") from None
     if not isinstance(found, dict) or not ("answer" in found or "error" in found):
-        raise Unreadable(f"{shown(line)}; an answer is {form}")
+        raise UnreadableAnswer(f"{shown(line)}; an answer is {form}")
     if found.get("id") != number:
-        raise Unreadable(f"{shown(line)}, whose id is not {number}; answer the questions in their order")
+        raise UnreadableAnswer(f"{shown(line)}, whose id is not {number}; answer the questions in their order")
     if "error" in found:
         return Refusal(str(found["error"]))
     try:
         numbers = flat_numbers(found["answer"])
-    except Unreadable as error:
-        raise Unreadable(f"{shown(line)}: {error}") from None
+    except UnreadableAnswer as error:
+        raise UnreadableAnswer(f"{shown(line)}: {error}") from None
     return shaped(numbers, shape, shown(line))
 
 
@@ -76,7 +76,7 @@ def flat_numbers(nested: Any) -> Array:
     """Numbers in nested lists, row by row (m,); null is no number. Raises Unreadable for anything else."""
     numbers = list(_flat(nested))
     if not all(x is None or (isinstance(x, int | float) and not isinstance(x, bool)) for x in numbers):
-        raise Unreadable("the answer is no array of numbers")
+        raise UnreadableAnswer("the answer is no array of numbers")
     return np.array([np.nan if x is None else x for x in numbers], dtype=float)
 
 
@@ -85,7 +85,7 @@ def shaped(numbers: Array, shape: Shape, what: str) -> Array:
     known = math.prod(size for size in shape if size is not None)
     if numbers.size == 0 or (numbers.size % known if None in shape else numbers.size != known):
         expected = f"a multiple of {known}" if None in shape else f"{known}"
-        raise Unreadable(f"{what}: {numbers.size} numbers, expected {expected}")
+        raise UnreadableAnswer(f"{what}: {numbers.size} numbers, expected {expected}")
     return numbers.reshape([-1 if size is None else size for size in shape])
 
 

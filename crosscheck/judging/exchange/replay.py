@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
-from crosscheck.judging.exchange.protocols import Shape, Unreadable, shaped
+from crosscheck.judging.exchange.protocols import Shape, UnreadableAnswer, shaped
 from crosscheck.judging.exchange.questions import Question, once, question
 from crosscheck.judging.observing.function_under_test import ForeignFailure, Refusal
 from graphdyn import GraphDynError
@@ -70,7 +70,7 @@ class Replay:
         wrong = np.flatnonzero(~np.isfinite(given.numbers))
         try:
             found = shaped(given.numbers, shape, f"{given.where}, id {one.id}, {one.function}")
-        except Unreadable as error:
+        except UnreadableAnswer as error:
             raise BadAnswers(str(error)) from None
         if len(wrong):
             return Refusal(f"{given.where}, id {one.id}: number {wrong[0] + 1} is {given.numbers[wrong[0]]}")

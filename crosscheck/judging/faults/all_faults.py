@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from crosscheck.judging.faults.angles import angles, arguments
-from crosscheck.judging.faults.fault import Family, Fault
+from crosscheck.judging.faults.fault import CodeFault, Family
 from crosscheck.judging.faults.file_reading import file_reading
 from crosscheck.judging.faults.frames import frames
 from crosscheck.judging.faults.geometry import geometry
@@ -21,7 +21,7 @@ from graphdyn import RobotModel
 from urdf.reading import Misreadings
 
 
-def faults(model: RobotModel, readings: Misreadings | None) -> Iterator[Fault]:
+def faults(model: RobotModel, readings: Misreadings | None) -> Iterator[CodeFault]:
     """All faults without free numbers; readings: of the file, where there is one."""
     yield from signs(model)
     yield from units(model)

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from crosscheck.judging.faults.changes import joints_said
-from crosscheck.judging.faults.fault import Fault
+from crosscheck.judging.faults.fault import CodeFault
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
 
-def angles(model: RobotModel) -> Iterator[Fault]:
+def angles(model: RobotModel) -> Iterator[CodeFault]:
     turning = [k for k, joint in enumerate(model.joints) if not joint.is_prismatic]
     lower, upper = (
         np.array([default if limit is None else limit for limit in limits])
@@ -38,7 +38,7 @@ def angles(model: RobotModel) -> Iterator[Fault]:
     for said, change in maps:
         for joints in [*([k] for k in turning), *([turning] if len(turning) > 1 else [])]:
             mask = np.isin(np.arange(model.n_bodies), joints)
-            yield Fault.of(
+            yield CodeFault.of(
                 "continuous_joint",
                 f"the angle of {joints_said(model, joints)} {said}",
                 remedy,
@@ -49,7 +49,7 @@ def angles(model: RobotModel) -> Iterator[Fault]:
             )
 
 
-def arguments(model: RobotModel) -> Iterator[Fault]:
+def arguments(model: RobotModel) -> Iterator[CodeFault]:
     """Arguments that are ignored, or taken for one another."""
     remedy = "compare the order of the arguments: q, v, a"
     for message, state in (
@@ -59,14 +59,14 @@ def arguments(model: RobotModel) -> Iterator[Fault]:
         ("positions and velocities are exchanged", lambda q, v, a: (v, q, a)),
         ("positions and accelerations are exchanged", lambda q, v, a: (a, v, q)),
     ):
-        yield Fault.of("argument", message, remedy, lambda code, state=state: code.taking(state))  # type: ignore[misc]
+        yield CodeFault.of("argument", message, remedy, lambda code, state=state: code.taking(state))  # type: ignore[misc]
     for k, name in enumerate(model.joint_names):
         kept = np.arange(model.n_bodies) != k
         for message, state in (
             (f"the velocity of joint '{name}' is ignored", lambda q, v, a, kept=kept: (q, kept * v, a)),
             (f"the acceleration of joint '{name}' is ignored", lambda q, v, a, kept=kept: (q, v, kept * a)),
         ):
-            yield Fault.of(
+            yield CodeFault.of(
                 "argument", message, "pass all entries on",
                 lambda code, state=state: code.taking(state),  # type: ignore[misc]
             )  # fmt: skip

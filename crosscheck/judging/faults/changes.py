@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import Fault
-from crosscheck.judging.faults.recursion import Code, Numbers
+from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
@@ -39,7 +39,7 @@ Changed = Callable[[Numbers, int], Mapping[str, Array]]
 """(numbers of a code, index of a joint or body) → its new entries by the name of the array."""
 
 
-def changed(code: Code, change: Changed, members: Sequence[int]) -> Code:
+def changed(code: DynamicsCode, change: Changed, members: Sequence[int]) -> DynamicsCode:
     """The code with the entries of some joints or bodies changed."""
     arrays: dict[str, Array] = {}
     for k in members:
@@ -56,7 +56,7 @@ def of_joints(
     change: Changed,
     size: int = 1,
     joints: Sequence[int] | None = None,
-) -> Iterator[Fault]:
+) -> Iterator[CodeFault]:
     """The same fault at one joint, for each joint or some, and at every joint at once."""
     names = [f"joint '{name}'" for name in model.joint_names]
     which = range(len(names)) if joints is None else joints
@@ -65,7 +65,7 @@ def of_joints(
 
 def of_bodies(
     model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
-) -> Iterator[Fault]:
+) -> Iterator[CodeFault]:
     """The same fault at one body, for each body, and at every body at once."""
     names = [f"body '{name}'" for name in model.body_names]
     yield from _of_members(names, range(len(names)), "body", kind, message, remedy, change, size)
@@ -80,12 +80,12 @@ def _of_members(
     remedy: str,
     change: Changed,
     size: int,
-) -> Iterator[Fault]:
+) -> Iterator[CodeFault]:
     sets = {names[k]: [k] for k in which}
     if len(names) > 1:
         sets[f"every {what}"] = list(range(len(names)))
     for who, members in sets.items():
-        yield Fault.of(
+        yield CodeFault.of(
             kind,
             message.format(who=who),
             remedy,

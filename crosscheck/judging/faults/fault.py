@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn.layout import Array
 
-Change = Callable[[Code], Code]
+Change = Callable[[DynamicsCode], DynamicsCode]
 
 KINDS = (
     *("gravity", "coriolis", "sign", "joint_order", "argument", "frame", "geometry", "zero", "gear", "coupling"),
@@ -36,14 +36,14 @@ class Said:
 
 
 @dataclass(frozen=True, eq=False)
-class Fault:
+class CodeFault:
     """One fault, and how a code is changed that gets it."""
 
     said: Said
     change: Change
 
     @classmethod
-    def of(cls, kind: str, message: str, remedy: str, change: Change, size: int = 1) -> Fault:
+    def of(cls, kind: str, message: str, remedy: str, change: Change, size: int = 1) -> CodeFault:
         return cls(Said(kind, message, remedy, size), change)
 
 
@@ -57,6 +57,6 @@ class Family:
     """
 
     right: Array
-    change: Callable[[Code, Array], Code]
+    change: Callable[[DynamicsCode, Array], DynamicsCode]
     say: Callable[[Array], list[Said]]
     starts: Array | None = None

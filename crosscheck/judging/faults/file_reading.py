@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from crosscheck.judging.faults.changes import named, rotation_from
-from crosscheck.judging.faults.fault import Fault
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation
 from urdf.reading import Misreadings
@@ -24,7 +24,7 @@ MOST_DROPPED = 5
 Change = Callable[["Robot"], object]
 
 
-def file_reading(readings: Misreadings) -> Iterator[Fault]:
+def file_reading(readings: Misreadings) -> Iterator[CodeFault]:
     """Every misreading that changes a number of the recursion."""
     told = {what: (kind, remedy, change) for what, kind, remedy, change in _changes(readings)}
     changes = {what: change for what, (_, _, change) in told.items()}
@@ -42,7 +42,7 @@ def file_reading(readings: Misreadings) -> Iterator[Fault]:
             if different:
                 replaced[name] = different, theirs[different]
         if replaced:
-            yield Fault.of(kind, what, remedy, lambda code, replaced=replaced: _replaced(code, replaced))  # type: ignore[misc]
+            yield CodeFault.of(kind, what, remedy, lambda code, replaced=replaced: _replaced(code, replaced))  # type: ignore[misc]
 
 
 _FIELDS: dict[str, Callable[..., Array]] = {
@@ -54,7 +54,7 @@ _FIELDS: dict[str, Callable[..., Array]] = {
 }
 
 
-def _replaced(code: Code, replaced: dict[str, tuple[list[int], Array]]) -> Code:
+def _replaced(code: DynamicsCode, replaced: dict[str, tuple[list[int], Array]]) -> DynamicsCode:
     arrays = {}
     for name, (members, entries) in replaced.items():
         arrays[name] = np.array(getattr(code.numbers, name))

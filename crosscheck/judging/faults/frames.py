@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from crosscheck.judging.faults.changes import E1, E2, E3, Changed, of_joints
-from crosscheck.judging.faults.fault import Fault
+from crosscheck.judging.faults.fault import CodeFault
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 from urdf.document import rpy_from_rotation
 
 
-def frames(model: RobotModel) -> Iterator[Fault]:
+def frames(model: RobotModel) -> Iterator[CodeFault]:
     place = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
     changes: tuple[tuple[str, Changed], ...] = (
         ("the rotation of {who} is transposed", lambda x, j: {"rotations": x.rotations[j].T}),

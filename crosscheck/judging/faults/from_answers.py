@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.optimize import least_squares
 
-from crosscheck.judging.faults.fault import Fault, Said
+from crosscheck.judging.faults.fault import CodeFault, Said
 from crosscheck.judging.faults.joint_terms import RIGID
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
@@ -41,7 +41,7 @@ LAWS: dict[str, tuple[Law, tuple[str, ...], int]] = {
 UNITS = ("N m s/rad or N s/m", "N m or N", "rad/s or m/s", "N m or N", "rad/s or m/s")
 
 
-def limits(model: RobotModel, torque: Array) -> Iterator[Fault]:
+def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
     """Torques (N, n) that are cut off: several answers of one joint have its largest size."""
     size = np.abs(torque)
     level = np.where((size >= size.max(axis=0) * (1 - 1e-12)).sum(axis=0) >= AT_LEVEL, size.max(axis=0), np.inf)
@@ -53,13 +53,13 @@ def limits(model: RobotModel, torque: Array) -> Iterator[Fault]:
             FittedNumber(f"largest torque, {model.joint_names[k]}", float(level[k]), np.inf, "N m or N") for k in which
         )
         message = f"torques are clipped, at a limit: {said} N m or N"
-        yield Fault(
+        yield CodeFault(
             Said("clipped", message, "take the limit of the torques away for the comparison", 1 + len(which), numbers),
             lambda code: code.giving(lambda tau, _: np.clip(tau, -level, level)),
         )
 
 
-def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float) -> Iterator[Fault]:
+def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float) -> Iterator[CodeFault]:
     """Laws of friction fitted to deviations (N, n) of torques at velocities v (N, n), joint by joint; bound: [N m]."""
     for name, (law, labels, p) in LAWS.items():
         found = np.zeros((p, v.shape[1]))
@@ -85,7 +85,7 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
             for label, row in zip(labels, found, strict=True)
             if row[which].any()
         )
-        yield Fault(
+        yield CodeFault(
             Said("friction", f"friction by a {name} law is included: {shown}", RIGID, 1 + p * len(which), numbers),
             lambda code, x=found, law=law: code.giving(lambda tau, state: tau + law(x, state[1])),  # type: ignore[misc]
         )

@@ -9,7 +9,7 @@ import numpy as np
 
 from crosscheck.judging.faults.changes import is_round, rounded
 from crosscheck.judging.faults.fault import Family, Said
-from crosscheck.judging.faults.recursion import Code, turned_about
+from crosscheck.judging.faults.recursion import DynamicsCode, turned_about
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -51,7 +51,7 @@ def geometry(model: RobotModel) -> Iterator[Family]:
 def _translation(model: RobotModel, k: int) -> Family:
     ours, name = model.joints[k].placement.translation, model.joint_names[k]
 
-    def change(code: Code, x: Array) -> Code:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         moved = code.numbers.translations.astype(x.dtype)
         moved[k] = moved[k] + x
         return code.but(translations=moved)
@@ -74,7 +74,7 @@ def _translation(model: RobotModel, k: int) -> Family:
 def _rotation(k: int, message: str, field: str) -> Family:
     """A small turn of the joint frame, or of its axis, by a vector [rad]: Cayley's, differentiable at zero."""
 
-    def change(code: Code, x: Array) -> Code:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         array = getattr(code.numbers, field).astype(x.dtype)
         s = np.array([[0, -x[2], x[1]], [x[2], 0, -x[0]], [-x[1], x[0], 0]])
         array[k] = (np.eye(3) + (s + s @ s / 2) / (1 + x @ x / 4)) @ array[k]
@@ -95,7 +95,7 @@ def _zero(name: str, k: int, slides: bool) -> Family:
     """The joint frame moved along or about the axis: position q + x instead of q."""
     unit = "m" if slides else "rad"
 
-    def change(code: Code, x: Array) -> Code:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         rotations, translations = (y.astype(x.dtype) for y in (code.numbers.rotations, code.numbers.translations))
         axis = code.numbers.axes[k]
         if slides:
@@ -132,7 +132,7 @@ def _gear(name: str, at: Array) -> Family:
 
 
 def _scale(what: str, at: Array, which: str) -> Family:
-    def change(code: Code, x: Array) -> Code:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         scale = np.where(at, x[0], 1.0)
         return code.taking(
             lambda *state: tuple(scale * s if k in which else s for k, s in zip("qva", state, strict=True))
@@ -154,7 +154,7 @@ def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> Family:
     first, second = model.joint_names[k], model.joint_names[i]
     back = "" if transmitted else "; the torques do not"
 
-    def change(code: Code, x: Array) -> Code:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         matrix = np.eye(model.n_bodies, dtype=x.dtype)
         matrix[k, i] = x[0]
         code = code.taking(lambda q, v, a: (q @ matrix.T, v @ matrix.T, a @ matrix.T))

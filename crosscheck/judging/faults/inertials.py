@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crosscheck.judging.faults.changes import E1, E2, E3, Changed, of_bodies
-from crosscheck.judging.faults.fault import Fault
-from crosscheck.judging.faults.recursion import Code, Numbers
+from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis, rotation_about
@@ -27,7 +27,7 @@ ORDERS = {
 """Other orders of the six numbers, as places in NAMES: MuJoCo's, SDF's and Voigt's, Pinocchio's."""
 
 
-def inertials(model: RobotModel) -> Iterator[Fault]:
+def inertials(model: RobotModel) -> Iterator[CodeFault]:
     axes = "the inertial frame's rotation turns the tensor into link axes: R J Rᵀ"
     turned: tuple[tuple[str, bool, bool, bool], ...] = (
         ("the center of mass of {who} is expressed in the axes of the inside body", True, False, False),
@@ -114,7 +114,7 @@ def inertials(model: RobotModel) -> Iterator[Fault]:
         yield from of_bodies(model, kind, message, remedy, change)
     for i, k in itertools.combinations(range(model.n_bodies), 2):
         order = _exchanged(model.n_bodies, i, k)
-        yield Fault.of(
+        yield CodeFault.of(
             "inertial_parameters",
             f"the inertial parameters of bodies '{model.body_names[i]}' and '{model.body_names[k]}' are exchanged",
             "assign them by name",
@@ -159,6 +159,6 @@ def _exchanged(n: int, i: int, k: int) -> list[int]:
     return order
 
 
-def _assigned(code: Code, order: Sequence[int]) -> Code:
+def _assigned(code: DynamicsCode, order: Sequence[int]) -> DynamicsCode:
     x = code.numbers
     return code.but(masses=x.masses[list(order)], centers=x.centers[list(order)], tensors=x.tensors[list(order)])

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from crosscheck.judging.faults.fault import Family, Said
-from crosscheck.judging.faults.recursion import Code, State
+from crosscheck.judging.faults.recursion import DynamicsCode, State
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -77,8 +77,8 @@ def _values(row: Array, unit: str) -> str:
     return f"({', '.join(f'{x:.4g}' for x in row)}) {unit}"
 
 
-def _constant_inertia(n: int) -> Callable[[Code, Array], Code]:
-    def change(code: Code, x: Array) -> Code:
+def _constant_inertia(n: int) -> Callable[[DynamicsCode, Array], DynamicsCode]:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         return code.giving(lambda tau, state: tau + state[2] @ _symmetric(x, n))
 
     return change

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.fault import Fault
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn import RobotModel
 
 MOST_PERMUTED = 6
@@ -17,7 +17,7 @@ MOST_PERMUTED = 6
 reverse and alphabetical orders."""
 
 
-def orders(model: RobotModel) -> Iterator[Fault]:
+def orders(model: RobotModel) -> Iterator[CodeFault]:
     names, rules = model.joint_names, set(_rules(model))
     remedy = f"the order here is {', '.join(names)}; pass joint_names=, or sort by name"
     for order in map(np.array, _orders(model)):
@@ -28,14 +28,16 @@ def orders(model: RobotModel) -> Iterator[Fault]:
             (f"joint motions, but not torques, are in the order {listed}", True, False),
             (f"torques, but not joint motions, are in the order {listed}", False, True),
         ):
-            yield Fault.of(
+            yield CodeFault.of(
                 "joint_order", message, remedy,
                 lambda code, x=(order, back, motions, torques): _permuted(code, *x),  # type: ignore[misc]
                 1 if tuple(order) in rules else _exchanges(order),
             )  # fmt: skip
 
 
-def _permuted(code: Code, order: NDArray[np.intp], back: NDArray[np.intp], motions: bool, torques: bool) -> Code:
+def _permuted(
+    code: DynamicsCode, order: NDArray[np.intp], back: NDArray[np.intp], motions: bool, torques: bool
+) -> DynamicsCode:
     """A code whose joint k is our joint order[k]."""
     if motions:
         code = code.taking(lambda q, v, a: (q[..., back], v[..., back], a[..., back]))

@@ -9,7 +9,7 @@ import numpy as np
 from crosscheck.judging.faults.changes import is_round, rounded
 from crosscheck.judging.faults.fault import Family, Said
 from crosscheck.judging.faults.inertials import NAMES, UPPER
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -47,13 +47,13 @@ def parameters(model: RobotModel) -> Iterator[Family]:
     )
 
 
-def ten_numbers(code: Code, k: int) -> Array:
+def ten_numbers(code: DynamicsCode, k: int) -> Array:
     """m, c, J of a body (10,)."""
     x = code.numbers
     return np.array([x.masses[k], *x.centers[k], *(x.tensors[k][i] for i in UPPER)])
 
 
-def with_ten_numbers(code: Code, k: int, ten: Array) -> Code:
+def with_ten_numbers(code: DynamicsCode, k: int, ten: Array) -> DynamicsCode:
     x = code.numbers
     kind = np.result_type(ten, x.masses, x.centers, x.tensors)
     masses, centers, tensors = (np.array(array, kind) for array in (x.masses, x.centers, x.tensors))
@@ -65,9 +65,9 @@ def with_ten_numbers(code: Code, k: int, ten: Array) -> Code:
 
 def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> Family:
     """Some of the ten numbers of one body: as differences, so that it adds to other faults."""
-    name, own, which = model.body_names[k], ten_numbers(Code.of(model), k), list(places)
+    name, own, which = model.body_names[k], ten_numbers(DynamicsCode.of(model), k), list(places)
 
-    def change(code: Code, x: Array) -> Code:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         ten = ten_numbers(code, k).astype(x.dtype)
         ten[which] = ten[which] + x
         return with_ten_numbers(code, k, ten)
@@ -101,7 +101,7 @@ def _message(name: str, moved: Sequence[int], numbers: Sequence[FittedNumber]) -
 
 
 def _factor(what: str, field: str, bodies: Array) -> Family:
-    def change(code: Code, x: Array) -> Code:
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         array = getattr(code.numbers, field)
         return code.but(**{field: np.where(bodies.reshape(-1, *[1] * (array.ndim - 1)), x[0] * array, array)})
 

@@ -50,7 +50,7 @@ class Numbers:
 
 
 @dataclass(frozen=True, eq=False)
-class Code:
+class DynamicsCode:
     """A dynamics code: τ = answer(recursion(arguments(q, v, a)), q, v, a), the changes one after the other.
 
     inside: number of the inside body of each joint, 0 for the ground; prismatic: whether the joint slides
@@ -63,7 +63,7 @@ class Code:
     answers: tuple[Callable[[Array, State], Array], ...] = ()
 
     @classmethod
-    def of(cls, model: RobotModel) -> Code:
+    def of(cls, model: RobotModel) -> DynamicsCode:
         """A code without fault."""
         joints, bodies, n = model.joints, model.bodies, model.n_bodies
         factors = ("weight", "carried", "cross", "centripetal", "sliding", "gyroscopic")
@@ -79,26 +79,26 @@ class Code:
         )
         return cls(tuple(joint.inside for joint in joints), tuple(joint.is_prismatic for joint in joints), numbers)
 
-    def but(self, **numbers: Array) -> Code:
+    def but(self, **numbers: Array) -> DynamicsCode:
         """The code with other numbers."""
         return dataclasses.replace(self, numbers=dataclasses.replace(self.numbers, **numbers))
 
-    def taking(self, arguments: Callable[[Array, Array, Array], State]) -> Code:
+    def taking(self, arguments: Callable[[Array, Array, Array], State]) -> DynamicsCode:
         """The code with its arguments changed before anything else."""
         return dataclasses.replace(self, arguments=(arguments, *self.arguments))
 
-    def giving(self, answer: Callable[[Array, State], Array]) -> Code:
+    def giving(self, answer: Callable[[Array, State], Array]) -> DynamicsCode:
         """The code with its answer changed after everything else; answer(tau, (q, v, a))."""
         return dataclasses.replace(self, answers=(*self.answers, answer))
 
 
-def torques_of(codes: Sequence[Code], state: State) -> Array:
+def torques_of(codes: Sequence[DynamicsCode], state: State) -> Array:
     """Torques (K, R, n) of K codes for one robot at R states (R, n) each. Complex numbers give complex torques."""
     size = max(1, MOST_AT_ONCE // len(state[0]))
     return np.concatenate([_torques(codes[k : k + size], state) for k in range(0, len(codes), size)])
 
 
-def _torques(codes: Sequence[Code], state: State) -> Array:
+def _torques(codes: Sequence[DynamicsCode], state: State) -> Array:
     given = []
     for code in codes:
         arguments = state
@@ -119,7 +119,7 @@ def _torques(codes: Sequence[Code], state: State) -> Array:
     return np.stack(answered)
 
 
-def _recursion(code: Code, x: Numbers, q: Array, v: Array, a: Array) -> Array:
+def _recursion(code: DynamicsCode, x: Numbers, q: Array, v: Array, a: Array) -> Array:
     """Torques (n, K, R) from numbers (…, K, 1) and states (n, K, R)."""
     nothing = np.zeros((3, 1, 1))
     omega, alpha, linear, gravity = [nothing], [nothing], [nothing], [x.gravity]

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crosscheck.judging.faults.changes import joints_said, of_bodies
-from crosscheck.judging.faults.fault import Fault
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn import RobotModel
 
 MOST_SUBSETS = 7
@@ -48,7 +48,7 @@ OF_ALL = (AXIS, (-1, 1, 1, 1), (1, 1, -1, 1), (-1, -1, -1, 1), (1, -1, -1, -1))
 """What happens to all joints at once; torques are even in the velocities of all, and their own sign is told apart."""
 
 
-def signs(model: RobotModel) -> Iterator[Fault]:
+def signs(model: RobotModel) -> Iterator[CodeFault]:
     every = list(range(model.n_bodies))
     for pattern in PATTERNS:
         size = 1 if pattern in IN_SETS or pattern.count(-1) == 1 else 2
@@ -56,7 +56,7 @@ def signs(model: RobotModel) -> Iterator[Fault]:
             yield _reversed(model, pattern, joints, size)
         if model.n_bodies > 1 and pattern in OF_ALL:
             yield _reversed(model, pattern, every, model.n_bodies)
-    yield Fault.of(
+    yield CodeFault.of(
         "sign",
         "all torques have the opposite sign",
         "negate the result",
@@ -81,17 +81,17 @@ def signs(model: RobotModel) -> Iterator[Fault]:
     )
 
 
-def _reversed(model: RobotModel, pattern: Signs, joints: Sequence[int], size: int) -> Fault:
+def _reversed(model: RobotModel, pattern: Signs, joints: Sequence[int], size: int) -> CodeFault:
     s_q, s_v, s_a, s_tau = (np.where(np.isin(np.arange(model.n_bodies), joints), s, 1.0) for s in pattern)
 
-    def change(code: Code) -> Code:
+    def change(code: DynamicsCode) -> DynamicsCode:
         if pattern == AXIS:
             return code.but(axes=s_q[:, None] * code.numbers.axes)
         code = code.taking(lambda q, v, a: (s_q * q, s_v * v, s_a * a))
         return code.giving(lambda tau, _: s_tau * tau) if (s_tau < 0).any() else code
 
     remedy = REMEDIES.get(pattern, "use one sense for position, velocity, acceleration and torque of a joint")
-    return Fault.of("sign", PATTERNS[pattern].format(who=joints_said(model, joints)), remedy, change, size)
+    return CodeFault.of("sign", PATTERNS[pattern].format(who=joints_said(model, joints)), remedy, change, size)
 
 
 def _several(n: int) -> Iterator[list[int]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.changes import factor_said, is_round, rounded
 from crosscheck.judging.faults.fault import Family, Said
-from crosscheck.judging.faults.recursion import Code, State
+from crosscheck.judging.faults.recursion import DynamicsCode, State
 from crosscheck.judging.faults.velocity_terms import velocity_terms
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -39,7 +39,7 @@ def terms(model: RobotModel) -> Iterator[Family]:
     n, names = model.n_bodies, list(EVERYWHERE)
     slides = np.array([joint.is_prismatic for joint in model.joints])
 
-    def everywhere(code: Code, x: Array) -> Code:
+    def everywhere(code: DynamicsCode, x: Array) -> DynamicsCode:
         return code.but(**{name: factor * np.ones(n) for name, factor in zip(names, x, strict=True)})
 
     yield Family(np.ones(4), everywhere, partial(_said, list(EVERYWHERE.values()), "coriolis"))
@@ -55,7 +55,7 @@ def terms(model: RobotModel) -> Iterator[Family]:
         yield _decomposition(model, number)
 
 
-def _at_one(field: str, at: NDArray[np.bool_], code: Code, x: Array) -> Code:
+def _at_one(field: str, at: NDArray[np.bool_], code: DynamicsCode, x: Array) -> DynamicsCode:
     return code.but(**{field: np.where(at, x[0], getattr(code.numbers, field))})
 
 

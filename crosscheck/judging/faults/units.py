@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crosscheck.judging.faults.changes import joints_said, of_joints, rotation_from
-from crosscheck.judging.faults.fault import Change, Fault
+from crosscheck.judging.faults.fault import Change, CodeFault
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation
@@ -16,7 +16,7 @@ LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254}
 """Units that a length may be in, per metre."""
 
 
-def units(model: RobotModel) -> Iterator[Fault]:
+def units(model: RobotModel) -> Iterator[CodeFault]:
     slides = np.array([joint.is_prismatic for joint in model.joints])
     degree = np.pi / 180
     sets = [[k] for k in range(model.n_bodies)] + ([list(range(model.n_bodies))] if model.n_bodies > 1 else [])
@@ -56,7 +56,7 @@ def units(model: RobotModel) -> Iterator[Fault]:
 
 def _scaled(
     model: RobotModel, joints: Sequence[int], of: str, what: str, unit: str, factor: float, which: str
-) -> Fault:
+) -> CodeFault:
     """Some of q, v, a multiplied by a factor at some joints."""
     scale = np.where(np.isin(np.arange(model.n_bodies), joints), factor, 1.0)
 
@@ -66,4 +66,6 @@ def _scaled(
 
     change: Change = lambda code: code.taking(state)  # noqa: E731
     said = of.format(what=what)
-    return Fault.of("unit", f"{said} are taken as {unit}", "convert to rad, m, rad/s, m/s when they are read", change)
+    return CodeFault.of(
+        "unit", f"{said} are taken as {unit}", "convert to rad, m, rad/s, m/s when they are read", change
+    )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.judging.faults.recursion import Code, torques_of
+from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from graphdyn import MaximalState, RobotModel, maximal_state
 from graphdyn.equations import null_space
 from graphdyn.layout import ANGULAR, LINEAR, Array
@@ -25,7 +25,7 @@ def velocity_terms(model: RobotModel, q: Array, v: Array) -> tuple[Terms, ...]:
 
 
 def _velocity_torque(model: RobotModel, q: Array, v: Array) -> Array:
-    weightless = Code.of(model).but(gravity=np.zeros(3))
+    weightless = DynamicsCode.of(model).but(gravity=np.zeros(3))
     (torque,) = torques_of([weightless], (q, v, np.zeros_like(v)))
     return torque  # type: ignore[no-any-return]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.recursion import Code, State, torques_of
+from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.states.experiments import PARTS, Parts, TrialStates
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import RobotModel, inverse_dynamics
@@ -32,7 +32,7 @@ class Observation:
     scale: Array
     part: NDArray[np.str_]
 
-    def residuals(self, codes: Sequence[Code]) -> Array:
+    def residuals(self, codes: Sequence[DynamicsCode]) -> Array:
         """How far the torques of K codes are from the answers, relative to the scale (K, T, n)."""
         tau = torques_of(codes, self.state)
         subtracted = np.where((self.less >= 0)[:, None], tau[:, self.less], 0.0)

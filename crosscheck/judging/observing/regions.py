@@ -24,7 +24,7 @@ PER = {"q": "", "v": "/s", "a": "/s²"}
 
 
 @dataclass(frozen=True, eq=False)
-class Quantity:
+class RegionVariable:
     """A number of each state, in which a region may be bounded.
 
     name: in words; values: (N,); unit: with a blank before it, or ""
@@ -44,7 +44,7 @@ class Side:
     inside: the states on this side (N,)
     """
 
-    quantity: Quantity
+    quantity: RegionVariable
     above: bool
     inside: NDArray[np.bool_]
 
@@ -89,7 +89,7 @@ def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collec
     return f"{x.said(y.inside)} and {y.said(x.inside)}"
 
 
-def _sides(quantity: Quantity, deviating: NDArray[np.bool_]) -> Iterator[Side]:
+def _sides(quantity: RegionVariable, deviating: NDArray[np.bool_]) -> Iterator[Side]:
     """The tightest threshold from either side that has all deviating states beyond it."""
     for above, values in ((True, quantity.values), (False, -quantity.values)):
         inside = values >= values[deviating].min()
@@ -97,7 +97,7 @@ def _sides(quantity: Quantity, deviating: NDArray[np.bool_]) -> Iterator[Side]:
             yield Side(quantity, above, inside)
 
 
-def quantities(states: JudgedStates, arguments: Collection[str]) -> Iterator[Quantity]:
+def quantities(states: JudgedStates, arguments: Collection[str]) -> Iterator[RegionVariable]:
     """Position, velocity, acceleration and speed of each joint; the largest of all joints."""
     model, moving = states.model, [name for name in "qva" if name in arguments]
     speed = np.array([joint.limits.velocity or np.nan for joint in model.joints])
@@ -105,13 +105,13 @@ def quantities(states: JudgedStates, arguments: Collection[str]) -> Iterator[Qua
         for name in moving:
             values, unit = getattr(states, name)[:, k], f" {'m' if joint.is_prismatic else 'rad'}{PER[name]}"
             limit = float(speed[k]) if name == "v" and speed[k] > 0 else None
-            yield Quantity(f"{name} of joint '{joint.name}'", values, unit)
-            yield Quantity(f"∣{name}∣ of joint '{joint.name}'", np.abs(values), unit, limit)
+            yield RegionVariable(f"{name} of joint '{joint.name}'", values, unit)
+            yield RegionVariable(f"∣{name}∣ of joint '{joint.name}'", np.abs(values), unit, limit)
     if "v" in moving and (speed > 0).all():
         fastest = (np.abs(states.v) / speed).max(axis=1) * 100
-        yield Quantity("the largest speed of a joint", fastest, " % of its limit")
+        yield RegionVariable("the largest speed of a joint", fastest, " % of its limit")
     for name in moving:
-        yield Quantity(f"the largest ∣{name}∣ of a joint", np.abs(getattr(states, name)).max(axis=1), "")
+        yield RegionVariable(f"the largest ∣{name}∣ of a joint", np.abs(getattr(states, name)).max(axis=1), "")
 
 
 def roundest(x: float, y: float) -> float:

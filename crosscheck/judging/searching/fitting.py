@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.judging.faults.fault import Family
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from graphdyn.layout import Array
 
@@ -42,7 +42,7 @@ def root_mean_square(residuals: Array) -> Array:
     return np.where(np.isfinite(size), size, np.inf)
 
 
-def fitted(families: Sequence[Family], base: Code, observation: Observation, noise: float) -> list[Fitted]:
+def fitted(families: Sequence[Family], base: DynamicsCode, observation: Observation, noise: float) -> list[Fitted]:
     """Each family at the numbers that leave least, as far as it is among the better ones."""
     now = _started(families, base, observation)
     active = list(range(len(families)))
@@ -60,7 +60,7 @@ def fitted(families: Sequence[Family], base: Code, observation: Observation, noi
     return now
 
 
-def _started(families: Sequence[Family], base: Code, observation: Observation) -> list[Fitted]:
+def _started(families: Sequence[Family], base: DynamicsCode, observation: Observation) -> list[Fitted]:
     starts = [family.right[None] if family.starts is None else family.starts for family in families]
     codes = [family.change(base, x) for family, xs in zip(families, starts, strict=True) for x in xs]
     left = root_mean_square(observation.residuals(codes))
@@ -72,7 +72,7 @@ def _started(families: Sequence[Family], base: Code, observation: Observation) -
     return best
 
 
-def _steps(now: Sequence[Fitted], base: Code, observation: Observation, noise: float) -> list[Fitted]:
+def _steps(now: Sequence[Fitted], base: DynamicsCode, observation: Observation, noise: float) -> list[Fitted]:
     """One step of each."""
     codes = [
         x.family.change(base, x.numbers + 1j * STEP * direction) for x in now for direction in np.eye(len(x.numbers))
@@ -100,7 +100,7 @@ def _least_squares(columns: Array, target: Array, noise: float) -> Array:
     return solution
 
 
-def sparse(found: Fitted, base: Code, observation: Observation, noise: float, bound: float) -> Fitted:
+def sparse(found: Fitted, base: DynamicsCode, observation: Observation, noise: float, bound: float) -> Fitted:
     """The fit with every number at its right value whose effect is below the bound, if that fits too."""
     if len(found.numbers) == 1 or found.left > bound:
         return found

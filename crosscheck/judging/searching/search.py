@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.all_faults import families, faults
-from crosscheck.judging.faults.fault import KINDS, Family, Fault, Said
+from crosscheck.judging.faults.fault import KINDS, CodeFault, Family, Said
 from crosscheck.judging.faults.from_answers import limits, smooth_friction
-from crosscheck.judging.faults.recursion import Code
+from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import fitted, root_mean_square, sparse
 from graphdyn import RobotModel
@@ -43,15 +43,15 @@ class Explanation:
         unless they are explained; parts: of the rows of the experiments
     """
 
-    elements: tuple[tuple[Fault | Family, Array], ...]
-    code: Code
+    elements: tuple[tuple[CodeFault | Family, Array], ...]
+    code: DynamicsCode
     left: float
     worst: Array
     parts: NDArray[np.str_]
 
     @property
     def said_by_element(self) -> list[list[Said]]:
-        return [[x.said] if isinstance(x, Fault) else x.say(numbers) for x, numbers in self.elements]
+        return [[x.said] if isinstance(x, CodeFault) else x.say(numbers) for x, numbers in self.elements]
 
     @property
     def said(self) -> list[Said]:
@@ -104,7 +104,7 @@ class Search:
         self.model, self.noise, self.bound = model, noise, bound
         self.experiments, self.judged = experiments, judged
         self.all_rows = experiments if judged is None else experiments.and_(judged)
-        self.own = Code.of(model)
+        self.own = DynamicsCode.of(model)
         self._faults, self._families = list(faults(model, readings)), list(families(model))
         self._tried, self._fitted = (experiments.only(_of_states(experiments, size)) for size in (TRIED, FITTED))
 
@@ -149,15 +149,17 @@ class Search:
         lengths = [len(x) for _, x in elements]
         ends = np.cumsum(lengths)
 
-        def changed(code: Code, x: Array) -> Code:
+        def changed(code: DynamicsCode, x: Array) -> DynamicsCode:
             for (element, _), end, length in zip(elements, ends, lengths, strict=True):
                 code = (
-                    element.change(code) if isinstance(element, Fault) else element.change(code, x[end - length : end])
+                    element.change(code)
+                    if isinstance(element, CodeFault)
+                    else element.change(code, x[end - length : end])
                 )
             return code
 
         start = np.concatenate([x for _, x in elements])
-        right = np.concatenate([np.zeros(0) if isinstance(x, Fault) else x.right for x, _ in elements])
+        right = np.concatenate([np.zeros(0) if isinstance(x, CodeFault) else x.right for x, _ in elements])
         joint = Family(right, changed, lambda x: [], start[None])
         (fit,) = fitted([joint], self.own, self.experiments, self.noise)
         fit = sparse(fit, self.own, self.experiments, self.noise, self.bound)
@@ -166,7 +168,7 @@ class Search:
         return self._whole(tuple(pairs), changed(self.own, fit.numbers))
 
     def _explanation(
-        self, base: Explanation, added: Sequence[tuple[Fault | Family, Array] | None]
+        self, base: Explanation, added: Sequence[tuple[CodeFault | Family, Array] | None]
     ) -> list[Explanation]:
         """The base with each of these added; tried at the judged states only if it fits the experiments."""
         codes = [_changed(base.code, element) for element in added]
@@ -184,7 +186,7 @@ class Search:
             found.append(self._whole(elements, code) if fits else explanation)
         return found
 
-    def _whole(self, elements: tuple[tuple[Fault | Family, Array], ...], code: Code) -> Explanation:
+    def _whole(self, elements: tuple[tuple[CodeFault | Family, Array], ...], code: DynamicsCode) -> Explanation:
         residuals = self.all_rows.residuals([code])
         with np.errstate(invalid="ignore"):
             worst = np.nan_to_num(np.abs(residuals[0]).max(axis=1), nan=np.inf)
@@ -195,7 +197,7 @@ class Search:
         everywhere = len(explanation.worst) == len(self.all_rows.part)
         return everywhere and explanation.is_told and bool(explanation.worst.max() <= self.bound)
 
-    def _from_answers(self, base: Explanation) -> list[Fault]:
+    def _from_answers(self, base: Explanation) -> list[CodeFault]:
         judged = self.judged
         if judged is None or (judged.less >= 0).any():
             return []
@@ -237,11 +239,11 @@ def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:
     return kept
 
 
-def _changed(code: Code, element: tuple[Fault | Family, Array] | None) -> Code:
+def _changed(code: DynamicsCode, element: tuple[CodeFault | Family, Array] | None) -> DynamicsCode:
     if element is None:
         return code
     fault, numbers = element
-    return fault.change(code) if isinstance(fault, Fault) else fault.change(code, numbers)
+    return fault.change(code) if isinstance(fault, CodeFault) else fault.change(code, numbers)
 
 
 def _of_states(experiments: Observation, number: int) -> NDArray[np.bool_]:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crosscheck.judging.faults.recursion import Code, State, torques_of
+from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.searching.search import Explanation, Search
 from graphdyn.layout import Array
 
@@ -21,7 +21,7 @@ ALIKE = 1e-9
 """Relative difference of two numbers that are the same."""
 
 
-def same_code(first: Code, second: Code) -> bool:
+def same_code(first: DynamicsCode, second: DynamicsCode) -> bool:
     """Whether both have the same numbers and treat arguments and answers alike: one fault in two ways to say it."""
     pairs = zip(dataclasses.astuple(first.numbers), dataclasses.astuple(second.numbers), strict=True)
     alike = all(np.allclose(x, y, rtol=ALIKE, atol=ALIKE * float(np.abs(x).max())) for x, y in pairs)
@@ -60,7 +60,7 @@ def _tilt(first: Explanation, second: Explanation, search: Search) -> bool:
     return any(_differ(first.code.but(gravity=g), second.code.but(gravity=g), state, search) for g in TILTS)
 
 
-def _differ(first: Code, second: Code, state: State, search: Search) -> bool:
+def _differ(first: DynamicsCode, second: DynamicsCode, state: State, search: Search) -> bool:
     one: Array
     one, other = torques_of([first], state)[0], torques_of([second], state)[0]
     size = np.abs(one).max(axis=1, keepdims=True)

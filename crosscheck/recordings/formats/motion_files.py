@@ -28,7 +28,7 @@ TOPIC = "/joint_states"
 NANOSECONDS = 10**9
 
 
-class JointMotion(Protocol):
+class RecordedMotion(Protocol):
     """What every file has: a VirtualRecording, or a Simulation."""
 
     @property
@@ -45,7 +45,7 @@ class JointMotion(Protocol):
     def tau(self) -> Array: ...
 
 
-def motion_document(recording: JointMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
+def motion_document(recording: RecordedMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
     """The content of a file of this name. Raises InvalidInput for another suffix; BadRecordingFile without rosbags.
 
     Parquet and CSV take a VirtualRecording alone.
@@ -65,7 +65,7 @@ def motion_document(recording: JointMotion, path: Path, metadata: Mapping[str, s
     return virtual_recording_document(recording, path, metadata)
 
 
-def _npz(recording: JointMotion, metadata: Mapping[str, str]) -> bytes:
+def _npz(recording: RecordedMotion, metadata: Mapping[str, str]) -> bytes:
     """Arrays t, q, v, a, tau, and the metadata as texts."""
     sink = io.BytesIO()
     texts = {name: np.array(text) for name, text in metadata.items()}
@@ -75,7 +75,7 @@ def _npz(recording: JointMotion, metadata: Mapping[str, str]) -> bytes:
     return sink.getvalue()
 
 
-def _mcap(recording: JointMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
+def _mcap(recording: RecordedMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
     """Joint states with the time of the simulation as stamp, whole nanoseconds."""
     try:
         from rosbags.rosbag2 import StoragePlugin, Writer

@@ -16,7 +16,7 @@ from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.parts.batches import parquet_rows
 from crosscheck.recordings.parts.logs import Log
-from crosscheck.recordings.parts.windows import Place, appended, refuse_uneven, window_of
+from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import STENCIL, differentiated
 from crosscheck.recordings.preparation.filtering import border, check_cutoff
 from crosscheck.recordings.preparation.resampling import sampling_rate
@@ -67,7 +67,7 @@ class ReadableLog:
         head = parquet_rows(file, 0, min(HEAD, count))
         mapping, findings = (mapping, []) if mapping else mapping_by_name(head, joints, rate)
         refuse_delays(mapping)
-        window, origin = window_of(head, mapping, Place(0, 0), None)
+        window, origin = window_of(head, mapping, RowPosition(0, 0), None)
         found = sampling_rate(window)
         cutoffs = dict(cutoff) if isinstance(cutoff, Mapping) else dict.fromkeys(("q", "tau"), cutoff) if cutoff else {}
         for frequency in cutoffs.values():
@@ -102,7 +102,7 @@ class ReadableLog:
             begin, end = max(first - start, 0), min(last - start, count)
             if begin < end:
                 table = parquet_rows(file, begin, end)
-                window, _ = window_of(table, self.mapping, Place(start + begin, begin), self.origin)
+                window, _ = window_of(table, self.mapping, RowPosition(start + begin, begin), self.origin)
                 whole = window if whole is None else appended(whole, window)
             start += count
         assert whole is not None

@@ -20,7 +20,7 @@ from crosscheck.recordings.loading import check_rate, reordered
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.parts.batches import tables
-from crosscheck.recordings.parts.windows import Place, appended, refuse_uneven, window_of
+from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import differentiated
 from crosscheck.recordings.preparation.row_filters import BORDERS, torque_filter
 from crosscheck.recordings.recording import Recording
@@ -93,7 +93,7 @@ class StreamedRecording:
             if mapping is None:
                 mapping = mapping_by_name(table, self.joints, self.rate)[0]
             refuse_delays(mapping)
-            recording, origin = window_of(table, mapping, Place(count, count), origin)
+            recording, origin = window_of(table, mapping, RowPosition(count, count), origin)
             count += len(table.values)
             yield recording if self.joints is None else reordered(recording, self.joints)
 

@@ -15,7 +15,7 @@ from crosscheck.recordings.table import RecordedTable
 from graphdyn import InvalidInput
 
 
-class Place(NamedTuple):
+class RowPosition(NamedTuple):
     """Of the first row of a table: its number in the log, and in its file, from 0."""
 
     in_log: int
@@ -23,7 +23,7 @@ class Place(NamedTuple):
 
 
 def window_of(
-    table: RecordedTable, mapping: ColumnMapping, place: Place, origin: Origin | None
+    table: RecordedTable, mapping: ColumnMapping, place: RowPosition, origin: Origin | None
 ) -> tuple[Recording, Origin | None]:
     """The rows at the joints in SI units, and the origin of their times, found unless given.
 

@@ -47,7 +47,7 @@ CHORD = CURVES[1]
 
 def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None) -> Markup:
     """The robot at q (n,), or where nothing is given as pose says; joints carry their numbers."""
-    scene = _Scene(model, pose(model) if q is None else q)
+    scene = _Drawing(model, pose(model) if q is None else q)
     slides = sum(joint.is_prismatic for joint in model.joints)
     label = (
         f"Stick figure of {name}: {model.n_bodies - slides} revolute and {slides} prismatic joints, "
@@ -78,7 +78,7 @@ def pose_text(model: RobotModel) -> str:
     return "Zero pose"
 
 
-class _Scene:
+class _Drawing:
     """Everything that is drawn, on the plane of the picture [m]; ratio: height over width."""
 
     def __init__(self, model: RobotModel, q: Array):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from crosscheck.study.settings.robot_settings import ErrorSettings
-from crosscheck.study.simulated.plants import Plant
+from crosscheck.study.simulated.plants import ControlledRobot
 from graphdyn import (
     Body,
     Friction,
@@ -76,11 +76,11 @@ class Mechanism:
         return replace(controller, **gains, target=target)  # type: ignore[arg-type]
 
 
-def rigid(plant: Plant) -> Mechanism:
+def rigid(plant: ControlledRobot) -> Mechanism:
     return Mechanism(plant.model, plant.friction, plant.rotors, None, LONGEST_STEP, False)
 
 
-def flexible(plant: Plant, errors: ErrorSettings) -> Mechanism:
+def flexible(plant: ControlledRobot, errors: ErrorSettings) -> Mechanism:
     """Friction and rotors are those of the motors, whose bodies have no mass beside.
 
     Spong, "Modeling and control of elastic joint robots", Journal of Dynamic Systems, Measurement, and Control 109(4),

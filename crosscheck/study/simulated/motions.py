@@ -11,16 +11,9 @@ import numpy as np
 from crosscheck.exciting.noise import assumed_noise
 from crosscheck.study.settings.robot_settings import RobotSettings
 from crosscheck.study.settings.scenarios import MOTIONS
-from crosscheck.study.simulated.plants import Plant, plant_of
+from crosscheck.study.simulated.plants import ControlledRobot, plant_of
 from graphdyn import InvalidInput
-from graphdyn.excitation import (
-    ExcitationProblem,
-    FourierBasis,
-    Trajectory,
-    frame_origins,
-    optimised,
-    random_trajectory,
-)
+from graphdyn.excitation import ExcitationProblem, FourierBasis, Trajectory, frame_origins, optimised, random_trajectory
 from graphdyn.layout import Array
 from graphdyn.motion_laws import ConstantAcceleration, Course, Locked, MotionLaw
 
@@ -62,7 +55,9 @@ def start_of(laws: Sequence[MotionLaw]) -> tuple[Array, Array]:
     return np.array([q[0] for q, _, _ in courses]), np.array([v[0] for _, v, _ in courses])
 
 
-def _random(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
+def _random(
+    plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
+) -> tuple[MotionLaw, ...]:
     basis, balls = FourierBasis(min(duration, PERIOD), HARMONICS), frame_origins(plant.model)
     found = random_trajectory(plant.model, plant.limits, balls, basis, rng)
     if np.ptp(found.motion(np.linspace(0.0, basis.duration)).q, axis=0).max() < STILL:
@@ -73,7 +68,9 @@ def _random(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: 
     return _repeated(found)
 
 
-def _excited(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
+def _excited(
+    plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
+) -> tuple[MotionLaw, ...]:
     """For equal shares of noise in the torques of all joints, whatever the noise of the scenario."""
     torque_model = plant.known_exactly
     basis = FourierBasis(min(duration, PERIOD), HARMONICS)
@@ -81,7 +78,9 @@ def _excited(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration:
     return _repeated(optimised(problem, int(rng.integers(2**31))).trajectory)
 
 
-def _steps(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
+def _steps(
+    plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
+) -> tuple[MotionLaw, ...]:
     limits, moving = plant.limits, STEP / 2
     farthest = np.minimum(
         limits.velocity * moving / QUINTIC_SPEED, limits.acceleration * moving**2 / QUINTIC_ACCELERATION
@@ -94,13 +93,15 @@ def _steps(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: f
     return tuple(Steps(tuple(course)) for course in np.transpose(positions).tolist())
 
 
-def _paper(plant: Plant, _: RobotSettings, rng: np.random.Generator, duration: float) -> tuple[MotionLaw, ...]:
+def _paper(
+    plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
+) -> tuple[MotionLaw, ...]:
     laws: list[MotionLaw] = [ConstantAcceleration(PAPER_ACCELERATION), ConstantAcceleration(-PAPER_ACCELERATION)]
     rest = [Locked() for _ in range(plant.model.n_freedoms)]
     return tuple([*laws, *rest][: plant.model.n_freedoms])
 
 
-_Made = Callable[[Plant, RobotSettings, np.random.Generator, float], tuple[MotionLaw, ...]]
+_Made = Callable[[ControlledRobot, RobotSettings, np.random.Generator, float], tuple[MotionLaw, ...]]
 
 _KINDS: dict[str, _Made] = {"random": _random, "excited": _excited, "steps": _steps, "paper": _paper}
 

@@ -25,7 +25,7 @@ FREQUENCY, DAMPING = 30.0, 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Plant:
+class ControlledRobot:
     """A robot with drives, the gains of its controller, and the limits of its motions; arrays (n,).
 
     velocity_noise: that the controller sees [rad/s or m/s]
@@ -65,7 +65,7 @@ class Plant:
 
 
 @lru_cache(maxsize=1)
-def plant_of(settings: RobotSettings) -> Plant:
+def plant_of(settings: RobotSettings) -> ControlledRobot:
     """Raises BadConfiguration for numbers that are not of this robot, and for loops; urdf's errors."""
     model = urdf.load(settings.name, lock=settings.locked or None)
     if model.chords or model.couplings:
@@ -98,7 +98,7 @@ def plant_of(settings: RobotSettings) -> Plant:
         limits = MotionLimits.of_model(model, **bounds)
     except InvalidInput as error:
         raise BadConfiguration(f"{settings.file}: limits in [robot]: {error}") from None
-    return Plant(
+    return ControlledRobot(
         model,
         Friction(each("viscous", settings.viscous), each("coulomb", settings.coulomb)),
         rotors,

@@ -13,7 +13,7 @@ from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.mechanisms import Mechanism, flexible, rigid
 from crosscheck.study.simulated.motions import reference, start_of
-from crosscheck.study.simulated.plants import Plant, plant_of, torque_model_of
+from crosscheck.study.simulated.plants import ControlledRobot, plant_of, torque_model_of
 from graphdyn import InvalidInput, MeasurementNoise, inverse_dynamics, rollout
 from graphdyn.identification import ClosedLoop, Problem, TorqueModel
 from graphdyn.identification.terms import PayloadMass
@@ -25,7 +25,7 @@ WHOLE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class SimulatedMotion:
     """What a simulated robot did at the times of the samples (N,) [s].
 
     q: positions of the motors as measured; tau: of the actuators; links: q, v, a of the links, exact   (N, n)
@@ -75,7 +75,9 @@ def simulated(study: Configuration, scenario: Scenario, run: int) -> Record:
     return Record(preparation.problem(known, prepared), prepared, loop, plant.truth(known))
 
 
-def _motion(study: Configuration, plant: Plant, laws: Sequence[MotionLaw], scenario: Scenario, seed: int) -> Motion:
+def _motion(
+    study: Configuration, plant: ControlledRobot, laws: Sequence[MotionLaw], scenario: Scenario, seed: int
+) -> SimulatedMotion:
     """The controller sees positions with the noise that is in the recording, and velocities with noise of their own."""
     mechanism: Mechanism = flexible(plant, study.errors) if scenario.model_error == "flexible" else rigid(plant)
     shortest = min(scenario.period, scenario.control_period)
@@ -107,7 +109,7 @@ def _motion(study: Configuration, plant: Plant, laws: Sequence[MotionLaw], scena
     if not all(np.all(np.isfinite(array)) for array in (motors, q_l, v_l, a_l)):
         raise InvalidInput("the controller does not hold the robot: it runs away; give other gains, or a higher rate")
     measured = motors + mechanism.motors(_seen(scenario, noise, seed, len(motors)))
-    return Motion(run.time, measured, mechanism.motors(run.tau[0]), (q_l, v_l, a_l))
+    return SimulatedMotion(run.time, measured, mechanism.motors(run.tau[0]), (q_l, v_l, a_l))
 
 
 def _seen(scenario: Scenario, noise: MeasurementNoise, seed: int, samples: int) -> Array:
@@ -129,7 +131,11 @@ def _seen(scenario: Scenario, noise: MeasurementNoise, seed: int, samples: int) 
 
 
 def _recorded(
-    study: Configuration, plant: Plant, motion: Motion, scenario: Scenario, seeds: Sequence[np.random.SeedSequence]
+    study: Configuration,
+    plant: ControlledRobot,
+    motion: SimulatedMotion,
+    scenario: Scenario,
+    seeds: Sequence[np.random.SeedSequence],
 ) -> Recording:
     """With noise of the torques and, if they are measured, of the wrenches."""
     torques, wrenches = (np.random.default_rng(seed) for seed in seeds)

@@ -1,6 +1,6 @@
 """Inverse and forward dynamics as steps of one body, which is a robot of one body on its inside body.
 
-A step is given rolling.Body: the link, its joint arrays and external wrench; the inside body as
+A step is given rolling.StepInputs: the link, its joint arrays and external wrench; the inside body as
 a ground that moves; and memory: what earlier steps of the body kept, what bodies outside have added to its sums.
 """
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from graphdyn.recursions.forward import Inertia, SeenThroughJoint, accelerated, seen_through_joint
 from graphdyn.recursions.inverse import Wrench, answers, inwards, unloaded
-from graphdyn.recursions.motion import Motion, Place, inertial_wrench, motions, places, rotations
+from graphdyn.recursions.motion import BodyMotion, JointPlacement, inertial_wrench, motions, places, rotations
 from graphdyn.scalars.vectors import Scalars, symmetric
 
 
@@ -29,7 +29,7 @@ class Pass:
     step: Callable[[Any], dict[str, list[Any]]]
 
 
-def _placed(x: Any, acceleration: Any) -> Motion:
+def _placed(x: Any, acceleration: Any) -> BodyMotion:
     """How the body moves. This and where it is are kept, for bodies outside too, with the wrench that it takes."""
     (place,) = places([x.link], [x.joint("q")])
     (motion,) = motions([x.link], [place], x.ground, [x.joint("v")], [acceleration])
@@ -43,18 +43,18 @@ def _placed(x: Any, acceleration: Any) -> Motion:
     return motion
 
 
-def _place(x: Any) -> Place:
+def _place(x: Any) -> JointPlacement:
     if x.link.prismatic:
         return places([x.link], [x.joint("q")])[0]
     c, s = x.kept("turn")
-    return Place(x.link.rotation, c, s, x.link.translation)
+    return JointPlacement(x.link.rotation, c, s, x.link.translation)
 
 
-def _motion(x: Any) -> Motion:
-    return Motion(x.kept("omega"), x.kept("alpha"), x.kept("compensated"))
+def _motion(x: Any) -> BodyMotion:
+    return BodyMotion(x.kept("omega"), x.kept("alpha"), x.kept("compensated"))
 
 
-def _answers(x: Any, place: Place, motion: Motion, wrench: Wrench) -> dict[str, list[Any]]:
+def _answers(x: Any, place: JointPlacement, motion: BodyMotion, wrench: Wrench) -> dict[str, list[Any]]:
     return answers([x.link], [place], x.ground, [motion], [wrench]) if x.reactions else {}
 
 
@@ -102,7 +102,7 @@ def _accelerated(x: Any) -> dict[str, list[Any]]:
     leaf = SeenThroughJoint(inertia, (bias[0], bias[1]), (U[0], U[1]), *gain)
     a, (linear, angular), wrench = accelerated(x.link, place, leaf, (x.gained[0], x.gained[1]))
     x.keep("gained", (linear, angular))
-    total = Motion(motion.omega, motion.alpha + angular, motion.compensated + linear)
+    total = BodyMotion(motion.omega, motion.alpha + angular, motion.compensated + linear)
     return {"a": [a], **_answers(x, place, total, wrench)}
 
 

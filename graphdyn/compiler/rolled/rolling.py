@@ -73,7 +73,7 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
         steps = {}
         for kind, columns in known.items():
             numbers = [number for number, other in enumerate(kinds) if other == kind]
-            steps[kind] = Body(model, request, bodies[numbers[0]], table[numbers], columns).record(each)
+            steps[kind] = StepInputs(model, request, bodies[numbers[0]], table[numbers], columns).record(each)
         recorded.append((each.outwards, steps))
     n = model.n_bodies
     inputs = dict.fromkeys(RECURSIONS[request.recursion].inputs, n)
@@ -98,7 +98,7 @@ def _numbers(link: Link) -> list[float]:
     return [float(x) for name in _NUMBERS for x in np.ravel(getattr(link, name))]
 
 
-class Body:
+class StepInputs:
     """What a step is given (graphdyn.compiler.rolled.body_steps), for the bodies of a kind.
 
     known: columns of memory in which earlier steps left the same number for all of them; record adds its own

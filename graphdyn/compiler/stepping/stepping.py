@@ -16,7 +16,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True)
-class Stretch:
+class StepRange:
     """Steps start … start + count - 1, of width h [s]; a new torque at every hold-th, a record at every every-th."""
 
     start: int
@@ -57,7 +57,7 @@ class CompiledSteps:
 
     def run(
         self,
-        stretch: Stretch,
+        stretch: StepRange,
         state: Array,
         constants: Array,
         control: Array,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graphdyn.identification.data.rows import Rows
-from graphdyn.identification.data.samples import Motion, Samples, joined_samples
+from graphdyn.identification.data.samples import Samples, TorqueFreeSamples, joined_samples
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
@@ -17,7 +17,7 @@ WINDOW = 4096
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
+class RowBlock:
     """Some rows of a recording.
 
     measured: its equations, filtered; matrix: their W in base parameters of the problem   (N, n, r)
@@ -34,7 +34,7 @@ class Beside:
     output: Array
 
 
-def beside(problem: Problem, simulated: list[Samples]) -> Iterator[Beside]:
+def beside(problem: Problem, simulated: list[Samples]) -> Iterator[RowBlock]:
     """All equations of a problem, chunk by chunk, with the stretches that were simulated for it."""
     motion = _decimated(problem, simulated)
     position, first, window = 0, 0, np.empty((0, problem.n_joints, problem.base.rank))
@@ -42,9 +42,9 @@ def beside(problem: Problem, simulated: list[Samples]) -> Iterator[Beside]:
         end = position + len(rows)
         if end > first + len(window):
             first = position
-            ahead = Motion(motion[first : max(end, first + WINDOW)])
+            ahead = TorqueFreeSamples(motion[first : max(end, first + WINDOW)])
             window = problem.torque_model.rows(ahead, problem.base.independent)
-        yield Beside(rows, problem.reduced(rows), window[position - first : end - first], motion.tau[position:end])
+        yield RowBlock(rows, problem.reduced(rows), window[position - first : end - first], motion.tau[position:end])
         position = end
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.solution import EPS
-from graphdyn.identification.closed_loop.beside import Beside
+from graphdyn.identification.closed_loop.beside import RowBlock
 from graphdyn.identification.statistics.jackknife import left_out_covariance
 from graphdyn.layout import Array
 
@@ -44,7 +44,7 @@ class CrossedEquations:
     instruments: Array
 
     @classmethod
-    def of(cls, parts: Iterable[Beside], support: NDArray[np.bool_]) -> CrossedEquations:
+    def of(cls, parts: Iterable[RowBlock], support: NDArray[np.bool_]) -> CrossedEquations:
         """support: where W can differ from zero (n, r)."""
         n, r = support.shape
         blocks: dict[int, Array] = defaultdict(lambda: np.zeros((n, r, r + 1)))

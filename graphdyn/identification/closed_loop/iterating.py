@@ -27,7 +27,7 @@ HALVINGS = 6
 """How often a step is halved where the simulated loop does not hold the robot at its end: to 1/64 of it."""
 
 
-class Found(Protocol):
+class IterationResult(Protocol):
     """What one iteration finds: base parameters (r,), their covariance (r, r) for white noise, and for time blocks.
 
     noise: of the outputs or torques (n,)
@@ -43,7 +43,7 @@ class Found(Protocol):
     def noise(self) -> Array: ...
 
 
-class Start(NamedTuple):
+class InitialEstimate(NamedTuple):
     """A place to begin: base parameters (r,), and what they are, in words."""
 
     x: Array
@@ -60,7 +60,7 @@ class Iterated:
     remarks: in sentences
     """
 
-    last: Found
+    last: IterationResult
     simulated: list[Samples]
     iterations: int
     moved: float
@@ -68,7 +68,10 @@ class Iterated:
 
 
 def iterated(
-    loop: SimulatedLoop, starts: Sequence[Start], step: Callable[[Array, list[Samples]], Found], most: int = MOST
+    loop: SimulatedLoop,
+    starts: Sequence[InitialEstimate],
+    step: Callable[[Array, list[Samples]], IterationResult],
+    most: int = MOST,
 ) -> Iterated:
     """step: from base parameters (r,) and the motions simulated with them to the next ones.
 
@@ -99,7 +102,7 @@ def _resolved(loop: SimulatedLoop) -> Array:
     return np.asarray(RESOLVED * np.sqrt(equations.measured_squares.sum()) / columns)
 
 
-def _begun(loop: SimulatedLoop, starts: Sequence[Start]) -> tuple[Array, list[Samples], tuple[str, ...]]:
+def _begun(loop: SimulatedLoop, starts: Sequence[InitialEstimate]) -> tuple[Array, list[Samples], tuple[str, ...]]:
     remarks: tuple[str, ...] = ()
     for start in starts:
         try:

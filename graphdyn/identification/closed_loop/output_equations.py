@@ -14,14 +14,14 @@ import numpy as np
 from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
 from graphdyn.identification.algebra.solution import leverages, residual_deviations, solve
-from graphdyn.identification.closed_loop.beside import Beside
+from graphdyn.identification.closed_loop.beside import RowBlock
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Output:
+class OutputFit:
     """x (r,) after the step, its covariance (r, r), noise of each joint (n,), and the equations of every time block."""
 
     x: Array
@@ -36,7 +36,7 @@ class Output:
         return jackknife_covariance(self.blocks, self.change, self.noise)
 
 
-def output_step(problem: Problem, x: Array, parts: Iterable[Beside], noise: Array | None) -> Output:
+def output_step(problem: Problem, x: Array, parts: Iterable[RowBlock], noise: Array | None) -> OutputFit:
     """One step from base parameters x (r,).
 
     parts: with S as their regressor, and τ(x) as their output; noise: as given, None where it is to be estimated (n,)
@@ -54,4 +54,4 @@ def output_step(problem: Problem, x: Array, parts: Iterable[Beside], noise: Arra
     noise = residual_deviations(
         together, together.residual_squares(solution.x), leverages(together, noise, solution.inverse)
     )
-    return Output(x + solution.x, solution.inverse, noise, solution.x, equations)
+    return OutputFit(x + solution.x, solution.inverse, noise, solution.x, equations)

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.closed_loop.beside import Beside
+from graphdyn.identification.closed_loop.beside import RowBlock
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.prior import model_prior
@@ -32,7 +32,7 @@ LARGEST = 2e9
 """[bytes] Of all sensitivities."""
 
 
-def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: OutputName) -> Iterator[Beside]:
+def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: OutputName) -> Iterator[RowBlock]:
     """Measured and simulated outputs, and the sensitivities of the latter as the regressor.
 
     x: base parameters (r,) of the simulated motions. Raises EstimationFailed where all of it does not fit in memory.
@@ -46,7 +46,7 @@ def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: Outpu
         here = slice(position, position + len(rows))
         position = here.stop
         seen = rows if measured is None else replace(rows, measured=measured[here])
-        yield Beside(seen, problem.reduced(rows), sensitivity[here], modelled[here])
+        yield RowBlock(seen, problem.reduced(rows), sensitivity[here], modelled[here])
 
 
 def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
 from graphdyn.identification.closed_loop.loop import ClosedLoop
-from graphdyn.identification.closed_loop.stretch import Stretch
+from graphdyn.identification.closed_loop.stretch import Segment
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
@@ -38,7 +38,7 @@ class SimulatedLoop:
             raise EstimationFailed("the simulated loop knows no friction with memory; leave it out")
         self.problem, self.loop, self.simulations = problem, loop, 0
         pieces = [problem.data] if isinstance(problem.data, Samples) else list(problem.data)
-        self._stretches = [Stretch(problem, loop, stretch) for stretch in _uninterrupted(pieces)]
+        self._stretches = [Segment(problem, loop, stretch) for stretch in _uninterrupted(pieces)]
 
     def samples(self, parameters: Array) -> list[Samples]:
         """The motions with parameters x (p,), row for row those of the recording.
@@ -48,7 +48,7 @@ class SimulatedLoop:
         return [runs[0] for runs in self.runs(parameters[None])]
 
     def runs(self, parameters: Array) -> Iterator[list[Samples]]:
-        """Stretch by stretch, the motions with R rows of parameters (R, p). Raises EstimationFailed likewise."""
+        """Segment by segment, the motions with R rows of parameters (R, p). Raises EstimationFailed likewise."""
         self.simulations += len(parameters)
         robots = self._robots(parameters)
         for stretch in self._stretches:

@@ -33,7 +33,7 @@ Runs = tuple[Array, Array, Array, Array]
 """q, v, a and torques of the actuators of R robots (R, N, n) each."""
 
 
-class Stretch:
+class Segment:
     """Uninterrupted pieces of a recording."""
 
     def __init__(self, problem: Problem, loop: ClosedLoop, pieces: Sequence[Samples]) -> None:

@@ -65,7 +65,7 @@ than noise moves the cost."""
 
 
 @dataclass(frozen=True, eq=False)
-class Start:
+class LocalMinimum:
     """The result of one start.
 
     cost: ‖A u - b‖² + strength · ½ ‖S - E‖²
@@ -96,7 +96,7 @@ class LogCholeskyFit:
     excess: float
     eigenvalues: Array
     best_fit: bool
-    starts: tuple[Start, ...]
+    starts: tuple[LocalMinimum, ...]
     agreeing: int
     seconds: float
 
@@ -139,7 +139,7 @@ def log_cholesky_fit(
 
 def _from(
     coordinates: PriorCoordinates, theta: Array, bounded: NDArray[np.bool_], strength: float, margin: float
-) -> Start:
+) -> LocalMinimum:
     """From these bodies, and from the further columns of unconstrained least squares."""
     unknowns = np.concatenate([theta, coordinates.fitting[coordinates.width :]])
     evaluations = 0
@@ -159,7 +159,7 @@ def _from(
     pushes = np.where(rows @ u == 0, np.maximum(0.0, rows @ cost.gradient(u)), 0.0)
     u, pushes = polished(cost, u, pushes, (rows, zeros), margin)
     above = suboptimality(cost, u, rows, zeros, pushes, margin)
-    return Start(u, cost.value(u), above, stopped, evaluations)
+    return LocalMinimum(u, cost.value(u), above, stopped, evaluations)
 
 
 def _settled(problem: Residuals, unknowns: Array, bounded: NDArray[np.bool_]) -> tuple[Array, int, str]:

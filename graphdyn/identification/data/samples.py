@@ -106,7 +106,7 @@ def _base_rows(base: BaseMotion | None, rows: slice) -> BaseMotion | None:
     )
 
 
-class Motion(Samples):
+class TorqueFreeSamples(Samples):
     """Samples whose torque cannot be read.
 
     A part of the torque that is computed from the measured torque would explain it by itself, and where a model is only
@@ -123,7 +123,7 @@ class Motion(Samples):
         raise InvalidInput("a term reads samples.tau, the torque it is to explain; compute it from q, v and a alone")
 
     def __repr__(self) -> str:
-        return f"Motion(q={self.q!r}, v={self.v!r}, a={self.a!r}, base={self.base!r})"
+        return f"TorqueFreeSamples(q={self.q!r}, v={self.v!r}, a={self.a!r}, base={self.base!r})"
 
-    def __getitem__(self, rows: slice) -> Motion:
-        return Motion(self.__dict__["_samples"][rows])
+    def __getitem__(self, rows: slice) -> TorqueFreeSamples:
+        return TorqueFreeSamples(self.__dict__["_samples"][rows])

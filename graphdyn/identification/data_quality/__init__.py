@@ -8,15 +8,15 @@ from graphdyn.identification.data_quality.halves import contradictions
 from graphdyn.identification.data_quality.lag import Lag
 from graphdyn.identification.data_quality.recorded_columns import RecordedColumns
 from graphdyn.identification.data_quality.recording_quality import RecordingHealth, recording_health
-from graphdyn.identification.data_quality.searching import RIGHT_RATE, Fault
+from graphdyn.identification.data_quality.searching import RIGHT_RATE, DataFault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 
 __all__ = [
     "RIGHT_RATE",
     "Change",
     "Channels",
+    "DataFault",
     "Excitation",
-    "Fault",
     "Gains",
     "Lag",
     "Piece",

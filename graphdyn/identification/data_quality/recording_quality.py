@@ -22,7 +22,7 @@ from graphdyn.identification.data_quality.gain import Gains, gains
 from graphdyn.identification.data_quality.halves import contradictions, halves_apart
 from graphdyn.identification.data_quality.lag import Lag, lag
 from graphdyn.identification.data_quality.recorded_columns import RecordedColumns
-from graphdyn.identification.data_quality.searching import Fault, search, variation
+from graphdyn.identification.data_quality.searching import DataFault, search, variation
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
@@ -43,7 +43,7 @@ class RecordingHealth:
     """
 
     joint_names: tuple[str, ...]
-    faults: tuple[Fault, ...]
+    faults: tuple[DataFault, ...]
     unseen: tuple[Change, ...]
     errors: Array
     free_errors: Array
@@ -83,7 +83,7 @@ def recording_health(
         tau = thinned.samples.tau
         found_gains = gains(torque_model, thinned.samples, fit)
         raw = channels(pieces, torques or [piece.samples.tau for piece in pieces])
-        faults: tuple[Fault, ...] = ()
+        faults: tuple[DataFault, ...] = ()
         unseen: tuple[Change, ...] = ()
         halves = halves_apart(torque_model, thinned.samples, fit)
         if not (raw.constant_torques or raw.duplicated_torques or raw.duplicated_positions):

@@ -52,7 +52,7 @@ RIGHT_RATE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
-class Trial:
+class ChangeTrial:
     """A change that was tried.
 
     gained: by how much Σ log ‖e_j‖ falls; errors: ‖e_j‖ / ‖τ_j‖ afterwards (n,)
@@ -73,7 +73,7 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Fault:
+class DataFault:
     """A fault and the change that undoes it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
 
     instead: changes that would do nearly as well
@@ -92,11 +92,11 @@ def search(
     columns: RecordedColumns,
     kept: NDArray[np.bool_],
     found_gains: Gains,
-) -> tuple[tuple[Fault, ...], tuple[Change, ...], Array]:
+) -> tuple[tuple[DataFault, ...], tuple[Change, ...], Array]:
     """The faults, the changes that the recording cannot tell once they are undone, and its halves then (2, 2, n)."""
     model = torque_model.model
     slides = [model.joints[k].is_prismatic for k in model.freedoms.independent]
-    faults: list[Fault] = []
+    faults: list[DataFault] = []
     while True:
         thinned = ThinnedRecording(pieces)
         fit = BoundedFit.of(torque_model, thinned.samples, kept)
@@ -112,7 +112,7 @@ def search(
         close = [trial for trial in found if trial.gained > largest - UNSEEN]
         best = min(close, key=lambda trial: trial.cad_misfit()) if len(close) > 1 else close[0]
         instead = tuple(trial.change for trial in close if trial is not best)
-        faults.append(Fault(best.change, best.gained, before, best.errors, instead))
+        faults.append(DataFault(best.change, best.gained, before, best.errors, instead))
         pieces = [_undone(piece, best.change, columns) for piece in pieces]
         kept = best.change.followed(kept)
 
@@ -123,7 +123,7 @@ def _tried(
     fit: BoundedFit,
     columns: RecordedColumns,
     considered: Sequence[Change],
-) -> Iterator[Trial]:
+) -> Iterator[ChangeTrial]:
     before = fit.errors(samples.tau)
     for change in considered:
         if not change.moves:
@@ -153,7 +153,7 @@ def _batches(changes: Sequence[Change], size: int) -> Iterator[Sequence[Change]]
         yield changes[start : start + size]
 
 
-def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Samples, fit: BoundedFit) -> Trial:
+def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Samples, fit: BoundedFit) -> ChangeTrial:
     errors = fit.errors(samples.tau)
 
     def cad_misfit() -> float:
@@ -161,10 +161,10 @@ def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Sa
 
     varies = variation(samples.tau)
     unexplained = float(np.exp(np.mean(np.log(errors / np.where(varies > 0, varies, 1.0)))))
-    return Trial(change, float(np.sum(np.log(before / errors))), errors, unexplained, cad_misfit)
+    return ChangeTrial(change, float(np.sum(np.log(before / errors))), errors, unexplained, cad_misfit)
 
 
-def _late(torque_model: TorqueModel, thinned: ThinnedRecording, fit: BoundedFit) -> list[Trial]:
+def _late(torque_model: TorqueModel, thinned: ThinnedRecording, fit: BoundedFit) -> list[ChangeTrial]:
     """The torques of all joints, and of each, as if they were late."""
     found, n, before = lag(thinned, fit), len(fit.kept.T), fit.errors(thinned.samples.tau)
     trials = []

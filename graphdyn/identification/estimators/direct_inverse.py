@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from graphdyn.identification.closed_loop.beside import beside
 from graphdyn.identification.closed_loop.iterating import MOST, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
-from graphdyn.identification.closed_loop.output_equations import Output, output_step
+from graphdyn.identification.closed_loop.output_equations import OutputFit, output_step
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate
@@ -46,7 +46,7 @@ class DirectInverse:
         """Raises EstimationFailed where the loop is not known, or the iteration diverges."""
         loop = SimulatedLoop(problem, self.loop)
 
-        def step(x: Array, simulated: list[Samples]) -> Output:
+        def step(x: Array, simulated: list[Samples]) -> OutputFit:
             return output_step(problem, x, beside(problem, simulated), problem.equations.noise)
 
         return told(loop, iterated(loop, starts(problem, self.start), step, self.most))

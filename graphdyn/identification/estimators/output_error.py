@@ -18,7 +18,7 @@ from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.closed_loop.driven_robot import not_simulated
 from graphdyn.identification.closed_loop.iterating import MOST, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
-from graphdyn.identification.closed_loop.output_equations import Output, output_step
+from graphdyn.identification.closed_loop.output_equations import OutputFit, output_step
 from graphdyn.identification.closed_loop.sensitivities import OutputName, outputs
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
@@ -63,7 +63,7 @@ class ClosedLoopOutputError:
 
         noise = problem.equations.noise if self.output == "torque" else None
 
-        def step(x: Array, simulated: list[Samples]) -> Output:
+        def step(x: Array, simulated: list[Samples]) -> OutputFit:
             return output_step(problem, x, outputs(loop, x, simulated, self.output), noise)
 
         return told(loop, iterated(loop, starts(problem, self.start), step, self.most), self.output)

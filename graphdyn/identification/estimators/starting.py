@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY, exogeneity
-from graphdyn.identification.closed_loop.iterating import Iterated, Start
+from graphdyn.identification.closed_loop.iterating import InitialEstimate, Iterated
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
@@ -18,20 +18,20 @@ from graphdyn.identification.problem.problem import Problem
 Beginning = ArrayLike | Literal["wls", "cad"]
 
 
-def starts(problem: Problem, beginning: Beginning) -> list[Start]:
+def starts(problem: Problem, beginning: Beginning) -> list[InitialEstimate]:
     """The parameters (p,) given, weighted least squares, or CAD without friction; CAD stands in for the first two.
 
     Raises InvalidInput for other words, and parameters of another number.
     """
-    cad = Start(problem.base.values(problem.torque_model.prior()), "CAD")
+    cad = InitialEstimate(problem.base.values(problem.torque_model.prior()), "CAD")
     if isinstance(beginning, str):
         if beginning not in ("wls", "cad"):
             raise InvalidInput(f"start is '{beginning}'; give 'wls', 'cad', or parameters")
-        return [cad] if beginning == "cad" else [Start(weighted_solution(problem.equations)[0].x, "WLS"), cad]
+        return [cad] if beginning == "cad" else [InitialEstimate(weighted_solution(problem.equations)[0].x, "WLS"), cad]
     given, expected = as_floats("start", beginning), (len(problem.torque_model.columns),)
     if given.shape != expected:
         raise InvalidInput(f"start has shape {given.shape}, expected {expected}")
-    return [Start(problem.base.values(given), "the parameters given"), cad]
+    return [InitialEstimate(problem.base.values(given), "the parameters given"), cad]
 
 
 def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position"] = "torque") -> Estimate:

@@ -23,7 +23,7 @@ from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
-from graphdyn.identification.terms.term import Column, Term
+from graphdyn.identification.terms.term import Term, TermParameter
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -53,7 +53,7 @@ class Tunable:
     make: Callable[..., Term]
     start: Mapping[str, float]
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return self._at_start(model).columns(model)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:

@@ -17,7 +17,7 @@ from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.least_squares import square_triangle
 from graphdyn.identification.algebra.solution import Solution, solve_triangle
-from graphdyn.identification.data.samples import Motion, Samples
+from graphdyn.identification.data.samples import Samples, TorqueFreeSamples
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.structure import structure
 from graphdyn.identification.problem.torque_model import TorqueModel
@@ -55,7 +55,7 @@ class RecursiveLeastSquares:
         """Fold in one sample or several, in the order of time. Raises InvalidInput for those with a filter to come."""
         if samples.row_filter is not None:
             raise InvalidInput("these samples still have to go through a filter; give filtered ones, or a Problem")
-        w = self._model.rows(Motion(samples), self._base.independent)
+        w = self._model.rows(TorqueFreeSamples(samples), self._base.independent)
         right = np.asarray(samples.tau, dtype=float) - self._model.known_torque(samples)
         rows = np.concatenate([w, right[..., None]], axis=-1) / np.broadcast_to(self._noise, right.shape)[..., None]
         age = np.arange(len(samples))[::-1, None, None]

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.data.samples import Motion, Samples
-from graphdyn.identification.terms import Column, Coulomb, KnownTerm, Offset, RigidBodies, Term, Viscous
+from graphdyn.identification.data.samples import Samples, TorqueFreeSamples
+from graphdyn.identification.terms import Coulomb, KnownTerm, Offset, RigidBodies, Term, TermParameter, Viscous
 from graphdyn.identification.terms.friction import positive
 from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -65,7 +65,7 @@ class TorqueModel:
                 )
 
     @cached_property
-    def columns(self) -> tuple[Column, ...]:
+    def columns(self) -> tuple[TermParameter, ...]:
         """Name, symbol and unit of every parameter (p,)."""
         return tuple(column for columns in self._columns_of_terms for column in columns)
 
@@ -73,7 +73,7 @@ class TorqueModel:
         """The regressor W (N, n, p) of a short piece, or these columns of it in ascending order."""
         chosen = np.arange(len(self.columns)) if columns is None else columns
         w = np.empty((*samples.q.shape, len(chosen)))
-        motion = Motion(samples)
+        motion = TorqueFreeSamples(samples)
         for term, part in self._parts:
             first, last = np.searchsorted(chosen, (part.start, part.stop))
             if last - first == part.stop - part.start:
@@ -84,7 +84,7 @@ class TorqueModel:
 
     def known_torque(self, samples: Samples) -> Array:
         """(N, n) [N m or N]."""
-        motion = Motion(samples)
+        motion = TorqueFreeSamples(samples)
         parts = (term.torque(self.model, motion) for term in self.known)
         return np.asarray(sum(parts, start=np.zeros(samples.q.shape)))
 
@@ -127,7 +127,7 @@ class TorqueModel:
         return x
 
     @cached_property
-    def _columns_of_terms(self) -> tuple[tuple[Column, ...], ...]:
+    def _columns_of_terms(self) -> tuple[tuple[TermParameter, ...], ...]:
         return tuple(term.columns(self.model) for term in self.terms)
 
     @property

@@ -57,7 +57,7 @@ NO_ERRORS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class MeasuredRows:
     """Consecutive rows of one run.
 
     rows: their equations; blocks: the time block of each   (N,)
@@ -71,7 +71,7 @@ class Measured:
     covariance: Array
 
 
-def measured_motion(problem: Problem) -> Iterator[Measured]:
+def measured_motion(problem: Problem) -> Iterator[MeasuredRows]:
     """All equations, window by window.
 
     Raises EstimationFailed where the errors are not known, for a base that moves, and for friction with memory.
@@ -87,7 +87,7 @@ def measured_motion(problem: Problem) -> Iterator[Measured]:
         rows = Rows(matrix, right, measured, velocity, kept)
         blocks = np.concatenate([np.full(len(part), part.block) for part in parts])
         end = position + len(rows)
-        yield Measured(rows, blocks, motion[position:end], covariances[run[position]])
+        yield MeasuredRows(rows, blocks, motion[position:end], covariances[run[position]])
         position = end
 
 
@@ -144,7 +144,7 @@ class Whitened:
     explained: Array
 
 
-def whitened(problem: Problem, x: Array, part: Measured, shift: Array, noise: Array) -> Whitened:
+def whitened(problem: Problem, x: Array, part: MeasuredRows, shift: Array, noise: Array) -> Whitened:
     """At base parameters x (r,) and the motion estimated so far; noise: of the torques (n,)."""
     torque_model, columns = problem.torque_model, problem.base.independent
     measured, kept = part.motion, part.rows.kept[..., None]

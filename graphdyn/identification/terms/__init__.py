@@ -15,7 +15,7 @@ from graphdyn.identification.terms.load_friction import LoadFriction, SmoothCoul
 from graphdyn.identification.terms.maxwell_slip import DEFLECTION, MaxwellSlip
 from graphdyn.identification.terms.payload import KnownPayload, Payload, PayloadMass
 from graphdyn.identification.terms.rigid_bodies import KnownBodies, RigidBodies
-from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies, Column, KnownTerm, Term
+from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies, KnownTerm, Term, TermParameter
 from graphdyn.identification.terms.user_columns import KnownTorque, ScaledTorque, UserColumns
 
 __all__ = [
@@ -24,7 +24,6 @@ __all__ = [
     "AsymmetricViscous",
     "CarriesBodies",
     "CarriesKnownBodies",
-    "Column",
     "Coulomb",
     "CoupledWrist",
     "Drift",
@@ -44,6 +43,7 @@ __all__ = [
     "Spring",
     "Stribeck",
     "Term",
+    "TermParameter",
     "UserColumns",
     "Viscous",
 ]

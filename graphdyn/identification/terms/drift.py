@@ -11,7 +11,7 @@ from typing import Literal
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.terms.term import Column, Term
+from graphdyn.identification.terms.term import Term, TermParameter
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -37,11 +37,11 @@ class Drift:
         """Whether the term has."""
         return getattr(self.term, "has_memory", False)
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         if self.over not in UNITS:
             raise InvalidInput(f"a drift is over '{self.over}'; use {' or '.join(UNITS)}")
         return tuple(
-            Column(
+            TermParameter(
                 f"{column.name} per {self.over}",
                 f"{column.symbol}/{UNITS[self.over]}",
                 f"{column.unit}/{UNITS[self.over]}",

@@ -12,7 +12,7 @@ from graphdyn.equations.kinematics import maximal_state, null_space
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.friction import smooth_sign
-from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
+from graphdyn.identification.terms.term import TermParameter, per_joint_columns, per_joint_rows
 from graphdyn.layout import ANGULAR, Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -45,7 +45,7 @@ class RotorInertia:
         if self.axes is not None and self.gears is None:
             raise InvalidInput("axes of the rotors have no effect without their gears; give both")
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "rotor inertia", "IA", "kg m²", "kg")
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
@@ -98,13 +98,13 @@ class CoupledWrist:
     joints: tuple[str, str] | None = None
     width: float | None = None
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         _, k = self._numbers(model)
         last = model.independent_joints[k]
         return (
-            Column(f"{last} motor inertia in the coupling", f"IAM_{k + 1}", "kg m²"),
-            Column(f"{last} motor viscous friction in the coupling", f"FVM_{k + 1}", "N m s/rad"),
-            Column(f"{last} motor Coulomb friction in the coupling", f"FCM_{k + 1}", "N m"),
+            TermParameter(f"{last} motor inertia in the coupling", f"IAM_{k + 1}", "kg m²"),
+            TermParameter(f"{last} motor viscous friction in the coupling", f"FVM_{k + 1}", "N m s/rad"),
+            TermParameter(f"{last} motor Coulomb friction in the coupling", f"FCM_{k + 1}", "N m"),
         )
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:

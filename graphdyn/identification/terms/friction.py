@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
+from graphdyn.identification.terms.term import TermParameter, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -28,7 +28,7 @@ DAMPING = ("N m s/rad", "N s/m")
 class Viscous:
     """F_v v per joint."""
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "viscous friction", "FV", *DAMPING)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
@@ -41,7 +41,7 @@ class Coulomb:
 
     width: ArrayLike | None = None
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "Coulomb friction", "FC", *TORQUE)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
@@ -60,7 +60,7 @@ class Stribeck:
     exponent: ArrayLike = 2.0
     width: ArrayLike | None = None
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "Stribeck friction", "FS", *TORQUE)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
@@ -75,7 +75,7 @@ class AsymmetricCoulomb:
 
     width: ArrayLike | None = None
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         forth = per_joint_columns(model, "Coulomb friction forth", "FC+", *TORQUE)
         return forth + per_joint_columns(model, "Coulomb friction back", "FC-", *TORQUE)
 
@@ -89,7 +89,7 @@ class AsymmetricCoulomb:
 class AsymmetricViscous:
     """One viscous friction for v > 0 and one for v < 0."""
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         forth = per_joint_columns(model, "viscous friction forth", "FV+", *DAMPING)
         return forth + per_joint_columns(model, "viscous friction back", "FV-", *DAMPING)
 
@@ -102,7 +102,7 @@ class AsymmetricViscous:
 class Offset:
     """A constant torque per joint: offset of the current sensor, asymmetry of the friction."""
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "offset", "OFF", *TORQUE)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
@@ -113,7 +113,7 @@ class Offset:
 class Spring:
     """K q per joint; beside Offset, a linear spring with any rest position."""
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "spring", "K", "N m/rad", "N/m")
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.friction import TORQUE, each_positive, smooth_sign
-from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
+from graphdyn.identification.terms.term import TermParameter, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.dynamics import gravity_torque
@@ -33,7 +33,7 @@ class LoadFriction:
 
     width: ArrayLike | None = None
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "load-dependent friction", "FL", "1", "1")
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
@@ -51,12 +51,12 @@ class SmoothCoulomb:
 
     widths: Sequence[ArrayLike] = WIDTHS
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
-        names: list[Column] = []
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
+        names: list[TermParameter] = []
         for k, per_joint in enumerate(each_positive("width", self.widths, model.n_freedoms), start=1):
             plain = per_joint_columns(model, "Coulomb friction", f"FC{k}", *TORQUE)
             names += [
-                Column(f"{column.name} of width {width:g}", column.symbol, column.unit)
+                TermParameter(f"{column.name} of width {width:g}", column.symbol, column.unit)
                 for column, width in zip(plain, per_joint, strict=True)
             ]
         return tuple(names)

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.friction import TORQUE, each_positive
-from graphdyn.identification.terms.term import Column, per_joint_columns, per_joint_rows
+from graphdyn.identification.terms.term import TermParameter, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -42,11 +42,11 @@ class MaxwellSlip:
     deflections: Sequence[ArrayLike] = (DEFLECTION,)
     has_memory: ClassVar[bool] = True
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         count = len(each_positive("deflection", self.deflections, model.n_freedoms))
         several = count > 1
         return tuple(
-            Column(f"{column.name} {k}" if several else column.name, column.symbol, column.unit)
+            TermParameter(f"{column.name} {k}" if several else column.name, column.symbol, column.unit)
             for k in range(1, count + 1)
             for column in per_joint_columns(model, "Maxwell-slip friction", f"FM{k if several else ''}", *TORQUE)
         )

@@ -15,7 +15,7 @@ from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.rigid_bodies import RigidBodies, inertial_columns, ten_parameters
-from graphdyn.identification.terms.term import Column
+from graphdyn.identification.terms.term import TermParameter
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from graphdyn.model.inertia import parameters_from_inertia
 from graphdyn.model.robot_model import RobotModel
@@ -27,7 +27,7 @@ class Payload:
 
     body: str | None = None
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         carrier(model, self.body)
         return inertial_columns("payload", "L")
 
@@ -50,8 +50,8 @@ class PayloadMass:
     inertia_per_mass: ArrayLike = field(default_factory=lambda: np.zeros((3, 3)))
     body: str | None = None
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
-        return (Column("payload m", "M_L", "kg"),)
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
+        return (TermParameter("payload m", "M_L", "kg"),)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         return (Payload(self.body).rows(model, samples) @ self._per_mass())[..., None]

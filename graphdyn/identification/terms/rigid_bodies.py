@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.terms.term import Column
+from graphdyn.identification.terms.term import TermParameter
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import PARAMETER_NAMES
 from graphdyn.model.robot_model import RobotModel
@@ -24,7 +24,7 @@ UNITS = ("kg", *["kg m"] * 3, *["kg m²"] * 6)
 class RigidBodies:
     """Ten unknown inertial parameters per body, in the order and frames of Body.parameters."""
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return tuple(
             column for i, name in enumerate(model.body_names, start=1) for column in inertial_columns(name, str(i))
         )
@@ -57,10 +57,10 @@ class KnownBodies:
         return ten_parameters("known bodies", self.parameters, model.n_bodies)
 
 
-def inertial_columns(name: str, number: str) -> tuple[Column, ...]:
+def inertial_columns(name: str, number: str) -> tuple[TermParameter, ...]:
     """Columns of one rigid body."""
     return tuple(
-        Column(f"{name} {parameter}", f"{symbol}_{number}", unit)
+        TermParameter(f"{name} {parameter}", f"{symbol}_{number}", unit)
         for parameter, symbol, unit in zip(PARAMETER_NAMES, SYMBOLS, UNITS, strict=True)
     )
 

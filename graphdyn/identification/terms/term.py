@@ -13,7 +13,7 @@ from graphdyn.model.robot_model import RobotModel
 
 
 @dataclass(frozen=True)
-class Column:
+class TermParameter:
     """One parameter of the torque.
 
     name: such as "forearm I_xx" or "elbow viscous friction"
@@ -32,7 +32,7 @@ class Term(Protocol):
     A term whose rows depend on earlier samples has an attribute has_memory = True; it is given whole runs.
     """
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         """The k parameters of this part."""
         ...
 
@@ -67,11 +67,13 @@ class CarriesKnownBodies(Protocol):
         ...
 
 
-def per_joint_columns(model: RobotModel, what: str, symbol: str, unit: str, slide_unit: str) -> tuple[Column, ...]:
+def per_joint_columns(
+    model: RobotModel, what: str, symbol: str, unit: str, slide_unit: str
+) -> tuple[TermParameter, ...]:
     """One column per joint that no others drive; the second unit is that of a prismatic joint."""
     joints = [(k + 1, model.joints[k]) for k in model.freedoms.independent]
     return tuple(
-        Column(f"{joint.name} {what}", f"{symbol}_{j}", slide_unit if joint.is_prismatic else unit)
+        TermParameter(f"{joint.name} {what}", f"{symbol}_{j}", slide_unit if joint.is_prismatic else unit)
         for j, joint in joints
     )
 

@@ -10,7 +10,7 @@ import numpy as np
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.terms.term import Column
+from graphdyn.identification.terms.term import TermParameter
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -34,8 +34,8 @@ class UserColumns:
         if isinstance(self.names, str) or isinstance(self.units, str) or len(self.names) != len(self.units):
             raise InvalidInput(f"names are {self.names!r}, units {self.units!r}; give one list entry each per column")
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
-        return tuple(Column(name, name, unit) for name, unit in zip(self.names, self.units, strict=True))
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
+        return tuple(TermParameter(name, name, unit) for name, unit in zip(self.names, self.units, strict=True))
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         expected = (*samples.q.shape, len(self.names))
@@ -55,8 +55,8 @@ class ScaledTorque:
     law: Law
     name: str = "scale"
 
-    def columns(self, model: RobotModel) -> tuple[Column, ...]:
-        return (Column(f"{self.name} factor", self.name, "1"),)
+    def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
+        return (TermParameter(f"{self.name} factor", self.name, "1"),)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         who = f"the torque '{self.name}'"

@@ -15,14 +15,14 @@ import numpy as np
 from graphdyn.model.chord import Chord
 from graphdyn.recursions.inverse import Wrench
 from graphdyn.recursions.mechanism.mechanism import Link, rounded
-from graphdyn.recursions.motion import Place
+from graphdyn.recursions.motion import JointPlacement
 from graphdyn.scalars.vectors import E_Z, Scalars, cross, scalars, turn_back, zeros
 
 Columns = Sequence[Any]
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
+class _AncestorView:
     """A body as the ancestor sees it: joint axes, origin, and its motion at a = 0, in axes of the ancestor."""
 
     axes: Scalars
@@ -34,7 +34,7 @@ class _Seen:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class ChordRows:
     """The rows of a chord that can move: J (k, n), γ (k), how far open (k), and which of its multipliers they have.
 
     on_i, on_j: force, and moment about O, on the bodies per unit of multiplier, in their joint axes   (k pairs)
@@ -50,7 +50,7 @@ class Rows:
     agreeing: list[Any]
 
 
-def chord_rows(links: Sequence[Link], at: Sequence[Place], chord: Chord, v: Columns) -> Rows:
+def chord_rows(links: Sequence[Link], at: Sequence[JointPlacement], chord: Chord, v: Columns) -> ChordRows:
     """At q, v of all joints that no couplings drive; at: the places of their bodies."""
     paths = [_path(links, body - 1) for body in (chord.body_i, chord.body_j)]
     while paths[0] and paths[1] and paths[0][0] == paths[1][0]:
@@ -80,7 +80,7 @@ def chord_rows(links: Sequence[Link], at: Sequence[Place], chord: Chord, v: Colu
     agreeing = [] if chord.kind in ("distance", "ball") else [ends.triad_i[:, 2] @ ends.triad_j[:, 2]]
     if chord.kind in ("weld", "slide"):
         agreeing.append(ends.triad_i[:, 0] @ ends.triad_j[:, 0])
-    return Rows(
+    return ChordRows(
         np.array(jacobian, dtype=object).reshape(-1, len(links)),
         np.array(bias, dtype=object),
         np.array(gaps, dtype=object),
@@ -91,7 +91,7 @@ def chord_rows(links: Sequence[Link], at: Sequence[Place], chord: Chord, v: Colu
     )
 
 
-def _motion(link: Link, body: _Seen, point: Scalars, linear: bool) -> Scalars:
+def _motion(link: Link, body: _AncestorView, point: Scalars, linear: bool) -> Scalars:
     """Velocity of a point of a body, or angular velocity, per rate of its joint."""
     axis = body.axes[:, 2]
     if link.prismatic:
@@ -106,8 +106,8 @@ class _Ends:
     drift: relative acceleration at a = 0
     """
 
-    body_i: _Seen
-    body_j: _Seen
+    body_i: _AncestorView
+    body_j: _AncestorView
     triad_i: Scalars
     triad_j: Scalars
     point_j: Scalars
@@ -116,7 +116,7 @@ class _Ends:
     drift: Scalars
 
 
-def _ends(links: Sequence[Link], chord: Chord, body_i: _Seen, body_j: _Seen) -> _Ends:
+def _ends(links: Sequence[Link], chord: Chord, body_i: _AncestorView, body_j: _AncestorView) -> _Ends:
     given = ((chord.body_i, chord.placement_i, body_i), (chord.body_j, chord.placement_j, body_j))
     (point_i, rate_i, drift_i), (point_j, rate_j, drift_j) = (
         _point(seen, seen.axes @ _in_joint_axes(links, body, placement.translation)) for body, placement, seen in given
@@ -165,9 +165,11 @@ def _path(links: Sequence[Link], body: int) -> list[int]:
     return path
 
 
-def _outwards(links: Sequence[Link], at: Sequence[Place], path: Sequence[int], v: Columns) -> list[_Seen]:
+def _outwards(
+    links: Sequence[Link], at: Sequence[JointPlacement], path: Sequence[int], v: Columns
+) -> list[_AncestorView]:
     """The ancestor itself, at rest, and the bodies of a path as it sees them."""
-    done = [_Seen(scalars(np.eye(3)), *(zeros(3) for _ in range(5)))]
+    done = [_AncestorView(scalars(np.eye(3)), *(zeros(3) for _ in range(5)))]
     for j in path:
         inside, place, link = done[-1], at[j], links[j]
         axes = turn_back(place.c, place.s, (inside.axes @ place.rotation).T).T
@@ -181,11 +183,11 @@ def _outwards(links: Sequence[Link], at: Sequence[Place], path: Sequence[int], v
             linear, drift = linear + rate, drift + 2.0 * cross(omega, rate)
         else:
             angular, angular_drift = angular + rate, angular_drift + cross(omega, rate)
-        done.append(_Seen(axes, inside.origin + arm, linear, angular, drift, angular_drift))
+        done.append(_AncestorView(axes, inside.origin + arm, linear, angular, drift, angular_drift))
     return done
 
 
-def _point(seen: _Seen, arm: Scalars) -> tuple[Scalars, Scalars, Scalars]:
+def _point(seen: _AncestorView, arm: Scalars) -> tuple[Scalars, Scalars, Scalars]:
     """Place, velocity and acceleration at a = 0 of a point of a body."""
     spin = cross(seen.angular, arm)
     drift = seen.linear_drift + cross(seen.angular_drift, arm) + cross(seen.angular, spin)

@@ -17,7 +17,7 @@ from graphdyn.model.loops import CLOSED
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.inertia import inverted, mass_matrix
 from graphdyn.recursions.inverse import Wrench, along_pins, inverse_dynamics, transmitted
-from graphdyn.recursions.loops.chords import Columns, Rows, chord_rows, is_zero
+from graphdyn.recursions.loops.chords import ChordRows, Columns, chord_rows, is_zero
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import Root, inertial_wrench, motions, places
 from graphdyn.scalars.vectors import Scalars, zeros
@@ -38,7 +38,7 @@ class Closing:
     dependent: list[int]
     dependent_columns: Scalars
     inverse: Scalars
-    rows: list[Rows]
+    rows: list[ChordRows]
     watched: list[Any]
 
     def opened_by(self, a: Columns) -> list[Any]:

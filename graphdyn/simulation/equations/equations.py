@@ -14,7 +14,7 @@ from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import carriage
 from graphdyn.layout import BODY_FREEDOMS, Array
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.compiled import compile as compiled
 from graphdyn.verbs.dynamics import joint_torques
 
@@ -37,7 +37,7 @@ class Rates(NamedTuple):
 class Equations:
     """Accelerations and torques of a plant."""
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: PlantConstants) -> None:
         self.plant, self._constants = plant, plant.constants
         self._verbs = compiled(plant.model, "mass_matrix", "bias_torque")
         self._rotor = np.diag(plant.rotor)

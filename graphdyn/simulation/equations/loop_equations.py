@@ -14,7 +14,7 @@ from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.loops import loop_spaces
 from graphdyn.simulation.equations.equations import Contact, Equations, Rates
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.plant import PlantConstants
 
 NEWTON_STEPS = 6
 """Of a projection; two close what a step of integration leaves open."""
@@ -37,7 +37,7 @@ class LoopEquations(Equations):
     usual_distance: the same in a regular pose
     """
 
-    def __init__(self, plant: Plant) -> None:
+    def __init__(self, plant: PlantConstants) -> None:
         super().__init__(replace(plant, model=plant.model.opened))
         self._loops = loops = plant.model.loops
         spaces = loop_spaces(loops.jacobian(loops.links(plant.model.regular_pose)))
@@ -96,12 +96,12 @@ class LoopEquations(Equations):
         return (right[:rank].T * inverse) @ left[:, :rank].T, right[rank:].T
 
 
-def equations_of(plant: Plant) -> Equations:
+def equations_of(plant: PlantConstants) -> Equations:
     """Of a tree, or of a robot with loops."""
     return LoopEquations(plant) if plant.model.chords else Equations(plant)
 
 
-def refuse_dry_friction(plant: Plant) -> None:
+def refuse_dry_friction(plant: PlantConstants) -> None:
     """Raises InvalidInput where dry friction acts in loops: which of their joints it holds is not decided."""
     if plant.model.chords and plant.sticks:
         raise InvalidInput(

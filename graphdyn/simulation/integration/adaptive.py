@@ -19,7 +19,7 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.drives import position_limits
 from graphdyn.simulation.equations.equations import Contact, Equations
-from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
+from graphdyn.simulation.integration.course import COLUMNS, Event, Occurrence, SimulatedCourse
 from graphdyn.simulation.integration.steps import Torque
 
 SLIDING_PASSES = 20
@@ -58,7 +58,7 @@ def adaptive(
     events: Sequence[Event],
     stop_at_limits: bool,
     progress: Callable[[float], None],
-) -> Course:
+) -> SimulatedCourse:
     """q and v from the start on. Raises IntegrationFailed.
 
     at: times of the rows; None for those of the steps
@@ -67,7 +67,7 @@ def adaptive(
     n = len(start[0])
     y = np.concatenate([*start, np.zeros(2)])
     t, tick, idle, ended = 0.0, 0, 0, ""
-    parts: list[Course] = []
+    parts: list[SimulatedCourse] = []
     occurrences: list[Occurrence] = []
     loose: int | None = None
     tau_at, end = _torque_from(torque, tick, equations, y, duration)
@@ -106,7 +106,7 @@ def adaptive(
             tau_at, end = _torque_from(torque, tick, equations, y, duration)
     if ended and (at is None or parts[-1].time.size == 0 or parts[-1].time[-1] < reached):
         parts.append(stretch.row_at(reached, y))
-    return Course.joined(parts, occurrences, ended)
+    return SimulatedCourse.joined(parts, occurrences, ended)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +163,7 @@ class _Stretch:
         held = self._equations.rates(t, q, v, self._tau_at(t, q, v), self._contact).held
         return float(abs(held[j]) - dry)
 
-    def rows(self, solution: Any, at: Array | None, start: float, last: bool) -> Course:
+    def rows(self, solution: Any, at: Array | None, start: float, last: bool) -> SimulatedCourse:
         """The rows of this stretch: those of the steps without the last, which begins the next, or those asked for."""
         if at is None:
             times, states = solution.t, solution.y.T
@@ -177,10 +177,10 @@ class _Stretch:
                 states[row] = solution.y[:, row]
         return self._course(times, states)
 
-    def row_at(self, t: float, y: Array) -> Course:
+    def row_at(self, t: float, y: Array) -> SimulatedCourse:
         return self._course(np.array([t]), y[None])
 
-    def _course(self, times: Array, states: Array) -> Course:
+    def _course(self, times: Array, states: Array) -> SimulatedCourse:
         n = len(self._contact.sign)
         columns: dict[str, list[Array]] = {name: [] for name in COLUMNS}
         for t, y in zip(times.tolist(), states, strict=True):
@@ -191,7 +191,7 @@ class _Stretch:
             for name, value in zip(COLUMNS, values, strict=True):
                 columns[name].append(value)
         widths = {name: 1 if name in ("work", "loss") else n for name in COLUMNS}
-        return Course(times, {name: np.reshape(rows, (-1, widths[name])) for name, rows in columns.items()})
+        return SimulatedCourse(times, {name: np.reshape(rows, (-1, widths[name])) for name, rows in columns.items()})
 
 
 def _torque_from(

@@ -14,14 +14,14 @@ from graphdyn.compiler.native import compiling, host_lanes
 from graphdyn.compiler.running import LONGEST, chosen_backend, in_threads
 from graphdyn.compiler.simulated import Inputs, in_joint_axes, record_accelerations, record_law
 from graphdyn.compiler.stepping.layout import StepCode
-from graphdyn.compiler.stepping.stepping import CompiledSteps, Stretch, in_blocks, out_of_blocks
+from graphdyn.compiler.stepping.stepping import CompiledSteps, StepRange, in_blocks, out_of_blocks
 from graphdyn.experiments.experiment import carriage
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import Program
 from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
 from graphdyn.simulation.integration.steps import Tableau, tableau
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.plant import PlantConstants
 
 MEMORY = 1 << 26
 """Bytes of torques, noise and records of the blocks that a thread has in hand at once, roughly."""
@@ -30,7 +30,7 @@ _programs: WeakKeyDictionary[RobotModel, dict[Inputs, Program]] = WeakKeyDiction
 _compiled: WeakKeyDictionary[RobotModel, dict[tuple[Any, ...], CompiledSteps]] = WeakKeyDictionary()
 
 
-def can_compile(plant: Plant) -> bool:
+def can_compile(plant: PlantConstants) -> bool:
     """Whether compiled steps can take this plant on this back end."""
     if chosen_backend() != "llvm" or plant.wrenches is not None:
         return False
@@ -47,7 +47,7 @@ def _accelerations(model: RobotModel, inputs: Inputs) -> Program:
 
 
 def compiled_steps(
-    plant: Plant, method: str, controller: Controller | None, noisy: bool = False, lanes: int | None = None
+    plant: PlantConstants, method: str, controller: Controller | None, noisy: bool = False, lanes: int | None = None
 ) -> CompiledSteps:
     """The machine code, compiled once per robot and choice of what there is beside the rigid bodies."""
     lanes = lanes or host_lanes()
@@ -76,7 +76,7 @@ def compiled_steps(
         return known[key]
 
 
-def _inputs(plant: Plant) -> Inputs:
+def _inputs(plant: PlantConstants) -> Inputs:
     there = plant.constants
     return Inputs(
         external="external_wrenches" in there,
@@ -92,7 +92,7 @@ def fitting_lanes(runs: int) -> int:
     return min([lanes for lanes in (2, 4, 8) if lanes >= runs] + [host_lanes()])
 
 
-def constants_of(steps: CompiledSteps, plant: Plant, gains: Array | None, runs: int) -> Array:
+def constants_of(steps: CompiledSteps, plant: PlantConstants, gains: Array | None, runs: int) -> Array:
     """The constants in blocks; gains (runs, 2 n) of the controller."""
     known = dict(plant.constants)
     if gains is not None:
@@ -104,7 +104,7 @@ def constants_of(steps: CompiledSteps, plant: Plant, gains: Array | None, runs: 
     return in_blocks(columns, widths, runs, steps.lanes)
 
 
-def ground_of(plant: Plant, method: str, stretch: Stretch, end: float) -> Array | None:
+def ground_of(plant: PlantConstants, method: str, stretch: StepRange, end: float) -> Array | None:
     """The motion of the base at every stage (steps, stages, columns), up to an end; None where it is at rest."""
     if not plant.base:
         return None
@@ -117,7 +117,7 @@ def ground_of(plant: Plant, method: str, stretch: Stretch, end: float) -> Array 
 
 def run_blocks(
     steps: CompiledSteps,
-    stretch: Stretch,
+    stretch: StepRange,
     state: Array,
     constants: Array,
     control: Callable[[int, int], Array],

@@ -41,7 +41,7 @@ class Occurrence:
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class SimulatedCourse:
     """time (N,), and the columns of COLUMNS (N, width); ended: name of the event that ended it, "" for the duration."""
 
     time: Array
@@ -50,11 +50,11 @@ class Course:
     ended: str = ""
 
     @staticmethod
-    def joined(parts: list[Course], occurrences: list[Occurrence], ended: str) -> Course:
+    def joined(parts: list[SimulatedCourse], occurrences: list[Occurrence], ended: str) -> SimulatedCourse:
         columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in COLUMNS}
-        return Course(np.concatenate([part.time for part in parts]), columns, tuple(occurrences), ended)
+        return SimulatedCourse(np.concatenate([part.time for part in parts]), columns, tuple(occurrences), ended)
 
-    def rows(self, chosen: NDArray[np.int64] | slice) -> Course:
+    def rows(self, chosen: NDArray[np.int64] | slice) -> SimulatedCourse:
         """Some of the rows."""
         columns = {name: column[chosen] for name, column in self.columns.items()}
-        return Course(self.time[chosen], columns, self.occurrences, self.ended)
+        return SimulatedCourse(self.time[chosen], columns, self.occurrences, self.ended)

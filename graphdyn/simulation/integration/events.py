@@ -13,8 +13,8 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.drives import position_limits
 from graphdyn.simulation.equations.loop_equations import LoopEquations, equations_of
-from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.integration.course import COLUMNS, Event, Occurrence, SimulatedCourse
+from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import Torques
 
 Rows = dict[str, Array]
@@ -26,10 +26,10 @@ class Scan:
     occurrences: what was found; ended: name of the event that ends the simulation, "" as long as there was none
     """
 
-    def __init__(self, plant: Plant, source: Torques, events: Sequence[Event], stop_at_limits: bool) -> None:
+    def __init__(self, plant: PlantConstants, source: Torques, events: Sequence[Event], stop_at_limits: bool) -> None:
         self._plant, self._source = plant, source
         self._events = [*events, *(limit_events(plant) if stop_at_limits else [])]
-        self._before: Course | None = None
+        self._before: SimulatedCourse | None = None
         self.occurrences: list[Occurrence] = []
         self.ended = ""
 
@@ -37,9 +37,9 @@ class Scan:
     def needed(self) -> bool:
         return bool(self._events)
 
-    def searched(self, course: Course) -> Course:
+    def searched(self, course: SimulatedCourse) -> SimulatedCourse:
         """The rows up to the first event that stops, whose own row is the last."""
-        rows = course if self._before is None else Course.joined([self._before, course], [], "")
+        rows = course if self._before is None else SimulatedCourse.joined([self._before, course], [], "")
         found = [
             (_crossing(rows, k, event), k, event)
             for event in self._events
@@ -52,10 +52,12 @@ class Scan:
             self.occurrences.append(Occurrence(event.name, time, state["q"], state["v"]))
             if event.stop:
                 self.ended = event.name
-                return Course.joined([rows.rows(slice(overlap, k + 1)), self._row(rows, k, time, state)], [], "")
+                return SimulatedCourse.joined(
+                    [rows.rows(slice(overlap, k + 1)), self._row(rows, k, time, state)], [], ""
+                )
         return course
 
-    def _row(self, rows: Course, k: int, time: float, state: Rows) -> Course:
+    def _row(self, rows: SimulatedCourse, k: int, time: float, state: Rows) -> SimulatedCourse:
         """The row of an event between rows k and k + 1."""
         equations, q, v = equations_of(self._plant), state["q"], state["v"]
         if isinstance(equations, LoopEquations):
@@ -65,10 +67,10 @@ class Scan:
         tau = rows.columns["tau"][k] if held else equations.clamped(self._source.tau_at(time, q, v))
         found = equations.rates(time, q, v, tau, equations.contact(time, q, v, tau))
         values = {**state, "tau": tau, "a": found.a, "passive": found.passive}
-        return Course(np.array([time]), {name: values[name][None] for name in COLUMNS})
+        return SimulatedCourse(np.array([time]), {name: values[name][None] for name in COLUMNS})
 
 
-def limit_events(plant: Plant) -> list[Event]:
+def limit_events(plant: PlantConstants) -> list[Event]:
     """The position limits of all joints, each of which ends a simulation."""
     events = []
     for side, limits, direction in zip(("lower", "upper"), position_limits(plant.model), (-1, 1), strict=True):
@@ -82,7 +84,7 @@ def _beyond(model: RobotModel, j: int, limit: float) -> Callable[[float, Array, 
     return lambda t, q, v: float(model.joint_positions(q)[j] - limit)
 
 
-def _values(event: Event, rows: Course) -> Array:
+def _values(event: Event, rows: SimulatedCourse) -> Array:
     q, v = rows.columns["q"], rows.columns["v"]
     return np.array([float(event.function(t, q[k], v[k])) for k, t in enumerate(rows.time.tolist())])
 
@@ -95,7 +97,7 @@ def changes(values: Array, direction: int) -> list[int]:
     return [int(k) for k in np.flatnonzero(chosen)]
 
 
-def _crossing(rows: Course, k: int, event: Event) -> float:
+def _crossing(rows: SimulatedCourse, k: int, event: Event) -> float:
     """When the function vanishes between rows k and k + 1."""
     from scipy.optimize import brentq
 
@@ -109,7 +111,7 @@ def _crossing(rows: Course, k: int, event: Event) -> float:
     return float(brentq(value, first, last, xtol=4 * np.finfo(float).eps * last))
 
 
-def _between(rows: Course, k: int, time: float) -> Rows:
+def _between(rows: SimulatedCourse, k: int, time: float) -> Rows:
     """q, v, work and loss at a time between rows k and k + 1."""
     x, (start, end) = rows.columns, rows.time[[k, k + 1]]
     rates = {"q": x["v"], "v": x["a"]}

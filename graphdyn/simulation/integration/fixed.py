@@ -8,7 +8,7 @@ from math import gcd
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.compiler.stepping.stepping import Stretch
+from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
 from graphdyn.simulation.equations.equations import Equations
@@ -22,11 +22,11 @@ from graphdyn.simulation.integration.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.integration.course import COLUMNS, Course, Event
+from graphdyn.simulation.integration.course import COLUMNS, Event, SimulatedCourse
 from graphdyn.simulation.integration.events import Scan
 from graphdyn.simulation.integration.loop_steps import LoopSteps
 from graphdyn.simulation.integration.steps import python_steps, tableau
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import DIVIDES, FOREVER, SMALLER, Torques, whole_steps
 
 CHUNK = 4096
@@ -39,7 +39,7 @@ Rows = dict[str, Array]
 
 
 def fixed(
-    plant: Plant,
+    plant: PlantConstants,
     start: tuple[Array, Array],
     duration: float,
     source: Torques,
@@ -50,7 +50,7 @@ def fixed(
     stop_at_limits: bool,
     progress: Callable[[float], None],
     compiled: bool = True,
-) -> Course:
+) -> SimulatedCourse:
     """Rows at the times asked for. Raises InvalidInput, IntegrationFailed.
 
     compiled: whether compiled steps may be used
@@ -70,13 +70,13 @@ def fixed(
         numbers = np.arange(-(-stretch.start // every) * every, stretch.start + stretch.count, every)
         times = numbers.astype(float) * step
         _refuse_infinite(times, rows)
-        course = scan.searched(Course(times, rows)) if scan.needed else Course(times, rows)
+        course = scan.searched(SimulatedCourse(times, rows)) if scan.needed else SimulatedCourse(times, rows)
         parts.append(course)
         done = stretch.start + stretch.count
         progress(min(done * step, duration))
         if scan.ended:
             break
-    whole = Course.joined(parts, scan.occurrences, scan.ended)
+    whole = SimulatedCourse.joined(parts, scan.occurrences, scan.ended)
     if at is None or not len(whole.time):
         return whole
     last = whole.time[-1] if scan.ended else np.inf
@@ -86,16 +86,16 @@ def fixed(
     return whole.rows(chosen)
 
 
-def stretches(steps: int, every: int, hold: int, h: float, size: int = CHUNK) -> Iterator[Stretch]:
+def stretches(steps: int, every: int, hold: int, h: float, size: int = CHUNK) -> Iterator[StepRange]:
     """Chunks of the steps 0 … steps, the last of which is for its record; each begins with a new torque if any does."""
     size = size if hold == FOREVER else -(-size // hold) * hold
     for first in range(0, steps + 1, size):
-        yield Stretch(first, min(size, steps + 1 - first), every, hold, h)
+        yield StepRange(first, min(size, steps + 1 - first), every, hold, h)
 
 
 def python_chunks(
-    plant: Plant, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[Stretch]
-) -> Iterator[tuple[Stretch, Rows]]:
+    plant: PlantConstants, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[StepRange]
+) -> Iterator[tuple[StepRange, Rows]]:
     """Every chunk with its records."""
     equations = Equations(plant)
     state = {"q": start[0], "v": start[1], "work": np.zeros(1), "loss": np.zeros(1)}
@@ -113,8 +113,8 @@ def python_chunks(
 
 
 def loop_chunks(
-    plant: Plant, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[Stretch]
-) -> Iterator[tuple[Stretch, Rows]]:
+    plant: PlantConstants, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[StepRange]
+) -> Iterator[tuple[StepRange, Rows]]:
     """The same of a robot with loops, after few steps each."""
     equations = LoopEquations(plant)
     steps = LoopSteps(equations, tableau(method), closed_stages=source.function is not None)
@@ -137,8 +137,8 @@ def loop_chunks(
 
 
 def compiled_chunks(
-    plant: Plant, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[Stretch]
-) -> Iterator[tuple[Stretch, Rows]]:
+    plant: PlantConstants, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[StepRange]
+) -> Iterator[tuple[StepRange, Rows]]:
     """The same from compiled steps."""
     steps = compiled_steps(plant, method, source.controller, lanes=fitting_lanes(1))
     state = state_blocks(steps, start[0][None], start[1][None])

@@ -15,7 +15,7 @@ from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.simulation.equations.loop_equations import LoopEquations
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances
-from graphdyn.simulation.integration.course import COLUMNS, Course, Event, Occurrence
+from graphdyn.simulation.integration.course import COLUMNS, Event, Occurrence, SimulatedCourse
 from graphdyn.simulation.integration.events import changes, limit_events
 from graphdyn.simulation.integration.loop_steps import LoopSteps, Stepped
 from graphdyn.simulation.integration.steps import Torque, tableau
@@ -44,9 +44,9 @@ def loop_adaptive(
     events: Sequence[Event],
     stop_at_limits: bool,
     progress: Callable[[float], None],
-) -> Course:
+) -> SimulatedCourse:
     """As adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
-    run = _Run(equations, start, torque, closed_stages, tolerances, duration)
+    run = _AdaptiveRun(equations, start, torque, closed_stages, tolerances, duration)
     watched = [*events, *(limit_events(equations.plant) if stop_at_limits else [])]
     rows, times, occurrences, ended = list[dict[str, Array]](), list[float](), list[Occurrence](), ""
     targets = np.append(duration if at is None else at[at > 0], duration)
@@ -73,10 +73,10 @@ def loop_adaptive(
             times, rows = [*times, run.t], [*rows, run.row()]
         progress(run.t)
     columns = {name: np.array([row[name] for row in rows]) for name in COLUMNS}
-    return Course(np.array(times), columns, tuple(occurrences), ended)
+    return SimulatedCourse(np.array(times), columns, tuple(occurrences), ended)
 
 
-class _Run:
+class _AdaptiveRun:
     """One integration; t and y = (q, v, work, loss) are where it has come to."""
 
     def __init__(

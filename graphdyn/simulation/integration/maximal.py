@@ -25,9 +25,9 @@ from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
 from graphdyn.model.spatial import apply
 from graphdyn.simulation.equations.equations import Equations
-from graphdyn.simulation.integration.course import COLUMNS, Course
+from graphdyn.simulation.integration.course import COLUMNS, SimulatedCourse
 from graphdyn.simulation.integration.steps import Tableau, tableau
-from graphdyn.simulation.plant import Plant
+from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import Torques, whole_steps
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
@@ -52,7 +52,7 @@ class Pose(NamedTuple):
 
 
 def maximal(
-    plant: Plant,
+    plant: PlantConstants,
     start: tuple[Array, Array],
     duration: float,
     source: Torques,
@@ -61,13 +61,13 @@ def maximal(
     at: Array | None,
     stabilisation: Stabilisation,
     progress: Callable[[float], None],
-) -> tuple[Course, MaximalState]:
+) -> tuple[SimulatedCourse, MaximalState]:
     """The course, with q and v as the bodies show them, and where the bodies are. Raises InvalidInput."""
     if stabilisation not in ("projection", "baumgarte", "none"):
         raise InvalidInput(f"stabilisation is '{stabilisation}'; use 'projection', 'baumgarte' or 'none'")
     steps = whole_steps("the duration", duration, step)
     wanted = None if at is None else {round(time / step) for time in at.tolist()}
-    run = _Run(plant, start, source, tableau(method), step, source.steps_held(step, steps), stabilisation)
+    run = _MaximalRun(plant, start, source, tableau(method), step, source.steps_held(step, steps), stabilisation)
     rows: dict[str, list[Array]] = {name: [] for name in COLUMNS}
     times, states = [], []
     for number, state, values in run.steps(steps):
@@ -81,15 +81,15 @@ def maximal(
         np.stack([getattr(state, name) for state in states]) for name in ("position", "rotation", "velocity")
     )
     bodies = MaximalState(plant.model, position, rotation, velocity)
-    return Course(np.array(times), {name: np.array(column) for name, column in rows.items()}), bodies
+    return SimulatedCourse(np.array(times), {name: np.array(column) for name, column in rows.items()}), bodies
 
 
-class _Run:
+class _MaximalRun:
     """One integration."""
 
     def __init__(
         self,
-        plant: Plant,
+        plant: PlantConstants,
         start: tuple[Array, Array],
         source: Torques,
         method: Tableau,

@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from graphdyn.compiler.stepping.stepping import Stretch
+from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.layout import Array
 from graphdyn.simulation.equations.equations import Contact, Equations
 
@@ -52,7 +52,7 @@ Torque = Callable[[float, Array, Array], Array]
 def python_steps(
     equations: Equations,
     tableau: Tableau,
-    stretch: Stretch,
+    stretch: StepRange,
     state: dict[str, Array],
     torque: Torque,
     held: Callable[[int, Array, Array], Array] | None = None,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from crosscheck.bench.machine.floor import Loops, Machine, floor, limit, machine
+from crosscheck.bench.machine.floor import FloorLoops, Machine, floor, limit, machine
 from crosscheck.bench.machine.instructions import floating_point_operations, fused_instructions
 from graphdyn import kr500
 from graphdyn.scalars.expressions import Recorder
@@ -28,7 +28,7 @@ class TestFloor:
         assert least.seconds == max(needed)
         done = []
         for name in ("mix", "multiply", "copy"):
-            monkeypatch.setattr(Loops, name, lambda self, count, name=name: done.append((name, count)))
+            monkeypatch.setattr(FloorLoops, name, lambda self, count, name=name: done.append((name, count)))
         limit(least, on)(9600)
         ((name, count),) = done
         amount = {"mix": least.instructions, "multiply": least.products, "copy": least.bytes}[name]

@@ -17,7 +17,7 @@ from textbook import TextbookArm
 import urdf
 from crosscheck.commands.judge.record import record
 from crosscheck.commands.judge.report import judge_report
-from crosscheck.judging.faults.recursion import Code, torques_of
+from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.judge import judge
 from crosscheck.report.json import plain
 from crosscheck.report.text import as_text
@@ -59,10 +59,10 @@ def test_many_codes_at_once_are_the_dynamics():
     rng = np.random.default_rng(3)
     q, v = model.random_state(rng, 5)
     a = rng.uniform(-5, 5, q.shape)
-    heavier = Code.of(model)
+    heavier = DynamicsCode.of(model)
     heavier = heavier.but(masses=2 * heavier.numbers.masses, tensors=2 * heavier.numbers.tensors)
     expected = inverse_dynamics(model, q, v, a).tau
-    own, twice = torques_of([Code.of(model), heavier], (q, v, a))
+    own, twice = torques_of([DynamicsCode.of(model), heavier], (q, v, a))
     assert np.abs(own - expected).max() <= ALIKE * np.abs(expected).max()
     assert np.abs(twice - 2 * expected).max() <= ALIKE * np.abs(expected).max()
 

@@ -20,7 +20,7 @@ from lxml import etree
 
 from graphdyn import Placement
 from graphdyn.model import ChordKind
-from urdf.document.connections.loops import CoupledSums, Loop, Place
+from urdf.document.connections.loops import CoupledSums, Loop, SourceLocation
 from urdf.document.elements import name_of, written_tag
 from urdf.document.numbers import LARGEST, SHORTEST_AXIS, BadNumber, numbers, rotation_from_rpy
 from urdf.errors import InvalidLoop, UnsupportedConstraint, URDFError, shortened
@@ -40,7 +40,9 @@ CONSTRAINT_KINDS: Kinds = {
 DEFAULT_AXIS = (1.0, 0.0, 0.0)
 
 
-def read(element: etree._Element, links: Container[str], place: Place) -> Loop | CoupledSums | URDFError | None:
+def read(
+    element: etree._Element, links: Container[str], place: SourceLocation
+) -> Loop | CoupledSums | URDFError | None:
     """What an element of <robot> says; the error where it is malformed, None where it is of no form that is read.
 
     links: names of all links of the robot
@@ -49,15 +51,15 @@ def read(element: etree._Element, links: Container[str], place: Place) -> Loop |
     if form is None:
         return None
     try:
-        return form(_Reader(element, links, place))
+        return form(_ElementReader(element, links, place))
     except URDFError as fault:
         return fault
 
 
-class _Reader:
+class _ElementReader:
     """One element, part by part; raises InvalidLoop where a part is missing or malformed."""
 
-    def __init__(self, element: etree._Element, links: Container[str], place: Place) -> None:
+    def __init__(self, element: etree._Element, links: Container[str], place: SourceLocation) -> None:
         self.element, self.links, self.place = element, links, place
 
     def fault(self, problem: str, remedy: str) -> URDFError:
@@ -150,7 +152,7 @@ class _Reader:
         return link_i, link_j
 
 
-def _loop(reader: _Reader) -> Loop:
+def _loop(reader: _ElementReader) -> Loop:
     name, kind = reader.name(), reader.kind(LOOP_KINDS)
     ends = (reader.part("predecessor"), reader.part("successor"))
     link_i, link_j = reader.joined(*map(reader.link, ends))
@@ -161,7 +163,7 @@ def _loop(reader: _Reader) -> Loop:
     return Loop(name, kind, link_i, link_j, at_i, at_j, reader.axis("axis", kind), length)
 
 
-def _coupling(reader: _Reader) -> CoupledSums:
+def _coupling(reader: _ElementReader) -> CoupledSums:
     name = reader.name()
     predecessor, successor = reader.joined(*(reader.link(reader.part(tag)) for tag in ("predecessor", "successor")))
     ratio = reader.number("ratio")
@@ -170,7 +172,7 @@ def _coupling(reader: _Reader) -> CoupledSums:
     return CoupledSums(name, predecessor, successor, ratio)
 
 
-def _loop_joint(reader: _Reader) -> Loop:
+def _loop_joint(reader: _ElementReader) -> Loop:
     name, kind = reader.name(), reader.kind(LOOP_JOINT_KINDS)
     ends = (reader.part("link1"), reader.part("link2"))
     link_i, link_j = reader.joined(*map(reader.link, ends))
@@ -178,7 +180,7 @@ def _loop_joint(reader: _Reader) -> Loop:
     return Loop(name, kind, link_i, link_j, at_i, at_j, reader.axis("axis", kind))
 
 
-def _constraint(reader: _Reader) -> Loop:
+def _constraint(reader: _ElementReader) -> Loop:
     name, kind = reader.name(), reader.kind(CONSTRAINT_KINDS)
     link_i, link_j = reader.joined(*(reader.link(reader.part(tag)) for tag in ("parent", "child")))
     at_i, at_j = (reader.placement(reader.optional(tag)) for tag in ("parent_origin", "child_origin"))
@@ -190,14 +192,14 @@ def _constraint(reader: _Reader) -> Loop:
     return Loop(name, kind, link_i, link_j, at_i, at_j, axis)
 
 
-def _ball(reader: _Reader) -> Loop:
+def _ball(reader: _ElementReader) -> Loop:
     body, point = "drake:ball_constraint_body_", "drake:ball_constraint_p_"
     link_i, link_j = reader.joined(*(reader.link(reader.part(body + end), "name") for end in "AB"))
     at_i, at_j = (reader.point(point + points) for points in ("AP", "BQ"))
     return Loop(name_of(reader.element) or f"{link_i}-{link_j}", "ball", link_i, link_j, at_i, at_j)
 
 
-FORMS: Mapping[str, Callable[[_Reader], Loop | CoupledSums]] = {
+FORMS: Mapping[str, Callable[[_ElementReader], Loop | CoupledSums]] = {
     "loop": _loop,
     "coupling": _coupling,
     "loop_joint": _loop_joint,

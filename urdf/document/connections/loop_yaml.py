@@ -14,7 +14,7 @@ from pathlib import Path
 import yaml
 
 from graphdyn.model import ChordKind
-from urdf.document.connections.loops import Beside, Loop, Motor, Place
+from urdf.document.connections.loops import CompanionFiles, Loop, Motor, SourceLocation
 from urdf.errors import InvalidLoop, URDFError, shortened
 
 KINDS: dict[str, ChordKind] = {"6d": "weld", "6D": "weld", "3d": "ball", "3D": "ball"}
@@ -27,19 +27,19 @@ LARGEST = 100_000
 _IS_ONE = re.compile(rb"^closed_loop[ \t]*:", re.MULTILINE)
 
 
-def beside(path: Path) -> Beside:
+def beside(path: Path) -> CompanionFiles:
     """What the file of the same name that ends with .yaml states: nothing where there is none about loops."""
     if not path.suffix:
-        return Beside()
+        return CompanionFiles()
     file = path.with_suffix(".yaml")
     if not file.is_file():
-        return Beside()
+        return CompanionFiles()
     with file.open("rb") as opened:
         content = opened.read(LARGEST + 1)
-    return read_yaml(file, content) if _IS_ONE.search(content) else Beside()
+    return read_yaml(file, content) if _IS_ONE.search(content) else CompanionFiles()
 
 
-def read_yaml(path: Path, content: bytes | None = None) -> Beside:
+def read_yaml(path: Path, content: bytes | None = None) -> CompanionFiles:
     """Raises InvalidLoop, with its line, for anything but what the format has; OSError."""
     if content is None:
         with path.open("rb") as opened:
@@ -60,13 +60,13 @@ class _File:
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def place(self, node: yaml.Node, element: str | None = None) -> Place:
-        return Place(self.path, node.start_mark.line + 1, element)
+    def place(self, node: yaml.Node, element: str | None = None) -> SourceLocation:
+        return SourceLocation(self.path, node.start_mark.line + 1, element)
 
     def fault(self, node: yaml.Node, element: str, problem: str, remedy: str) -> URDFError:
         return self.place(node, element).error(InvalidLoop, problem, remedy)
 
-    def read(self, document: yaml.Node | None) -> Beside:
+    def read(self, document: yaml.Node | None) -> CompanionFiles:
         if not isinstance(document, yaml.MappingNode):
             raise InvalidLoop("no mapping of names to values", "state closed_loop, type and name_mot", path=self.path)
         nodes, unread = {}, []
@@ -88,9 +88,9 @@ class _File:
         motors = [
             Motor(name, self.place(node, "name_mot")) for node, name in self.texts(nodes.get("name_mot"), "name_mot")
         ]
-        return Beside(tuple(self.loops(nodes["closed_loop"], nodes["type"])), tuple(motors), tuple(unread))
+        return CompanionFiles(tuple(self.loops(nodes["closed_loop"], nodes["type"])), tuple(motors), tuple(unread))
 
-    def loops(self, pairs: yaml.Node, types: yaml.Node) -> Iterator[tuple[Loop, Place]]:
+    def loops(self, pairs: yaml.Node, types: yaml.Node) -> Iterator[tuple[Loop, SourceLocation]]:
         kinds = list(self.texts(types, "type"))
         items = self.items(pairs, "closed_loop")
         if len(kinds) != len(items):

@@ -63,7 +63,7 @@ class CoupledSums:
 
 
 @dataclass(frozen=True)
-class Place:
+class SourceLocation:
     """Where something is stated; element: as messages call it."""
 
     path: Path
@@ -82,7 +82,7 @@ class Closure:
     says: what of it is read; an error where it is malformed, None where nothing of its kind is read
     """
 
-    place: Place
+    place: SourceLocation
     problem: str
     links: frozenset[str]
     says: Loop | CoupledSums | URDFError | None
@@ -93,13 +93,13 @@ class Motor:
     """A joint that a file says is driven by a motor."""
 
     joint: str
-    place: Place
+    place: SourceLocation
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
+class CompanionFiles:
     """What is stated beside a file: loops, by links or joints, motors, and in words what is not read."""
 
-    loops: tuple[tuple[Loop, Place], ...] = ()
+    loops: tuple[tuple[Loop, SourceLocation], ...] = ()
     motors: tuple[Motor, ...] = ()
     unread: tuple[str, ...] = ()

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 from urdf.errors import shortened
-from urdf.geometry.errors import Unreadable
+from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.triangles import MOST_TRIANGLES, Triangles
 from urdf.geometry.shape import Color, Faces
 
@@ -36,11 +36,11 @@ class ColladaDocument:
     def __init__(self, content: bytes):
         encoding = _ENCODING.search(content[:200])
         if encoding is not None and encoding.group(1).lower() not in _ASCII_COMPATIBLE:
-            raise Unreadable("the file is not in UTF-8; save it so")
+            raise UnreadableMesh("the file is not in UTF-8; save it so")
         if not content.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"<"):
-            raise Unreadable("the file is damaged: not XML in UTF-8")
+            raise UnreadableMesh("the file is damaged: not XML in UTF-8")
         if b"<!DOCTYPE" in content:
-            raise Unreadable("the file has a document type declaration; remove <!DOCTYPE …>")
+            raise UnreadableMesh("the file has a document type declaration; remove <!DOCTYPE …>")
         # huge_tree: a mesh of 100,000 vertices is a text beyond libxml2's usual limit
         parser = etree.XMLParser(
             resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True, remove_comments=True
@@ -48,10 +48,10 @@ class ColladaDocument:
         try:
             self.root = etree.fromstring(content, parser)
         except etree.XMLSyntaxError as error:
-            raise Unreadable(f"the file is damaged: {shortened(str(error.msg))}") from error
+            raise UnreadableMesh(f"the file is damaged: {shortened(str(error.msg))}") from error
         name = etree.QName(self.root).localname
         if name != "COLLADA":
-            raise Unreadable(f"the root element is <{shortened(name)}>, not <COLLADA>")
+            raise UnreadableMesh(f"the root element is <{shortened(name)}>, not <COLLADA>")
         self._by_id = {element.get("id"): element for element in self.root.iterfind(".//*[@id]")}
 
     def target(self, element: etree._Element, attribute: str = "url") -> etree._Element:
@@ -59,7 +59,7 @@ class ColladaDocument:
         text = element.get(attribute, "")
         found = self._by_id.get(text.removeprefix("#")) if text.startswith("#") else None
         if found is None:
-            raise Unreadable(f'the file is damaged: {attribute}="{shortened(text)}" refers to nothing in it')
+            raise UnreadableMesh(f'the file is damaged: {attribute}="{shortened(text)}" refers to nothing in it')
         return found
 
     def unit(self) -> float:
@@ -71,7 +71,7 @@ class ColladaDocument:
         except ValueError:
             length = math.nan
         if not (math.isfinite(length) and length > 0):
-            raise Unreadable(f'<unit meter="{shortened(text)}"> is not a length')
+            raise UnreadableMesh(f'<unit meter="{shortened(text)}"> is not a length')
         return length
 
 
@@ -93,7 +93,7 @@ def _numbers(element: etree._Element | None, kind: Any) -> NDArray[Any]:
         try:
             return np.fromstring(element.text or "", dtype=kind, sep=" ")
         except (DeprecationWarning, ValueError) as error:
-            raise Unreadable(f"the file is damaged: <{tag(element)}> holds something that is no number") from error
+            raise UnreadableMesh(f"the file is damaged: <{tag(element)}> holds something that is no number") from error
 
 
 def tag(element: etree._Element) -> str:
@@ -109,10 +109,10 @@ def read_collada(content: bytes) -> list[Triangles]:
 
     Raises Unreadable.
     """
-    return _Scene(ColladaDocument(content)).triangles()
+    return _ColladaScene(ColladaDocument(content)).triangles()
 
 
-class _Scene:
+class _ColladaScene:
     """What a document shows. Geometry and materials are read once."""
 
     def __init__(self, document: ColladaDocument):
@@ -123,7 +123,7 @@ class _Scene:
     def triangles(self) -> list[Triangles]:
         shown = self.document.root.find("./{*}scene/{*}instance_visual_scene")
         if shown is None:
-            raise Unreadable("the file has no <scene>; export it with one")
+            raise UnreadableMesh("the file has no <scene>; export it with one")
         unit = np.diag([*[self.document.unit()] * 3, 1.0])
         return [
             part for node in self.document.target(shown).iterchildren("{*}node") for part in self._node(node, unit, 0)
@@ -132,7 +132,7 @@ class _Scene:
     def _node(self, node: etree._Element, outside: Array, depth: int) -> Iterator[Triangles]:
         self.nodes += 1
         if self.nodes > MOST_NODES or depth > DEEPEST:
-            raise Unreadable(f"the scene has more than {MOST_NODES} nodes, or more than {DEEPEST} in each other")
+            raise UnreadableMesh(f"the scene has more than {MOST_NODES} nodes, or more than {DEEPEST} in each other")
         matrix = outside
         for element in node.iterchildren(etree.Element):
             kind = tag(element)
@@ -145,7 +145,7 @@ class _Scene:
             elif kind == "instance_geometry":
                 yield from self._instance(element, matrix)
             elif kind in ("instance_controller", "lookat", "skew"):
-                raise Unreadable(f"<{kind}> is not read; export the mesh without it")
+                raise UnreadableMesh(f"<{kind}> is not read; export the mesh without it")
 
     def _instance(self, element: etree._Element, matrix: Array) -> Iterator[Triangles]:
         geometry = self.document.target(element)
@@ -156,7 +156,7 @@ class _Scene:
         for material, vertices, faces in self.geometries[geometry]:
             self.faces += len(faces)
             if self.faces > MOST_TRIANGLES:
-                raise Unreadable(f"the scene has more than {MOST_TRIANGLES} triangles; reduce the mesh")
+                raise UnreadableMesh(f"the scene has more than {MOST_TRIANGLES} triangles; reduce the mesh")
             turned = faces[:, ::-1] if mirrored else faces
             yield Triangles(vertices @ rotation.T + translation, turned.copy(), self._color(element, material))
 
@@ -164,16 +164,16 @@ class _Scene:
         """Material, vertices and faces of its parts."""
         mesh = geometry.find("./{*}mesh")
         if mesh is None:
-            raise Unreadable("a <geometry> without <mesh> is not read; export it as triangles")
+            raise UnreadableMesh("a <geometry> without <mesh> is not read; export it as triangles")
         for part in mesh.iterchildren(etree.Element):
             kind = tag(part)
             if kind in _FACES:
                 vertices, faces = self._positions(part), _FACES[kind](part)
                 if len(faces) and (faces.min() < 0 or faces.max() >= len(vertices)):
-                    raise Unreadable("the file is damaged: a triangle names a vertex that is not there")
+                    raise UnreadableMesh("the file is damaged: a triangle names a vertex that is not there")
                 yield part.get("material", ""), vertices, faces
             elif kind in ("tristrips", "trifans"):
-                raise Unreadable(f"<{kind}> are not read; export the mesh as triangles")
+                raise UnreadableMesh(f"<{kind}> are not read; export the mesh as triangles")
 
     def _positions(self, part: etree._Element) -> Array:
         """(k, 3), in the unit of the file."""
@@ -184,7 +184,7 @@ class _Scene:
         stride, offset = (3, 0) if accessor is None else (_count(accessor, "stride", 3), _count(accessor, "offset", 0))
         rows = numbers[offset:]
         if stride < 3 or len(rows) % stride:
-            raise Unreadable("the file is damaged: a source of positions that is not three numbers each")
+            raise UnreadableMesh("the file is damaged: a source of positions that is not three numbers each")
         return rows.reshape(-1, stride)[:, :3]
 
     def _color(self, instance: etree._Element, symbol: str) -> Color | None:
@@ -195,7 +195,7 @@ class _Scene:
             material = self.document.target(binding, "target")
             effect = self.document.target(next(material.iterfind("./{*}instance_effect")))
             color = floats(next(effect.iterfind(".//{*}diffuse/{*}color")))
-        except (StopIteration, Unreadable):
+        except (StopIteration, UnreadableMesh):
             return None
         if len(color) not in (3, 4) or not np.isfinite(color).all():
             return None
@@ -208,7 +208,7 @@ def _transform(element: etree._Element) -> Array:
     kind = tag(element)
     numbers = floats(element)
     if len(numbers) != _TRANSFORMS[kind] or not np.isfinite(numbers).all():
-        raise Unreadable(f"the file is damaged: <{kind}> does not hold {_TRANSFORMS[kind]} finite numbers")
+        raise UnreadableMesh(f"the file is damaged: <{kind}> does not hold {_TRANSFORMS[kind]} finite numbers")
     matrix = np.eye(4)
     if kind == "matrix":
         matrix = numbers.reshape(4, 4)
@@ -229,13 +229,13 @@ def _input(element: etree._Element, semantic: str) -> etree._Element:
     for each in element.iterchildren("{*}input"):
         if each.get("semantic") == semantic:
             return each
-    raise Unreadable(f"the file is damaged: <{tag(element)}> has no input {semantic}")
+    raise UnreadableMesh(f"the file is damaged: <{tag(element)}> has no input {semantic}")
 
 
 def _count(element: etree._Element, name: str, default: int) -> int:
     text = element.get(name, str(default)).strip()
     if not (text.isascii() and text.isdigit() and len(text) < 9):
-        raise Unreadable(f"the file is damaged: {name} of <{tag(element)}> is no number")
+        raise UnreadableMesh(f"the file is damaged: {name} of <{tag(element)}> is no number")
     return int(text)
 
 
@@ -244,7 +244,7 @@ def _corners(part: etree._Element, p: etree._Element) -> Faces:
     stride = 1 + max(_count(each, "offset", 0) for each in part.iterchildren("{*}input"))
     numbers = integers(p)
     if len(numbers) % stride:
-        raise Unreadable(f"the file is damaged: <p> of <{tag(part)}> ends within a corner")
+        raise UnreadableMesh(f"the file is damaged: <p> of <{tag(part)}> ends within a corner")
     return numbers.reshape(-1, stride)[:, _count(_input(part, "VERTEX"), "offset", 0)]
 
 
@@ -252,7 +252,7 @@ def _triangles(part: etree._Element) -> Faces:
     corners = [_corners(part, p) for p in part.iterchildren("{*}p")]
     whole = np.concatenate([np.zeros(0, dtype=np.int64), *corners])
     if len(whole) % 3:
-        raise Unreadable("the file is damaged: <triangles> with a corner too many")
+        raise UnreadableMesh("the file is damaged: <triangles> with a corner too many")
     return whole.reshape(-1, 3)
 
 
@@ -261,17 +261,17 @@ def _polylist(part: etree._Element) -> Faces:
     p = part.find("./{*}p")
     corners = np.zeros(0, dtype=np.int64) if p is None else _corners(part, p)
     if (counts < 3).any() or counts.sum() != len(corners):
-        raise Unreadable("the file is damaged: <polylist> whose <vcount> does not fit its <p>")
+        raise UnreadableMesh("the file is damaged: <polylist> whose <vcount> does not fit its <p>")
     return _fans(corners, counts)
 
 
 def _polygons(part: etree._Element) -> Faces:
     if part.find("./{*}ph") is not None:
-        raise Unreadable("polygons with holes are not read; export the mesh as triangles")
+        raise UnreadableMesh("polygons with holes are not read; export the mesh as triangles")
     corners = [_corners(part, p) for p in part.iterchildren("{*}p")]
     counts = np.array([len(each) for each in corners], dtype=np.int64)
     if (counts < 3).any():
-        raise Unreadable("the file is damaged: a polygon with fewer than three corners")
+        raise UnreadableMesh("the file is damaged: a polygon with fewer than three corners")
     return _fans(np.concatenate([np.zeros(0, dtype=np.int64), *corners]), counts)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from urdf.errors import shortened
-from urdf.geometry.errors import Unreadable
+from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.collada import read_collada
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
 from urdf.geometry.shape import Color
@@ -39,19 +39,19 @@ def read_mesh(path: Path) -> tuple[Triangles, ...]:
     """
     suffix = path.suffix.lower()
     if suffix not in _READERS:
-        raise Unreadable(f"'{shortened(suffix)}' files are not read, only {', '.join(_READERS)}")
+        raise UnreadableMesh(f"'{shortened(suffix)}' files are not read, only {', '.join(_READERS)}")
     content = content_of(path, LARGEST_MESH)
     try:
         parts = _READERS[suffix](content, path)
-    except Unreadable:
+    except UnreadableMesh:
         raise
     except Exception as error:  # whatever the parsers stumble over
-        raise Unreadable(f"the file is damaged: {shortened(f'{type(error).__name__}: {error}')}") from error
+        raise UnreadableMesh(f"the file is damaged: {shortened(f'{type(error).__name__}: {error}')}") from error
     parts = [_checked(part) for part in parts if len(part.faces)]
     colors = dict.fromkeys(part.color for part in parts)
     whole = [welded(joined([part for part in parts if part.color == color])) for color in colors]
     if not any(len(part.faces) for part in whole):
-        raise Unreadable("the file has no triangles")
+        raise UnreadableMesh("the file has no triangles")
     return tuple(whole)
 
 
@@ -59,13 +59,13 @@ def content_of(path: Path, largest: int) -> bytes:
     """The bytes of a regular file. Raises Unreadable, also for one that is larger than so many bytes."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
-            raise Unreadable("not a regular file")
+            raise UnreadableMesh("not a regular file")
         with path.open("rb") as file:
             content = file.read(largest + 1)
     except (OSError, ValueError) as error:
-        raise Unreadable(f"the file cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        raise UnreadableMesh(f"the file cannot be read: {getattr(error, 'strerror', None) or error}") from error
     if len(content) > largest:
-        raise Unreadable(f"the file is larger than {largest // 1_000_000} MB; reduce the mesh")
+        raise UnreadableMesh(f"the file is larger than {largest // 1_000_000} MB; reduce the mesh")
     return content
 
 
@@ -79,12 +79,12 @@ def _stl(content: bytes, path: Path) -> list[Triangles]:
     if content.lstrip()[:5].lower() == b"solid" and b"facet" in content[:1000]:
         return _of_trimesh(load_stl_ascii, io.BytesIO(content))
     if len(content) < STL_HEADER:
-        raise Unreadable("the file is truncated: shorter than the header of an STL file")
+        raise UnreadableMesh("the file is truncated: shorter than the header of an STL file")
     number = int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
     end = STL_HEADER + STL_TRIANGLE * number
     if len(content) < end:
         held = (len(content) - STL_HEADER) // STL_TRIANGLE
-        raise Unreadable(f"the file is truncated: {held} of {number} triangles")
+        raise UnreadableMesh(f"the file is truncated: {held} of {number} triangles")
     return _of_trimesh(load_stl_binary, io.BytesIO(content[:end]))
 
 
@@ -110,7 +110,7 @@ class _Colors:
             raise FileNotFoundError(name)
         try:
             return content_of(path, LARGEST_COLORS)
-        except Unreadable as error:
+        except UnreadableMesh as error:
             raise FileNotFoundError(name) from error
 
     __getitem__ = get
@@ -141,12 +141,12 @@ def _color(mesh: Any) -> Color | None:
 
 def _checked(part: Triangles) -> Triangles:
     if part.vertices.shape[1:] != (3,) or part.faces.shape[1:] != (3,):
-        raise Unreadable("the file is damaged: vertices without three coordinates")
+        raise UnreadableMesh("the file is damaged: vertices without three coordinates")
     if part.faces.min() < 0 or part.faces.max() >= len(part.vertices):
-        raise Unreadable("the file is damaged: a triangle names a vertex that is not there")
+        raise UnreadableMesh("the file is damaged: a triangle names a vertex that is not there")
     used = part.vertices[part.faces.ravel()]
     if not np.isfinite(used).all():
-        raise Unreadable("a vertex has a coordinate that is NaN or infinite")
+        raise UnreadableMesh("a vertex has a coordinate that is NaN or infinite")
     if np.abs(used).max() > LONGEST:
-        raise Unreadable(f"a vertex lies farther than {LONGEST:g} m from the origin; check the unit of length")
+        raise UnreadableMesh(f"a vertex lies farther than {LONGEST:g} m from the origin; check the unit of length")
     return part

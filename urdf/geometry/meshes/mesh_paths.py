@@ -10,7 +10,7 @@ from urllib.parse import unquote
 from urdf.document.document import UNNAMED
 from urdf.document.numbers import UNEXPANDED
 from urdf.errors import shortened
-from urdf.geometry.errors import Unreadable
+from urdf.geometry.errors import UnreadableMesh
 
 PACKAGE_SCHEMES = ("package", "model")
 """Schemes that begin with the name of a package: of ROS, of Gazebo."""
@@ -27,9 +27,9 @@ def find_mesh(name: str, document: Path) -> Path:
     Raises Unreadable, with the reason.
     """
     if not name.strip():
-        raise Unreadable("<mesh> has no file name")
+        raise UnreadableMesh("<mesh> has no file name")
     if UNEXPANDED.search(name):
-        raise Unreadable("the name is not expanded; expand the file with xacro")
+        raise UnreadableMesh("the name is not expanded; expand the file with xacro")
     scheme, separator, rest = name.partition("://")
     candidates: Iterator[Path]
     if not separator:
@@ -39,18 +39,18 @@ def find_mesh(name: str, document: Path) -> Path:
     elif scheme in PACKAGE_SCHEMES:
         candidates = _in_packages(rest.lstrip("/"), document)
     else:
-        raise Unreadable(f"{shortened(scheme)}:// is not fetched; save the file beside the URDF")
+        raise UnreadableMesh(f"{shortened(scheme)}:// is not fetched; save the file beside the URDF")
     for path in candidates:
         if os.path.exists(path):  # unlike Path.exists, it does not raise for impossible names
             return path
-    raise Unreadable("no such file")
+    raise UnreadableMesh("no such file")
 
 
 def _beside(path: Path, document: Path) -> Iterator[Path]:
     if path.is_absolute():
         yield path
     elif document in UNNAMED:
-        raise Unreadable("the path is relative, and the URDF comes from no file; load it from its file")
+        raise UnreadableMesh("the path is relative, and the URDF comes from no file; load it from its file")
     else:
         yield document.resolve().parent / path
 

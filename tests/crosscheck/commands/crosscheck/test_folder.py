@@ -242,7 +242,7 @@ class TestArguments:
 
 @pytest.fixture(scope="module")
 def some_record():
-    return sweeping.examine(sweeping.Task("kr500", 1, 0, "none")).record
+    return sweeping.examine(sweeping.ComparisonTask("kr500", 1, 0, "none")).record
 
 
 class TestResume:
@@ -252,9 +252,11 @@ class TestResume:
 
         def examine(task):
             if "new" in task.robot:
-                return sweeping.Outcome(task.robot, failure="not a robot")
+                return sweeping.ComparisonOutcome(task.robot, failure="not a robot")
             own = {"robot": task.robot, "file_sha256": content_sha256(task.robot)}
-            return sweeping.Outcome(task.robot, {**some_record, **own, "samples": task.samples, "seed": task.seed})
+            return sweeping.ComparisonOutcome(
+                task.robot, {**some_record, **own, "samples": task.samples, "seed": task.seed}
+            )
 
         monkeypatch.setattr(sweeping, "examine", examine)
 

@@ -15,7 +15,7 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.judging.exchange import line_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed, end_in_words
 from crosscheck.judging.exchange.program import ProgramFunction
-from crosscheck.judging.exchange.protocols import PROTOCOLS, Unreadable, number_text
+from crosscheck.judging.exchange.protocols import PROTOCOLS, UnreadableAnswer, number_text
 from crosscheck.judging.observing.function_under_test import Refusal
 
 SOON = 0.3
@@ -128,7 +128,7 @@ class TestUnreadable:
         ],
     )
     def test_lines(self, protocol, line, message):
-        with pytest.raises(Unreadable) as caught:
+        with pytest.raises(UnreadableAnswer) as caught:
             PROTOCOLS[protocol].answer(line, 1, (2,))
         assert str(caught.value) == message
 

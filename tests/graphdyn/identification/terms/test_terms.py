@@ -9,7 +9,7 @@ import torque_data
 import graphdyn
 from graphdyn import BaseMotion, Body, Coupling, InvalidInput, Joint, Placement, RobotModel
 from graphdyn.identification import Problem, Samples, TorqueModel
-from graphdyn.identification.data.samples import Motion
+from graphdyn.identification.data.samples import TorqueFreeSamples
 from graphdyn.identification.problem.structure import structure
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
@@ -429,7 +429,7 @@ def test_a_term_does_not_see_the_torque(read, samples):
             Problem(model, samples).equations  # noqa: B018
     motion = TorqueModel(MODEL, [ReadsTorque(lambda samples: samples[:3].v)]).rows(samples)
     assert motion.shape == (20, 6, 6)
-    assert repr(Motion(samples)).startswith("Motion(q=array(")
+    assert repr(TorqueFreeSamples(samples)).startswith("TorqueFreeSamples(q=array(")
     assert np.all(motion[0] == samples.v[:3].sum() * np.eye(6))
 
 
