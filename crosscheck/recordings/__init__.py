@@ -8,7 +8,6 @@ from crosscheck.recordings.errors import (
     DirtyRecording,
     RecordingFinding,
 )
-from crosscheck.recordings.formats.virtual_recording_files import load_virtual_recording, save_virtual_recording
 from crosscheck.recordings.loading import inspect_recording, load_recording
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping, mapping_of
 from crosscheck.recordings.parts.partitioned import PartitionedRecording
@@ -28,6 +27,7 @@ from crosscheck.recordings.preparation.splits import (
     time_folds,
 )
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
+from crosscheck.recordings.virtual.files import load_virtual_recording, save_virtual_recording
 
 __all__ = [
     "DROPPABLE",

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.recordings.errors import RecordingFinding
-from crosscheck.recordings.formats.virtual_recording_columns import JOINT_UNITS
 from crosscheck.recordings.mapping.mapping import ColumnMapping
+from crosscheck.recordings.virtual.columns import JOINT_UNITS
 from graphdyn import InvalidInput, VirtualRecording
 from graphdyn.layout import Array
 

@@ -11,6 +11,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.machinery import SOURCE_SUFFIXES
 from pathlib import Path
 
@@ -23,15 +24,23 @@ STANDARD_OUTPUT = ("-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
 
 ROBOTS = (".urdf", ".xacro", ".xml", ".sdf")
 MESHES = (".stl", ".dae", ".obj", ".mtl", ".ply", ".glb")
-RECORDINGS = (".csv", ".tsv", ".gz", ".parquet", ".npz", ".npy", ".mat", ".bag", ".db3", ".mcap")
 OTHERS = (".yaml", ".yml", ".toml", ".py", ".pyi", ".so", ".pyd")
-SOURCES = frozenset((*ROBOTS, *MESHES, *RECORDINGS, *OTHERS))
-"""Endings of files that commands read, some without being told their names: meshes, included files, modules, bags."""
+PLAIN = (".txt", ".dat", ".log")
+"""Endings of recordings that any other text may have too."""
+
+
+@cache
+def sources() -> frozenset[str]:
+    """Endings of files that commands read, some of them without naming them: meshes, included files, modules, bags."""
+    from crosscheck.recordings.formats.table import formats
+
+    recordings = {Path(suffix).suffix for suffix in formats()}
+    return frozenset((*ROBOTS, *MESHES, *recordings, ".npy", *OTHERS)).difference(PLAIN)
 
 
 @dataclass(frozen=True)
 class OutputFile:
-    """A file to be written, as named on the command line. own: endings of SOURCES that it may have."""
+    """A file to be written, as named on the command line. own: endings of sources() that it may have."""
 
     name: str
     own: tuple[str, ...] = ()
@@ -102,7 +111,7 @@ def _refuse_sources(option: str, file: OutputFile, inputs: Mapping[str, object])
         if any(_same(path, Path(candidate)) for text in _texts(value) for candidate in _candidates(text)):
             read = f"{source} reads" if source.startswith("-") else "the command reads"
             raise typer.BadParameter(f"{option} {path}: {read} this file; name another")
-    if path.suffix.lower() in SOURCES.difference(file.own):
+    if path.suffix.lower() in sources().difference(file.own):
         raise typer.BadParameter(
             f"{option} {path}: there is a {path.suffix} file of this name, which would be lost; name another"
         )

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
 from crosscheck.recordings.errors import AmbiguousColumns, BadRecordingFile, RecordingFinding
+from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable, in_words
+from crosscheck.recordings.virtual.files import RecordedMotion
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FIELDS = ("position", "velocity", "effort")
+
+TOPIC = "/joint_states"
+
+NANOSECONDS = 10**9
 
 
 def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | None = None) -> RecordedTable:
@@ -99,3 +108,37 @@ def _in_order(message: Any, field: str, joints: tuple[str, ...]) -> Any:
     """The numbers of these joints; None where the message leaves the field empty."""
     values, names = getattr(message, field), list(message.name)
     return values[[names.index(joint) for joint in joints]] if len(values) == len(names) else None
+
+
+def write_mcap(recording: RecordedMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
+    """A bag of joint states, stamped with the time of the simulation in whole nanoseconds."""
+    try:
+        from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.typesys import Stores, get_typestore
+    except ImportError as error:
+        raise BadRecordingFile(f"{path}: to write MCAP, install graphdyn with its extra 'rosbag'") from error
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    state, header, stamp = (
+        store.types[name] for name in (JOINT_STATE, "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+    )
+    names = list(recording.joint_names)
+    with TemporaryDirectory() as folder:
+        bag = Path(folder) / "bag"
+        with Writer(bag, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+            for name, text in metadata.items():
+                writer.set_custom_data(name, text)
+            connection = writer.add_connection(TOPIC, JOINT_STATE, typestore=store)
+            for row, time in enumerate(np.round(recording.time * NANOSECONDS).astype(np.int64).tolist()):
+                seconds, rest = divmod(time, NANOSECONDS)
+                channels = (np.ascontiguousarray(part[row]) for part in (recording.q, recording.v, recording.tau))
+                message = state(header(stamp(sec=seconds, nanosec=rest), ""), names, *channels)
+                writer.write(connection, time, store.serialize_cdr(message, JOINT_STATE))
+        (file,) = bag.glob("*.mcap")
+        return file.read_bytes()
+
+
+def _read(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...] | None) -> RecordedTable:
+    return read_bag(path, mapping.topic if mapping else None, (mapping and mapping.joints) or joints)
+
+
+FORMATS = (Format((".mcap", ".bag", ".db3"), _read, write=write_mcap),)

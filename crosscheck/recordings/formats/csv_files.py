@@ -1,17 +1,30 @@
-"""Delimited text as other programs write it: usual delimiters, decimal commas, comments, with or without a header."""
+"""Delimited text as other programs write it: usual delimiters, decimal commas, comments, with or without a header.
+
+Joint states as `ros2 topic echo --csv` prints them: no header; names of the joints in every line.
+"""
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
-from crosscheck.recordings.formats.csv_layout import HEAD, Layout, layout_of
+from crosscheck.recordings.formats.csv_layout import HEAD, Layout, cells_of_line, layout_of
 from crosscheck.recordings.formats.files import content_of
-from crosscheck.recordings.table import LARGEST_EXACT, Cells, RecordedTable, cells_of_column
+from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.mapping.mapping import ColumnMapping
+from crosscheck.recordings.table import LARGEST_EXACT, LONG_INTEGER, Cells, RecordedTable, cells_of_column, in_words
+from crosscheck.recordings.virtual.files import virtual_recording_document
+
+
+def read_text(path: Path, mapping: ColumnMapping | None, _joints: tuple[str, ...] | None) -> RecordedTable:
+    """The table of a text file; lines of `ros2 topic echo --csv` get names. Raises BadRecordingFile, OSError."""
+    table = read_csv(path, mapping.delimiter if mapping else None)
+    return table if table.has_names or mapping else named(table)
 
 
 def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
@@ -165,3 +178,82 @@ def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
         return RecordingFinding("truncated-last-line", "warning", str(path), None, (row,), message, remedy, lines)
     message, remedy = "the last line has no line end, so its last number may be cut off", "drop it if it is"
     return RecordingFinding("unterminated-last-line", "note", str(path), None, (row,), message, remedy, lines)
+
+
+AT_ONCE = 1 << 20
+"""Part of a CSV file that is parsed at once [bytes]."""
+
+
+def batches_of_csv(path: Path, delimiter: str | None, _rows: int) -> tuple[tuple[str, ...], Any]:
+    """The names of the columns, and batches of some thousand rows. Raises BadRecordingFile."""
+    import pyarrow as pa
+    from pyarrow import csv
+
+    def opened() -> Any:
+        return pa.input_stream(str(path), compression="gzip" if path.suffix.lower() == ".gz" else None)
+
+    with opened() as file:
+        head = file.read(HEAD).decode("utf-8-sig", errors="ignore")
+    head = head.replace("\r\n", "\n").replace("\r", "\n")
+    layout = layout_of(path, head, delimiter)
+    if layout.delimiter == " ":
+        raise BadRecordingFile(f"{path}: columns between spaces are not streamed; separate them by commas")
+    names = [str(k) for k in range(len(layout.names))]
+    reader = csv.open_csv(
+        opened(),
+        read_options=csv.ReadOptions(column_names=names, skip_rows=layout.above, block_size=AT_ONCE),
+        parse_options=csv.ParseOptions(delimiter=layout.delimiter),
+        convert_options=csv.ConvertOptions(
+            column_types=_types(layout, head),
+            decimal_point="," if layout.decimal_comma else ".",
+            true_values=[],
+            false_values=[],
+        ),
+    )
+    return layout.names, reader
+
+
+def _types(layout: Layout, head: str) -> dict[str, str]:
+    """Types of the columns by the first row: doubles, or integers with all digits; calendar times are inferred."""
+    first = cells_of_line(next((line for line in head[layout.length :].split("\n") if line.strip()), ""), layout)
+    types = {}
+    for k, cell in enumerate(first):
+        if re.match(LONG_INTEGER, cell):
+            types[str(k)] = "int64" if int(cell) < 2**63 else "uint64"
+        elif re.fullmatch(r"[-+.,\deE]*", cell):
+            types[str(k)] = "float64"
+    return types
+
+
+STAMP = ("header.stamp.sec", "header.stamp.nanosec", "header.frame_id")
+FIELDS = ("position", "velocity", "effort")
+
+
+def named(table: RecordedTable) -> RecordedTable:
+    """The table with names where its lines are seconds, nanoseconds, frame, n joints, and one or three fields of n.
+
+    Two fields would be position and velocity or position and effort, so they stay without names.
+    """
+    words = [k for k in range(len(table.names)) if np.isnan(table.values[:, k]).all()]
+    n = len(words) - 1
+    fields = (len(table.names) - len(words) - 2) / n if n > 0 else 0
+    if words != list(range(2, 3 + n)) or fields not in (1, len(FIELDS)):
+        return table
+    joints = [{text for text in table.texts.get(k, {}).values() if text} for k in words[1:]]
+    nanoseconds = table.values[:, 1]
+    if any(len(names) != 1 for names in joints) or np.any((nanoseconds < 0) | (nanoseconds >= 1e9)):
+        return table
+    order = [names.pop() for names in joints]
+    columns = [f"{field}.{joint}" for field in FIELDS[: int(fields)] for joint in order]
+    message = f"joint states as `ros2 topic echo --csv` prints them, of {in_words(order)}"
+    remedy = "read as such; otherwise give a mapping with the numbers of the columns"
+    finding = noted(str(table.path), "echoed-messages", message, remedy)
+    others = tuple(other for other in table.findings if other.code != "no-header")
+    names = (*STAMP, *(f"name[{k}]" for k in range(n)), *columns)
+    return replace(table, names=names, findings=(*others, finding))
+
+
+FORMATS = (
+    Format((".csv", ".csv.gz"), read_text, batches=batches_of_csv, write=virtual_recording_document),
+    Format((".tsv", ".txt", ".dat", ".log", ".tsv.gz", ".txt.gz", ".dat.gz", ".log.gz"), read_text),
+)

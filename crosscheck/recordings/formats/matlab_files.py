@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.array_files import table_of
+from crosscheck.recordings.formats.columns import table_of
 from crosscheck.recordings.formats.files import LARGEST_EXPANDED, check_expanded
+from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.table import RecordedTable
 
 HEADER, COMPRESSED = 128, 15
@@ -91,3 +92,6 @@ def _flat(variables: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     for name, value in variables.items():
         flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {f"{prefix}{name}": value}
     return flat
+
+
+FORMATS = (Format((".mat",), lambda path, _mapping, _joints: read_mat(path)),)

@@ -14,8 +14,9 @@ from os import PathLike
 from pathlib import Path
 
 from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.formats.parquet_files import FORMATS
 
-PARQUET = (".parquet", ".pq")
+PARQUET = FORMATS[0].suffixes
 
 
 @dataclass(frozen=True)

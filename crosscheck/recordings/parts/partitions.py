@@ -11,10 +11,10 @@ import numpy as np
 from crosscheck.recordings.checks.stamps import Origin
 from crosscheck.recordings.delays import refuse_delays
 from crosscheck.recordings.errors import RecordingFinding
+from crosscheck.recordings.formats.parquet_files import parquet_rows
 from crosscheck.recordings.loading import reordered
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
-from crosscheck.recordings.parts.batches import parquet_rows
 from crosscheck.recordings.parts.logs import Log
 from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import STENCIL, differentiated

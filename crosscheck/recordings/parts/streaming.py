@@ -16,10 +16,10 @@ import numpy as np
 from crosscheck.recordings.checks.stamps import Origin
 from crosscheck.recordings.delays import refuse_delays
 from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.formats.table import tables
 from crosscheck.recordings.loading import check_rate, reordered
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
-from crosscheck.recordings.parts.batches import tables
 from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import differentiated
 from crosscheck.recordings.preparation.row_filters import BORDERS, torque_filter

@@ -39,7 +39,9 @@ def files(tmp_path, columns):
 
 @pytest.mark.parametrize("name", ["log.parquet", "log.csv"])
 def test_pieces_are_those_of_the_whole_file(files, name, monkeypatch):
-    monkeypatch.setattr("crosscheck.recordings.parts.batches.AT_ONCE", 20_000)  # a CSV file is parsed in many parts too
+    monkeypatch.setattr(
+        "crosscheck.recordings.formats.csv_files.AT_ONCE", 20_000
+    )  # a CSV file is parsed in many parts too
     whole = differentiated(load_recording(files / name), CUTOFF)
     streamed = StreamedRecording(files / name, cutoff=CUTOFF, window=WINDOW)
     for _ in range(2):
@@ -124,7 +126,7 @@ class TestRefusals:
         (tmp_path / "log.mat").write_bytes(b"x")
         (tmp_path / "log.csv").write_text("t,q_1,tau_1\n0,1,2\n1,x,3\n", encoding="utf-8")
         parquet.write_table(pa.table(columns)[:0], tmp_path / "empty.parquet")
-        with pytest.raises(BadRecordingFile, match=r"only .parquet, .csv and .csv.gz files are streamed; convert"):
+        with pytest.raises(BadRecordingFile, match=r"only .csv, .csv.gz, .parquet, .pq files are streamed; convert"):
             list(StreamedRecording(tmp_path / "log.mat"))
         with pytest.raises(BadRecordingFile, match=r"log.csv: .*load_recording gives details, or repair the file"):
             list(StreamedRecording(tmp_path / "log.csv"))

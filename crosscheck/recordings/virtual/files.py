@@ -8,12 +8,13 @@ import re
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile, quoted
-from crosscheck.recordings.formats.virtual_recording_columns import (
+from crosscheck.recordings.table import cells_of_column
+from crosscheck.recordings.virtual.columns import (
     JOINT_UNITS,
     ROBOT,
     TIME,
@@ -22,7 +23,6 @@ from crosscheck.recordings.formats.virtual_recording_columns import (
     columns,
     elements_of,
 )
-from crosscheck.recordings.table import cells_of_column
 from graphdyn import InvalidInput, VirtualRecording
 from graphdyn.experiments import CHANNELS
 from graphdyn.layout import Array
@@ -30,6 +30,23 @@ from urdf.document import write_whole
 
 FIRST_ROW = {".csv": ("line", 2), ".parquet": ("row", 1)}
 """Per kind of file: what a row is called in messages, and the number of the first."""
+
+
+class RecordedMotion(Protocol):
+    """A motion that can be written: a VirtualRecording or a Simulation."""
+
+    @property
+    def joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def time(self) -> Array: ...
+    @property
+    def q(self) -> Array: ...
+    @property
+    def v(self) -> Array: ...
+    @property
+    def a(self) -> Array: ...
+    @property
+    def tau(self) -> Array: ...
 
 
 def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str]) -> None:
@@ -42,12 +59,20 @@ def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str
     write_whole(path, virtual_recording_document(recording, path, {}))
 
 
-def virtual_recording_document(recording: VirtualRecording, path: Path, metadata: Mapping[str, str]) -> bytes:
-    """What save_virtual_recording writes there; the metadata of the table goes into Parquet. Raises InvalidInput."""
+def virtual_recording_document(recording: RecordedMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
+    """What save_virtual_recording writes there; the metadata of the table goes into Parquet.
+
+    Raises InvalidInput, also for a motion that is no VirtualRecording.
+    """
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
     from pyarrow import parquet
 
+    if not isinstance(recording, VirtualRecording):
+        raise InvalidInput(
+            f"{path}: the robot has loops, and joint forces that nothing determines have no place in this table; "
+            "write .npz or .mcap"
+        )
     suffix = _suffix(path)
     for name in (recording.robot, *recording.joint_names, *recording.body_names):
         if name != name.strip() or not name.isprintable():

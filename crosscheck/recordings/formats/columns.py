@@ -5,8 +5,6 @@ Parquet and NumPy .npz files.
 
 from __future__ import annotations
 
-import io
-import zipfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
-from crosscheck.recordings.formats.files import check_expanded
 from crosscheck.recordings.table import Cells, RecordedTable, cells_of_array, cells_of_column, in_words
 
 
@@ -77,28 +74,6 @@ def left_out_findings(path: Path, left_out: Mapping[str, str]) -> tuple[Recordin
     return (noted(str(path), "left-out", message, "save columns of numbers"),)
 
 
-def read_parquet(path: Path) -> RecordedTable:
-    """Read a Parquet file; a column of lists becomes one column per element, name_1, name_2, …"""
-    import pyarrow as pa
-    from pyarrow import parquet
-
-    try:
-        file = parquet.ParquetFile(pa.BufferReader(path.read_bytes()))
-        batches, size = [], 0
-        check_expanded(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
-        for batch in file.iter_batches():  # lists may have any number of elements per row
-            batches.append(batch)
-            size += batch.nbytes
-            check_expanded(path, size)
-        table = pa.Table.from_batches(batches, file.schema_arrow)
-        names = table.schema.names
-    except BadRecordingFile:
-        raise
-    except Exception as error:  # whatever a damaged file makes Arrow raise
-        raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error
-    return table_of_columns(path, names, table.columns)
-
-
 def table_of_columns(path: Path, headers: Sequence[str], arrays: Sequence[Any]) -> RecordedTable:
     """The table of Arrow columns. Raises BadRecordingFile where none holds numbers."""
     import pyarrow as pa
@@ -141,42 +116,3 @@ def _elements(column: Any) -> list[Cells] | str:
     if isinstance(flat, str):
         return flat
     return [flat._replace(values=values) for values in flat.values.reshape(-1, widths[0]).T]
-
-
-def read_npz(path: Path) -> RecordedTable:
-    """Read the arrays of a NumPy archive; pickled objects are refused."""
-    content = path.read_bytes()
-    try:
-        _check_headers(path, content)
-        with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-            arrays = {}
-            for name in archive.files:
-                try:
-                    arrays[name] = archive[name]
-                except (ValueError, MemoryError) as error:
-                    raise BadRecordingFile(f"{path}: {name!r} is not an array of numbers; save it as one") from error
-    except BadRecordingFile:
-        raise
-    except Exception as error:  # whatever a damaged archive makes zipfile and NumPy raise
-        raise BadRecordingFile(f"{path}: not a readable .npz file ({error}); save it with numpy.savez") from error
-    return table_of(path, arrays)
-
-
-def _check_headers(path: Path, content: bytes) -> None:
-    """Raise BadRecordingFile for arrays that are larger than allowed, or than their part of the archive."""
-    from numpy.lib import format as npy
-
-    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        check_expanded(path, sum(member.file_size for member in archive.infolist()))
-        for member in archive.infolist():
-            with archive.open(member) as file:
-                if not member.filename.endswith(".npy") or (version := npy.read_magic(file)) not in readers:
-                    continue
-                shape, _, kind = readers[version](file)
-                size = int(np.prod(shape, dtype=object)) * kind.itemsize
-                if size > member.file_size and not kind.hasobject:
-                    raise BadRecordingFile(
-                        f"{path}: {member.filename!r} announces {size} bytes of numbers and has {member.file_size}; "
-                        "save it with numpy.savez"
-                    )

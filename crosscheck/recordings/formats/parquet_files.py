@@ -1,0 +1,87 @@
+"""Parquet files, whole and in batches of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.formats.columns import table_of_columns
+from crosscheck.recordings.formats.files import check_expanded
+from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.table import RecordedTable
+from crosscheck.recordings.virtual.files import virtual_recording_document
+
+
+def read_parquet(path: Path) -> RecordedTable:
+    """Read a Parquet file; a column of lists becomes one column per element, name_1, name_2, …"""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    try:
+        file = parquet.ParquetFile(pa.BufferReader(path.read_bytes()))
+        batches, size = [], 0
+        check_expanded(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
+        for batch in file.iter_batches():  # lists may have any number of elements per row
+            batches.append(batch)
+            size += batch.nbytes
+            check_expanded(path, size)
+        table = pa.Table.from_batches(batches, file.schema_arrow)
+        names = table.schema.names
+    except BadRecordingFile:
+        raise
+    except Exception as error:  # whatever a damaged file makes Arrow raise
+        raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error
+    return table_of_columns(path, names, table.columns)
+
+
+def batches_of_parquet(path: Path, _delimiter: str | None, rows: int) -> tuple[Sequence[str], Iterable[Any]]:
+    """The names of the columns, and batches of at most this number of rows."""
+    from pyarrow import parquet
+
+    file = parquet.ParquetFile(path)
+    return file.schema_arrow.names, file.iter_batches(rows)
+
+
+FORMATS = (
+    Format(
+        (".parquet", ".pq"),
+        lambda path, _mapping, _joints: read_parquet(path),
+        batches=batches_of_parquet,
+        write=virtual_recording_document,
+    ),
+)
+
+
+BATCH = 65_536
+"""Rows of a Parquet file that are decoded at once."""
+
+
+def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:
+    """The rows first … last - 1 of a Parquet file; only the row groups that hold them are read.
+
+    Raises BadRecordingFile.
+    """
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    try:
+        with parquet.ParquetFile(path) as file:
+            names, metadata = file.schema_arrow.names, file.metadata
+            starts = [0, *accumulate(metadata.row_group(k).num_rows for k in range(metadata.num_row_groups))]
+            groups = [k for k in range(len(starts) - 1) if starts[k] < last and starts[k + 1] > first]
+            row, batches = starts[groups[0]], []
+            for batch in file.iter_batches(BATCH, row_groups=groups, use_threads=False):
+                begin, end = max(first - row, 0), min(last - row, len(batch))
+                if begin < end:
+                    batches.append(batch.slice(begin, end - begin))
+                row += len(batch)
+                if row >= last:
+                    break
+    except (pa.ArrowException, OSError) as error:
+        raise BadRecordingFile(f"{path}: {error}; repair the file") from error
+    numbers = [str(k) for k in range(len(names))]  # names may be repeated
+    whole = pa.Table.from_batches([pa.record_batch(batch.columns, names=numbers) for batch in batches])
+    return table_of_columns(path, names, whole.columns)
