@@ -34,7 +34,7 @@ def sources() -> frozenset[str]:
     """Endings of files that commands read, some of them without naming them: meshes, included files, modules, bags."""
     from crosscheck.recordings.formats.table import formats
 
-    recordings = {Path(suffix).suffix for suffix in formats()}
+    recordings = {"." + suffix.rpartition(".")[2] for suffix in formats()}
     return frozenset((*ROBOTS, *MESHES, *recordings, ".npy", *OTHERS)).difference(PLAIN)
 
 
