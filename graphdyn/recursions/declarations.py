@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 from graphdyn.layout import BODY_PARAMETERS
@@ -86,24 +87,29 @@ COUPLED: dict[str, Callable[..., Any]] = {}
 CLOSED: dict[str, Callable[..., Any]] = {}
 
 
-def recursion(*, of_torques: bool = False, **outputs: ArraySpec) -> Callable[[Function], Function]:
+def recursion(**outputs: ArraySpec) -> Callable[[Function], Function]:
     """Declares a function as the recursion of its name, which answers these outputs.
 
     Its parameters say what it takes. Those named in INPUTS are its inputs; the others are attributes of the sample:
     links, root where the motion of the base matters, frame where it speaks of one, freedoms (None without couplings)
     where it knows couplings itself, external, mass, joints_only.
     """
+    return partial(_declare, outputs, False)
 
-    def declared(function: Function) -> Function:
-        name, parameters = function.__name__, _parameters(function)
-        compute = _of_samples(function, but="freedoms")
-        inputs = tuple(each for each in parameters if each in INPUTS)
-        moving, of_frame = "root" in parameters, "frame" in parameters
-        RECURSIONS[name] = Recursion(name, inputs, tuple(outputs), compute, moving, of_frame, of_torques)
-        ARRAYS.update(outputs)
-        return with_couplings(function) if "freedoms" in parameters else function
 
-    return declared
+def recursion_of_torques(**outputs: ArraySpec) -> Callable[[Function], Function]:
+    """As recursion, of torques or torques per parameter of all joints. With chords it answers those of the motors."""
+    return partial(_declare, outputs, True)
+
+
+def _declare(outputs: dict[str, ArraySpec], of_torques: bool, function: Function) -> Function:
+    name, parameters = function.__name__, _parameters(function)
+    compute = _of_samples(function, but="freedoms")
+    inputs = tuple(each for each in parameters if each in INPUTS)
+    moving, of_frame = "root" in parameters, "frame" in parameters
+    RECURSIONS[name] = Recursion(name, inputs, tuple(outputs), compute, moving, of_frame, of_torques)
+    ARRAYS.update(outputs)
+    return with_couplings(function) if "freedoms" in parameters else function
 
 
 def with_couplings(function: Function) -> Function:

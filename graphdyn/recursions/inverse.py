@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
-from graphdyn.recursions.declarations import TORQUES, ArraySpec, recursion
+from graphdyn.recursions.declarations import TORQUES, ArraySpec, recursion, recursion_of_torques
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import (
     BodyMotion,
@@ -149,19 +149,19 @@ def inverse_dynamics(
     return {"tau": tau, **answers(links, at, root, moving, wrenches)}
 
 
-@recursion(of_torques=True, bias_torque=TORQUES)
+@recursion_of_torques(bias_torque=TORQUES)
 def bias_torque(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
     """tau at a = 0 (n)."""
     return inverse_dynamics(links, root, q, v, [0.0] * len(links))["tau"]
 
 
-@recursion(of_torques=True, gravity_torque=TORQUES)
+@recursion_of_torques(gravity_torque=TORQUES)
 def gravity_torque(links: Sequence[Link], root: Root, q: Sequence[Any]) -> list[Any]:
     """tau at v = a = 0 (n)."""
     return bias_torque(links, root, q, [0.0] * len(links))
 
 
-@recursion(of_torques=True, static_torque=TORQUES)
+@recursion_of_torques(static_torque=TORQUES)
 def static_torque(
     links: Sequence[Link], root: Root, q: Sequence[Any], external: Sequence[Wrench] | None = None
 ) -> list[Any]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR
-from graphdyn.recursions.declarations import ArraySpec, recursion
+from graphdyn.recursions.declarations import ArraySpec, recursion, recursion_of_torques
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, motions, places, resting_root
 from graphdyn.scalars.vectors import E_Z, Scalars, cross, skew, zeros
@@ -27,7 +27,7 @@ def body_regressor(
     return [_of_moving_body(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
 
 
-@recursion(of_torques=True, joint_torque_regressor=ArraySpec(("n", "10 bodies"), "N m or N per parameter"))
+@recursion_of_torques(joint_torque_regressor=ArraySpec(("n", "10 bodies"), "N m or N per parameter"))
 def joint_torque_regressor(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
 ) -> Scalars:
