@@ -1,6 +1,6 @@
-"""Inertial parameters from data.
+"""Identification of inertial parameters from recordings.
 
-Public are the names in `__all__` here, and those of graphdyn.identification.terms, the parts of a torque model. Other
+The public names are those in `__all__` here and in graphdyn.identification.terms, the parts of a torque model. Other
 modules may change without notice.
 """
 
