@@ -14,6 +14,7 @@ import signatures  # noqa: E402
 from sphinx.util import logging  # noqa: E402
 
 import graphdyn  # noqa: E402
+from crosscheck.report.docstrings import names_of  # noqa: E402
 
 project = "graphdyn"
 author = "the graphdyn authors"
@@ -43,7 +44,7 @@ LINKS = public_names.links()
 
 def process_docstring(app, what, name, thing, options, lines):
     title = "Attributes" if what in ("class", "exception") else "Parameters"
-    lines[:] = docstrings.as_rst(lines, docstrings.names_of(thing), title, LINKS)
+    lines[:] = docstrings.as_rst(lines, names_of(thing), title, LINKS)
 
 
 def process_signature(app, what, name, thing, options, signature, returned):

@@ -1,82 +1,16 @@
 """Docstrings of this project as reStructuredText.
 
-A docstring is plain text: a sentence, paragraphs, and lines `name: meaning   (shape)  [unit]`. Such lines become a list
-of parameters (of a function) or attributes (of a class), sentences that begin with "Raises" or "Warns" become fields,
-and everything else is escaped, so that |x| or θ* means itself.
+Lines `name: meaning   (shape)  [unit]` become a list of parameters (of a function) or attributes (of a class),
+sentences that begin with "Raises" or "Warns" become fields, and everything else is escaped, so that |x| or θ* means
+itself.
 """
 
 from __future__ import annotations
 
-import contextlib
-import dataclasses
-import inspect
 import re
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 
-NAMES = r"[A-Za-z_]\w*(?:, [A-Za-z_]\w*)*"
-ENTRY = re.compile(rf"({NAMES}): *(?=\S)|({NAMES}):$")
-_SIZE = r"(?:…|\w[\w +\-]{0,7})"
-_SHAPE = rf"\((?:{_SIZE},|{_SIZE}(?:, ?{_SIZE})+)\)"
-TAIL = re.compile(rf"[ ,;]*(?P<shape>{_SHAPE}(?:, ?{_SHAPE})*)?\s*(?P<unit>\[[^\[\]]*\])?$")
-FIELDS = ("Raises", "Warns")
-SENTENCE = re.compile(rf"(?<=[.)\]]) (?=(?:{'|'.join(FIELDS)}) [A-Z])")
-"""The space before a sentence of an error or a warning."""
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One line `name: meaning   (shape)  [unit]`.
-
-    names: what the line is about
-    meaning: in words
-    shape, unit: as written, brackets included; empty where there is none
-    """
-
-    names: tuple[str, ...]
-    meaning: str
-    shape: str = ""
-    unit: str = ""
-
-
-@dataclass
-class Parts:
-    """A docstring taken apart: paragraphs of prose, entries, and the sentences that begin with Raises or Warns."""
-
-    prose: list[str]
-    entries: list[Entry]
-    fields: list[tuple[str, str]]
-
-
-def names_of(thing: object) -> set[str]:
-    """The names that an entry can be about: parameters of a function; fields, attributes, parameters of a class."""
-    names: set[str] = set()
-    if inspect.isclass(thing):
-        for base in thing.__mro__:
-            names |= set(vars(base)) | set(vars(base).get("__annotations__", ()))
-        if dataclasses.is_dataclass(thing):
-            names |= {field.name for field in dataclasses.fields(thing)}
-    if callable(thing):
-        with contextlib.suppress(TypeError, ValueError):  # of some classes written in C
-            names |= set(inspect.signature(thing).parameters)
-    return names
-
-
-def taken_apart(lines: list[str], names: Collection[str]) -> Parts:
-    """The parts of a docstring whose entries can be about these names only."""
-    parts = Parts([], [], [])
-    for paragraph in _paragraphs(lines):
-        for kind, text in _pieces(paragraph, names):
-            if kind == "entry":
-                parts.entries += _entries(text, names)
-            else:
-                for sentence in SENTENCE.split(text):
-                    first, _, rest = sentence.partition(" ")
-                    if first in FIELDS:
-                        parts.fields.append((first, rest))
-                    else:
-                        parts.prose.append(sentence)
-    return parts
+from crosscheck.report.docstrings import taken_apart
 
 
 def as_rst(lines: list[str], names: Collection[str], title: str, links: Mapping[str, str]) -> list[str]:
@@ -96,63 +30,6 @@ def as_rst(lines: list[str], names: Collection[str], title: str, links: Mapping[
     for kind, text in parts.fields:
         rst.append(f":{kind}: {_linked(_escaped(text), links)}")
     return [*rst, ""]
-
-
-def _paragraphs(lines: list[str]) -> Iterator[list[str]]:
-    paragraph: list[str] = []
-    for line in [*lines, ""]:
-        if line.strip():
-            paragraph.append(line.rstrip())
-        elif paragraph:
-            yield paragraph
-            paragraph = []
-
-
-def _pieces(paragraph: list[str], names: Collection[str]) -> Iterator[tuple[str, str]]:
-    """Kind and text of the pieces: a line goes on with the one before it if it is indented, or in mid-sentence."""
-    kind, text = "", ""
-    for line in paragraph:
-        starts = _kind(line, names)
-        ended = kind == "entry" and not line.startswith(" ") and line[0].isupper()
-        if not kind or starts != "prose" or ended:
-            if text:
-                yield kind, text
-            kind, text = starts, line.strip()
-        else:
-            text += ("  " if kind == "entry" else " ") + line.strip()
-    yield kind, text
-
-
-def _kind(line: str, names: Collection[str]) -> str:
-    if _starts_entry(line, names):
-        return "entry"
-    first = line.split(" ", 1)[0]
-    return first if first in FIELDS else "prose"
-
-
-def _starts_entry(text: str, names: Collection[str]) -> bool:
-    found = ENTRY.match(text)
-    return found is not None and _about(found).issubset(names)
-
-
-def _about(found: re.Match[str]) -> set[str]:
-    return set((found[1] or found[2]).split(", "))
-
-
-def _entries(text: str, names: Collection[str]) -> Iterator[Entry]:
-    """A line can hold several: `shape: of the array; unit: of its numbers`."""
-    pieces = [""]
-    for piece in re.split(r"(?<=;) ", text):
-        if _starts_entry(piece, names):
-            pieces.append(piece)
-        else:
-            pieces[-1] = f"{pieces[-1]} {piece}"
-    for piece in pieces[1:]:
-        who, meaning = piece.rstrip(" ;").split(":", 1)
-        tail = TAIL.search(meaning)
-        assert tail is not None  # it can be empty
-        shape, unit = tail["shape"] or "", tail["unit"] or ""
-        yield Entry(tuple(who.split(", ")), " ".join(meaning[: tail.start()].split()), shape, unit)
 
 
 def _escaped(text: str) -> str:

@@ -14,11 +14,12 @@ import typer
 
 import graphdyn
 from crosscheck.commands import app
+from crosscheck.report.docstrings import Entry, names_of, taken_apart
 from graphdyn.identification import Estimator
 
 
 def parts(text, *names):
-    return docstrings.taken_apart(inspect.cleandoc(text).splitlines(), names)
+    return taken_apart(inspect.cleandoc(text).splitlines(), names)
 
 
 def rst(text, *names, links=()):
@@ -30,7 +31,7 @@ def rst(text, *names, links=()):
 class TestEntries:
     def test_shape_and_unit_at_the_end_are_taken_off(self):
         (entry,) = parts("a: joint acceleration          (…, n)     [rad/s² or m/s²]", "a").entries
-        assert entry == docstrings.Entry(("a",), "joint acceleration", "(…, n)", "[rad/s² or m/s²]")
+        assert entry == Entry(("a",), "joint acceleration", "(…, n)", "[rad/s² or m/s²]")
 
     def test_several_names_on_a_line(self):
         (entry,) = parts("q, v, tau: joint state   (…, n)", "q", "v", "tau").entries
@@ -136,8 +137,8 @@ class TestRest:
         def verb(model, *, method="auto"):
             return model, method
 
-        assert docstrings.names_of(verb) == {"model", "method"}
-        assert {"a", "b"} <= docstrings.names_of(Answer)
+        assert names_of(verb) == {"model", "method"}
+        assert {"a", "b"} <= names_of(Answer)
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +148,7 @@ def described():
     for full, value in public_names.everything().items():
         if public_names.kind_of(value) != "data":
             lines = (inspect.getdoc(value) or "").splitlines()
-            found[full] = value, docstrings.taken_apart(lines, docstrings.names_of(value))
+            found[full] = value, taken_apart(lines, names_of(value))
     assert len(found) > 300
     return found
 
@@ -191,10 +192,8 @@ class TestPublicNames:
         assert reference.missing(documented - {"urdf.load"}) == ["urdf.load"]
 
     def test_a_verb_by_hand(self):
-        found = docstrings.taken_apart(
-            inspect.getdoc(graphdyn.forward_dynamics).splitlines(), docstrings.names_of(graphdyn.forward_dynamics)
-        )
-        assert found.entries[0] == docstrings.Entry(
+        found = taken_apart(inspect.getdoc(graphdyn.forward_dynamics).splitlines(), names_of(graphdyn.forward_dynamics))
+        assert found.entries[0] == Entry(
             ("q", "v", "tau"), "joint state and actuator torques", "(…, n)", "[rad or m, …/s, N m or N]"
         )
         assert found.fields[0][0] == "Raises"
