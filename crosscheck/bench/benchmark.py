@@ -54,11 +54,24 @@ QUICK = Effort(0.02, 5, 2, 5000, (2, 4, 8, 16))
 class Benchmark:
     """All measurements.
 
-    threads: the numbers of threads compared; machine: limits with each of them, empty where nothing can be compiled
-    floors: least times on one thread of the works that have a program
-    peers: a description by library; left_out: libraries that were not measured, and why
+    robot: name or file as given
+    samples: random states per run; the identification and the largest batch take ten times as many
+    seed: of the random states
+    quick: whether fewer repeats and points were asked for
+    threads: numbers of threads that were compared
+    backend: what runs graphdyn's recursive forms: compiled code or NumPy arrays
+    cores: processor cores that the program may use
     load: of the machine, before and after
-    imports, first_calls: seconds in fresh processes, by module and by function
+    machine: what it could do at best, by number of threads; empty where nothing can be compiled
+    floors: least times on one thread of the works that have a program
+    peers: what took part: version, instruction set of the build as far as it is known, and how it was used, by library
+    left_out: why a library took no part, by name
+    works: what was done, by several contenders
+    imports: seconds of an import in a fresh process, by module
+    first_calls: seconds of the first call of a verb in a fresh process, which records and compiles, by verb; the first
+        one loads the compiler too
+    identification: from a recording in memory to the inertial parameters, in fresh processes
+    curves: times against the size of a batch, the number of bodies or of threads
     """
 
     robot: str

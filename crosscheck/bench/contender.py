@@ -29,7 +29,7 @@ AMORTISED = 10_000
 """Number of samples per call from which the overhead of the call is negligible."""
 
 LEAST_SHARE = 0.95
-"""Part of their time for which runs on one thread need a core, so that ratios are to be trusted. Measured: 0.99 and
+"""Part of their time for which runs on one thread need a core, so that ratios are to be trusted. MeasuredWork: 0.99 and
 more on a quiet machine, 0.5 where two other programs keep both of two cores busy."""
 
 
@@ -63,12 +63,12 @@ Forms = Callable[[States, Sequence[int]], list[Contender]]
 class Work:
     """One task, and the contenders that do it.
 
-    error: what errors are relative to, in words; bound: the largest error that counts as agreement
+    scale: what errors are relative to, in words; bound: the largest error that counts as agreement
     """
 
     name: str
     title: str
-    error: str
+    scale: str
     bound: float
     contenders: tuple[Contender, ...]
 
@@ -77,7 +77,12 @@ class Work:
 class Entry:
     """A contender with its times.
 
-    samples: of each run; error: largest over judged samples, None where nothing was judged; judged: their number
+    name, threads: of the implementation, and the number of threads it may use
+    ours: whether it is a form of graphdyn whose ratios are asked for
+    samples: of each run
+    error: largest relative error against Pinocchio; None where nothing was judged
+    judged: samples, or joints for sums of products, that were judged
+    included: what the time includes besides the arithmetic
     """
 
     name: str
@@ -92,7 +97,11 @@ class Entry:
 
 @dataclass(frozen=True)
 class SpeedRatio:
-    """The ratio of two entries with the same number of threads. undisturbed: whether the runs had the cores."""
+    """The ratio of two entries with the same number of threads.
+
+    ours, theirs: names of our form and of the other; threads: that may be used
+    undisturbed: whether the runs had the cores
+    """
 
     ours: str
     theirs: str
@@ -102,21 +111,24 @@ class SpeedRatio:
 
     @property
     def trusted(self) -> bool:
-        """Whether the machine was quiet enough for it."""
+        """Whether the machine was quiet: the runs had a core, and the quartiles are close together."""
         return self.undisturbed and self.ratio.steady
 
 
 @dataclass(frozen=True)
 class MeasuredWork:
-    """A measured work. agrees: whether the errors of our answers are within the bound.
+    """A measured work.
 
-    core_share: part of the time of its runs on one thread for which they had a core
+    name: which work; title: its name in words
+    scale: what errors are relative to; bound: largest relative error that counts as agreement
+    entries: everyone who took part
+    core_share: part of the time of runs on one thread for which they had a core; below 0.95, others disturbed them
     limit: times of a loop that does as much and never waits, on one thread; None where there is none
     """
 
     name: str
     title: str
-    error: str
+    scale: str
     bound: float
     entries: tuple[Entry, ...]
     core_share: float = 1.0
@@ -146,6 +158,7 @@ class MeasuredWork:
 
     @property
     def agrees(self) -> bool:
+        """Whether our answers are within the bound."""
         return all(entry.error is None or entry.error <= self.bound for entry in self.entries if entry.ours)
 
 
@@ -175,7 +188,7 @@ def measure(
         Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
         for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
     )
-    return MeasuredWork(work.name, work.title, work.error, work.bound, entries, share.share, limited)
+    return MeasuredWork(work.name, work.title, work.scale, work.bound, entries, share.share, limited)
 
 
 def _per_sample(seconds: Sequence[float], samples: int) -> Times:

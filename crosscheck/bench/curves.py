@@ -53,7 +53,10 @@ FIRST_CALL = "graphdyn first call"
 
 @dataclass(frozen=True)
 class Line:
-    """Times of one contender over x."""
+    """Times of one contender over x.
+
+    name, threads: of the contender; threads are 0 where they are varied
+    """
 
     name: str
     threads: int
@@ -62,8 +65,8 @@ class Line:
 
     @property
     def exponent(self) -> float | None:
-        """k of a time that grows as x^k, fitted to the fastest repeats of the upper half of the points; None for fewer
-        than 3 points."""
+        """k of a time that grows as x^k, from the fastest repeats of the upper half of the points; None for fewer than
+        three."""
         if len(self.x) < 3:
             return None
         half = len(self.x) // 2
@@ -73,12 +76,17 @@ class Line:
 
 @dataclass(frozen=True)
 class ScalingCurve:
-    """Lines over a common x. seconds: what one time is for; notes: what a reader must know"""
+    """Lines over a common x.
+
+    name: which diagram; title: its name in words; x: what is varied
+    seconds_of: what one time is for: a sample, or a first call
+    lines: one per contender; notes: what a reader must know
+    """
 
     name: str
     title: str
     x: str
-    seconds: str
+    seconds_of: str
     lines: tuple[Line, ...]
     notes: tuple[str, ...] = ()
 

@@ -30,8 +30,10 @@ TESTED = 1000
 class IdentificationRun:
     """One measured implementation of the identification.
 
-    samples: number used; times: per sample, so that runs with different numbers can be compared
-    extra_bytes: peak memory besides the recording, None where the system has no figure
+    name: which implementation; threads: cores it is held to
+    samples: that were worked on; if fewer than the recording has, the time of the whole is extrapolated in proportion
+    times: per sample, so that runs with different numbers can be compared
+    extra_bytes: peak memory besides the recording, None where the system has no figure [bytes]
     error: largest error of torques predicted at other states, relative to the largest torque
     """
 

@@ -26,6 +26,8 @@ from crosscheck.commands.simulate import record as simulate
 from crosscheck.commands.study import record as study
 from crosscheck.commands.vectors import record as vectors
 from crosscheck.report.json import as_bytes
+from crosscheck.report.json_schema import schema_of
+from crosscheck.report.record import Record
 from urdf.document import write_whole
 
 
@@ -53,6 +55,14 @@ def schemas() -> dict[str, dict[str, Any]]:
 
 def schema(record: Any) -> dict[str, Any]:
     """The JSON Schema of a format. record: its outermost class."""
+    if issubclass(record, Record):
+        program, command, _ = record.format.split()
+        head = {
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "$id": f"urn:graphdyn:schema:{_name(record)}",
+            "title": f"{program} {command} --json",
+        }
+        return {**head, **schema_of(record)}
     from pydantic import ConfigDict, TypeAdapter
 
     program, command, _ = record.format.split()

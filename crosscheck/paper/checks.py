@@ -65,7 +65,8 @@ REPRODUCED = 10
 class Check:
     """One number against its bound.
 
-    where: table or equation; what: the quantity; measured: its value; why: reason of the bound
+    where: table, equation or section; what: was measured, in words, with its unit unless it has none
+    measured: its value; bound: what it must not exceed, or not fall below; why: this bound
     at_least: whether the bound is a lower one
     """
 

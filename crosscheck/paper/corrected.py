@@ -22,7 +22,8 @@ class CorrectedMultipliers:
     multipliers, rnea: force in world axes, moments about t_1, t_2, of the inside body on body j   (6, 5)  [N, N m]
     difference: largest one, relative to the largest force or moment of its kind
     tau: actuator torques                                                       (6,)    [N m]
-    forces, moments: of the inside body on body j at O_j, actuator included, world axes   (6, 3)  [N], [N m]
+    forces: of the inside body on body j, world axes                            (6, 3)  [N]
+    moments: the same about O_j, actuator included, world axes                  (6, 3)  [N m]
     reading: one sentence per joint about the forces and moments it carries
     """
 

@@ -92,6 +92,8 @@ EFFECTS = 2 * (len(ERRATA) - 1 + len(COSINES))
 class Effect:
     """One erratum on one robot: the measured errors, and those of the corrected form.
 
+    erratum: its number in docs/deviations.md; robot: on which it was measured
+    measure: what was measured, in words; errors are relative and have no unit, ranks are counted in rows
     errors, corrected_errors: relative, or missing rows of A2; one per state, or per mass of A6   (N,)
     cosine: |cos β| at which A3 was measured
     """
@@ -105,15 +107,17 @@ class Effect:
 
     @property
     def median(self) -> float:
+        """Median of the printed form's error."""
         return float(np.quantile(self.errors, 0.5))
 
     @property
     def upper(self) -> float:
-        """90 % quantile."""
+        """90 % quantile of the printed form's error."""
         return float(np.quantile(self.errors, 0.9))
 
     @property
     def largest(self) -> float:
+        """Largest error of the printed form."""
         return float(self.errors.max())
 
     @property

@@ -42,10 +42,12 @@ WHY_TABLE_3 = (
 class PaperTrial:
     """One identification.
 
+    data: which data
     values: rows as Table 3, columns B_1 … B_6; NaN where the data do not determine them        (6, 6)  [kg, kg m²]
     errors: values minus true ones                          (6, 6)  [kg, kg m²]
     standard_deviations: estimated from the residual        (6, 6)  [kg, kg m²]
-    undetermined: names; rank: of 36; condition_number: of the worst body
+    undetermined: names of the parameters that the data do not determine; rank: of 36 columns
+    condition_number: the worst of the systems, on what they determine
     """
 
     data: str
@@ -73,7 +75,7 @@ class PaperIdentification:
     printed, printed_errors: Tables 3 and 4, misprints corrected        (6, 6)
     exact, together: from exact data, body by body (Eq. 56) and in one block-diagonal system (Eq. 64)
     rounded: from data of seven digits: two roundings, then noise by seed
-    implied: J_22 and J_33 of B_1 by the cylinder formula with the mean of its two identified masses
+    implied_moment: J_22 and J_33 of B_1 by the cylinder formula with the mean of its printed masses [kg m²]
     """
 
     true: Array
@@ -82,7 +84,7 @@ class PaperIdentification:
     exact: PaperTrial
     together: PaperTrial
     rounded: tuple[PaperTrial, ...]
-    implied: float
+    implied_moment: float
 
     @property
     def compared(self) -> NDArray[np.bool_]:
@@ -91,11 +93,12 @@ class PaperIdentification:
 
     @property
     def printed_largest(self) -> float:
-        """Largest absolute error of Table 4 over the compared entries."""
+        """Largest absolute error of Table 4 over the compared entries [kg, kg m²]."""
         return float(np.abs(self.printed_errors[self.compared]).max())
 
     @property
     def printed_rms(self) -> float:
+        """Root mean square of these errors [kg, kg m²]."""
         return float(np.sqrt(np.mean(self.printed_errors[self.compared] ** 2)))
 
     @property

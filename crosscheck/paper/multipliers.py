@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -16,7 +17,9 @@ DIGITS = 6
 
 PRINTED_DIGITS = 7
 
-KINDS = {
+Kind = Literal["reproduced", "rounding", "free", "unexplained"]
+
+MEANINGS: Mapping[Kind, str] = {
     "reproduced": "reproduced",
     "rounding": "zero; the paper prints rounding of its seven digits",
     "free": "not determined: the two axis rows of this joint are dependent (A2)",
@@ -35,18 +38,30 @@ WHY_PRINTED = (
 
 @dataclass(frozen=True)
 class Multiplier:
-    """One of the thirty multipliers: joint j, number k (λ_jk); kind: one of KINDS; digits: equal significant digits."""
+    """One of the thirty multipliers.
+
+    joint, number: j and k of λ_jk; printed: in the paper
+    ours: from the printed rows, NaN where they do not determine it [N, N m]
+    kind: what the printed number is
+    digits: significant digits of seven that agree, where the kind is reproduced; otherwise 0
+    """
 
     joint: int
     number: int
     printed: Printed
     ours: float
-    kind: str
+    kind: Kind
     digits: int
 
     @property
     def name(self) -> str:
+        """λ_jk: joint j, number k."""
         return f"λ_{self.joint}{self.number}"
+
+    @property
+    def meaning(self) -> str:
+        """The kind in words."""
+        return MEANINGS[self.kind]
 
 
 def agreeing_digits(printed: float, ours: float) -> int:
@@ -70,6 +85,7 @@ def multipliers(solved: PrintedMultipliers) -> tuple[Multiplier, ...]:
 
 def _multiplier(solved: PrintedMultipliers, joint: int, number: int, printed: Printed) -> Multiplier:
     ours = float(solved.values[joint - 1, number - 1])
+    kind: Kind
     if number in (1, 2):
         kind = "rounding"
     elif np.isnan(ours):

@@ -16,14 +16,15 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True)
 class Printed:
-    """One printed number: its text; None where the paper prints a dash.
+    """One printed number.
 
-    reading, erratum: of a misprint, the correct number, and its entry in docs/deviations.md
+    text: as printed, digit by digit; None where the paper prints a dash
+    reading: what a misprint should read; erratum: its number in docs/deviations.md
     """
 
     text: str | None
     reading: str | None = None
-    erratum: str = ""
+    erratum: str | None = None
 
     @property
     def value(self) -> float:

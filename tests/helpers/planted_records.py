@@ -1,31 +1,26 @@
 """Records in which every number that may be null is NaN or infinite."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass, replace
-from types import NoneType
-from typing import Any, get_args, get_origin, get_type_hints
+from collections.abc import Mapping
+from typing import Any
+
+from crosscheck.report.json import plain
 
 
-def planted(record: Any, number: float) -> Any:
-    """The same record with a number in place of everything whose type is a number or null."""
-    hints = get_type_hints(type(record))
-    values = {field.name: _planted(getattr(record, field.name), hints[field.name], number) for field in fields(record)}
-    return replace(record, **values)
+def planted(record: Any, schema: Mapping[str, Any], number: float) -> Any:
+    """The same record with a number in place of everything that is a number or null by the schema."""
+    return _planted(plain(record), schema, schema.get("$defs", {}), number)
 
 
-def _planted(value: Any, hint: Any, number: float) -> Any:
-    if hint == float | None:
+def _planted(value: Any, schema: Mapping[str, Any], definitions: Mapping[str, Any], number: float) -> Any:
+    if schema.get("type") == ["number", "null"]:
         return number
-    if value is None:
-        return None
-    if is_dataclass(hint):
-        return planted(value, number)
-    kind, inner = get_origin(hint), get_args(hint)
-    if kind is Sequence:
-        return [_planted(item, inner[0], number) for item in value]
-    if kind is Mapping:
-        return {key: _planted(item, inner[1], number) for key, item in value.items()}
-    if NoneType in inner:
-        (inner,) = (part for part in inner if part is not NoneType)
-        return _planted(value, inner, number)
+    if "$ref" in schema:
+        return _planted(value, definitions[schema["$ref"].split("/")[-1]], definitions, number)
+    if "anyOf" in schema:
+        return value if value is None else _planted(value, schema["anyOf"][0], definitions, number)
+    if isinstance(value, list):
+        return [_planted(item, schema["items"], definitions, number) for item in value]
+    if isinstance(value, Mapping):
+        inner, others = schema.get("properties", {}), schema.get("additionalProperties", {})
+        return {key: _planted(item, inner.get(key, others), definitions, number) for key, item in value.items()}
     return value

@@ -24,6 +24,7 @@ SUFFIX = "_robot"
 class RobotEntry:
     """A robot that urdf.load knows by name.
 
+    name: what to call it; path: its URDF file on this machine
     origin: where the file comes from; licence: an SPDX expression, or where to read it
     gravity: of the loaded model, world axes               (3,)  [m/s²]
     """

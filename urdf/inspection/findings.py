@@ -20,8 +20,10 @@ class Finding:
     """One fault or oddity.
 
     code: stable name of its kind ("negative-mass")
-    element: "link 'wrist'", "<mass> of link 'wrist'"; None for the file as a whole; line: in the file, if known
-    message: what is there, and what other readers do with it; remedy: what to do about it
+    severity: error: urdf.load refuses the file; warning: it loads, its dynamics are doubtful; note: good to know
+    element: "link 'wrist'", "<mass> of link 'wrist'"; None for the file as a whole
+    line: in the file, from 1; None where it is not known
+    message: what is there, and what Pinocchio and yourdfpy do with it; remedy: what to do about it
     """
 
     code: str

@@ -54,43 +54,39 @@ REQUESTS = {
 
 @dataclass(frozen=True)
 class Machine:
-    """Measured limits."""
+    """Measured limits.
+
+    lanes: doubles in a vector
+    threads: at work together
+    operations: floating-point operations per second, a multiplication with an addition counted as two [1/s]
+    instructions: additions, multiplications, and both fused, times the doubles in a vector, in the best mixture [1/s]
+    bandwidth: bytes read or written per second by a copy past the caches [1/s]
+    """
 
     lanes: int
-    """Doubles in a vector."""
-
     threads: int
-    """Threads at work together."""
-
     operations: float
-    """Floating-point operations per second, a multiplication with an addition counted as two [1/s]."""
-
     instructions: float
-    """Of additions, multiplications, and both fused, times the doubles in a vector, in the best mixture [1/s]."""
-
     bandwidth: float
-    """Bytes read or written per second by a copy past the caches [1/s]."""
 
 
 @dataclass(frozen=True)
 class Floor:
-    """What a sample of a work takes at least: of what takes longer, operations or bytes."""
+    """What a sample of a work takes at least: of what takes longer, operations or bytes.
+
+    operations: floating-point operations of a sample
+    instructions: what they take: a product and the sum that is its only use are one
+    products: instructions that multiply or divide
+    bytes: read and written per sample
+    seconds: if nothing ever waited: the longest of all instructions, those that multiply, and the bytes, in loops that
+        took turns with the work [s]
+    """
 
     operations: int
-    """Floating-point operations of a sample."""
-
     instructions: int
-    """What they take: a product and the sum that is its only use are one."""
-
     products: int
-    """Those that multiply or divide."""
-
     bytes: int
-    """Bytes read and written per sample."""
-
     seconds: float
-    """If nothing ever waited [s]: the longest of all instructions, those that multiply, and the bytes, in loops that
-    took turns with the work."""
 
 
 def machine(threads: int) -> Machine | None:

@@ -11,13 +11,14 @@ BUSY = 0.5
 
 @dataclass(frozen=True)
 class Load:
-    """Over the last minute."""
+    """How busy the machine is, over the last minute.
+
+    programs: mean number of programs that had a core or waited for one; None where the system has no figure
+    cores: of the whole machine, of which this program may be allowed fewer
+    """
 
     programs: float | None
-    """Average number of programs that had a core or waited for one; null where the system has no figure."""
-
     cores: int
-    """Of the whole machine, of which this program may be allowed fewer."""
 
     @property
     def busy(self) -> bool:

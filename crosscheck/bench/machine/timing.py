@@ -29,21 +29,26 @@ SCATTERED = 1.5
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds per sample, one number per repeat, in order."""
+    """Times of the repeats of a run.
+
+    seconds: every repeat in its order, per sample [s]
+    """
 
     seconds: tuple[float, ...]
 
     @property
     def median(self) -> float:
+        """Median of the repeats, per sample [s]."""
         return float(np.median(self.seconds))
 
     @property
     def fastest(self) -> float:
+        """Fastest repeat, per sample [s]."""
         return min(self.seconds)
 
     @property
-    def spread(self) -> tuple[float, float]:
-        """Lower and upper quartile."""
+    def quartiles(self) -> tuple[float, float]:
+        """Lower and upper quartile of the repeats, per sample [s]."""
         return _quartiles(self.seconds)
 
 
@@ -51,18 +56,19 @@ class Times:
 class Ratio:
     """The time of another implementation divided by ours.
 
-    median, spread: median and quartiles of the quotients of repeats that were measured directly after each other
+    median: how many times as long theirs takes: median of the quotients of repeats that followed each other
+    quartiles: of the quotients of repeats that followed each other
     fastest: quotient of the fastest repeats
     """
 
     median: float
     fastest: float
-    spread: tuple[float, float]
+    quartiles: tuple[float, float]
 
     @property
     def steady(self) -> bool:
         """Whether its quartiles are close together."""
-        low, high = self.spread
+        low, high = self.quartiles
         return high <= SCATTERED * low
 
 

@@ -32,13 +32,13 @@ def _plot(curve: ScalingCurve) -> Plot:
     xs = _xs(curve)
     lines = tuple(_series(line, xs, k) for k, line in enumerate(curve.lines))
     caption = (
-        f"Time per {curve.seconds} against {curve.x}, lower is faster; medians, upright bars: quartiles. Full lines: "
-        f"graphdyn, dashed: others. {_growth(curve)}"
+        f"Time per {curve.seconds_of} against {curve.x}, lower is faster; medians, upright bars: quartiles. Full "
+        f"lines: graphdyn, dashed: others. {_growth(curve)}"
     )
     return Plot(
         x=np.array(xs, dtype=float),
         x_title=curve.x,
-        panels=(Panel(f"time per {curve.seconds}", lines, "s", log=True, height=HEIGHT, prefixes=True),),
+        panels=(Panel(f"time per {curve.seconds_of}", lines, "s", log=True, height=HEIGHT, prefixes=True),),
         label=f"{curve.title}, logarithmic axes. " + "; ".join(map(_reach, curve.lines)),
         caption=caption.strip(),
         log_x=True,
@@ -53,7 +53,7 @@ def _series(line: Line, xs: list[int], k: int) -> Series:
         at = dict(zip(line.x, values, strict=True))
         return np.array([at.get(x, np.nan) for x in xs])
 
-    low, high = (over_all([times.spread[end] for times in line.times]) for end in (0, 1))
+    low, high = (over_all([times.quartiles[end] for times in line.times]) for end in (0, 1))
     ours = line.name.startswith("graphdyn") or line.name == DENSE
     style: Literal["line", "dashed"] = "line" if ours else "dashed"
     return Series(_name(line), over_all([t.median for t in line.times]), style, k, low=low, high=high)
@@ -80,7 +80,7 @@ def _medians(curve: ScalingCurve) -> Table:
     if curve.x == "bodies":
         growth = (None if line.exponent is None else f"n^{line.exponent:.1f}" for line in curve.lines)
         rows.append(Row(("growth", *growth), rule=True))
-    return Table(columns, tuple(rows), caption=f"Time per {curve.seconds} (median)", on=("text",))
+    return Table(columns, tuple(rows), caption=f"Time per {curve.seconds_of} (median)", on=("text",))
 
 
 def _median(line: Line, x: int) -> float | None:
@@ -101,12 +101,12 @@ def _all_times(curve: ScalingCurve) -> Table:
             Column("fastest", "number", form=time_text),
         ),
         tuple(
-            Row((_name(line) if k == 0 else "", x, times.median, times.spread, times.fastest), rule=k == 0)
+            Row((_name(line) if k == 0 else "", x, times.median, times.quartiles, times.fastest), rule=k == 0)
             for line in curve.lines
             for k, (x, times) in enumerate(zip(line.x, line.times, strict=True))
         ),
         title="All times",
-        caption=f"Time per {curve.seconds}",
+        caption=f"Time per {curve.seconds_of}",
         on=("page",),
         folded=True,
     )

@@ -41,10 +41,10 @@ def _draw(axes: Axes, comparisons: Sequence[SpeedRatio]) -> None:
     places = range(len(comparisons))
     inner.barh(places, [c.ratio.median for c in comparisons], color=BAR, height=0.62, left=0)
     for place, c in zip(places, comparisons, strict=True):
-        inner.plot(c.ratio.spread, (place, place), color=INK, linewidth=1)
+        inner.plot(c.ratio.quartiles, (place, place), color=INK, linewidth=1)
         inner.annotate(
             ratio_text(c.ratio.median),
-            (max(c.ratio.median, c.ratio.spread[1]), place),
+            (max(c.ratio.median, c.ratio.quartiles[1]), place),
             xytext=(3, 0),
             textcoords="offset points",
             fontsize=7.5,

@@ -1,458 +1,197 @@
-"""What all times and ratios of `graphdyn bench 2` have in common.
-
-What `graphdyn bench 2` says of a work: who took part, how long each took, and what the machine needs at least.
-
-What `graphdyn bench 2` says of a diagram: times against the size of a batch, the number of bodies or threads.
-
-What `graphdyn bench 2` says of the identification.
-
-The format `graphdyn bench 2`.
-"""
+"""The format `graphdyn bench 2`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from crosscheck.bench.benchmark import Benchmark
-from crosscheck.bench.contender import MeasuredWork
-from crosscheck.bench.curves import ScalingCurve
-from crosscheck.bench.identification import Identifications
-from crosscheck.bench.machine.floor import Floor, Machine
-from crosscheck.bench.machine.load import Load
+from crosscheck.bench.contender import Entry, MeasuredWork, SpeedRatio
+from crosscheck.bench.curves import Line, ScalingCurve
+from crosscheck.bench.identification import IdentificationRun, Identifications
+from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.timing import Ratio, Times
-from crosscheck.report.record_fields import FORMAT, Command, Keywords, Number, Versions, taken
+from crosscheck.bench.works import DESCRIPTIONS
+from crosscheck.report.record import Record, attribute, written
+from crosscheck.report.record_fields import Command, Keywords, Versions
 from crosscheck.report.versions import versions
 
 Quartiles = Annotated[Sequence[float], Keywords(minItems=2, maxItems=2)]
 Repeats = Annotated[Sequence[float], Keywords(minItems=1)]
 
 
-def times_fields(times: Times) -> dict[str, Any]:
-    return {"median": times.median, "fastest": times.fastest, "quartiles": times.spread, "seconds": times.seconds}
-
-
-def ratio_fields(ratio: Ratio) -> dict[str, Any]:
-    return {"ratio": ratio.median, "fastest_ratio": ratio.fastest, "quartiles": ratio.spread}
-
-
-@dataclass(frozen=True, kw_only=True)
-class BenchRatioRecord:
-    """One comparison."""
-
-    ours: str
-    """Our form."""
-
-    theirs: str
-    """The other."""
-
-    threads: int
-    """Threads that may be used."""
-
-    ratio: float
-    """How many times as long theirs takes: median of the quotients of repeats that followed each other."""
-
-    fastest_ratio: float
-    """Quotient of the fastest repeats."""
-
-    quartiles: Quartiles
-    """Quartiles of the quotients of repeats that followed each other."""
-
-    trusted: bool
-    """The machine was quiet: the runs had a core, and the quartiles are close together."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ContenderRecord:
-    """One contender."""
-
-    name: str
-    """Who."""
-
-    threads: int
-    """Threads that may be used."""
-
-    ours: bool
-    """A form of graphdyn whose ratios are asked for."""
-
-    samples: int
-    """Samples of each run."""
-
-    median: float
-    """Median of the repeats, per sample [s]."""
-
-    fastest: float
-    """Fastest repeat, per sample [s]."""
-
-    quartiles: Quartiles
-    """Lower and upper quartile of the repeats, per sample [s]."""
-
-    seconds: Repeats
-    """Every repeat in its order, per sample [s]."""
-
-    error: Number
-    """Largest relative error against Pinocchio; null where nothing was judged."""
-
-    judged: int
-    """Samples, or joints for sums of products, that were judged."""
-
-    included: str
-    """What the time includes beside the arithmetic."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FloorRecord:
-    """What a sample takes at least, in loops that never wait and took turns with the rest, and what ours takes."""
-
-    operations: int
-    """Floating-point operations of a sample."""
-
-    instructions: int
-    """What they take: a product and the sum that is its only use are one."""
-
-    products: int
-    """Those that multiply or divide."""
-
-    bytes: int
-    """Bytes read and written per sample."""
-
-    seconds: float
-    """Of what takes longest: all instructions, those that multiply, or the bytes [s]."""
-
-    ratio: float
-    """How many times as long our first form takes: median of the quotients of repeats that followed each other."""
-
-    fastest_ratio: float
-    """Quotient of the fastest repeats."""
-
-    quartiles: Quartiles
-    """Quartiles of the quotients of repeats that followed each other."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class WorkRecord:
-    """One work."""
-
-    name: Literal[
-        "inverse_dynamics",
-        "forward_dynamics",
-        "everything",
-        "regressor",
-        "inverse_dynamics_derivatives",
-        "forward_dynamics_derivatives",
-        "mass_matrix_inverse",
-        "coriolis_matrix",
-        "kinetic_energy",
-        "frame_jacobian",
-        "simulation",
-        "inverse_call_100",
-        "inverse_call_1000",
-        "inverse_call_1000_cold",
-        "forward_call_100",
-        "forward_call_1000",
-        "forward_call_1000_cold",
-        "inverse_call_whole",
-        "forward_call_whole",
-        "single_inverse",
-        "single_forward",
-    ]
-    """Which work."""
-
-    title: str
-    """Its name in words."""
-
-    scale: str
-    """What errors are relative to."""
-
-    bound: float
-    """Largest relative error that counts as agreement."""
-
-    agrees: bool
-    """Our answers are within the bound."""
-
-    core_share: float
-    """Part of the time of runs on one thread for which they had a core: below 0.95, others disturbed them."""
-
-    floor: FloorRecord | None
-    """What a sample takes at least on one thread of this machine; null where that is not known."""
-
-    ratios: Sequence[BenchRatioRecord]
-    """Our forms against every other with the same number of threads."""
-
-    entries: Sequence[ContenderRecord]
-    """Everyone who took part."""
-
-
-def work_record(measured: MeasuredWork, floor: Floor | None) -> WorkRecord:
-    above = measured.above_limit
-    return taken(
-        WorkRecord,
-        measured,
-        scale=measured.error,
-        floor=None if floor is None or above is None else taken(FloorRecord, floor, **ratio_fields(above)),
-        ratios=[taken(BenchRatioRecord, compared, **ratio_fields(compared.ratio)) for compared in measured.comparisons],
-        entries=[taken(ContenderRecord, entry, **times_fields(entry.times)) for entry in measured.entries],
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class PointRecord:
-    """One point."""
-
-    x: int
-    """What is varied."""
-
-    median: float
-    """Median of the repeats, per sample or call [s]."""
-
-    fastest: float
-    """Fastest repeat, per sample or call [s]."""
-
-    quartiles: Quartiles
-    """Lower and upper quartile of the repeats, per sample or call [s]."""
-
-    seconds: Repeats
-    """Every repeat in its order, per sample or call [s]."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LineRecord:
-    """One contender."""
-
-    name: str
-    """Who."""
-
-    threads: int
-    """Threads that may be used; 0 where they are varied."""
-
-    exponent: Number
-    """k of a time that grows as x^k, from the fastest repeats of the upper half of the points; null for fewer than
-    three.
-    """
-
-    points: Sequence[PointRecord]
-    """In ascending x."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class CurveRecord:
-    """One diagram."""
-
-    name: str
-    """Which diagram."""
-
-    title: str
-    """Its name in words."""
-
-    x: str
-    """What is varied."""
-
-    seconds_of: str
-    """What the times are of: a sample, or a first call."""
-
-    notes: Sequence[str]
-    """What a reader must know."""
-
-    lines: Sequence[LineRecord]
-    """One per contender."""
-
-
-def curve_record(curve: ScalingCurve) -> CurveRecord:
-    return taken(
-        CurveRecord,
-        curve,
-        seconds_of=curve.seconds,
-        lines=[
-            taken(
-                LineRecord,
-                line,
-                points=[PointRecord(x=x, **times_fields(times)) for x, times in zip(line.x, line.times, strict=True)],
-            )
-            for line in curve.lines
-        ],
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class IdentificationRatioRecord:
-    """One comparison."""
-
-    threads: int
-    """Threads that may be used."""
-
-    ratio: float
-    """How many times as long theirs takes: median of the quotients of repeats that followed each other."""
-
-    fastest_ratio: float
-    """Quotient of the fastest repeats."""
-
-    quartiles: Quartiles
-    """Quartiles of the quotients of repeats that followed each other."""
-
-    trusted: bool
-    """The quartiles are close together."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class WayRecord:
-    """One way."""
-
-    name: str
-    """Which way."""
-
-    threads: int
-    """Cores it is held to."""
-
-    samples: int
-    """That were worked on; where fewer than the recording has, the time of the whole is extrapolated in proportion."""
-
-    median: float
-    """Median of the repeats, per sample [s]."""
-
-    fastest: float
-    """Fastest repeat, per sample [s]."""
-
-    quartiles: Quartiles
-    """Lower and upper quartile of the repeats, per sample [s]."""
-
-    seconds: Repeats
-    """Every repeat in its order, per sample [s]."""
-
-    extra_bytes: int | None
-    """Peak of the memory beside the recording [bytes]; null where the system does not tell."""
-
-    error: float
-    """Largest error of torques predicted at other states, relative to the largest torque."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BenchIdentificationRecord:
-    """From a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports are
-    not.
-    """
-
-    samples: int
-    """Length of the recording."""
-
-    ratios: Sequence[IdentificationRatioRecord]
-    """Ours against Pinocchio's loop with lstsq, per number of threads."""
-
-    entries: Sequence[WayRecord]
-    """Both ways, per number of threads."""
-
-
-def bench_identification_record(found: Identifications) -> BenchIdentificationRecord:
-    return BenchIdentificationRecord(
-        samples=found.samples,
-        ratios=[
-            IdentificationRatioRecord(threads=threads, trusted=ratio.steady, **ratio_fields(ratio))
-            for threads, ratio in found.comparisons
-        ],
-        entries=[taken(WayRecord, entry, **times_fields(entry.times)) for entry in found.entries],
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class TimesRecord:
+class TimesRecord(Record, of=Times):
     """Times of one import, or one first call."""
 
-    median: float
-    """Median of the repeats [s]."""
-
-    fastest: float
-    """Fastest repeat [s]."""
-
-    quartiles: Quartiles
-    """Lower and upper quartile of the repeats [s]."""
-
     seconds: Repeats
-    """Every repeat in its order [s]."""
+    median = attribute()
+    fastest = attribute()
+    quartiles = attribute()
 
 
-@dataclass(frozen=True, kw_only=True)
-class BenchRecord:
-    """How fast graphdyn is beside other libraries, measured in turns in one run. Times in seconds."""
+class ContenderRecord(Record, of=Entry, leave_out=("times",)):
+    """One contender."""
 
-    format: Annotated[Literal["graphdyn bench 2"], FORMAT] = "graphdyn bench 2"
+    median = attribute("times.median")
+    fastest = attribute("times.fastest")
+    quartiles = attribute("times.quartiles")
+    seconds: Repeats = attribute("times.seconds")
 
-    versions: Versions = field(default_factory=versions)
 
-    command: Command
+class BenchRatioRecord(Record, of=SpeedRatio, only=("ours", "theirs", "threads")):
+    """One comparison."""
 
-    robot: str
-    """Name or file as given."""
+    ratio = attribute("ratio.median")
+    fastest_ratio = attribute("ratio.fastest")
+    quartiles = attribute("ratio.quartiles")
+    trusted = attribute()
 
-    n_bodies: int
-    """Moving bodies, and joints."""
 
-    samples: int
-    """Random states per run; the identification and the largest batch take ten times as many."""
+class FloorRecord(Record, of=Floor):
+    """What a sample takes at least, in loops that never wait and took turns with the rest, and what ours takes.
 
-    seed: int
-    """Of the random states."""
+    ratio: how many times as long our first form takes: median of the quotients of repeats that followed each other
+    fastest_ratio: quotient of the fastest repeats
+    quartiles: of the quotients of repeats that followed each other
+    """
 
-    quick: bool
-    """Fewer repeats and points were asked for."""
+    ratio: float
+    fastest_ratio: float
+    quartiles: Quartiles
 
-    repeats: int
-    """Of every measurement, in turns."""
 
-    cores: int
-    """Processor cores that the program may use."""
+class WorkRecord(Record, of=MeasuredWork, leave_out=("limit",)):
+    """One work.
 
-    load: Annotated[Sequence[Load], Keywords(minItems=2, maxItems=2)]
-    """Of the machine, before and after."""
+    floor: what a sample takes at least on one thread of this machine; null where that is not known
+    ratios: our forms against every other with the same number of threads
+    """
 
-    threads: Sequence[int]
-    """Numbers of threads that were compared."""
+    name: Annotated[str, Keywords(enum=list(DESCRIPTIONS))]
+    agrees = attribute()
+    floor: FloorRecord | None
+    ratios: Sequence[BenchRatioRecord] = attribute("comparisons")
+    entries: Sequence[ContenderRecord]
 
-    backend: Literal["llvm", "numpy"]
-    """What runs graphdyn's recursive forms: compiled code or NumPy arrays."""
 
-    agrees: bool
-    """Every answer of graphdyn's own forms is within the bound of its work."""
+class PointRecord(Record):
+    """One point.
 
-    peers: Mapping[str, str]
-    """What took part: version, instruction set of the build as far as it is known, and how it was used, by library."""
+    x: what is varied
+    median: of the repeats, per sample or call [s]
+    fastest: fastest repeat, per sample or call [s]
+    quartiles: lower and upper quartile of the repeats, per sample or call [s]
+    seconds: every repeat in its order, per sample or call [s]
+    """
 
-    left_out: Mapping[str, str]
-    """Why a library took no part, by name."""
+    x: int
+    median: float
+    fastest: float
+    quartiles: Quartiles
+    seconds: Repeats
 
-    machine: Sequence[Machine]
-    """What this machine could do at best, by number of threads; empty where nothing can be compiled."""
 
-    works: Sequence[WorkRecord]
-    """What was done, in several ways."""
+class LineRecord(Record, of=Line, only=("name", "threads")):
+    """One contender.
 
-    identification: BenchIdentificationRecord
+    points: in ascending x
+    """
+
+    exponent = attribute()
+    points: Sequence[PointRecord]
+
+
+class CurveRecord(Record, of=ScalingCurve):
+    """One diagram."""
+
+    lines: Sequence[LineRecord]
+
+
+class IdentificationRatioRecord(Record):
+    """One comparison.
+
+    threads: that may be used
+    ratio: how many times as long theirs takes: median of the quotients of repeats that followed each other
+    fastest_ratio: quotient of the fastest repeats
+    quartiles: of the quotients of repeats that followed each other
+    trusted: the quartiles are close together
+    """
+
+    threads: int
+    ratio: float
+    fastest_ratio: float
+    quartiles: Quartiles
+    trusted: bool
+
+
+class IdentificationRunRecord(Record, of=IdentificationRun, leave_out=("times",)):
+    """One way."""
+
+    median = attribute("times.median")
+    fastest = attribute("times.fastest")
+    quartiles = attribute("times.quartiles")
+    seconds: Repeats = attribute("times.seconds")
+
+
+class BenchIdentificationRecord(Record, of=Identifications):
     """From a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports are
     not.
+
+    ratios: ours against Pinocchio's loop with lstsq, per number of threads
     """
 
+    ratios: Sequence[IdentificationRatioRecord]
+    entries: Sequence[IdentificationRunRecord]
+
+
+class BenchRecord(Record, of=Benchmark, format="graphdyn bench 2", leave_out=("model", "effort", "floors")):
+    """How fast graphdyn is beside other libraries, measured in turns in one run. Times in seconds."""
+
+    versions: Versions
+    command: Command
+    n_bodies = attribute("model.n_bodies")
+    repeats = attribute("effort.repeats")
+    agrees = attribute()
+    backend: Literal["llvm", "numpy"]
+    works: Sequence[WorkRecord]
+    identification: BenchIdentificationRecord
     imports: Mapping[str, TimesRecord]
-    """Seconds of an import in a fresh process, by module."""
-
     first_calls: Mapping[str, TimesRecord]
-    """Seconds of the first call of a verb in a fresh process, which records and compiles, by verb; the first one loads
-    the compiler too.
-    """
-
     curves: Sequence[CurveRecord]
-    """Times against the size of a batch, the number of bodies or of threads."""
 
 
-def record(found: Benchmark, command: Sequence[str]) -> BenchRecord:
+def record(found: Benchmark, command: Sequence[str]) -> dict[str, Any]:
     """A benchmark but for the model."""
-    return taken(
+    return written(
         BenchRecord,
         found,
+        versions=versions(),
         command=command,
-        n_bodies=found.model.n_bodies,
-        repeats=found.effort.repeats,
-        works=[work_record(measured, found.floors.get(measured.name)) for measured in found.works],
-        identification=bench_identification_record(found.identification),
-        imports={name: TimesRecord(**times_fields(times)) for name, times in found.imports.items()},
-        first_calls={name: TimesRecord(**times_fields(times)) for name, times in found.first_calls.items()},
-        curves=[curve_record(curve) for curve in found.curves],
+        works=[_work(measured, found.floors.get(measured.name)) for measured in found.works],
+        identification=_identification(found.identification),
+        curves=[_curve(curve) for curve in found.curves],
     )
+
+
+def _work(measured: MeasuredWork, floor: Floor | None) -> dict[str, Any]:
+    above = measured.above_limit
+    known = None if floor is None or above is None else written(FloorRecord, floor, **_ratio(above))
+    return written(WorkRecord, measured, floor=known)
+
+
+def _ratio(ratio: Ratio) -> dict[str, Any]:
+    return {"ratio": ratio.median, "fastest_ratio": ratio.fastest, "quartiles": ratio.quartiles}
+
+
+def _curve(curve: ScalingCurve) -> dict[str, Any]:
+    return written(CurveRecord, curve, lines=[_line(line) for line in curve.lines])
+
+
+def _line(line: Line) -> dict[str, Any]:
+    points = [{"x": x, **written(TimesRecord, times)} for x, times in zip(line.x, line.times, strict=True)]
+    return written(LineRecord, line, points=points)
+
+
+def _identification(found: Identifications) -> dict[str, Any]:
+    ratios = [{"threads": threads, "trusted": r.steady, **_ratio(r)} for threads, r in found.comparisons]
+    return written(BenchIdentificationRecord, found, ratios=ratios)

@@ -153,7 +153,7 @@ def _ratio_rows(title: str, comparisons: Sequence[SpeedRatio]) -> Iterator[Row]:
     for k, c in enumerate(comparisons):
         names = "" if k else title, c.ours if c.ours != before else "", c.theirs
         median = f"{'' if c.trusted else '? '}{ratio_text(c.ratio.median)}"
-        yield Row((*names, c.threads, median, c.ratio.spread, c.ratio.fastest), rule=not k)
+        yield Row((*names, c.threads, median, c.ratio.quartiles, c.ratio.fastest), rule=not k)
         before = c.ours
 
 
@@ -174,7 +174,7 @@ def _work(measured: MeasuredWork, floor: Floor | None) -> Section:
             Column("error", "number", form=".1e"),
         ),
         tuple(
-            Row((e.name, e.threads, e.times.median, e.times.spread, e.times.fastest, e.samples, e.error))
+            Row((e.name, e.threads, e.times.median, e.times.quartiles, e.times.fastest, e.samples, e.error))
             for e in measured.entries
         ),
         caption="Time per sample, and largest error against Pinocchio",
@@ -193,7 +193,7 @@ def _notes(measured: MeasuredWork, floor: Floor | None) -> Facts:
     """What the times of each contender are of, what errors are relative to, what the machine could do."""
     items = {entry.name: entry.included for entry in measured.entries}
     items["errors"] = (
-        f"largest of all samples judged, against Pinocchio, relative to: {measured.error}; "
+        f"largest of all samples judged, against Pinocchio, relative to: {measured.scale}; "
         f"graphdyn agrees up to {measured.bound:.0e}"
     )
     above = measured.above_limit
@@ -201,7 +201,7 @@ def _notes(measured: MeasuredWork, floor: Floor | None) -> Facts:
         items["at best"] = (
             f"{floor.operations} floating-point operations in {floor.instructions} instructions, and {floor.bytes} "
             f"bytes, per sample take at least {time_text(floor.seconds)}; measured {ratio_text(above.median)} as much "
-            f"(quartiles {ratio_span_text(above.spread)}), at best {ratio_text(above.fastest)}"
+            f"(quartiles {ratio_span_text(above.quartiles)}), at best {ratio_text(above.fastest)}"
         )
     return Facts(tuple(items.items()), title="What the times include, and what errors are relative to", folded=True)
 
@@ -250,6 +250,6 @@ def _once(found: Benchmark) -> Table:
             Column("quartiles", "number", form=span_text),
             Column("fastest", "number", form=time_text),
         ),
-        tuple(Row((n, t.median, t.spread, t.fastest)) for n, t in {**once, **found.first_calls}.items()),
+        tuple(Row((n, t.median, t.quartiles, t.fastest)) for n, t in {**once, **found.first_calls}.items()),
         caption="Imports, and the first call of each verb, which records and compiles",
     )

@@ -7,7 +7,7 @@ from itertools import groupby
 from crosscheck.commands.paper.texts import misprints, multiplier_text, printed_text
 from crosscheck.paper.checks import WHY_CORRECTED
 from crosscheck.paper.corrected import CorrectedMultipliers
-from crosscheck.paper.multipliers import KINDS, WHY_PRINTED, Multiplier, printed_ratios
+from crosscheck.paper.multipliers import WHY_PRINTED, Multiplier, printed_ratios
 from crosscheck.paper.reproduction import Reproduction
 from crosscheck.report.report import Column, Note, Notes, Prose, Row, Section, Table
 
@@ -28,7 +28,7 @@ def corrected_section(found: CorrectedMultipliers) -> Section:
 
 def _multipliers(numbers: tuple[Multiplier, ...]) -> Table:
     rows = [
-        Row((one.name, printed_text(one.printed), multiplier_text(one), one.digits or "", KINDS[one.kind]), rule=k == 0)
+        Row((one.name, printed_text(one.printed), multiplier_text(one), one.digits or "", one.meaning), rule=k == 0)
         for _, joint in groupby(numbers, lambda number: number.joint)
         for k, one in enumerate(joint)
     ]

@@ -1,29 +1,21 @@
-"""A printed number in `graphdyn paper 1`, and what its tables have in common.
-
-What `graphdyn paper 1` says of Tables 3 and 4: the identified parameters.
-
-What `graphdyn paper 1` says of section 3.2, the multipliers: from the printed rows, and from the corrected model.
-
-The format `graphdyn paper 1`.
-"""
+"""The format `graphdyn paper 1`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Annotated, Any
 
-import numpy as np
-
-from crosscheck.commands.errata.record import EffectRecord, effect_record
-from crosscheck.paper.checks import WHY_CORRECTED
+from crosscheck.commands.errata.record import EffectRecord
+from crosscheck.paper.checks import WHY_CORRECTED, Check
+from crosscheck.paper.corrected import CorrectedMultipliers
 from crosscheck.paper.errata import ERRATA
 from crosscheck.paper.identification import WHY_TABLE_3, PaperIdentification, PaperTrial
-from crosscheck.paper.multipliers import KINDS, WHY_PRINTED, printed_ratios
+from crosscheck.paper.multipliers import WHY_PRINTED, Multiplier, printed_ratios
 from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4, Printed
 from crosscheck.paper.reproduction import Reproduction
-from crosscheck.paper.tables import WHY_TABLE_2
-from crosscheck.report.record_fields import FORMAT, Command, Count, Keywords, Number, Vector3, Versions, taken
+from crosscheck.paper.tables import WHY_TABLE_2, GeometryTable
+from crosscheck.report.record import Record, attribute, written
+from crosscheck.report.record_fields import Command, Count, Keywords, Number, Versions
 from crosscheck.report.versions import versions
 from graphdyn.layout import Array
 
@@ -31,22 +23,10 @@ SIX = Keywords(minItems=6, maxItems=6)
 """One entry per body or joint."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PrintedNumberRecord:
+class PrintedNumberRecord(Record, of=Printed, leave_out=("text",)):
     """One printed number."""
 
-    printed: str | None
-    """As printed, digit by digit; null where the paper prints a dash."""
-
-    reading: str | None
-    """What a misprint should read."""
-
-    erratum: str | None
-    """Number of the misprint in docs/deviations.md."""
-
-
-def printed_number_record(number: Printed) -> PrintedNumberRecord:
-    return PrintedNumberRecord(printed=number.text, reading=number.reading, erratum=number.erratum or None)
+    printed = attribute("text")
 
 
 NAMES = Keywords(required=list(PARAMETERS))
@@ -54,87 +34,238 @@ ByParameter = Annotated[Mapping[str, Annotated[Sequence[Number], SIX]], NAMES]
 PrintedByParameter = Annotated[Mapping[str, Annotated[Sequence[PrintedNumberRecord], SIX]], NAMES]
 
 
-@dataclass(frozen=True, kw_only=True)
-class TrialRecord:
-    """One identification."""
+class PaperTrialRecord(Record, of=PaperTrial):
+    """One identification.
 
-    data: str
-    """Which data."""
+    largest: largest absolute error over the compared entries [kg, kg m²]
+    rms: root mean square of these errors [kg, kg m²]
+    """
 
     values: ByParameter
-    """Identified [kg, kg m²]; null where the data do not determine it."""
-
     errors: ByParameter
-    """Values minus true ones [kg, kg m²]."""
-
     standard_deviations: ByParameter
-    """As the residual shows them [kg, kg m²]; null where nothing does."""
-
-    undetermined: Sequence[str]
-    """Names of the parameters that the data do not determine."""
-
     rank: Count
-    """Of 36 columns."""
-
-    condition_number: float
-    """The worst of the systems, on what they determine."""
-
     largest: float
-    """Largest absolute error over the compared entries [kg, kg m²]."""
-
     rms: float
-    """Root mean square of these errors [kg, kg m²]."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PaperIdentificationRecord:
-    """Tables 3 and 4."""
+class PaperIdentificationRecord(Record, of=PaperIdentification, only=("true", "implied_moment")):
+    """Tables 3 and 4.
+
+    why: reason why numbers differ
+    table_3, table_4: as printed [kg, kg m²]
+    compared: entries that the data determine and the paper prints
+    trials: identifications: exact data, then data of seven digits
+    """
 
     why: str
-    """Why numbers differ."""
-
     true: ByParameter
-    """From density and geometry [kg, kg m²]."""
-
     table_3: PrintedByParameter
-    """Table 3 as printed [kg, kg m²]."""
-
     table_4: PrintedByParameter
-    """Table 4 as printed [kg, kg m²]."""
-
-    printed_largest: float
-    """Largest absolute error of Table 4 over the compared entries [kg, kg m²]."""
-
-    printed_rms: float
-    """Root mean square of these errors [kg, kg m²]."""
-
+    printed_largest = attribute()
+    printed_rms = attribute()
     compared: Count
-    """Entries that the data determine and the paper prints."""
-
-    implied_moment: float
-    """J_22 and J_33 of B_1 by the cylinder formula with the mean of its printed masses [kg m²]."""
-
-    trials: Sequence[TrialRecord]
-    """Identifications: exact data, then data of seven digits."""
+    trials: Sequence[PaperTrialRecord]
 
 
-def paper_identification_record(found: PaperIdentification) -> PaperIdentificationRecord:
-    return taken(
+class MultiplierRecord(Record, of=Multiplier, leave_out=("joint", "number")):
+    """One multiplier."""
+
+    name = attribute()
+    printed = attribute("printed.text")
+    reading = attribute("printed.reading")
+    erratum = attribute("printed.erratum")
+    meaning = attribute()
+    digits: Annotated[int, Keywords(minimum=0, maximum=7)]
+
+
+class PaperRatioRecord(Record):
+    """Of one joint.
+
+    joint: number of the joint
+    printed: λ_j4 / λ_j5 as printed
+    null_vector: that of the null vector of its two axis rows; null where they are independent
+    """
+
+    joint: Count
+    printed: float
+    null_vector: Number
+
+
+class AsPrintedRecord(Record, of=Reproduction, only=()):
+    """Section 3.2 from the printed rows.
+
+    why: reason why numbers differ, and which cannot be reproduced
+    rank: of the printed rows of φ_q at 1.5 s
+    n_rows: how many rows there are
+    multipliers: Eq. (113) … (118), in their order
+    ratios: of the joints whose axis is horizontal
+    """
+
+    why: str
+    rank: Count = attribute("printed.rank")
+    n_rows: Count = attribute("printed.n_rows")
+    multipliers: Annotated[Sequence[MultiplierRecord], Keywords(minItems=30, maxItems=30)] = attribute("numbers")
+    ratios: Sequence[PaperRatioRecord]
+
+
+class CorrectedRecord(Record, of=CorrectedMultipliers):
+    """Section 3.2 from the corrected model, at 1.5 s.
+
+    why: reason why the printed numbers differ
+    """
+
+    why: str
+    difference: Number
+    reading: Annotated[Sequence[str], SIX]
+
+
+class CheckRecord(Record, of=Check):
+    """One check."""
+
+    measured: Number
+    agrees = attribute()
+
+
+class RowRecord(Record):
+    """A row of Table 2.
+
+    name: row, with its unit
+    printed: as printed
+    ours: not rounded: lengths and radii as given, the rest from density and geometry [m, kg, kg m²]
+    """
+
+    name: str
+    printed: Annotated[Sequence[str], SIX]
+    ours: Annotated[Sequence[float], SIX]
+
+
+class Table2(Record):
+    """Geometry, masses and moments of inertia.
+
+    why: reason why numbers differ, or that they do not
+    rows: the six rows of Table 2
+    """
+
+    why: str
+    rows: Annotated[Sequence[RowRecord], SIX]
+
+
+class RankRecord(Record):
+    """The rank at one time.
+
+    time: of the motion [s]
+    rank: of the 30 printed rows
+    """
+
+    time: float
+    rank: Count
+
+
+class OverTimeRecord(Record):
+    """The whole motion of section 3.1.
+
+    samples: number of times
+    difference: of multipliers, forces, moments and torques from those of rnea, relative to the largest of their kind
+    ranks: when the printed rows have which rank
+    """
+
+    samples: Count
+    difference: Number
+    ranks: Sequence[RankRecord]
+
+
+class PaperErrataRecord(Record):
+    """What the printed errors do, as in graphdyn errata --json.
+
+    samples: random states per robot
+    seed: of the random states
+    sentences: what each erratum is, by its number
+    effects: one record per erratum, robot and, for A3, distance from gimbal lock
+    """
+
+    samples: Count
+    seed: Count
+    sentences: Mapping[str, str]
+    effects: Sequence[EffectRecord]
+
+
+class PaperRecord(Record, format="graphdyn paper 1"):
+    """Every table and result of the paper beside the corrected model. Columns are bodies or joints 1 … 6.
+
+    agrees: every check holds
+    checks: what must hold, in the order of the paper
+    table_2: geometry, masses and moments of inertia
+    identification: Tables 3 and 4
+    as_printed: section 3.2 from the printed rows
+    corrected: section 3.2 from the corrected model, at 1.5 s
+    over_time: the whole motion of section 3.1
+    errata: what the printed errors do, as in graphdyn errata --json
+    """
+
+    versions: Versions
+    command: Command
+    agrees: bool
+    checks: Sequence[CheckRecord]
+    table_2: Table2
+    identification: PaperIdentificationRecord
+    as_printed: AsPrintedRecord
+    corrected: CorrectedRecord
+    over_time: OverTimeRecord
+    errata: PaperErrataRecord
+
+
+def record(found: Reproduction, command: Sequence[str]) -> dict[str, Any]:
+    """Everything but the curves of the pictures."""
+    return written(
+        PaperRecord,
+        found,
+        versions=versions(),
+        command=command,
+        table_2=written(Table2, why=WHY_TABLE_2, rows=_rows(found.geometry)),
+        identification=_identification(found.identification),
+        as_printed=written(AsPrintedRecord, found, why=WHY_PRINTED, ratios=_ratios(found.printed.ratios)),
+        corrected=written(CorrectedRecord, found.corrected, why=WHY_CORRECTED),
+        over_time=written(
+            OverTimeRecord,
+            found.over_time,
+            samples=len(found.over_time.recording.time),
+            ranks=[{"time": time, "rank": rank} for time, rank in found.over_time.ranks.items()],
+        ),
+        errata=written(PaperErrataRecord, found, sentences=ERRATA),
+    )
+
+
+def _rows(geometry: GeometryTable) -> list[dict[str, Any]]:
+    return [
+        {"name": name, "printed": [number.text for number in printed], "ours": ours}
+        for name, printed, ours in zip(geometry.rows, geometry.printed, geometry.ours, strict=True)
+    ]
+
+
+def _ratios(found: Mapping[int, float]) -> list[dict[str, Any]]:
+    return [
+        {"joint": joint, "printed": printed, "null_vector": found.get(joint)}
+        for joint, printed in printed_ratios().items()
+    ]
+
+
+def _identification(found: PaperIdentification) -> dict[str, Any]:
+    return written(
         PaperIdentificationRecord,
         found,
         why=WHY_TABLE_3,
         true=_by_parameter(found.true),
-        table_3={name: [printed_number_record(number) for number in row] for name, row in TABLE_3.rows.items()},
-        table_4={name: [printed_number_record(number) for number in row] for name, row in TABLE_4.rows.items()},
+        table_3=TABLE_3.rows,
+        table_4=TABLE_4.rows,
         compared=int(found.compared.sum()),
-        implied_moment=found.implied,
         trials=[_trial(trial, found) for trial in (found.exact, found.together, *found.rounded)],
     )
 
 
-def _trial(trial: PaperTrial, found: PaperIdentification) -> TrialRecord:
-    return taken(
-        TrialRecord,
+def _trial(trial: PaperTrial, found: PaperIdentification) -> dict[str, Any]:
+    return written(
+        PaperTrialRecord,
         trial,
         values=_by_parameter(trial.values),
         errors=_by_parameter(trial.errors),
@@ -144,277 +275,5 @@ def _trial(trial: PaperTrial, found: PaperIdentification) -> TrialRecord:
     )
 
 
-def _by_parameter(values: Array) -> Mapping[str, list[float]]:
-    return {name: row.tolist() for name, row in zip(PARAMETERS, np.asarray(values), strict=True)}
-
-
-@dataclass(frozen=True, kw_only=True)
-class MultiplierRecord:
-    """One multiplier."""
-
-    name: str
-    """λ_jk: joint j, number k."""
-
-    printed: str | None
-    """As printed, digit by digit; null where the paper prints a dash."""
-
-    reading: str | None
-    """What a misprint should read."""
-
-    erratum: str | None
-    """Number of the misprint in docs/deviations.md."""
-
-    ours: Number
-    """From the printed rows [N, N m]; null where they do not determine it."""
-
-    kind: Literal["reproduced", "rounding", "free", "unexplained"]
-    """What the number is."""
-
-    meaning: str
-    """The same in words."""
-
-    digits: Annotated[int, Keywords(minimum=0, maximum=7)]
-    """Significant digits of seven that agree, where the kind is reproduced; otherwise 0."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PaperRatioRecord:
-    """Of one joint."""
-
-    joint: Count
-    """Number of the joint."""
-
-    printed: float
-    """λ_j4 / λ_j5 as printed."""
-
-    null_vector: Number
-    """That of the null vector of its two axis rows; null where they are independent."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class AsPrintedRecord:
-    """Section 3.2 from the printed rows."""
-
-    why: str
-    """Why numbers differ, and which cannot be reproduced."""
-
-    rank: Count
-    """Of the printed rows of φ_q at 1.5 s."""
-
-    n_rows: Count
-    """How many rows there are."""
-
-    multipliers: Annotated[Sequence[MultiplierRecord], Keywords(minItems=30, maxItems=30)]
-    """Eq. (113) … (118), in their order."""
-
-    ratios: Sequence[PaperRatioRecord]
-    """Of the joints whose axis is horizontal."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class CorrectedRecord:
-    """Section 3.2 from the corrected model, at 1.5 s."""
-
-    why: str
-    """Why the printed numbers differ."""
-
-    difference: Number
-    """Of the multipliers from those of rnea, relative to the largest of their kind."""
-
-    multipliers: Annotated[Sequence[Annotated[Sequence[float], Keywords(minItems=5, maxItems=5)]], SIX]
-    """λ_1 … λ_5 per joint [N, N m], as in docs/notation.md."""
-
-    rnea: Annotated[Sequence[Annotated[Sequence[float], Keywords(minItems=5, maxItems=5)]], SIX]
-    """What the joint wrenches of Pinocchio's rnea amount to [N, N m]."""
-
-    tau: Annotated[Sequence[float], SIX]
-    """Torques of the actuators [N m]."""
-
-    forces: Annotated[Sequence[Vector3], SIX]
-    """Of the inside body on body j, world axes [N]."""
-
-    moments: Annotated[Sequence[Vector3], SIX]
-    """The same about O_j, actuator included, world axes [N m]."""
-
-    reading: Annotated[Sequence[str], SIX]
-    """What each joint carries, in words."""
-
-
-def as_printed_record(found: Reproduction) -> AsPrintedRecord:
-    return AsPrintedRecord(
-        why=WHY_PRINTED,
-        rank=found.printed.rank,
-        n_rows=found.printed.n_rows,
-        multipliers=[
-            taken(MultiplierRecord, number, **vars(printed_number_record(number.printed)), meaning=KINDS[number.kind])
-            for number in found.numbers
-        ],
-        ratios=[
-            PaperRatioRecord(joint=joint, printed=printed, null_vector=found.printed.ratios.get(joint))
-            for joint, printed in printed_ratios().items()
-        ],
-    )
-
-
-def corrected_record(found: Reproduction) -> CorrectedRecord:
-    return taken(CorrectedRecord, found.corrected, why=WHY_CORRECTED)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CheckRecord:
-    """One check."""
-
-    where: str
-    """Table, equation or section."""
-
-    what: str
-    """What was measured, in words, with its unit unless it has none."""
-
-    measured: Number
-    """Its value; null where it is no number."""
-
-    bound: float
-    """What it must not exceed, or not fall below."""
-
-    why: str
-    """Why this bound."""
-
-    at_least: bool
-    """The bound is a lower one."""
-
-    agrees: bool
-    """The measured value is within the bound."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RowRecord:
-    """A row of Table 2."""
-
-    name: str
-    """Row, with its unit."""
-
-    printed: Annotated[Sequence[str], SIX]
-    """As printed."""
-
-    ours: Annotated[Sequence[float], SIX]
-    """Not rounded: lengths and radii as given, the rest from density and geometry [m, kg, kg m²]."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Table2:
-    """Geometry, masses and moments of inertia."""
-
-    why: str
-    """Why numbers differ, or that they do not."""
-
-    rows: Annotated[Sequence[RowRecord], SIX]
-    """The six rows of Table 2."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RankRecord:
-    """The rank at one time."""
-
-    time: float
-    """Time [s]."""
-
-    rank: Count
-    """Rank of the 30 printed rows."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class OverTimeRecord:
-    """The whole motion of section 3.1."""
-
-    samples: Count
-    """Number of times."""
-
-    difference: Number
-    """Of multipliers, forces, moments and torques from those of rnea, relative to the largest of their kind."""
-
-    ranks: Sequence[RankRecord]
-    """When the printed rows have which rank."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PaperErrataRecord:
-    """What the printed errors do, as in graphdyn errata --json."""
-
-    samples: Count
-    """Random states per robot."""
-
-    seed: Count
-    """Of the random states."""
-
-    sentences: Mapping[str, str]
-    """What each erratum is, by its number."""
-
-    effects: Sequence[EffectRecord]
-    """One record per erratum, robot and, for A3, distance from gimbal lock."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PaperRecord:
-    """Every table and result of the paper beside the corrected model. Columns are bodies or joints 1 … 6."""
-
-    format: Annotated[Literal["graphdyn paper 1"], FORMAT] = "graphdyn paper 1"
-
-    versions: Versions = field(default_factory=versions)
-
-    command: Command
-
-    agrees: bool
-    """Every check holds."""
-
-    checks: Sequence[CheckRecord]
-    """What must hold, in the order of the paper."""
-
-    table_2: Table2
-    """Geometry, masses and moments of inertia."""
-
-    identification: PaperIdentificationRecord
-    """Tables 3 and 4."""
-
-    as_printed: AsPrintedRecord
-    """Section 3.2 from the printed rows."""
-
-    corrected: CorrectedRecord
-    """Section 3.2 from the corrected model, at 1.5 s."""
-
-    over_time: OverTimeRecord
-    """The whole motion of section 3.1."""
-
-    errata: PaperErrataRecord
-    """What the printed errors do, as in graphdyn errata --json."""
-
-
-def record(found: Reproduction, command: Sequence[str]) -> PaperRecord:
-    """Everything but the curves of the pictures."""
-    return PaperRecord(
-        command=command,
-        agrees=found.agrees,
-        checks=[taken(CheckRecord, check) for check in found.checks],
-        table_2=Table2(
-            why=WHY_TABLE_2,
-            rows=[
-                RowRecord(name=name, printed=[str(number.text) for number in printed], ours=ours.tolist())
-                for name, printed, ours in zip(
-                    found.geometry.rows, found.geometry.printed, found.geometry.ours, strict=True
-                )
-            ],
-        ),
-        identification=paper_identification_record(found.identification),
-        as_printed=as_printed_record(found),
-        corrected=corrected_record(found),
-        over_time=OverTimeRecord(
-            samples=len(found.over_time.recording.time),
-            difference=found.over_time.difference,
-            ranks=[RankRecord(time=time, rank=rank) for time, rank in found.over_time.ranks.items()],
-        ),
-        errata=PaperErrataRecord(
-            samples=found.samples,
-            seed=found.seed,
-            sentences=ERRATA,
-            effects=[effect_record(effect) for effect in found.effects],
-        ),
-    )
+def _by_parameter(values: Array) -> dict[str, Array]:
+    return dict(zip(PARAMETERS, values, strict=True))

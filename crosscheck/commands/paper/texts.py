@@ -16,7 +16,7 @@ def printed_text(number: Printed) -> str:
     """As printed, with the number of its erratum."""
     if number.text is None:
         return NOTHING
-    return f"{number.text} {number.erratum}".strip()
+    return f"{number.text} {number.erratum or ''}".strip()
 
 
 def misprints(numbers: Iterable[Printed]) -> str:

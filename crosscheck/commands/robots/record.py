@@ -3,40 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Any
 
-from crosscheck.report.record_fields import FORMAT, taken
+from crosscheck.report.record import Record, written
 from urdf import RobotEntry
 
 
-@dataclass(frozen=True, kw_only=True)
-class CatalogueEntryRecord:
+class CatalogueEntryRecord(Record, of=RobotEntry, leave_out=("gravity",)):
     """A robot."""
 
-    name: str
-    """What to call it: graphdyn crosscheck NAME."""
 
-    path: str
-    """Its URDF file on this machine."""
+class RobotsRecord(Record, format="graphdyn robots 1"):
+    """The robots known by name.
 
-    origin: str
-    """Where the file comes from."""
-
-    licence: str
-    """An SPDX expression, or where to read the licence."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class RobotsRecord:
-    """The robots known by name."""
-
-    format: Annotated[Literal["graphdyn robots 1"], FORMAT] = "graphdyn robots 1"
+    robots: the catalogue, in the order of the table
+    """
 
     robots: Sequence[CatalogueEntryRecord]
-    """The catalogue, in the order of the table."""
 
 
-def record(entries: Sequence[RobotEntry]) -> RobotsRecord:
+def record(entries: Sequence[RobotEntry]) -> dict[str, Any]:
     """The catalogue. entries: as urdf.robots gives them"""
-    return RobotsRecord(robots=[taken(CatalogueEntryRecord, entry, path=str(entry.path)) for entry in entries])
+    return written(RobotsRecord, robots=entries)

@@ -30,10 +30,10 @@ class TestTimes:
 
     def test_ratio(self):
         found = ratio(Times((1.0, 2.0, 3.0)), Times((10.0, 40.0, 30.0)))
-        assert (found.median, found.fastest, found.spread) == (10.0, 10.0, (10.0, 15.0))
+        assert (found.median, found.fastest, found.quartiles) == (10.0, 10.0, (10.0, 15.0))
         # one disturbed repeat of each: the quotient of the medians, 1.5, is outside the quartiles
         found = ratio(Times((2.0, 2.0, 9.0)), Times((4.0, 3.0, 3.0)))
-        assert found.spread[0] <= found.median == 1.5 <= found.spread[1]
+        assert found.quartiles[0] <= found.median == 1.5 <= found.quartiles[1]
 
     @pytest.mark.parametrize(("spread", "steady"), [((10.0, 14.9), True), ((10.0, 15.1), False)])
     def test_steady(self, spread, steady):

@@ -19,11 +19,12 @@ import urdf
 from crosscheck.commands import app
 from crosscheck.commands.inspect import many_files as inspect_many
 from crosscheck.commands.inspect.many_files import FEW, inspect_files
-from crosscheck.commands.inspect.record import file_record
+from crosscheck.commands.inspect.record import FileRecord
 from crosscheck.commands.inspect.report import MANY_FILES, inspect_report, worst
 from crosscheck.commands.program import console
 from crosscheck.report.html import MANY_NOTES, page
 from crosscheck.report.json import plain
+from crosscheck.report.record import written
 
 SCHEMA = json.loads((REPOSITORY / "docs/schemas/inspect-1.schema.json").read_text(encoding="utf-8"))
 NARROW = 80
@@ -193,7 +194,7 @@ class TestJson:
         assert done.exit_code == 1
         report = urdf.inspect(path)
         (file,) = record["files"]
-        assert file == plain(file_record(report))
+        assert file == plain(written(FileRecord, report))
         assert (file["verdict"], file["usable"], record["usable"]) == ("refused", False, False)
         assert [finding["code"] for finding in file["findings"]][:2] == ["missing-mass", "missing-type"]
         assert file["findings"][0]["line"] == 6

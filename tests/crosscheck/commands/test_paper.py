@@ -150,7 +150,7 @@ class TestRecord:
 
     @pytest.mark.parametrize("number", [math.nan, math.inf])
     def test_every_number_that_may_be_null(self, found, number):
-        record = plain(planted(record_of(found, COMMAND), number))
+        record = plain(planted(record_of(found, COMMAND), SCHEMA, number))
         assert record["corrected"]["difference"] is None
         Draft202012Validator(SCHEMA).validate(record)
 

@@ -157,7 +157,7 @@ class TestNumbers:
             describe(urdf.load(small_arm), "arm", {}),
             errata_records.record([Effect("A1", "arm", "error", np.ones(2), np.zeros(2))]),
         ):
-            spoiled = plain(planted(record, number))
+            spoiled = plain(planted(record, SCHEMAS[file_name(plain(record)["format"])], number))
             assert spoiled != plain(record)
             check(json.loads(json.dumps(spoiled, allow_nan=False)))
 

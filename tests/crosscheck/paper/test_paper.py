@@ -82,7 +82,9 @@ class TestIdentification:
         assert misprint.value - TABLE_2.values[5, 3] == pytest.approx(TABLE_4.values[5, 3], abs=1e-6)
 
     def test_undetermined_moments_of_body_1_are_the_cylinder_formula(self, found):
-        assert f"{found.identification.implied:.4f}" == TABLE_3.rows["J_22"][0].text == TABLE_3.rows["J_33"][0].text
+        assert (
+            f"{found.identification.implied_moment:.4f}" == TABLE_3.rows["J_22"][0].text == TABLE_3.rows["J_33"][0].text
+        )
 
 
 class TestAsPrinted:

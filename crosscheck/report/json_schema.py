@@ -1,0 +1,190 @@
+"""The JSON Schema of a record or of a dataclass, from the types of its fields and the lines of its docstring.
+
+A field is described by the line of its name, or by the docstring of the property. Arrays have the shape that the line
+gives; a number may be null where the line says NaN or ∞, and where the type says None.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from crosscheck.report.docstrings import TAIL, names_of, taken_apart
+from crosscheck.report.record import Record
+from crosscheck.report.record_fields import Keywords
+
+FORMAT = "What this file is; the number grows when a field changes its meaning or disappears. New fields may appear."
+
+NAMES = {str: "string", Path: "string", int: "integer", bool: "boolean", float: "number"}
+DTYPES = {np.float64: float, np.bool_: bool, np.int_: int, np.int64: int}
+
+
+@dataclass(frozen=True)
+class Member:
+    """An attribute of a class: its type, and what its docstring says.
+
+    meaning: in words, with shape and unit
+    sizes: of an array, along each axis: a number, or a letter
+    """
+
+    kind: Any
+    meaning: str = ""
+    sizes: tuple[str, ...] = ()
+
+    @property
+    def may_be_null(self) -> bool:
+        return re.search(r"\bNaN\b|∞", self.meaning) is not None
+
+
+def schema_of(record: type[Record]) -> dict[str, Any]:
+    """The schema of an outermost record, with definitions of the classes inside."""
+    definitions: dict[str, Any] = {}
+    found = _object(record, definitions)
+    return {**found, **({"$defs": definitions} if definitions else {})}
+
+
+def _object(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
+    properties = {}
+    if issubclass(kind, Record):
+        if kind.format:
+            properties["format"] = {"description": FORMAT, "const": kind.format, "type": "string"}
+        members = {name: _member_of_record(kind, name) for name in kind.paths}
+    else:
+        members = {field.name: _member(kind, field.name) for field in fields(kind)}
+    for name, member in members.items():
+        meaning = re.sub(r"\b(NaN|None)\b|∞(?= where)", "null", member.meaning)
+        description = {"description": _sentence(meaning)} if meaning else {}
+        properties[name] = {**_schema(member.kind, member, member.sizes, definitions), **description}
+    prose = taken_apart(inspect.cleandoc(kind.__doc__ or "").splitlines(), names_of(kind)).prose
+    return {
+        "description": " ".join(prose[:1]),
+        "properties": properties,
+        "required": list(properties),
+        "type": "object",
+    }
+
+
+def _sentence(meaning: str) -> str:
+    """With a capital letter, but for a symbol, and a full stop."""
+    first = meaning[0].upper() if meaning[:2].isalpha() else meaning[0]
+    return f"{first}{meaning[1:].rstrip('.')}."
+
+
+def _member_of_record(record: type[Record], name: str) -> Member:
+    """A field: the record's own type and line, or else those of the class of the result."""
+    types = get_type_hints(record, include_extras=True)
+    own = Member(types.get(name), *_line(record, name))
+    if name in types and own.meaning:
+        return own
+    try:
+        found = _along(record.result, record.paths[name])
+    except AttributeError:
+        return own
+    return Member(
+        types.get(name, found.kind), *((own.meaning, own.sizes) if own.meaning else (found.meaning, found.sizes))
+    )
+
+
+def _along(kind: Any, path: str) -> Member:
+    """The attribute of an attribute of a class; it may be None where one on the way may."""
+    first, _, rest = path.partition(".")
+    member = _member(kind, first)
+    if not rest:
+        return member
+    choices = [choice for choice in get_args(member.kind) if choice is not NoneType] or [member.kind]
+    last = _along(choices[0], rest)
+    optional = NoneType in get_args(member.kind)
+    return Member(last.kind | None if optional else last.kind, last.meaning, last.sizes)
+
+
+def _member(kind: Any, name: str) -> Member:
+    """Raises AttributeError."""
+    for base in inspect.getmro(kind):
+        found = vars(base).get(name)
+        function = found.func if isinstance(found, cached_property) else getattr(found, "fget", None)
+        if function is not None:
+            returned = get_type_hints(function, include_extras=True)["return"]
+            return Member(returned, *_taken_off(inspect.cleandoc(function.__doc__ or "")))
+        annotation = inspect.get_annotations(base).get(name)
+        if isinstance(annotation, str):
+            annotation = eval(annotation, vars(sys.modules[base.__module__]), dict(vars(base)))
+        if annotation is not None:
+            return Member(annotation, *_line(kind, name))
+    raise AttributeError(f"{kind.__name__} has no field or property '{name}'")
+
+
+def _line(kind: type, name: str) -> tuple[str, tuple[str, ...]]:
+    """What the docstring of a class says of a field, and its sizes."""
+    for base in inspect.getmro(kind):
+        lines = inspect.cleandoc(vars(base).get("__doc__") or "").splitlines()
+        for entry in taken_apart(lines, names_of(kind) | set(getattr(kind, "paths", ()))).entries:
+            if name in entry.names:
+                return _taken_off("  ".join(part for part in (entry.meaning, entry.shape, entry.unit) if part))
+    return "", ()
+
+
+def _taken_off(text: str) -> tuple[str, tuple[str, ...]]:
+    """A description, and the sizes that it ends with."""
+    tail = TAIL.search(text.rstrip("."))
+    shape = (tail and tail["shape"]) or ""
+    sizes = [size for size in shape.strip("()").split(",") if size.strip()]
+    return " ".join(text.split()), tuple(size.strip() for size in sizes if size.strip() != "…")
+
+
+def _schema(kind: Any, member: Member, sizes: Sequence[str], definitions: dict[str, Any]) -> dict[str, Any]:
+    """Of a type, a part of the type of a member. sizes: of the axes from here on"""
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        keywords = [part.keywords for part in inner[1:] if isinstance(part, Keywords)]
+        return {**_schema(inner[0], member, sizes, definitions), **(keywords[0] if keywords else {})}
+    if origin is Literal:
+        return {"enum": list(inner), "type": NAMES[type(inner[0])]}
+    if origin in (Union, UnionType):
+        return _any_of([_schema(choice, member, sizes, definitions) for choice in inner])
+    if origin is np.ndarray:
+        if not sizes:
+            raise TypeError(f"the line of an array gives no shape: {member}")
+        found = _schema(DTYPES[get_args(inner[1])[0]], member, (), definitions)
+        for size in reversed(sizes):
+            found = _array(found, size)
+        return found
+    if origin is tuple and Ellipsis not in inner:
+        return _array(_schema(inner[0], member, (), definitions), str(len(inner)))
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        return {"additionalProperties": _schema(inner[1], member, sizes, definitions), "type": "object"}
+    if isinstance(origin, type) and issubclass(origin, Sequence | frozenset):
+        return _array(_schema(inner[0], member, sizes[1:], definitions), *sizes[:1])
+    if kind is float and member.may_be_null:
+        return {"type": ["number", "null"]}
+    if kind in NAMES:
+        return {"type": NAMES[kind]}
+    if kind is NoneType:
+        return {"type": "null"}
+    if kind.__name__ not in definitions:
+        definitions[kind.__name__] = {}  # a class may hold itself
+        definitions[kind.__name__] = _object(kind, definitions)
+    return {"$ref": f"#/$defs/{kind.__name__}"}
+
+
+def _array(items: dict[str, Any], size: str = "") -> dict[str, Any]:
+    count = {"minItems": int(size), "maxItems": int(size)} if size.isdigit() else {}
+    return {"items": items, **count, "type": "array"}
+
+
+def _any_of(choices: list[dict[str, Any]]) -> dict[str, Any]:
+    """{"type": ["number", "null"]} for a number or null."""
+    first, *others = choices
+    if others == [{"type": "null"}] and isinstance(first.get("type"), list):
+        return first
+    if others == [{"type": "null"}] and isinstance(first.get("type"), str) and "enum" not in first:
+        return {**first, "type": [first["type"], "null"]}
+    return {"anyOf": choices}

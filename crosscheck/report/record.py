@@ -1,0 +1,107 @@
+"""What the JSON file of a command holds, declared by the class of the result and by what differs from it.
+
+    class WorkRecord(Record, of=Measured, leave_out=("limit",)):
+        '''One work.
+
+        threads: that may be used
+        '''
+
+        scale = attribute("error")
+        threads: int
+
+A record is never made: `written` takes the values of its fields from a result. The fields are
+
+- those of the result's class, but for those that are left out; types and descriptions are those of that class
+- `name = attribute("path")`: a property, an attribute of another name, or one of an attribute
+- `name: type`: given to `written`, or an attribute of the result. Its line in the docstring describes
+  it, or else that of the result's class. A type that stands here goes before that of the result's class
+
+Fields of the result come first, but for the outermost record, which has a format. Of an object without a record all
+fields are written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import fields
+from inspect import get_annotations
+from typing import Any, ClassVar, NamedTuple, get_args, get_type_hints
+
+
+class Attribute(NamedTuple):
+    """A field that is an attribute of the result, such as a property, or one of another name."""
+
+    path: str
+
+
+def attribute(path: str = "") -> Any:
+    """An attribute of the result, or `one.of` an attribute: None where the one before the point is None.
+
+    path: the name of the field if left out, for a property
+    """
+    return Attribute(path)
+
+
+class Record:
+    """The base of all records.
+
+    format: name and number of the format, of outermost records; empty for others
+    result: the class of the result, None where all fields are the record's own
+    paths: attribute of the result by name of the field
+    """
+
+    format: ClassVar[str] = ""
+    result: ClassVar[type | None] = None
+    paths: ClassVar[Mapping[str, str]] = {}
+
+    def __init_subclass__(
+        cls,
+        of: type | None = None,
+        leave_out: Collection[str] = (),
+        only: Collection[str] | None = None,
+        format: str = "",
+    ) -> None:
+        """of: class of the result; leave_out: its fields that are not written, or only: those that are"""
+        names = [] if of is None else [field.name for field in fields(of)]
+        if unknown := {*leave_out, *(only or ())}.difference(names):
+            raise TypeError(f"{cls.__name__}: {of} has no field {', '.join(unknown)}")
+        kept = tuple(name for name in names if name not in leave_out and (only is None or name in only))
+        declared = [name for name in get_annotations(cls) if name not in names]
+        own = {name: name for name in declared}
+        own |= {name: value.path or name for name, value in vars(cls).items() if isinstance(value, Attribute)}
+        result = {name: own.pop(name, name) for name in kept}
+        cls.format, cls.result, cls.paths = format, of, own | result if format else result | own
+
+
+def written(record: type[Record], result: object = None, **said: Any) -> dict[str, Any]:
+    """The fields of a record: those that are said, the others from a result."""
+    types = get_type_hints(record)
+    values = {name: said[name] if name in said else _found(result, path) for name, path in record.paths.items()}
+    head = {"format": record.format} if record.format else {}
+    return head | {name: _as_typed(value, types.get(name)) for name, value in values.items()}
+
+
+def _found(result: object, path: str) -> Any:
+    for name in path.split("."):
+        if result is None:
+            return None
+        result = getattr(result, name)
+    return result
+
+
+def _as_typed(value: Any, kind: Any) -> Any:
+    """A value in which objects are written as the records that the type of the field names."""
+    record = _record_in(kind)
+    if record is None or value is None:
+        return value
+    if isinstance(value, Mapping):
+        return value if kind is record else {key: _as_typed(item, record) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_as_typed(item, record) for item in value]
+    return written(record, value)
+
+
+def _record_in(kind: Any) -> type[Record] | None:
+    if isinstance(kind, type) and issubclass(kind, Record):
+        return kind
+    return next((found for inner in get_args(kind) if (found := _record_in(inner)) is not None), None)
