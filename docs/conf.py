@@ -10,6 +10,7 @@ import docstrings  # noqa: E402
 import gallery  # noqa: E402
 import public_names  # noqa: E402
 import reference  # noqa: E402
+import rooms  # noqa: E402
 import signatures  # noqa: E402
 from sphinx.util import logging  # noqa: E402
 
@@ -22,7 +23,7 @@ copyright = "the graphdyn authors"
 release = version = graphdyn.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas"]
-exclude_patterns = ["site", "schemas"]
+exclude_patterns = ["site", "schemas", "rooms"]
 default_role = "code"
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
@@ -53,6 +54,7 @@ def process_signature(app, what, name, thing, options, signature, returned):
 
 def write_pages(app, config):
     reference.write(HERE / "reference")
+    rooms.write(HERE / "rooms")
     exhibits = () if app.tags.has("nogallery") else gallery.EXHIBITS
     gallery.write(HERE / "gallery", exhibits + gallery.SLOW if app.tags.has("bench") else exhibits)
 

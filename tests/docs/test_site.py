@@ -10,6 +10,7 @@ import gallery
 import public_names
 import pytest
 import reference
+import rooms
 import typer
 
 import graphdyn
@@ -230,3 +231,54 @@ class TestGallery:
     def test_the_site_can_be_built_without_it(self, tmp_path):
         gallery.write(tmp_path / "gallery", ())
         assert "without the gallery" in (tmp_path / "gallery/index.md").read_text(encoding="utf-8")
+
+
+class TestRooms:
+    def test_every_folder_and_file_of_a_package_is_a_room_with_a_purpose(self):
+        for package in rooms.PACKAGES:
+            found = rooms.rooms(package)
+            assert {"__init__", "vendor", "robots"}.isdisjoint(found)
+            assert len(found) >= 6
+            assert all(rooms.summary(path) for path in found.values())
+
+    def test_imports_within_functions_count(self, tmp_path):
+        file = tmp_path / "a.py"
+        file.write_text("import x.y\ndef f():\n    from p.q import r\n")
+        assert set(rooms.imported(file)) == {"x.y", "p.q.r"}
+
+    def test_known_imports_are_among_the_arrows(self):
+        direct = rooms.uses("graphdyn")
+        assert {"model", "arguments"} <= direct["verbs"]
+        assert "verbs" not in rooms.reach(direct, "model")
+
+    def test_imports_that_follow_from_others_are_left_out(self):
+        direct = {"a": {"b", "c"}, "b": {"c"}, "c": set()}
+        assert rooms.reduced(direct) == {"a": {"b"}, "b": {"c"}, "c": set()}
+        assert rooms.floors(direct) == {"a": 2, "b": 1, "c": 0}
+
+    def test_an_arrow_over_a_row_passes_beside_its_boxes(self):
+        found, arrows = rooms.rows({"a": {"b", "d"}, "b": {"c"}, "c": set(), "d": set()})
+        assert [len(row) for row in found] == [2, 2, 1]
+        assert ["a", "a>d@1", "d"] in arrows
+
+    def test_the_picture_has_a_box_for_every_room_and_an_arrow_for_every_import(self):
+        picture = rooms.picture()
+        for package in rooms.PACKAGES:
+            for room in rooms.rooms(package):
+                assert f">{room}</text></g>" in picture
+        arrows = sum(len(names) for p in rooms.PACKAGES for names in rooms.reduced(rooms.uses(p)).values())
+        assert picture.count('class="arrow"') == arrows + len(rooms.PACKAGES)
+        assert "href" not in picture
+
+    def test_the_table_names_a_room_before_those_that_it_uses(self):
+        for package in rooms.PACKAGES:
+            order = re.findall(r"^\| `(\w+)` \|", rooms.table(package), re.MULTILINE)
+            assert sorted(order) == sorted(rooms.rooms(package))
+            for room, names in rooms.uses(package).items():
+                assert all(order.index(room) < order.index(name) for name in names)
+
+    def test_the_places_that_the_page_names_exist(self):
+        text = (rooms.ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+        places = re.findall(r"`((?:graphdyn|urdf|crosscheck)/[\w/]+)`", text)
+        assert len(places) >= 15
+        assert [place for place in places if not (rooms.ROOT / place).is_dir()] == []
