@@ -41,6 +41,7 @@ from urdf.geometry.shape import MissingShape, Shape, Shapes
 from urdf.inspection import Finding, Inspection, inspect
 from urdf.reading.loading import fused_links, load
 from urdf.reading.mesh_inertials import InertialsFromMeshes
+from urdf.reading.reading import Reading, ReadingOptions
 from urdf.reading.shapes import shapes
 from urdf.writing.saving import save
 from urdf.writing.updating import Update, update
@@ -70,6 +71,8 @@ __all__ = [
     "MissingInertialWarning",
     "MissingShape",
     "NotATree",
+    "Reading",
+    "ReadingOptions",
     "RepairWarning",
     "RobotEntry",
     "RobotNotFound",

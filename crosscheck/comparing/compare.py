@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from crosscheck.comparing.baseline import compare_identification
@@ -31,13 +32,13 @@ from crosscheck.quantities.quantities import LOOPED, QUANTITIES, RECURSIVE
 from crosscheck.quantities.states import RANDOM, Case, cases, has_mass
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.reference.reference_values import RefereeValues
-from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, subject
+from crosscheck.reference.subject import Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
 from graphdyn.arguments import WORTH_COMPILING, Method
 from graphdyn.compiler import interpreted
 from graphdyn.equations import singular
 from graphdyn.layout import Array
-from urdf.reading import Chain
+from urdf import Reading, ReadingOptions
 
 CHUNK = 250
 """Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
@@ -54,10 +55,8 @@ def compare(
     samples: int = 1000,
     seed: int = 0,
     *,
-    lock: Lock = None,
-    gravity: ArrayLike | None = None,
-    chain: Chain = None,
     progress: Progress | None = None,
+    **reading: Unpack[ReadingOptions],
 ) -> Comparison:
     """Compare all quantities at random and at special states.
 
@@ -67,17 +66,17 @@ def compare(
     robot: name (urdf.robots), path of a URDF (both routes), or RobotModel (route "model" only, and notes say so)
     samples: random states, to which the special ones are added. From 1000 on the recursive method is compiled, as it is
         for batches of that size; with fewer it runs on NumPy
-    lock, gravity, chain: as in urdf.load, for names and paths only
+    reading: as in urdf.load, for names and paths only
 
     Where joints drive each other (RobotModel.couplings), the quantities are those of the robot without couplings, and a
     few more (quantities.COUPLED) compare the coupled one with their projection. Where chords close loops, they are
     those of the tree, and a few more (quantities.LOOPED) compare the closed robot with constraintDynamics.
 
-    Raises InvalidInput for invalid samples or seed, and for lock, gravity or chain with a RobotModel; urdf's errors for
-    a file that cannot be loaded.
+    Raises InvalidInput for invalid samples or seed, and for a way to read a RobotModel; urdf's errors for a file that
+    cannot be loaded.
     """
     check_counts(samples, seed)
-    compared = subject(robot, lock, gravity, chain)
+    compared = subject(robot, Reading.of(compare, reading))
     coupled, looped = compared.model.opened, compared.model.uncoupled
     model = coupled.uncoupled
     compared = replace(compared, model=model)
@@ -124,8 +123,7 @@ def compare(
         n_bodies=model.n_bodies,
         samples=samples,
         seed=seed,
-        locked=compared.locked,
-        chain=compared.chain,
+        reading=compared.reading,
         routes=tuple(referees),
         quantities=quantities,
         not_compared=skipped,
@@ -141,8 +139,7 @@ def _referees(compared: Subject) -> tuple[dict[str, PinocchioModel], list[str]]:
     if not compared.file:
         return referees, ["route 'urdf' not taken: a RobotModel was given, not a file"]
     try:
-        cut = compared.chain is not None
-        native = PinocchioModel.from_urdf(Path(compared.file), compared.model, compared.locked, cut=cut)
+        native = PinocchioModel.from_urdf(Path(compared.file), compared.model, compared.reading)
     except PinocchioRefuses as refusal:
         return referees, [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
     return {"urdf": native, **referees}, []

@@ -11,8 +11,10 @@ import numpy as np
 from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.quantities.errors import Conditioning
 from crosscheck.quantities.quantities import Quantity
+from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from urdf import Reading
 
 QUANTILES = (0.0, 0.5, 0.9, 0.99, 1.0)
 """Probabilities of QuantityResult.quantiles."""
@@ -80,12 +82,12 @@ class QuantityResult:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(OfReading):
     """The verdict on one robot.
 
     robot: as given; file: path of its URDF, file_sha256: of its content; both None where a RobotModel was given
     model: the robot that was compared
-    chain: base link and tip link where an arm was cut out of a larger robot
+    reading: how the file was read
     quantities: by name, in the order of the table
     not_compared: quantities left out, with the reason
     routes: "urdf" (Pinocchio reads the same file), "model" (Pinocchio's model is built from ours)
@@ -99,8 +101,7 @@ class Comparison:
     n_bodies: int
     samples: int
     seed: int
-    locked: Mapping[str, float]
-    chain: tuple[str, str] | None
+    reading: Reading
     routes: tuple[str, ...]
     quantities: Mapping[str, QuantityResult]
     not_compared: Mapping[str, str]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from crosscheck.exciting.self_collision import Hit, SelfCollision
 from crosscheck.recordings import Recording
+from crosscheck.reference.subject import OfReading
 from graphdyn.excitation import (
     CHECK_RATE,
     ExcitationPlan,
@@ -22,6 +23,7 @@ from graphdyn.excitation import (
 )
 from graphdyn.identification import one_thread
 from graphdyn.layout import Array
+from urdf import Reading
 
 PIECE = 1000
 """Rows of a recording whose regressor is in memory at once."""
@@ -45,7 +47,7 @@ class PlannedMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Excited:
+class Excited(OfReading):
     """Motions and what they promise.
 
     problem: of the first motion; the others know those before them
@@ -59,7 +61,7 @@ class Excited:
     """
 
     robot: str
-    locked: Mapping[str, float]
+    reading: Reading
     problem: ExcitationProblem
     noise_words: str
     criterion: str

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import urdf
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from urdf import Reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +36,7 @@ class LinkMesh:
         return self.vertices[self.faces]
 
 
-def link_meshes(
-    source: str, model: RobotModel, locked: Mapping[str, float]
-) -> tuple[tuple[LinkMesh, ...], dict[str, str]]:
+def link_meshes(source: str, model: RobotModel, reading: Reading) -> tuple[tuple[LinkMesh, ...], dict[str, str]]:
     """The links of which all shapes can be read, and why others cannot, by link.
 
     The collision shapes of a link are taken, its visual shapes where it has none that can be read. Links without shapes
@@ -48,7 +47,7 @@ def link_meshes(
     numbers = {name: number for number, name in enumerate((model.base_name, *model.body_names))}
     geometries: tuple[Literal["collision", "visual"], ...] = ("collision", "visual")
     for geometry in geometries:
-        shapes = urdf.shapes(source, geometry=geometry, lock=locked or None)
+        shapes = urdf.shapes(source, geometry=geometry, reading=reading)
         unread = {shape.link: f"{shape.file or 'a shape'}: {shape.reason}" for shape in shapes.missing}
         for link, reason in unread.items():
             missing.setdefault(link, reason)

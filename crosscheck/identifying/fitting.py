@@ -44,18 +44,17 @@ def identified_model(
     preparation: Preparation,
     *,
     loop: ClosedLoop | None,
-    cut: bool,
     poses: int,
     progress: Callable[[str], None],
 ) -> IdentifiedModel:
     """Every method on the rows of the fit, and on those of every trial.
 
     loop: as prepared, for the methods that simulate it
-    cut: the arm is a chain out of a larger robot; progress: called with the name of every method that begins
+    progress: called with the name of every method that begins
     """
     torque_model = candidate.of(subject.model)
     named = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
-    estimators = _with_referee(in_loop(named, loop), subject, cut)
+    estimators = _with_referee(in_loop(named, loop), subject)
 
     def say(what: str) -> None:
         progress(f"{candidate.name}: {what}" if candidate.name else what)
@@ -143,13 +142,13 @@ def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Es
     ]
 
 
-def _with_referee(estimators: Sequence[Estimator], robot: Subject, cut: bool) -> list[Estimator]:
+def _with_referee(estimators: Sequence[Estimator], robot: Subject) -> list[Estimator]:
     """The estimators; those on Pinocchio's regressor use its own reading of the file, where it can read it."""
     wanting = [estimator for estimator in estimators if isinstance(estimator, WithPinocchio) and not estimator.referee]
     if not wanting or robot.file is None:
         return list(estimators)
     try:
-        referee = PinocchioModel.from_urdf(Path(robot.file), robot.model, robot.locked, cut=cut)
+        referee = PinocchioModel.from_urdf(Path(robot.file), robot.model, robot.reading)
     except PinocchioRefuses:  # Pinocchio's model is then built from ours, as `graphdyn crosscheck` reports
         return list(estimators)
     return [replace(estimator, referee=referee) if estimator in wanting else estimator for estimator in estimators]

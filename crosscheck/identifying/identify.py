@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
-
-from numpy.typing import ArrayLike
+from typing import Unpack
 
 from crosscheck.identifying.data_quality.data_quality import health
 from crosscheck.identifying.fitting import identified_model
@@ -18,11 +17,11 @@ from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.baselines import constant_errors
 from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import Recording
-from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, refuse_chords, subject
+from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import POSES, ClosedLoop, Estimator
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
-from urdf.reading import Chain
+from urdf import Reading, ReadingOptions
 
 
 def identify(
@@ -35,12 +34,10 @@ def identify(
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
     loop: ClosedLoop | None = None,
-    lock: Lock = None,
-    chain: Chain = None,
-    gravity: ArrayLike | None = None,
     poses: int = POSES,
     models: Sequence[CandidateModel] = (),
     progress: Callable[[str], None] | None = None,
+    **reading: Unpack[ReadingOptions],
 ) -> Identified:
     """Identify a robot from recordings with several methods, and say which result to trust.
 
@@ -52,7 +49,6 @@ def identify(
     preparation: filter, decimation, smallest speed
     held_out: rows to predict; if left out, the last quarter of every recording
     loop: controller and reference of the recordings, over their time; some methods simulate it
-    lock, chain, gravity: as in urdf.load, for names and paths only
     poses: random poses in which the mass matrix is tested
     models: torque models to compare, each with terms, known terms and methods of its own, in place of `terms`, `known`
         and `methods`; the result is that of the first one, with the others beside it
@@ -61,7 +57,7 @@ def identify(
     Raises InvalidInput for recordings of other joints or without torque, for a division that leaves nothing to fit or
     to predict, for unknown or repeated methods; urdf's errors.
     """
-    compared = subject(robot, lock, gravity, chain)
+    compared = subject(robot, Reading.of(identify, reading))
     refuse_chords(compared.model, IDENTIFY_CLOSED)
     recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
     preparation = preparation or Preparation()
@@ -85,9 +81,7 @@ def identify(
     division = _prepared(held_out, ahead).divide(prepared)
     say("read")
     main, *further = (
-        identified_model(
-            compared, candidate, division, preparation, loop=loop, cut=chain is not None, poses=poses, progress=say
-        )
+        identified_model(compared, candidate, division, preparation, loop=loop, poses=poses, progress=say)
         for candidate in candidates
     )
     return Identified(

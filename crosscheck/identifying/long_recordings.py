@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +22,7 @@ from crosscheck.identifying.results.baselines import constant_model, fitted_cons
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
 from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import PartitionedRecording, Provenance, Recording, concatenated
-from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
+from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import (
     POSES,
@@ -36,7 +37,7 @@ from graphdyn.identification import (
     compare_methods,
     one_thread,
 )
-from urdf.reading import Chain
+from urdf import Reading, ReadingOptions
 
 EXCERPT = 100_000
 """Rows from the beginnings of the logs that are in memory: for their health, and for the curves of a page."""
@@ -75,11 +76,9 @@ def identify_long(
     *,
     validate: PartitionedRecording | None = None,
     min_speed: ArrayLike = 0.0,
-    lock: Lock = None,
-    chain: Chain = None,
-    gravity: ArrayLike | None = None,
     poses: int = POSES,
     progress: Callable[[str, int], None] | None = None,
+    **reading: Unpack[ReadingOptions],
 ) -> Identified:
     """As identify, where the recordings do not fit into memory. They are read several times, part by part.
 
@@ -91,7 +90,7 @@ def identify_long(
     The result is that of the whole data. Its `recordings`, `division` and curves are the beginnings of the logs; health
     is judged from these. Raises as identify; InvalidInput for methods that look at samples; NoWorkers.
     """
-    compared = subject(robot, lock, gravity, chain)
+    compared = subject(robot, Reading.of(identify_long, reading))
     refuse_chords(compared.model, IDENTIFY_CLOSED)
     joints = compared.model.independent_joints
     data = data if data.joints else replace(data, joints=joints)

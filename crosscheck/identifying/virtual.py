@@ -7,19 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from crosscheck.recordings import Provenance, Recording, recording_of, samples_of
-from crosscheck.reference.subject import IDENTIFY_CLOSED, Lock, Robot, Subject, refuse_chords, subject
+from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn import record as virtual_experiment
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.motion_laws import FourierSeries
-from urdf.reading import Chain
+from urdf import Reading, ReadingOptions
 
 FREQUENCY, HARMONICS = 0.1, 5
 """Fundamental frequency of the excitation [Hz], and number of its harmonics."""
@@ -69,19 +69,16 @@ def virtual_robot(
     *,
     seconds: float = 20.0,
     seed: int = 0,
-    lock: Lock = None,
-    chain: Chain = None,
-    gravity: ArrayLike | None = None,
     progress: Callable[[str], None] | None = None,
+    **reading: Unpack[ReadingOptions],
 ) -> VirtualRobot:
     """Record a robot of known parameters twice; the second recording is half as long.
 
     terms: torque of its drives, added to that of the rigid bodies
-    lock, chain, gravity: as in urdf.load, for names and paths only
     progress: called with the name of the next step, twice
     Raises InvalidInput for a robot without mass or with couplings, and for less than one period of the motion.
     """
-    given = subject(robot, lock, gravity, chain)
+    given = subject(robot, Reading.of(virtual_robot, reading))
     refuse_chords(given.model, IDENTIFY_CLOSED)
     if not seconds >= 1 / FREQUENCY:
         raise InvalidInput(f"{seconds:g} s are less than one period of the excitation; give {1 / FREQUENCY:g} or more")

@@ -6,9 +6,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from numbers import Real
-from typing import Literal
+from typing import Any, Unpack
 
-from numpy.typing import ArrayLike
 from threadpoolctl import threadpool_limits
 
 from crosscheck.judging.functions.known_function import LOADS
@@ -17,21 +16,17 @@ from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Ju
 from crosscheck.judging.observing.conventions import check_declared
 from crosscheck.judging.observing.function_under_test import BatchFunction, ForeignFunction, joint_order
 from crosscheck.judging.observing.references import References
+from crosscheck.judging.setting import TOLERANCES, Foreign, JudgedKeywords, Precision, Setting
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import merged
 from crosscheck.judging.verdicts.explaining import diagnoses_of
 from crosscheck.judging.verdicts.verdicts import judged
-from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
 from crosscheck.reference.mujoco_model import MujocoRefuses
-from crosscheck.reference.subject import Lock, Robot, Subject, check_counts, refuse_chords, subject
+from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
-from urdf.reading import Chain, Misreadings
-
-Foreign = Callable[..., ArrayLike] | BatchFunction
-"""A function of one state: arrays of shape (n,) in the order of joint_names; or foreign code that is given batches."""
-
-Precision = Literal["double", "single"]
-TOLERANCES: Mapping[Precision, Tolerance] = {"double": FOREIGN, "single": FOREIGN_SINGLE}
+from graphdyn.arguments import refuse_unknown
+from urdf import Reading, ReadingOptions
+from urdf.reading import Misreadings
 
 Progress = Callable[[str], None]
 """Called with the name of the next step."""
@@ -46,27 +41,24 @@ def judge(
     precision: Precision = "double",
     tolerance: float | None = None,
     beyond_limits: bool = False,
-    lock: Lock = None,
-    chain: Chain = None,
-    gravity: ArrayLike | None = None,
     frame: str | None = None,
     conventions: Mapping[str, str] | None = None,
     external_wrenches: bool = False,
     batched: bool = False,
     progress: Progress | None = None,
-    **functions: Foreign | None,
+    **functions: Unpack[JudgedKeywords],
 ) -> Judgement:
     """Compare foreign functions with graphdyn, Pinocchio and MuJoCo (where installed), and say what is wrong with them.
 
     functions: by the names in docs/judge.md, which lists arguments and answers: inverse_dynamics=f with f(q, v, a) → τ.
-        One state per call, arrays of shape (n,) [rad or m, …/s, …/s², N m or N]. No friction.
+        One state per call, arrays of shape (n,) [rad or m, …/s, …/s², N m or N]. No friction. Besides them, for names
+        and paths, keywords that say how the robot is read, as in urdf.load
     robot: name (urdf.robots), path of a URDF, or RobotModel
     joint_names: the order of the foreign arrays; default: that of urdf.load
     samples: random states within the limits, to which a few with whole turns are added
     precision: in which the functions compute; "single" means a tolerance of 1e-5 in place of 1e-9
     tolerance: largest relative error that counts as agreement, on the scale of each function; default: by precision
     beyond_limits: adds a fifth as many states outside the limits of positions and velocities
-    lock, chain, gravity: as in urdf.load, for names and paths only
     frame: link or frame of the functions that belong to one, such as frame_jacobian
     conventions: those that the functions must follow, such as {"reference": "local"}; the others are found out
     external_wrenches: inverse_dynamics, forward_dynamics, joint_wrenches and multipliers take external wrenches as a
@@ -77,16 +69,35 @@ def judge(
     shape at every state, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics where
     the torques do not determine the accelerations.
     """
-    given = {name: function for name, function in functions.items() if function is not None}
-    followed = conventions or {}
-    _check(given, precision, tolerance, followed)
-    bound = TOLERANCES[precision].bound if tolerance is None else tolerance
-    check_counts(samples, seed)
-    judged_robot = subject(robot, lock, gravity, chain)
+    refuse_unknown(judge, functions, JudgedKeywords.__annotations__)
+    reading: Any = {name: value for name, value in functions.items() if name in ReadingOptions.__annotations__}
+    given: Any = {name: value for name, value in functions.items() if name not in reading and value is not None}
+    setting = Setting(
+        robot=robot,
+        reading=Reading.of(judge, reading),
+        joint_names=joint_names,
+        samples=samples,
+        seed=seed,
+        precision=precision,
+        tolerance=tolerance,
+        beyond_limits=beyond_limits,
+        frame=frame,
+        conventions=conventions or {},
+        external_wrenches=external_wrenches,
+        batched=batched,
+    )
+    return judge_functions(given, setting, progress)
+
+
+def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Progress | None = None) -> Judgement:
+    """As judge. given: functions by name. Raises InvalidInput for names that are none of FUNCTIONS."""
+    _check(given, setting)
+    check_counts(setting.samples, setting.seed)
+    judged_robot = subject(setting.robot, setting.reading)
     refuse_chords(judged_robot.model)
     model = judged_robot.model.uncoupled
-    check_frame(given, frame, model)
-    order = joint_order(model, joint_names)
+    check_frame(given, setting.frame, model)
+    order = joint_order(model, setting.joint_names)
     say = progress or (lambda _: None)
     verdicts: dict[str, JudgedFunction] = {}
     diagnoses: list[Diagnosis] = []
@@ -99,25 +110,25 @@ def judge(
         needs_tau = any("tau" in FUNCTIONS[name].arguments for name in given)
         states = JudgedStates.draw(
             model,
-            samples,
-            seed,
+            setting.samples,
+            setting.seed,
             needs_tau=needs_tau,
-            loaded=external_wrenches or any(LOADS in FUNCTIONS[name].arguments for name in given),
-            beyond_limits=beyond_limits,
-            frame=frame,
+            loaded=setting.external_wrenches or any(LOADS in FUNCTIONS[name].arguments for name in given),
+            beyond_limits=setting.beyond_limits,
+            frame=setting.frame,
         )
         say("evaluating the reference implementations")
         references = _references(states, notes)
         unloaded = references if states.loads is None else _references(replace(states, loads=None), notes)
-        loaded = references if external_wrenches else unloaded
+        loaded = references if setting.external_wrenches else unloaded
         for name, f in given.items():
             say(f"judging {name}")
             known = FUNCTIONS[name]
-            function = ForeignFunction(known, f, order, batched, external_wrenches)
+            function = ForeignFunction(known, f, order, setting.batched, setting.external_wrenches)
             against = references if LOADS in known.arguments else loaded if known.takes_loads else unloaded
             answers = function.ask(*known.arguments_at(against.states))
-            declared = {x: way for x, way in followed.items() if x in known.conventions}
-            found = judged(function, answers, against, declared, bound)
+            declared = {x: way for x, way in setting.conventions.items() if x in known.conventions}
+            found = judged(function, answers, against, declared, setting.bound)
             verdicts[name] = found.verdict
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
             if not found.verdict.agrees:
@@ -128,18 +139,17 @@ def judge(
         file=judged_robot.file,
         model=model,
         joint_names=tuple(model.joint_names[k] for k in order),
-        samples=samples,
-        seed=seed,
-        locked=judged_robot.locked,
+        samples=setting.samples,
+        seed=setting.seed,
+        reading=judged_robot.reading,
         referees=tuple(dict.fromkeys(referee for verdict in verdicts.values() for referee in verdict.errors)),
         functions=verdicts,
         diagnoses=merged(diagnoses),
         notes=(),
-        chain=judged_robot.chain,
-        frame=frame,
-        precision=precision,
-        external_wrenches=external_wrenches,
-        beyond_limits=beyond_limits,
+        frame=setting.frame,
+        precision=setting.precision,
+        external_wrenches=setting.external_wrenches,
+        beyond_limits=setting.beyond_limits,
     )
     if not judgement.decided:
         notes.append("the reference implementations disagree: no verdict on the foreign code; please report this robot")
@@ -147,7 +157,7 @@ def judge(
 
 
 def _readings(robot: Subject) -> Misreadings | None:
-    return Misreadings(robot.file, chain=robot.chain, lock=robot.locked) if robot.file else None
+    return Misreadings(robot.file, robot.reading) if robot.file else None
 
 
 def _references(states: JudgedStates, notes: list[str]) -> References:
@@ -158,20 +168,19 @@ def _references(states: JudgedStates, notes: list[str]) -> References:
         return References(states, mujoco=False)
 
 
-def _check(
-    given: Mapping[str, Foreign], precision: Precision, tolerance: float | None, declared: Mapping[str, str]
-) -> None:
+def _check(given: Mapping[str, Foreign], setting: Setting) -> None:
     if not given:
         raise InvalidInput(f"no function to judge; give at least one of {', '.join(FUNCTIONS)}")
     for name, function in given.items():
         known_function(name)
         if not callable(function) and not isinstance(function, BatchFunction):
             raise InvalidInput(f"{name} is of type {type(function).__name__}; give a function")
+    precision, tolerance = setting.precision, setting.tolerance
     if precision not in TOLERANCES:
         raise InvalidInput(f"precision is {precision!r}; give one of {', '.join(map(repr, TOLERANCES))}")
     if tolerance is not None and (not isinstance(tolerance, Real) or not 0 < tolerance < 1):
         raise InvalidInput(f"tolerance is {tolerance!r}; give a relative error between 0 and 1")
-    check_declared(declared, [FUNCTIONS[name] for name in given])
+    check_declared(setting.conventions, [FUNCTIONS[name] for name in given])
 
 
 def check_frame(names: Collection[str], frame: str | None, model: RobotModel) -> None:

@@ -8,8 +8,10 @@ from typing import Literal
 
 import numpy as np
 
+from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from urdf import Reading
 
 UNCOUPLED = "joints that others drive are judged as if they were independent"
 """A note about a robot with couplings: other codes see it so."""
@@ -160,12 +162,12 @@ class Diagnosis:
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
+class Judgement(OfReading):
     """The verdict on foreign functions for one robot.
 
     robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded
     joint_names: the order in which the functions take and return joint quantities
-    chain: base link and tip link of the arm that was cut out; frame: of the functions that belong to one
+    reading: how the file was read; frame: of the functions that belong to one
     precision: in which the functions are said to compute; external_wrenches: whether they were called with them
     beyond_limits: whether states outside the limits were added
     referees: "graphdyn", "pinocchio", and "mujoco" where it is installed and can represent the robot
@@ -178,12 +180,11 @@ class Judgement:
     joint_names: tuple[str, ...]
     samples: int
     seed: int
-    locked: Mapping[str, float]
+    reading: Reading
     referees: tuple[str, ...]
     functions: Mapping[str, JudgedFunction]
     diagnoses: tuple[Diagnosis, ...]
     notes: tuple[str, ...]
-    chain: tuple[str, str] | None = None
     frame: str | None = None
     precision: str = "double"
     external_wrenches: bool = False

@@ -3,59 +3,65 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Integral
 from os import PathLike
 
-from numpy.typing import ArrayLike
-
 import urdf
 from graphdyn import InvalidInput, RobotModel
+from urdf import Reading, Xacro
 from urdf.document import UNNAMED, content_of, locate, path_of
 from urdf.reading import Chain
 
 Robot = str | PathLike[str] | RobotModel
-Lock = Mapping[str, float] | Iterable[str] | None
+
+
+class OfReading:
+    """A result of a robot that was read from a file, which says how; locked, chain: of its reading."""
+
+    reading: Reading
+
+    @property
+    def locked(self) -> dict[str, float]:
+        return self.reading.locked
+
+    @property
+    def chain(self) -> Chain:
+        return self.reading.chain
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class Subject(OfReading):
     """The robot to be compared.
 
     name: as given
     file: whole path of its URDF, file_sha256: of its content; both None where a RobotModel was given
-    locked: value per locked joint [rad or m]
-    chain: base link and tip link of the arm that was cut out, None for the whole robot
+    reading: how the file is read
     """
 
     name: str
     model: RobotModel
     file: str | None
     file_sha256: str | None
-    locked: Mapping[str, float]
-    chain: Chain
+    reading: Reading
 
 
-def subject(robot: Robot, lock: Lock, gravity: ArrayLike | None, chain: Chain = None) -> Subject:
+def subject(robot: Robot, reading: Reading) -> Subject:
     """Load a name or path; take a RobotModel as it is.
 
-    Raises InvalidInput for lock, gravity or chain with a RobotModel, and for XML or another type.
+    Raises InvalidInput where it is to be read in some way but is a RobotModel, and for XML or another type.
     """
     if isinstance(robot, RobotModel):
-        if lock is not None or gravity is not None or chain is not None:
-            raise InvalidInput(
-                "lock, chain and gravity apply to names and files; a RobotModel already has its joints and gravity"
-            )
-        return Subject(robot.name, robot, None, None, {}, None)
+        if reading.stated:
+            given = " and ".join(reading.stated)
+            raise InvalidInput(f"{given}: only for names and files; a RobotModel already has its joints and gravity")
+        return Subject(robot.name, robot, None, None, reading)
     if not isinstance(robot, str | PathLike):
         raise InvalidInput(f"the robot is of type {type(robot).__name__}; give a name, a path or a RobotModel")
     if path_of(robot) in UNNAMED:
         raise InvalidInput("XML is given in place of a name or path; give the file, or urdf.load(…) of the XML")
-    lock = lock if isinstance(lock, Mapping | str) else list(lock or ())
-    model = urdf.load(robot, chain=chain, lock=lock, gravity=gravity)
-    locked = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
-    return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot), locked, chain)
+    model = urdf.load(robot, reading=reading)
+    return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot, reading.xacro), reading)
 
 
 JUDGE_THE_TREE = "are not judged; from Python, judge its tree: urdf.load(…).opened"
@@ -80,9 +86,9 @@ def tip(model: RobotModel) -> str:
     return fixed[-1] if fixed else model.body_names[-1]
 
 
-def content_sha256(robot: str | PathLike[str]) -> str:
+def content_sha256(robot: str | PathLike[str], xacro: Xacro | None = None) -> str:
     """Hash of the file of a name or path, a .xacro file expanded. Raises RobotNotFound, InvalidXacro, OSError."""
-    return hashlib.sha256(content_of(locate(robot)[0])).hexdigest()
+    return hashlib.sha256(content_of(locate(robot)[0], xacro)).hexdigest()
 
 
 def check_counts(samples: int, seed: int) -> None:

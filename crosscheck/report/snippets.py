@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from os import PathLike, fspath
 
 import numpy as np
 
@@ -14,9 +16,13 @@ from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED, QUANTITIE
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.verbs import VERBS
+from urdf import Reading
 
 _REFERENCE = "reference = referee.evaluate(*(np.array([x]) for x in (q, v, a, tau, external_wrenches)))"
 _MULTIPLIERS = "multipliers_of(model, reference.rotation, reference.{})[0]"
+
+_URDF = re.compile(r"\b(?=(?:InertialsFromMeshes|Xacro)\()")
+"""Before the names of classes that a user calls urdf.InertialsFromMeshes, urdf.Xacro."""
 
 _SHOWN = "print(ours, theirs, np.abs(ours - theirs).max(), sep='\\n')"
 
@@ -170,9 +176,8 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
         "",
         *_robot(
             _origin(comparison),
-            comparison.locked,
+            comparison.reading,
             comparison.model,
-            comparison.chain,
             only=".uncoupled" * coupled + ".opened" * looped,
         ),
     ]
@@ -192,9 +197,7 @@ def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
     """
     origin, model = _origin(judgement), judgement.model
     lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if origin else []), ""]
-    lines += _robot(
-        origin, judgement.locked, model, judgement.chain, only=".uncoupled" * (UNCOUPLED in judgement.notes)
-    )
+    lines += _robot(origin, judgement.reading, model, only=".uncoupled" * (UNCOUPLED in judgement.notes))
     reordered = judgement.joint_names != model.joint_names
     if reordered:
         lines += [
@@ -226,24 +229,31 @@ def _origin(record: Comparison | Judgement) -> str | None:
 
 def _robot(
     origin: str | None,
-    locked: Mapping[str, float],
+    reading: Reading,
     model: RobotModel,
-    chain: tuple[str, str] | None = None,
     *,
     only: str = "",
 ) -> list[str]:
     if origin is None:
         return ["# model is the RobotModel that was given"]
-    cut = f", chain={tuple(chain)!r}" if chain else ""
-    lock = f", lock={dict(locked)!r}" if locked else ""
-    return [f"model = urdf.load({origin!r}{cut}{lock}, gravity={model.gravity.tolist()}){only}"]
+    options = ", ".join([repr(origin), *_reading(reading), f"gravity={model.gravity.tolist()}"])
+    return [f"model = urdf.load({options}){only}"]
+
+
+def _reading(reading: Reading) -> list[str]:
+    """What one types for each option that is stated; gravity apart, which the model has."""
+    values = {name: getattr(reading, name) for name in reading.stated if name != "gravity"}
+    values |= {"lock": reading.locked} if reading.lock else {}
+    values |= {"loops": fspath(reading.loops)} if isinstance(reading.loops, PathLike) else {}
+    return [f"{name}={_URDF.sub('urdf.', repr(value))}" for name, value in values.items()]
 
 
 def _referee(comparison: Comparison, route: str) -> str:
     if route == "model":
         return "from_model(model)"
-    cut = ", cut=True" if comparison.chain else ""
-    return f"from_urdf(locate({_origin(comparison)!r})[0], model, {dict(comparison.locked)!r}{cut})"
+    options = ", ".join(_reading(comparison.reading))
+    reading = f", urdf.Reading({options})" if options else ""
+    return f"from_urdf(locate({_origin(comparison)!r})[0], model{reading})"
 
 
 def _surroundings(worst: WorstState, model: RobotModel, referee: bool) -> list[str]:

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import urdf
 from crosscheck.viewing.figures import BodyShape, ShownRobot
 from crosscheck.viewing.stand_ins import stand_ins
 from graphdyn import RobotModel
+from urdf import Reading
 
 
-def shown_robot(
-    source: str,
-    model: RobotModel,
-    locked: Mapping[str, float],
-    faces: int,
-    chain: tuple[str, str] | None = None,
-) -> ShownRobot:
+def shown_robot(source: str, model: RobotModel, reading: Reading, faces: int) -> ShownRobot:
     """The robot that urdf.load made of a source, with what the file says that it looks like.
 
     Raises the errors of urdf.shapes.
     """
-    shapes = urdf.shapes(source, faces=faces, lock=locked or None, chain=chain)
+    shapes = urdf.shapes(source, faces=faces, reading=reading)
     numbers = {name: number for number, name in enumerate((model.base_name, *model.body_names))}
     placed = tuple(
         BodyShape(

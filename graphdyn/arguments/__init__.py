@@ -2,6 +2,7 @@
 
 from graphdyn.arguments.arrays import one_state
 from graphdyn.arguments.choices import WORTH_COMPILING, Method, Reference, frame_choice
+from graphdyn.arguments.keywords import refuse_unknown
 
 __all__ = [
     "WORTH_COMPILING",
@@ -9,4 +10,5 @@ __all__ = [
     "Reference",
     "frame_choice",
     "one_state",
+    "refuse_unknown",
 ]

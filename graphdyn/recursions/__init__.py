@@ -1,15 +1,5 @@
-"""The fast forms: recursions over the bodies, written once on scalars, and the table of them.
+"""The fast forms: recursions over the bodies, written once on scalars, and the table of them."""
 
-Each is declared beside its function (declarations); they are in the table when their files are imported.
-"""
-
-from graphdyn.recursions import derivatives, forward, frames, inertia, inverse, momentum, motion, regressors
-from graphdyn.recursions.declarations import ARRAYS, CLOSED, RECURSIONS
-from graphdyn.recursions.loops import couplings, loops
-
-FILES = (inverse, forward, inertia, momentum, derivatives, frames, regressors, motion, couplings, loops)
-"""Where recursions are declared."""
-
-CLOSED.update({name: loops.at_motors(each) for name, each in RECURSIONS.items() if each.of_torques})
+from graphdyn.recursions.table import ARRAYS, RECURSIONS
 
 __all__ = ["ARRAYS", "RECURSIONS"]

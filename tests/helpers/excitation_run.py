@@ -121,7 +121,7 @@ def collisions(seeds):
 
 
 def collisions_of(robot, model):
-    meshes, missing = link_meshes(str(robot), model, {})
+    meshes, missing = link_meshes(str(robot), model, urdf.Reading())
     return self_collision(model, meshes, missing, 0.0)
 
 

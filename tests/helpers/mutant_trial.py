@@ -104,7 +104,7 @@ def _check_claims(path: Path, errors: list[urdf.Finding]) -> None:
 def _is_built(path: Path) -> bool:
     with _captured():
         try:
-            PinocchioModel.from_urdf(path, KR500, {})
+            PinocchioModel.from_urdf(path, KR500)
         except PinocchioRefuses as refusal:
             return "other joints" in str(refusal) or GROUND in str(refusal)
     return True
@@ -149,7 +149,7 @@ def _difference(path: Path, model: RobotModel) -> str | None:
     """What Pinocchio makes of the file that this model of it does not say."""
     with _quiet("Pinocchio"):
         try:
-            referee = PinocchioModel.from_urdf(path, model, {})
+            referee = PinocchioModel.from_urdf(path, model)
             with np.errstate(all="ignore"):
                 wrong = _wrong(model, referee)
         except PinocchioRefuses as refusal:
@@ -176,8 +176,7 @@ def _is_rounding(path: Path, model: RobotModel) -> bool:
     fifth of a torque.
     """
     here, there = (
-        _parts(referee, model)
-        for referee in (PinocchioModel.from_model(model), PinocchioModel.from_urdf(path, model, {}))
+        _parts(referee, model) for referee in (PinocchioModel.from_model(model), PinocchioModel.from_urdf(path, model))
     )
     errors = [relative(there[name], here[name], np.full(len(here[name]), size)) for name, size in SIZES.items()]
     return bool(np.max(errors) <= AGREEMENT.bound)

@@ -35,7 +35,7 @@ FRAMES = """(() => {
 
 def figure_of(robot, run=None):
     model = urdf.load(robot)
-    shown = shown_robot(robot, model, {}, FACES)
+    shown = shown_robot(robot, model, urdf.Reading(), FACES)
     if run is None:
         return Figure(Path(robot).name, shown)
     recording = load_recording(run, joints=model.independent_joints)

@@ -69,9 +69,9 @@ def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
     return Opened(parsed(path, content, encoding), gravity)
 
 
-def content_of(path: Path) -> bytes:
+def content_of(path: Path, xacro: Xacro | None = None) -> bytes:
     """The bytes of a file; for a .xacro file, of its expansion. Raises as open_document does."""
-    return open_document(path).document.content if path.suffix.lower() == ".xacro" else path.read_bytes()
+    return open_document(path, xacro).document.content if path.suffix.lower() == ".xacro" else path.read_bytes()
 
 
 def path_of(given: Given) -> Path:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
-from typing import Literal, get_args
+from typing import Literal, Unpack, get_args
 
 import numpy as np
 
 from graphdyn import InvalidInput
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.connections.loops import CompanionFiles
-from urdf.document.opening import Given, Opened, Xacro, open_document, path_of, said
+from urdf.document.opening import Given, Opened, open_document, path_of, said
 from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, tree_faults
 from urdf.errors import URDFError
@@ -28,6 +29,8 @@ from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
 from urdf.reading.checks import faults
 from urdf.reading.parsing import build, parse
+from urdf.reading.reading import Reading, ReadingOptions
+from urdf.reading.repairing import repair
 
 MOST_FINDINGS = 1000
 """Largest number of findings that a stage reports."""
@@ -36,12 +39,14 @@ MOST_FINDINGS = 1000
 Meshes = Literal["summary", "detail", "off"]
 
 
-def inspect(source: Given, *, xacro: Xacro | None = None, meshes: Meshes = "summary") -> Inspection:
+def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[ReadingOptions]) -> Inspection:
     """Everything odd or wrong about a URDF file or a robot of the catalogue, and whether it is good for dynamics.
 
-    source: as urdf.load takes it: name, path, XML as text or bytes, an open file; xacro: for a .xacro file
+    source: as urdf.load takes it: name, path, XML as text or bytes, an open file
     meshes: inertials are compared with the meshes of their links where these are found: "detail" tells of every
         link's tensor, "summary" in one finding of those that are far from it, "off" opens no mesh
+    reading: as in urdf.load; findings about elements are those of the whole file after repairs, findings about the
+        model those of the arm that is cut out, with its joints locked
 
     Raises InvalidInput for another value of meshes, and nothing for the content of a file, nor for a file that does
     not exist: both are errors among the findings. report.usable says whether forward dynamics can be computed;
@@ -51,11 +56,12 @@ def inspect(source: Given, *, xacro: Xacro | None = None, meshes: Meshes = "summ
     """
     if meshes not in get_args(Meshes):
         raise InvalidInput(f"meshes is {meshes!r}; give one of {', '.join(map(repr, get_args(Meshes)))}")
+    how = Reading.of(inspect, reading)
     asked, path = said(source), None
     try:
         path = path_of(source)
         with np.errstate(all="ignore"):  # numbers may be as large as the largest double
-            return report(asked, str(path), list(_findings(open_document(source, xacro), meshes)))
+            return report(asked, str(path), list(_findings(open_document(source, how.xacro), meshes, how)))
     except URDFError as error:
         found = refusal(error)
     except OSError as error:
@@ -65,17 +71,18 @@ def inspect(source: Given, *, xacro: Xacro | None = None, meshes: Meshes = "summ
     return report(asked, None if path is None else str(path), [found])
 
 
-def _findings(opened: Opened, meshes: Meshes) -> Iterator[Finding]:
+def _findings(opened: Opened, meshes: Meshes, reading: Reading) -> Iterator[Finding]:
     document = opened.document
     around = [*_of_the_expansion(opened), *_limited(document_findings(document)), *_limited(reader_findings(document))]
     try:
-        beside = stated_beside(None, document.path)
+        beside = stated_beside(reading.loops, document.path)
         source = reduced(document)
+        repair(source, reading.repair)
     except URDFError as error:
         yield from around
         yield refusal(error)
         return
-    refusals = [refusal(error) for error in islice(_refusals(source, beside), MOST_FINDINGS + 1)]
+    refusals = [refusal(error) for error in islice(_refusals(source, beside, reading), MOST_FINDINGS + 1)]
     structure = Structure.of(source)
     found = [*_limited(iter(refusals))]
     for rules in (unread_findings, name_findings, link_findings, joint_findings):
@@ -86,7 +93,7 @@ def _findings(opened: Opened, meshes: Meshes) -> Iterator[Finding]:
         around = [finding for finding in around if finding.code != "mesh-files"]
     yield from (*around, *found, *drawn)
     if sound:
-        yield from _of_the_model(source, beside, structure)
+        yield from _of_the_model(source, beside, structure, replace(reading, repair=()))
 
 
 def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
@@ -109,15 +116,16 @@ def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
         )
 
 
-def _refusals(source: Source, beside: CompanionFiles) -> Iterator[URDFError]:
+def _refusals(source: Source, beside: CompanionFiles, reading: Reading) -> Iterator[URDFError]:
     yield from faults(source)
     yield from tree_faults(source)
-    yield from closure_faults(all_closures(source, beside), carriers(source), source)
+    if reading.chain is None and not reading.lock:  # else they depend on what is cut out and locked
+        yield from closure_faults(all_closures(source, beside), carriers(source), source)
 
 
-def _of_the_model(source: Source, beside: CompanionFiles, structure: Structure) -> Iterator[Finding]:
+def _of_the_model(source: Source, beside: CompanionFiles, structure: Structure, reading: Reading) -> Iterator[Finding]:
     try:
-        model = build(parse(source, beside), STANDARD_GRAVITY)
+        model = build(parse(source, beside, reading), STANDARD_GRAVITY)
     except URDFError as error:
         yield refusal(error)
         return

@@ -2,5 +2,6 @@
 
 from urdf.reading.cutting import Chain
 from urdf.reading.misreading import Misreadings
+from urdf.reading.reading import AS_IT_STANDS
 
-__all__ = ["Chain", "Misreadings"]
+__all__ = ["AS_IT_STANDS", "Chain", "Misreadings"]

@@ -8,13 +8,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from graphdyn import Body, Joint
-from urdf.document.opening import Given, open_document
-from urdf.document.source import reduced
+from urdf.document.opening import Given
 from urdf.document.tree import joints_in_order
-from urdf.reading.cutting import Chain
 from urdf.reading.fusing import assemble
-from urdf.reading.locking import Lock
-from urdf.reading.parsing import parse
+from urdf.reading.parsing import parsed_source
+from urdf.reading.reading import AS_IT_STANDS, Reading
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Robot
@@ -27,9 +25,8 @@ class Misreadings:
     carriers: by name of each link with an <inertial> that is fixed to a body, the name of the body
     """
 
-    def __init__(self, source: Given, *, chain: Chain = None, lock: Lock = None) -> None:
-        document = reduced(open_document(source, None).document)
-        self._parsed = parse(document, chain=chain, lock=lock)
+    def __init__(self, source: Given, reading: Reading = AS_IT_STANDS) -> None:
+        _, document, self._parsed = parsed_source(source, reading)
         self.robot: Robot = self._parsed.robot
         self.order = joints_in_order(document)[1]
         assembly = self._parsed.assembly

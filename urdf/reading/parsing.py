@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -15,17 +15,18 @@ from numpy.typing import ArrayLike
 from graphdyn import Chord, Coupling, InvalidModel, RobotModel
 from urdf.document.connections.loops import CompanionFiles
 from urdf.document.extensions import Unread
-from urdf.document.source import Source
+from urdf.document.opening import Given, Opened, open_document
+from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, check_tree, joints_in_order
 from urdf.errors import InvalidRobot
-from urdf.loops.closing import all_closures, chords, closure_faults
-from urdf.loops.mimics import Mimic, resolve
+from urdf.loops.closing import all_closures, chords, closure_faults, stated_beside
+from urdf.loops.mimics import resolve
 from urdf.loops.motors import actuated, check_motors, unread_beside, unread_motors
 from urdf.reading.checks import check
-from urdf.reading.cutting import Chain, Cut, cut
+from urdf.reading.cutting import Cut, cut
 from urdf.reading.fusing import Assembly, assemble
-from urdf.reading.locking import Lock, locked_values
-from urdf.reading.repairing import Repair
+from urdf.reading.locking import locked_values
+from urdf.reading.reading import AS_IT_STANDS, Reading
 from urdf.reading.repairing import repair as mend
 
 if TYPE_CHECKING:
@@ -59,34 +60,37 @@ class Parsed:
     assembly: Assembly
 
 
+def parsed_source(given: Given, reading: Reading) -> tuple[Opened, Source, Parsed]:
+    """A source through all stages, with its elements as they are after repairs and cuts. Raises as load does."""
+    opened = open_document(given, reading.xacro)
+    source = reduced(opened.document)
+    return opened, source, parse(source, stated_beside(reading.loops, opened.document.path), reading)
+
+
 def parse(
     source: Source,
     beside: CompanionFiles = NOTHING_BESIDE,
-    *,
-    chain: Chain = None,
-    lock: Lock = None,
-    mimic: Mimic = "coupled",
-    repair: Iterable[Repair] = (),
+    reading: Reading = AS_IT_STANDS,
 ) -> Parsed:
     """The stages between the document and the model; the source is modified. Raises as load does.
 
     beside: what is stated beside the file about loops
     """
     path = source.path
-    changes = mend(source, repair)
+    changes = mend(source, reading.repair)
     check(source)
     check_tree(source)
     closures = all_closures(source, beside)
     check_motors(source, beside)
-    around = cut(source, chain)
+    around = cut(source, reading.chain)
     root, order = joints_in_order(source)
     robot = _robot(source)
     movable = [joint.name for joint in robot.joints if joint.type != "fixed"]
-    stated = locked_values(lock, movable, path)
-    mimics = resolve(source, robot, order, closures, mimic, dict.fromkeys(around.held, 0.0) | stated, stated)
+    stated = locked_values(reading.lock, movable, path)
+    mimics = resolve(source, robot, order, closures, reading.mimic, dict.fromkeys(around.held, 0.0) | stated, stated)
     locked = mimics.locked
     carried = carriers(source, locked)
-    held = None if chain is None else [name for name in around.held if name in locked and name not in stated]
+    held = None if reading.chain is None else [name for name in around.held if name in locked and name not in stated]
     for fault in closure_faults(closures, carried, source, held):
         raise fault
     if not set(movable) - set(locked):

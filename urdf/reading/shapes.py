@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from numbers import Integral
+from typing import Unpack
 
 from graphdyn import Frame, InvalidInput, Placement
 from urdf.document.elements import GEOMETRIES, Geometry
-from urdf.document.opening import Given, Xacro, open_document
-from urdf.document.source import reduced
+from urdf.document.opening import Given
 from urdf.geometry.reading import placed_shapes
 from urdf.geometry.shape import Shapes
-from urdf.loops.mimics import Mimic
-from urdf.reading.cutting import Chain
-from urdf.reading.locking import Lock
-from urdf.reading.parsing import build, parse
-from urdf.reading.repairing import Repair
+from urdf.reading.parsing import build, parsed_source
+from urdf.reading.reading import Reading, ReadingOptions
 
 
 def shapes(
@@ -23,15 +19,11 @@ def shapes(
     *,
     geometry: Geometry = "visual",
     faces: int | None = None,
-    chain: Chain = None,
-    lock: Lock = None,
-    mimic: Mimic = "coupled",
-    repair: Iterable[Repair] = (),
-    xacro: Xacro | None = None,
+    **reading: Unpack[ReadingOptions],
 ) -> Shapes:
     """What a robot looks like: boxes, cylinders, spheres and mesh files as triangles, each on a body of the model.
 
-    source, chain, lock, mimic, repair, xacro: as in load; the bodies are those of the model that load makes of them
+    source, reading: as in load; the bodies are those of the model that load makes of them
     geometry: "visual" or "collision"
     faces: how many triangles all shapes may have together, about; None leaves them as they are
 
@@ -46,9 +38,8 @@ def shapes(
         raise InvalidInput(f"geometry is {geometry!r}; give 'visual' or 'collision'")
     if faces is not None and (not isinstance(faces, Integral) or isinstance(faces, bool) or faces < 1):
         raise InvalidInput(f"faces is {faces!r}; give a whole number from 1 on, or None")
-    opened = open_document(source, xacro)
-    elements = reduced(opened.document)
-    model = build(parse(elements, chain=chain, lock=lock, mimic=mimic, repair=repair), opened.gravity)
+    opened, elements, parsed = parsed_source(source, Reading.of(shapes, reading))
+    model = build(parsed, opened.gravity)
     names = (model.base_name, *model.body_names)
     own = (Frame(name, body, Placement()) for body, name in enumerate(names))
     places = {frame.name: (names[frame.body], frame.placement) for frame in (*model.frames, *own)}

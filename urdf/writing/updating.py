@@ -9,6 +9,7 @@ import re
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Unpack
 from xml.parsers import expat
 
 import numpy as np
@@ -22,10 +23,8 @@ from urdf.document.catalogue import locate
 from urdf.document.files import write_whole
 from urdf.document.numbers import inertial_element
 from urdf.errors import CannotUpdate, one_line
-from urdf.loops.mimics import Mimic
-from urdf.reading.cutting import Chain
 from urdf.reading.loading import fused_links, load
-from urdf.reading.locking import Lock
+from urdf.reading.reading import Reading, ReadingOptions
 
 _TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
 """A whole tag; attribute values may contain '>'."""
@@ -113,18 +112,16 @@ def update(
     destination: str | PathLike[str],
     parameters: ArrayLike,
     *,
-    chain: Chain = None,
-    lock: Lock = None,
-    mimic: Mimic = "coupled",
     inconsistent: bool = False,
+    **reading: Unpack[ReadingOptions],
 ) -> Update:
     """Write a copy of a URDF file in which the bodies have other inertial parameters.
 
     source: path, or name of the catalogue; destination: may be the same path
-    parameters: ten per body of urdf.load(source, chain=chain, lock=lock), in its order
+    parameters: ten per body of urdf.load(source, **reading), in its order
                                                             (n, 10) or (10n,)  [kg, kg m, kg m²]
-    chain, lock, mimic: as in urdf.load, if the parameters were identified on an arm cut out or with locked joints
     inconsistent: also write parameters that no real body can have
+    reading: as in urdf.load, if the parameters were identified on an arm cut out or with locked joints
 
     A body may carry fixed or locked links. They keep their own <inertial>; the link of the body gets the rest, so that
     all together have the given parameters.
@@ -132,14 +129,15 @@ def update(
     Raises CannotUpdate for parameters of another shape, NaN or infinity, negative masses, physically inconsistent
     parameters unless inconsistent=True, and files in UTF-16; urdf.load's errors for the source; OSError.
     """
+    how = Reading.of(update, reading).without_computed_inertials
     path, _ = locate(source)
     if path.suffix.lower() == ".xacro":
         raise CannotUpdate(
             "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
         )
-    model = load(source, chain=chain, lock=lock, mimic=mimic)
+    model = load(source, reading=how)
     wanted = _checked(parameters, model.n_bodies, path)
-    shares = fused_links(source, chain=chain, lock=lock, mimic=mimic)
+    shares = fused_links(source, reading=how)
     data = path.read_bytes()
     if data.startswith(_OTHER_ENCODINGS):
         raise CannotUpdate("the file is in UTF-16", "save it as UTF-8 first", path=path)

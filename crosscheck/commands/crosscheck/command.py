@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -27,6 +27,9 @@ from crosscheck.commands.program.options import (
 from crosscheck.commands.program.robot_files import is_folder
 from crosscheck.commands.program.three_d import ThreeDOption, refuse_without_page, standing
 from graphdyn import GraphDynError
+
+if TYPE_CHECKING:
+    from urdf import Reading
 
 DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
     ("kr500", {}),
@@ -91,27 +94,29 @@ def run(
     from crosscheck.commands.crosscheck.report import crosscheck_report
     from crosscheck.comparing.compare import compare
     from crosscheck.report.report import with_stage
+    from urdf import Reading
 
     comparisons, failures = [], []
     for number, (robot, frozen) in enumerate(choice, start=1):
         title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
         try:
-            total = _states(robot, samples, seed, frozen, chain) if err.is_terminal else None
+            reading = Reading(lock=frozen or None, chain=chain)
+            total = _states(robot, samples, seed, reading) if err.is_terminal else None
             with progress(title, total) as advance, warnings_shown():
-                comparisons.append(compare(robot, samples, seed, lock=frozen or None, chain=chain, progress=advance))
+                comparisons.append(compare(robot, samples, seed, reading=reading, progress=advance))
         except (GraphDynError, OSError) as error:
             complain(error, context)
             failures.append({"robot": robot, "message": str(error)})
     report = crosscheck_report(comparisons, failures)
     if three_d and comparisons:
-        report = with_stage(report, [standing(one.robot, one.model, one.locked, one.chain) for one in comparisons])
+        report = with_stage(report, [standing(one.robot, one.model, one.reading) for one in comparisons])
     deliver(report, html_file, json_file)
     if failures:
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
 
 
-def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], chain: tuple[str, str] | None) -> int:
+def _states(robot: str, samples: int, seed: int, reading: Reading) -> int:
     """Number of states that will be compared: drawing them takes a hundredth of the time of comparing them."""
     import warnings
 
@@ -119,5 +124,5 @@ def _states(robot: str, samples: int, seed: int, locked: Mapping[str, float], ch
     from crosscheck.quantities.states import cases
 
     with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
-        model = urdf.load(robot, chain=chain, lock=locked or None).uncoupled.opened
+        model = urdf.load(robot, reading=reading).uncoupled.opened
     return sum(len(case.q) for case in cases(model, samples, seed))

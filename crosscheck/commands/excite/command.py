@@ -106,7 +106,6 @@ def run(
     if clearance == math.inf:
         raise typer.BadParameter("--clearance must be finite")
     refuse_without_page(three_d, html_file)
-    locked = locked_joints(lock)
     import urdf
     from crosscheck.commands.excite.report import excite_report
     from crosscheck.exciting.excited import Excited, planned, random_plans, recorded_information
@@ -117,8 +116,9 @@ def run(
     from graphdyn.identification import TorqueModel
     from graphdyn.identification.terms import RigidBodies
 
+    reading = urdf.Reading(lock=locked_joints(lock) or None)
     with warnings_shown():
-        model = urdf.load(robot, lock=locked or None)
+        model = urdf.load(robot, reading=reading)
         torque_model = TorqueModel(model, (RigidBodies(), *options.terms_of(terms, term)))
         limits = options.limits_of(
             model, plane, velocity=velocity, acceleration=acceleration, jerk=jerk, torque=torque, lower=lower,
@@ -129,7 +129,7 @@ def run(
         problem = ExcitationProblem(
             torque_model, limits, basis, sizes, rate, options.criterion_of(criterion, torque_model)
         )
-        known = options.collisions_of(robot, model, locked, clearance, srdf) if collisions else None
+        known = options.collisions_of(robot, model, reading, clearance, srdf) if collisions else None
         columns = (mapping, model.independent_joints, drop or [], cutoff)
         earlier = _recordings("--after", after, *columns)
         compared = _recordings("--against", against, *columns)
@@ -151,8 +151,8 @@ def run(
         recorded = excitation_plan(torque_model, information * (samples / rows))
     best, median = random_plans(problem, len(made), random, known) if random else (None, None)
     found = Excited(
-        robot, locked, problem, words, criterion, tuple(made), excitation_plan(torque_model, total.known), random, best,
-        median, recorded, tuple(failures), known,
+        robot, reading, problem, words, criterion, tuple(made), excitation_plan(torque_model, total.known), random,
+        best, median, recorded, tuple(failures), known,
     )  # fmt: skip
     written = _write(found, model, out, out_rate, settings) if out is not None else ()
     report = excite_report(found, written)

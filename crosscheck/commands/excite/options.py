@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from graphdyn.identification import TorqueModel
     from graphdyn.identification.terms import Term
     from graphdyn.layout import Array
+    from urdf import Reading
 
 CRITERIA = ("log-det", "sigma", "condition")
 
@@ -154,15 +155,13 @@ def limits_of(model: RobotModel, planes: list[str] | None, **texts: str | float 
     return MotionLimits.of_model(model, planes=tuple(map(_plane, planes or ())), **given)  # type: ignore[arg-type]
 
 
-def collisions_of(
-    robot: str, model: RobotModel, locked: dict[str, float], margin: float, srdf: Path | None
-) -> SelfCollision:
+def collisions_of(robot: str, model: RobotModel, reading: Reading, margin: float, srdf: Path | None) -> SelfCollision:
     """Raises InvalidInput for a wrong SRDF file, OSError."""
     from crosscheck.exciting.link_meshes import link_meshes
     from crosscheck.exciting.self_collision import self_collision
     from crosscheck.exciting.srdf import disabled_pairs
 
-    meshes, missing = link_meshes(robot, model, locked)
+    meshes, missing = link_meshes(robot, model, reading)
     if srdf is None:
         return self_collision(model, meshes, missing, margin)
     links = {mesh.link for mesh in meshes}.union(missing, model.body_names, (frame.name for frame in model.frames))

@@ -50,19 +50,19 @@ def run(
         raise typer.BadParameter(
             f"--to {to.name}: a function of MATLAB has the name of its file; use letters, digits and _ alone"
         )
-    locked = locked_joints(lock)
     import urdf
     from crosscheck.commands.export.c_model import c_text
     from crosscheck.commands.export.matlab_model import matlab_text
     from crosscheck.commands.export.record import record
     from crosscheck.report.json import as_bytes, plain
 
+    reading = urdf.Reading(lock=locked_joints(lock) or None, chain=chain, mimic="independent", gravity=gravity)
     with warnings_shown():
-        model = urdf.load(robot, lock=locked or None, chain=chain, mimic="independent", gravity=gravity)
+        model = urdf.load(robot, reading=reading)
     if model.chords:
         names = ", ".join(f"'{chord.name}'" for chord in model.chords)
         warn(f"robot '{model.name}' has loops, closed by {names}, which are not written: the model is that of its tree")
-    exported = record(model, robot, locked)
+    exported = record(model, robot, reading.locked)
     if ending == ".json":
         to.write(as_bytes(plain(exported)))
     elif ending == ".m":

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +38,7 @@ from crosscheck.commands.program.three_d import ThreeDOption, recorded, refuse_w
 from crosscheck.report.plain_text import printable
 
 if TYPE_CHECKING:
+    import urdf
     from crosscheck.identifying import CandidateModel, Identified, Preparation
     from crosscheck.recordings import Recording
     from crosscheck.recordings.errors import RecordingFinding
@@ -121,6 +122,8 @@ def run(
     """
     if robot is None and logs:
         raise typer.BadParameter("--robot is missing; give a name (`graphdyn robots`) or a URDF file")
+    import urdf
+
     robot = robot or DEFAULT_ROBOT
     refuse_without_page(three_d, html_file)
     if urdf_file is not None and urdf_file.is_standard_output:
@@ -138,7 +141,7 @@ def run(
             drop=drop, derive_velocity=derive_velocity, decimate=decimate, split=split, split_rows=split_rows,
             folds=folds, controller=controller, control_rate=control_rate, torque_hold=torque_hold,
         )  # fmt: skip
-    frozen = Frozen(locked_joints(lock) or None, chain, gravity)
+    reading = urdf.Reading(lock=locked_joints(lock) or None, chain=chain, gravity=gravity)
     load, known_load = payload_of(payload, payload_on)
     load += scaled_torques(scaled_torque)
     ways, known = (
@@ -175,15 +178,13 @@ def run(
                 mapping,
                 rate,
                 workers,
-                lock=frozen.lock,
-                chain=frozen.chain,
-                gravity=frozen.gravity,
+                reading=reading,
                 poses=poses,
             )
             show_findings(identify_parts.findings(found))
     elif logs:
         with warnings_shown():
-            joints = frozen.load(robot).independent_joints
+            joints = urdf.load(robot, reading=reading).independent_joints
             with progress("read", len(logs) + len(validate or [])) as advance:
                 columns = (mapping, joints, rate, drop or [], advance)
                 recordings = options.recordings("LOG", logs, *columns)
@@ -192,7 +193,7 @@ def run(
             found = from_records(
                 robot,
                 recordings,
-                frozen,
+                reading,
                 models=compared,
                 preparation=preparation,
                 held_out=options.held_out_of(unseen, split, split_rows, folds),
@@ -202,7 +203,7 @@ def run(
     else:
         with warnings_shown():
             how_long, which = 20.0 if seconds is None else seconds, seed or 0
-            found = simulated(robot, compared, frozen, how_long, which, preparation=preparation, poses=poses)
+            found = simulated(robot, compared, reading, how_long, which, preparation=preparation, poses=poses)
     shown = found.shown(None if choose is None else method_shown(choose))
     report = identify_report(found, shown)
     if three_d:
@@ -215,24 +216,10 @@ def run(
                 f"{urdf_file.path} is not written: no model is recommended; --choose METHOD writes one all the same",
                 "red",
             )
-        written = shown is not None and not doubted and write_urdf(found, shown, robot, urdf_file.path, frozen)
+        written = shown is not None and not doubted and write_urdf(found, shown, robot, urdf_file.path, reading)
         if not written:
             raise typer.Exit(DISAGREED)
     raise typer.Exit(AGREED if found.usable else DISAGREED)
-
-
-@dataclass(frozen=True)
-class Frozen:
-    """How the robot is to be read: locked joints, chain, gravity."""
-
-    lock: dict[str, float] | None
-    chain: tuple[str, str] | None
-    gravity: tuple[float, float, float] | None
-
-    def load(self, robot: str) -> RobotModel:
-        import urdf
-
-        return urdf.load(robot, lock=self.lock, chain=self.chain, gravity=self.gravity)
 
 
 def prepared_as(
@@ -262,7 +249,7 @@ def show_findings(findings: Iterable[RecordingFinding]) -> None:
 def from_records(
     robot: str | RobotModel,
     recordings: Sequence[Recording],
-    frozen: Frozen,
+    reading: urdf.Reading,
     **how: Any,
 ) -> Identified:
     """crosscheck.identify with a bar."""
@@ -273,18 +260,17 @@ def from_records(
         return identify(
             robot,
             recordings,
-            lock=frozen.lock,
-            chain=frozen.chain,
-            gravity=frozen.gravity,
+            reading=reading,
             progress=lambda what: advance(what, 1),
             **how,
         )
 
 
 def simulated(
-    robot: str, compared: Sequence[CandidateModel], frozen: Frozen, seconds: float, seed: int, **how: Any
+    robot: str, compared: Sequence[CandidateModel], reading: urdf.Reading, seconds: float, seed: int, **how: Any
 ) -> Identified:
     """A virtual robot recorded and identified; the truth goes with the result. The first model is the true one."""
+    import urdf
     from crosscheck.identifying import OtherRecordings, virtual_robot
     from graphdyn.identification.terms import RigidBodies
 
@@ -294,15 +280,13 @@ def simulated(
             [term for term in compared[0].terms if not isinstance(term, RigidBodies)],
             seconds=seconds,
             seed=seed,
-            lock=frozen.lock,
-            chain=frozen.chain,
-            gravity=frozen.gravity,
+            reading=reading,
             progress=lambda what: advance(what, 1),
         )
     found = from_records(
         virtual.subject.model,
         [virtual.fitted],
-        Frozen(None, None, None),
+        urdf.Reading(),
         models=compared,
         held_out=OtherRecordings((virtual.held_out,)),
         **how,
@@ -310,7 +294,7 @@ def simulated(
     return replace(found, subject=virtual.subject, truth=virtual.truth)
 
 
-def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, frozen: Frozen) -> bool:
+def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, reading: urdf.Reading) -> bool:
     """The shown result in a copy of the user's file; False, saying why, where it cannot be trusted."""
     import urdf
     from crosscheck.identifying.results.recommending import real
@@ -320,7 +304,7 @@ def write_urdf(found: Identified, shown: MethodResult, robot: str, path: Path, f
     if name != found.recommendation.name and not real(shown):
         say(f"{path} is not written: {name} is not physically consistent", "red")
         return False
-    update = urdf.update(robot, path, model.body_parameters(shown), chain=frozen.chain, lock=frozen.lock)
+    update = urdf.update(robot, path, model.body_parameters(shown), reading=reading)
     for line in (f"{path}: {len(update.changed)} links with the inertials of {name}", *update.notes):
         out.print(Text(printable(line)), soft_wrap=True)
     return True

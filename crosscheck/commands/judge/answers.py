@@ -14,7 +14,7 @@ from crosscheck.commands.questions.command import content, ending_of
 
 if TYPE_CHECKING:
     from crosscheck.judging.exchange.replay import AnswersPending
-    from crosscheck.judging.exchange.rounds import Setting
+    from crosscheck.judging.setting import Setting
 
 AnswersOption = Annotated[
     list[Path] | None,

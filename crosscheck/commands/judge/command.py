@@ -117,8 +117,10 @@ def run(
         from crosscheck.commands.judge.report import judge_report
         from crosscheck.judging.exchange.answer_files import read_answers
         from crosscheck.judging.exchange.replay import AnswersPending
-        from crosscheck.judging.exchange.rounds import Setting, judge_answers
+        from crosscheck.judging.exchange.rounds import judge_answers
+        from crosscheck.judging.setting import Setting
         from crosscheck.report.report import with_stage
+        from urdf import Reading
 
         setting = Setting(
             robot=robot,
@@ -126,11 +128,13 @@ def run(
             samples=samples,
             seed=seed,
             beyond_limits=beyond_limits,
-            lock=locked_joints(lock) or None,
-            chain=chain,
-            gravity=gravity,
+            reading=Reading(lock=locked_joints(lock) or None, chain=chain, gravity=gravity),
             frame=frame,
             external_wrenches=external_wrenches,
+            conventions=dict(pairs("--convention", convention, "NAME=WAY")),
+            batched=batched,
+            precision=precision,
+            tolerance=tolerance,
         )
         try:
             with progress(robot) as advance, warnings_shown():
@@ -138,11 +142,7 @@ def run(
                     setting,
                     read_answers(answers or []),
                     functions,
-                    conventions=dict(pairs("--convention", convention, "NAME=WAY")),
-                    batched=batched,
-                    precision=precision,
-                    tolerance=tolerance,
-                    progress=lambda what: advance(what, 1),
+                    lambda what: advance(what, 1),
                 )
         except AnswersPending as pending:
             write_further(further, pending, setting, answers or [])
@@ -151,7 +151,7 @@ def run(
         warn_of_unused(unused)
     report = judge_report(judgement)
     if three_d:
-        report = with_stage(report, [standing(robot, judgement.model, judgement.locked, judgement.chain)])
+        report = with_stage(report, [standing(robot, judgement.model, judgement.reading)])
     deliver(report, html_file, json_file)
     raise typer.Exit(AGREED if judgement.agrees and judgement.decided else DISAGREED)
 

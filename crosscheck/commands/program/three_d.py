@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from crosscheck.viewing.figures import Figure
     from graphdyn import RobotModel, Simulation
     from graphdyn.layout import Array
+    from urdf import Reading
 
 ThreeDOption = Annotated[
     bool, typer.Option("--3d", help="With --html: the robot in three dimensions; several robots side by side.")
@@ -29,13 +29,7 @@ def refuse_without_page(three_d: bool, html_file: OutputFile | None) -> None:
         raise typer.BadParameter("--3d is for the page of --html FILE; name it, or look with `graphdyn view`")
 
 
-def standing(
-    robot: str,
-    model: RobotModel,
-    locked: Mapping[str, float],
-    chain: tuple[str, str] | None = None,
-    q: Array | None = None,
-) -> Figure:
+def standing(robot: str, model: RobotModel, reading: Reading, q: Array | None = None) -> Figure:
     """The robot at rest.
 
     q: where it stands (n_freedoms,), zero or the nearest position within limits if None; loops are closed [rad or m]
@@ -45,16 +39,16 @@ def standing(
     from crosscheck.viewing.robots import shown_robot
 
     motion, notes = closed_instant(model) if model.chords and q is None else (None, ())
-    return Figure(Path(robot).name, shown_robot(robot, model, locked, FACES, chain), motion, notes, q)
+    return Figure(Path(robot).name, shown_robot(robot, model, reading, FACES), motion, notes, q)
 
 
-def simulated(robot: str, motion: Simulation, locked: Mapping[str, float]) -> Figure:
+def simulated(robot: str, motion: Simulation, reading: Reading) -> Figure:
     """The robot in a simulated motion."""
     from crosscheck.viewing.figures import Figure
     from crosscheck.viewing.motions import simulated_motion
     from crosscheck.viewing.robots import shown_robot
 
-    return Figure(Path(robot).name, shown_robot(robot, motion.model, locked, FACES), *simulated_motion(motion))
+    return Figure(Path(robot).name, shown_robot(robot, motion.model, reading, FACES), *simulated_motion(motion))
 
 
 def planned_figures(found: Excited) -> list[Figure]:
@@ -64,7 +58,7 @@ def planned_figures(found: Excited) -> list[Figure]:
     from crosscheck.viewing.robots import shown_robot
 
     model = found.problem.torque_model.model
-    shown, name = shown_robot(found.robot, model, found.locked, FACES), Path(found.robot).name
+    shown, name = shown_robot(found.robot, model, found.reading, FACES), Path(found.robot).name
     many = len(found.motions) > 1
     return [
         Figure(f"{name}, motion {number}" if many else name, shown, *planned_motion(model, motion.course))
@@ -79,7 +73,7 @@ def recorded(found: Identified) -> Figure:
     from crosscheck.viewing.robots import shown_robot
 
     subject, recording = found.subject, found.recordings[0]
-    shown = shown_robot(subject.name, subject.model, subject.locked, FACES, subject.chain)
+    shown = shown_robot(subject.name, subject.model, subject.reading, FACES)
     motion, notes = recorded_motion(subject.model, found.preparation.differentiated(recording))
     which = f"{', '.join(recording.provenance.files)}, the motion as it was fitted"
     others = len(found.recordings) - 1

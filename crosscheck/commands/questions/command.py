@@ -72,7 +72,9 @@ def run(
     (docs/languages.md).
     """
     ending = ending_of("--out", to)
-    from crosscheck.judging.exchange.rounds import Setting, first_round
+    from crosscheck.judging.exchange.rounds import first_round
+    from crosscheck.judging.setting import Setting
+    from urdf import Reading
 
     setting = Setting(
         robot=robot,
@@ -80,9 +82,7 @@ def run(
         samples=samples,
         seed=seed,
         beyond_limits=beyond_limits,
-        lock=locked_joints(lock) or None,
-        chain=chain,
-        gravity=gravity,
+        reading=Reading(lock=locked_joints(lock) or None, chain=chain, gravity=gravity),
         frame=frame,
         external_wrenches=external_wrenches,
     )

@@ -58,7 +58,6 @@ def run(
     if state is None and (frame is not None or reference is not None):
         raise typer.BadParameter("--frame and --reference say whose Jacobian is shown; it takes a --state")
     refuse_without_page(three_d, html_file)
-    locked = locked_joints(lock)
     import urdf
     from crosscheck.commands.show.describing import describe
     from crosscheck.commands.show.describing_state import describe_state
@@ -66,13 +65,14 @@ def run(
     from crosscheck.reference.subject import tip
     from crosscheck.report.report import with_stage
 
+    reading = urdf.Reading(lock=locked_joints(lock) or None)
     with warnings_shown():
-        model = urdf.load(robot, lock=locked or None)
+        model = urdf.load(robot, reading=reading)
     there, q = None, None
     if state is not None:
         q, v = given_state(state, model)
         there = describe_state(model, q, v, frame or tip(model), reference or "local_world_aligned")
-    report = show_report(describe(model, robot, locked, there), model)
+    report = show_report(describe(model, robot, reading.locked, there), model)
     if three_d:
-        report = with_stage(report, [standing(robot, model, locked, q=q)])
+        report = with_stage(report, [standing(robot, model, reading, q)])
     deliver(report, html_file, json_file)

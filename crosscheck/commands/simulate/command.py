@@ -107,13 +107,13 @@ def run(
     refuse_without_page(three_d, html_file)
     if not (rate > 0 and duration > 0):
         raise typer.BadParameter("--rate and --duration must be above zero")
-    locked = locked_joints(lock)
     import urdf
     from crosscheck.commands.simulate.report import SimulatedRun, simulate_report
     from crosscheck.report.report import with_stage
 
+    reading = urdf.Reading(lock=locked_joints(lock) or None)
     with warnings_shown():
-        model = urdf.load(robot, lock=locked or None)
+        model = urdf.load(robot, reading=reading)
     q, v = _start(model, position, velocity)
     options = {
         "torque": _hold(q) if torque == "hold" else function,
@@ -126,11 +126,11 @@ def run(
     }
     motion = _simulated(model, q, v, duration, options, robot)
     if out is not None:
-        _write(motion, out, {"robot": robot, "locked": locked, "torque": torque, "position": q, "velocity": v})
-    shown = SimulatedRun(motion, robot, locked, torque, method, step, out.name if out else None)
+        _write(motion, out, {"robot": robot, "locked": reading.locked, "torque": torque, "position": q, "velocity": v})
+    shown = SimulatedRun(motion, robot, reading, torque, method, step, out.name if out else None)
     report = simulate_report(shown)
     if three_d:
-        report = with_stage(report, [simulated(robot, motion, locked)])
+        report = with_stage(report, [simulated(robot, motion, reading)])
     deliver(report, html_file, json_file)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,22 +10,24 @@ from typing import Any
 import numpy as np
 
 from crosscheck.commands.simulate.record import OccurrenceRecord, SimulatedJointRecord, SimulateRecord
+from crosscheck.reference.subject import OfReading
 from crosscheck.report.report import Block, Column, Facts, Group, Panel, Plot, Report, Row, Section, Series, Table
 from crosscheck.report.robot_parts import locked_text, robot_picture
 from graphdyn import RobotModel, Simulation
 from graphdyn.layout import ANGULAR, LINEAR, Array
+from urdf import Reading
 
 SHOWN_ROWS = 2000
 """Rows of a curve at most: more would be invisible."""
 
 
 @dataclass(frozen=True, eq=False)
-class SimulatedRun:
+class SimulatedRun(OfReading):
     """A motion and how it came about."""
 
     motion: Simulation
     robot: str
-    locked: Mapping[str, float]
+    reading: Reading
     torque: str
     method: str
     step: float | None

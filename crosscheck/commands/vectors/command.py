@@ -73,34 +73,31 @@ def run(
     versions and hashes. docs/languages.md has readers of twenty lines.
     """
     refuse_folder("--out", folder, TABLE)
-    locked = locked_joints(lock)
     from crosscheck.commands.export import record as export
     from crosscheck.commands.vectors import record as vectors
-    from crosscheck.judging.exchange.rounds import Setting
     from crosscheck.judging.exchange.vectors import confirmed_functions, vector_tables
-    from crosscheck.judging.judge import TOLERANCES
+    from crosscheck.judging.setting import TOLERANCES, Setting
     from crosscheck.reference.subject import subject
     from crosscheck.report.json import as_bytes, plain
+    from urdf import Reading
 
     setting = Setting(
         robot=robot,
         samples=samples,
         seed=seed,
         beyond_limits=beyond_limits,
-        lock=locked or None,
-        chain=chain,
-        gravity=gravity,
+        reading=Reading(lock=locked_joints(lock) or None, chain=chain, gravity=gravity),
         frame=frame,
         external_wrenches=external_wrenches,
     )
     chosen, bound = names(functions) or confirmed_functions(frame), TOLERANCES[precision].bound
     tables = {}
     with progress(robot, len(chosen)) as advance, warnings_shown():
-        model = subject(robot, setting.lock, gravity, chain).model.uncoupled
+        model = subject(robot, setting.reading).model.uncoupled
         for table in vector_tables(setting, chosen, dict(pairs("--convention", convention, "NAME=WAY")), bound):
             tables[f"{table.known.name}.csv"] = table, table.csv()
             advance(table.known.name, 1)
-    exported = as_bytes(plain(export.record(model, robot, locked)))
+    exported = as_bytes(plain(export.record(model, robot, setting.reading.locked)))
     listed = vectors.record(robot, model, frame, seed, bound, (MODEL, exported), tables, command_line())
     files = {name: content for name, (_, content) in tables.items()}
     write_folder(folder, {**files, MODEL: exported, TABLE: as_bytes(plain(listed))})

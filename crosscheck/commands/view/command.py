@@ -93,7 +93,7 @@ def run(
     runs = play or []
     if runs and len(robots) not in (1, len(runs)):
         raise typer.BadParameter(f"{len(robots)} robots and {len(runs)} runs; give one robot, or one for each run")
-    low_pass, locked = cutoff_of(cutoff), locked_joints(lock)
+    low_pass = cutoff_of(cutoff)
     import urdf
     from crosscheck.recordings import differentiated, load_recording
     from crosscheck.viewing.figures import Figure
@@ -110,11 +110,12 @@ def run(
             recording = differentiated(recording, low_pass)
         return Figure(f"{Path(name).name}: {path.name}", robot, *recorded_motion(robot.model, recording))
 
+    reading = urdf.Reading(lock=locked_joints(lock) or None)
     shown = {}
     with warnings_shown(), progress("view", len(robots) + len(runs)) as advance:
         for name in robots:
-            model = urdf.load(name, lock=locked or None)
-            shown[name] = shown_robot(name, model.with_actuated(actuated) if actuated else model, locked, faces)
+            model = urdf.load(name, reading=reading)
+            shown[name] = shown_robot(name, model.with_actuated(actuated) if actuated else model, reading, faces)
             advance(name, 1)
         names = robots * (len(runs) if len(robots) == 1 and runs else 1)
         figures = []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -14,29 +13,13 @@ from crosscheck.judging.exchange.questions import Question, once, questions
 from crosscheck.judging.exchange.replay import STAGES, AnswersPending, Replay, listed
 from crosscheck.judging.functions.known_function import LOADS, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
-from crosscheck.judging.judge import check_frame, judge
+from crosscheck.judging.judge import Progress, check_frame, judge_functions
 from crosscheck.judging.judgment import Judgement
 from crosscheck.judging.observing.function_under_test import ForeignFunction, joint_order
+from crosscheck.judging.setting import Foreign, Setting
 from crosscheck.judging.states.judged_states import JudgedStates
-from crosscheck.reference.subject import Lock, Robot, check_counts, refuse_chords, subject
+from crosscheck.reference.subject import check_counts, refuse_chords, subject
 from graphdyn import RobotModel
-from urdf.reading import Chain
-
-
-@dataclass(frozen=True, kw_only=True)
-class Setting:
-    """What questions depend on; as crosscheck.judge takes it."""
-
-    robot: Robot
-    joint_names: Sequence[str] | None = None
-    samples: int = 100
-    seed: int = 0
-    beyond_limits: bool = False
-    lock: Lock = None
-    chain: Chain = None
-    gravity: tuple[float, float, float] | None = None
-    frame: str | None = None
-    external_wrenches: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +34,7 @@ class FirstRound:
 def drawn_states(setting: Setting, functions: Collection[KnownFunction]) -> JudgedStates:
     """The judged states. Raises InvalidInput, UnknownFrame, and urdf's errors for a file that cannot be loaded."""
     check_counts(setting.samples, setting.seed)
-    given = subject(setting.robot, setting.lock, setting.gravity, setting.chain)
+    given = subject(setting.robot, setting.reading)
     refuse_chords(given.model)
     model = given.model.uncoupled
     check_frame([known.name for known in functions], setting.frame, model)
@@ -101,11 +84,14 @@ def answered_functions(setting: Setting, given: Mapping[int, GivenAnswer]) -> li
 
 
 def judge_answers(
-    setting: Setting, given: Mapping[int, GivenAnswer], others: Mapping[str, Any], **options: Any
+    setting: Setting,
+    given: Mapping[int, GivenAnswer],
+    others: Mapping[str, Foreign],
+    progress: Progress | None = None,
 ) -> tuple[Judgement, list[int]]:
     """The judgement of answers and of other functions, and the ids that belong to no question.
 
-    given: answers by id, may be none; others: functions besides, by name; options: more for crosscheck.judge
+    given: answers by id, may be none; others: functions besides, by name
 
     Raises AnswersPending with the questions of the second round of all functions, BadAnswers, and what crosscheck.judge
     raises.
@@ -115,15 +101,12 @@ def judge_answers(
         raise BadAnswers(f"there are answers of {both[0]}, which an option names as well; leave one of them out")
     used: set[int] = set()
 
-    def judged(**functions: Any) -> Judgement:
-        return judge(**vars(setting), **functions, **options)
-
     def pending(name: str) -> Sequence[Question]:
         """Of all stages: what is asked later does not depend on the numbers of earlier answers."""
         supposed, asked = dict(given), list[Question]()
         for _ in range(STAGES - 1):
             try:
-                judged(**{name: Replay(supposed, set())})
+                judge_functions({name: Replay(supposed, set())}, setting, progress)
             except AnswersPending as found:
                 asked += found.questions
                 nothing = np.zeros(math.prod(size or 1 for size in found.shape))
@@ -131,7 +114,8 @@ def judge_answers(
         return asked
 
     try:
-        judgement = judged(**{name: Replay(given, used) for name in names}, **others)
+        answered = {name: Replay(given, used) for name in names}
+        judgement = judge_functions({**answered, **others}, setting, progress)
     except AnswersPending:
         raise AnswersPending([one for name in names for one in pending(name)]) from None
     return judgement, [number for number in given if number not in used]

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.judging.exchange.protocols import number_text
-from crosscheck.judging.exchange.rounds import Setting, drawn_states, states_of
+from crosscheck.judging.exchange.rounds import drawn_states, states_of
 from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.observing.conventions import check_declared, relative_errors
 from crosscheck.judging.observing.references import References
+from crosscheck.judging.setting import Setting
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.reference.mujoco_model import MujocoRefuses
 from graphdyn import GraphDynError, InvalidInput

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,8 @@ from crosscheck.reference.standard_error import kept_standard_error
 from crosscheck.reference.subject import tip
 from graphdyn import BaseMotion, Placement, RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
+from urdf import Reading
+from urdf.reading import AS_IT_STANDS
 
 
 class PinocchioModel(OrderedModel):
@@ -30,19 +32,22 @@ class PinocchioModel(OrderedModel):
     said: tuple[str, ...] = ()
 
     @classmethod
-    def from_urdf(cls, path: Path, model: RobotModel, lock: Mapping[str, float], cut: bool = False) -> PinocchioModel:
+    def from_urdf(cls, path: Path, model: RobotModel, reading: Reading = AS_IT_STANDS) -> PinocchioModel:
         """Pinocchio's own reading of the file, with joints locked as in urdf.load. Raises PinocchioRefuses.
 
         The reader's output on standard error is not shown but kept in said.
 
-        A .xacro file is expanded. cut: the model is a chain; all other joints are locked, its base link is the ground.
+        A .xacro file is expanded. Of a chain, all other joints are locked, and its base link is the ground.
         """
-        problem = None
+        if reading.repair:
+            raise PinocchioRefuses("the file is repaired first, and Pinocchio reads it as it stands")
+        problem, cut = None, reading.chain is not None
         with kept_standard_error() as written:
             try:
-                native = read(path)
-                others = set(native.names[1:]) - set(model.joint_names) if cut else set()
-                native = held(native, dict.fromkeys(others, 0.0) | dict(lock))
+                native = read(path, reading.xacro)
+                alone = cut or reading.mimic == "locked"
+                others = set(native.names[1:]) - set(model.joint_names) if alone else set()
+                native = held(native, dict.fromkeys(others, 0.0) | reading.locked)
             except Exception as error:  # Pinocchio raises bare C++ exceptions of several types
                 problem = error
         said = tuple(" ".join(line.split()) for line in written if line.startswith("Error"))

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from graphdyn import Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import Array
+from urdf import Xacro
 from urdf.document import content_of
 
 VERSION: str = pin.__version__
@@ -29,10 +30,10 @@ class PinocchioRefuses(GraphDynError, ValueError):
         super().__init__(problem)
 
 
-def read(path: Path) -> pin.Model:
+def read(path: Path, xacro: Xacro | None = None) -> pin.Model:
     """Pinocchio's own reading of a URDF file; a .xacro file is expanded. Raises what Pinocchio raises."""
     if path.suffix.lower() == ".xacro":
-        return pin.buildModelFromXML(content_of(path).decode())
+        return pin.buildModelFromXML(content_of(path, xacro).decode())
     return pin.buildModelFromUrdf(str(path))
 
 

@@ -2,7 +2,7 @@
 
     x = A⁻¹ Σ_g Z_gᵀ τ_g / σ_g²,   A = Σ_g Z_gᵀ W_g / σ_g²,   cov x = A⁻¹ (Σ_g Z_gᵀ Z_g / σ_g²) A⁻ᵀ
 
-The products square the condition number, so columns are scaled to unit length before the solution.
+The products square the condition number; columns are scaled to unit length before they are solved for.
 """
 
 from __future__ import annotations
@@ -23,10 +23,9 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class Crossed:
-    """Solution x (r,), its covariance (r, r), and the covariance that allows for correlation in time.
+    """x (r,), its covariance (r, r), that allowing for correlation in time, None below two time blocks.
 
-    The last needs two time blocks, and is None otherwise.
-    noise: of the torques, by which the equations were weighted (n,)
+    noise: of the torques, with which the equations were weighted (n,)
     """
 
     x: Array
@@ -37,9 +36,7 @@ class Crossed:
 
 @dataclass(frozen=True, eq=False)
 class CrossedEquations:
-    """Sums of the instrumental-variable equations.
-
-    products: Z_gᵀ [W_g | τ_g] of every time block         (B, n, r, r + 1)
+    """products: Z_gᵀ [W_g | τ_g] of every time block         (B, n, r, r + 1)
     instruments: Z_gᵀ Z_g                                   (n, r, r)
     """
 
@@ -48,7 +45,7 @@ class CrossedEquations:
 
     @classmethod
     def of(cls, parts: Iterable[RowBlock], support: NDArray[np.bool_]) -> CrossedEquations:
-        """Sum up these rows. support: where W can differ from zero (n, r)."""
+        """support: where W can differ from zero (n, r)."""
         n, r = support.shape
         blocks: dict[int, Array] = defaultdict(lambda: np.zeros((n, r, r + 1)))
         squares = np.zeros((n, r, r))
@@ -63,7 +60,7 @@ class CrossedEquations:
         return cls(np.array([block for _, block in sorted(blocks.items())]), squares)
 
     def solve(self, noise: Array) -> Crossed:
-        """Solve with the noise σ_g (n,). Raises EstimationFailed if the instruments do not determine the parameters."""
+        """noise: σ_g (n,). Raises EstimationFailed where the instruments do not determine the parameters."""
         weights = 1 / noise[:, None, None] ** 2
         blocks = np.sum(self.products * weights, axis=1)
         together = blocks.sum(axis=0)

@@ -1,4 +1,4 @@
-"""Least squares over physically consistent inertias: the common parts of the physically consistent estimators."""
+"""Least squares over the inertias of real bodies: what the physically consistent estimators share."""
 
 from graphdyn.identification.consistent.limits import PhysicalLimits
 

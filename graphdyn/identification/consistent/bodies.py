@@ -1,4 +1,4 @@
-"""The ten columns of every unknown body in a torque model, and the other columns that cannot be negative."""
+"""Which columns of a torque model are the ten parameters of a body, and which of the rest cannot be negative."""
 
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ NOT_NEGATIVE = (
     *(Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, LoadFriction, MaxwellSlip),
     *(RotorInertia, PayloadMass),
 )
-"""Terms whose parameters cannot be negative: friction dissipates energy, a rotor has mass. Stribeck friction may fall
-below zero, because it adds to Coulomb friction."""
+"""Dissipation takes energy, a rotor has mass. Stribeck friction may fall below zero: it comes on top of Coulomb's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +39,7 @@ class Bodies:
     prior: pseudo-inertia matrices, positive definite       (n, 4, 4)
     further: names of the columns that belong to no body, in their order      (k,)
     nonnegative: those of them that cannot be negative
-    remarks: changes of the prior, in sentences
+    remarks: what was changed in the prior, in sentences
     """
 
     names: tuple[str, ...]
@@ -52,12 +51,10 @@ class Bodies:
 
 
 def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
-    """Unknown bodies of a torque model, with their prior.
-
-    prior: its mean is read; the parameters of the model if left out. A payload that it does not contain (zero) is
+    """prior: its mean is read; the parameters of the model if left out. A payload that it does not know (zero) is
     expected to be like the body that carries it.
 
-    Raises EstimationFailed if no body is unknown, InvalidInput if no body of the prior has a mass.
+    Raises EstimationFailed where no body is unknown, InvalidInput where no body of the prior has a mass.
     """
     model, start = torque_model.model, 0
     names: list[str] = []

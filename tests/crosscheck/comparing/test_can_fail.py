@@ -394,9 +394,9 @@ class TestAnotherRobot:
         """The two routes are two witnesses: a wrong import shows on one of them only."""
         original = PinocchioModel.from_urdf
 
-        def another_file(path, model, lock, cut):
+        def another_file(path, model, reading):
             path.write_text(path.read_text().replace('mass value="1.5"', f'mass value="{1.5 * (1 + PHYSICAL)!r}"'))
-            return original(path, model, lock, cut)
+            return original(path, model, reading)
 
         monkeypatch.setattr(PinocchioModel, "from_urdf", staticmethod(another_file))
         torque = compared(small_arm).quantities["torque"]

@@ -50,7 +50,7 @@ def agrees(path, otherwise=False):
         model = replace(urdf.load(path).uncoupled, chords=(), actuated=None)  # Pinocchio's is the tree
     assert errors(PinocchioModel.from_model(model), model) == {}
     try:
-        referee = PinocchioModel.from_urdf(path, model, {})
+        referee = PinocchioModel.from_urdf(path, model)
     except PinocchioRefuses:
         return False
     assert ("torque" in errors(referee, model)) if otherwise else errors(referee, model) == {}

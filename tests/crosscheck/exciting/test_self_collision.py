@@ -83,7 +83,7 @@ def few_poses(monkeypatch):
 @cache
 def known_of(path, margin=0.0, **more):
     model = urdf.load(path)
-    return self_collision(model, *link_meshes(str(path), model, {}), margin, **more)
+    return self_collision(model, *link_meshes(str(path), model, urdf.Reading()), margin, **more)
 
 
 def problem_of(model, harmonics=2):

@@ -17,8 +17,6 @@ from graphdyn.model.spatial import rotation_about
 SMALL = 1e-13
 """Two recursions of some ten products each, relative to the largest term: tolerances.AGREEMENT."""
 
-NO_LOCK: dict[str, float] = {}
-
 
 def state_of(model, size=3):
     rng = np.random.default_rng(2)
@@ -37,7 +35,7 @@ class TestOrderAndAngles:
         """The file lists y_elbow before a_slide; Pinocchio sorts siblings the other way round."""
         model = urdf.load(small_arm)
         assert model.joint_names == ("z_shoulder", "y_elbow", "a_slide")
-        referee = PinocchioModel.from_urdf(small_arm, model, NO_LOCK)
+        referee = PinocchioModel.from_urdf(small_arm, model)
         there = referee.configuration(np.array([0.0, 0.2, 0.3]))
         assert there.tolist() == [1.0, 0.0, 0.3, 0.2]  # (cos, sin) of the shoulder, a_slide, y_elbow
         assert_same_torques(referee, model)
@@ -46,14 +44,14 @@ class TestOrderAndAngles:
         """W π = τ with our parameters in our order, joint by joint."""
         model = urdf.load(small_arm)
         q, v, a = state_of(model)
-        w = PinocchioModel.from_urdf(small_arm, model, NO_LOCK).torque_regressor(q, v, a)
+        w = PinocchioModel.from_urdf(small_arm, model).torque_regressor(q, v, a)
         assert w.shape == (*q.shape, BODY_PARAMETERS * model.n_bodies)
         ours = inverse_dynamics(model, q, v, a)
         assert np.abs(w @ model.inertial_parameters - ours.tau).max() <= SMALL * np.abs(ours.joint_wrenches).max()
 
     def test_continuous_joints_of_a_file_are_cosine_and_sine(self, small_arm):
         model = urdf.load(small_arm)
-        referee = PinocchioModel.from_urdf(small_arm, model, NO_LOCK)
+        referee = PinocchioModel.from_urdf(small_arm, model)
         there = referee.configuration(np.array([0.7, 0.0, 0.0]))
         assert there[:2].tolist() == [math.cos(0.7), math.sin(0.7)]
 
@@ -102,9 +100,9 @@ class TestLock:
     def test_another_value_is_another_robot(self, small_arm):
         """Otherwise agreement would prove nothing: the value reaches Pinocchio."""
         model = urdf.load(small_arm, lock={"y_elbow": 0.3})
-        assert_same_torques(PinocchioModel.from_urdf(small_arm, model, {"y_elbow": 0.3}), model)
+        assert_same_torques(PinocchioModel.from_urdf(small_arm, model, urdf.Reading(lock={"y_elbow": 0.3})), model)
         q, v, a = state_of(model)
-        elsewhere = PinocchioModel.from_urdf(small_arm, model, {"y_elbow": 0.4}).rnea(q, v, a)
+        elsewhere = PinocchioModel.from_urdf(small_arm, model, urdf.Reading(lock={"y_elbow": 0.4})).rnea(q, v, a)
         assert np.abs(elsewhere - inverse_dynamics(model, q, v, a).tau).max() > 1e-3
 
 
@@ -118,7 +116,7 @@ class TestGravity:
     def test_weightless_at_rest(self, small_arm):
         model = urdf.load(small_arm, gravity=(0.0, 0.0, 0.0))
         rest = np.zeros((1, 3))
-        for referee in (PinocchioModel.from_urdf(small_arm, model, NO_LOCK), PinocchioModel.from_model(model)):
+        for referee in (PinocchioModel.from_urdf(small_arm, model), PinocchioModel.from_model(model)):
             assert not referee.rnea(rest, rest, rest).any()
 
     def test_the_models_gravity_not_pinocchios(self):
@@ -133,7 +131,7 @@ class TestFrames:
     def test_fused_link(self, small_arm):
         model = urdf.load(small_arm)
         q, _, _ = state_of(model)
-        rotations, positions = PinocchioModel.from_urdf(small_arm, model, NO_LOCK).frame_placements(q, ["tool"])
+        rotations, positions = PinocchioModel.from_urdf(small_arm, model).frame_placements(q, ["tool"])
         rotation, position = frame_placement(model, q, "tool")
         assert np.abs(rotations[:, 0] - rotation).max() <= SMALL
         assert np.abs(positions[:, 0] - position).max() <= SMALL * np.abs(position).max()
@@ -143,7 +141,7 @@ class TestFrames:
         model = urdf.load(small_arm)
         base = Placement(rotation_about(np.array([0.6, 0.0, 0.8]), 0.9), np.array([0.1, -0.2, 0.3]))
         q, _, _ = state_of(model)
-        here = PinocchioModel.from_urdf(small_arm, model, NO_LOCK)
+        here = PinocchioModel.from_urdf(small_arm, model)
         names = ["base", "upper", "tool"]
         rotations, positions = here.frame_placements(q, names)
         turned, moved = here.turned(base, model.gravity).frame_placements(q, names)
@@ -153,7 +151,7 @@ class TestFrames:
     def test_unknown(self, small_arm):
         model = urdf.load(small_arm)
         with pytest.raises(PinocchioRefuses, match="no link 'flange_9'"):
-            PinocchioModel.from_urdf(small_arm, model, NO_LOCK).frame_placements(np.zeros((1, 3)), ["flange_9"])
+            PinocchioModel.from_urdf(small_arm, model).frame_placements(np.zeros((1, 3)), ["flange_9"])
 
 
 class TestRefusals:
@@ -161,11 +159,11 @@ class TestRefusals:
         path = tmp_path / "broken.urdf"
         path.write_text("<robot", encoding="utf-8")
         with pytest.raises(PinocchioRefuses, match=r"Pinocchio cannot read .*broken\.urdf: \S"):
-            PinocchioModel.from_urdf(path, kr500(), NO_LOCK)
+            PinocchioModel.from_urdf(path, kr500())
 
     def test_other_joints(self, small_arm):
         with pytest.raises(PinocchioRefuses) as caught:
-            PinocchioModel.from_urdf(small_arm, kr500(), NO_LOCK)
+            PinocchioModel.from_urdf(small_arm, kr500())
         message = str(caught.value)
         assert "robot 'kr500': Pinocchio has other joints" in message
         assert f"only here: {sorted(kr500().joint_names)}" in message

@@ -56,7 +56,7 @@ class TestConstraints:
         tree = urdf.load(written(CLEAN))
         path = written(changed("</robot>", CONSTRAINTS[tag] + "</robot>"))
         ones = np.ones((1, 2))
-        assert np.isfinite(PinocchioModel.from_urdf(path, tree, {}).rnea(ones, ones, ones)).all()
+        assert np.isfinite(PinocchioModel.from_urdf(path, tree).rnea(ones, ones, ones)).all()
         assert len(yourdfpy.URDF.load(str(path), build_scene_graph=False, load_meshes=False).robot.joints) == 3
 
     def test_a_loop_elsewhere_is_none(self, written):
@@ -261,7 +261,7 @@ class TestQuaternions:
 
     def torque(self, path):
         ones = np.ones((1, 2))
-        return PinocchioModel.from_urdf(path, urdf.load(changed()), {}).rnea(ones, ones, ones)
+        return PinocchioModel.from_urdf(path, urdf.load(changed())).rnea(ones, ones, ones)
 
     @pytest.mark.parametrize("version", ["1.0", "1.1", "1.2"])
     def test_refused(self, written, version):

@@ -24,7 +24,7 @@ def torque_there(path):
     """Pinocchio's torques of the file's robot in one state."""
     model = urdf.load(path)
     ones = np.ones((1, model.n_bodies))
-    return PinocchioModel.from_urdf(path, model, {}).rnea(ones, ones, ones)
+    return PinocchioModel.from_urdf(path, model).rnea(ones, ones, ones)
 
 
 def refuses(path):
@@ -179,7 +179,7 @@ def test_encoding_that_pinocchio_takes_for_utf_8(written):
     model = urdf.load(path)
     assert model.frames[0].name == "töol"
     with pytest.raises(PinocchioRefuses, match="Pinocchio has no link 'töol'"):
-        PinocchioModel.from_urdf(path, model, {}).frame_placements(np.zeros((1, 2)), ["töol"])
+        PinocchioModel.from_urdf(path, model).frame_placements(np.zeros((1, 2)), ["töol"])
 
 
 @pytest.mark.parametrize("content", [encoded("utf-8"), encoded("iso-8859-1", "tool"), CLEAN.encode()])
@@ -250,6 +250,6 @@ def test_joint_with_the_name_of_pinocchios_ground(written):
     path = written(changed('name="shoulder"', 'name="universe"'))
     model = urdf.load(path)
     said = "Pinocchio calls the ground 'universe' and confuses it with the joint of this name; rename the joint"
-    for build in (lambda: PinocchioModel.from_urdf(path, model, {}), lambda: PinocchioModel.from_model(model)):
+    for build in (lambda: PinocchioModel.from_urdf(path, model), lambda: PinocchioModel.from_model(model)):
         with pytest.raises(PinocchioRefuses, match=f"robot 'arm': {said}"):
             build()

@@ -20,6 +20,7 @@ from pages import COMMAND, balanced, comparison_page, complaints, parsed, rows
 from planting import compared
 
 import crosscheck
+import urdf
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.report.html import page as page_of
 from crosscheck.report.versions import versions
@@ -97,7 +98,9 @@ class TestComparison:
 
     def test_locked_joints(self, small_comparison):
         assert "locked: grip = 0.25" in " ".join(
-            comparison_page([dataclasses.replace(small_comparison, locked={"grip": 0.25})], COMMAND).split()
+            comparison_page(
+                [dataclasses.replace(small_comparison, reading=urdf.Reading(lock={"grip": 0.25}))], COMMAND
+            ).split()
         )
 
     def test_infinite_error_and_missing_identification(self, small_comparison):

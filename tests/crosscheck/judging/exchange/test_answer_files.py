@@ -16,9 +16,10 @@ from crosscheck.judging.exchange import questions as question_ids
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer, read_answers
 from crosscheck.judging.exchange.questions import SameId, once, question
 from crosscheck.judging.exchange.replay import AnswersPending, Replay
-from crosscheck.judging.exchange.rounds import Setting, answered_functions, first_round, judge_answers
+from crosscheck.judging.exchange.rounds import answered_functions, first_round, judge_answers
 from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.observing.function_under_test import ForeignFailure, Refusal
+from crosscheck.judging.setting import Setting
 from graphdyn import InvalidInput, UnknownFrame
 
 NAMES = "inverse_dynamics,mass_matrix,bias_torque"
@@ -227,7 +228,8 @@ class TestEveryFunction:
 
     @pytest.mark.parametrize("external_wrenches", [False, True])
     def test_they_are_those_of_the_judge(self, external_wrenches):
-        chosen = {"seed": 3, "beyond_limits": True, "gravity": (0, 1, -9), "external_wrenches": external_wrenches}
+        reading = urdf.Reading(gravity=(0, 1, -9))
+        chosen = {"seed": 3, "beyond_limits": True, "reading": reading, "external_wrenches": external_wrenches}
         setting = Setting(robot="ur5", samples=2, frame="tool0", **chosen)
         model = urdf.load("ur5", gravity=(0, 1, -9))
 

@@ -15,10 +15,11 @@ import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.commands.program.output_files import write_folder
 from crosscheck.commands.schemas import schemas
-from crosscheck.judging.exchange.rounds import Setting, drawn_states
+from crosscheck.judging.exchange.rounds import drawn_states
 from crosscheck.judging.exchange.vectors import confirmed_functions, tolerances, vector_tables
 from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.observing.conventions import relative_errors
+from crosscheck.judging.setting import Setting
 from graphdyn import InvalidInput
 
 BOUND = 1e-9

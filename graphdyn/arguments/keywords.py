@@ -1,0 +1,21 @@
+"""Keywords that a function hands on: those that nobody takes are refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
+from inspect import Parameter, signature
+
+
+def refuse_unknown(function: Callable[..., object], given: Iterable[str], further: Iterable[str]) -> None:
+    """Raise TypeError, naming the closest option, for a keyword that is none of the function's.
+
+    further: names that it takes besides the parameters of its signature
+    """
+    parameters = signature(function).parameters.values()
+    known = [each.name for each in parameters if each.kind is not Parameter.VAR_KEYWORD] + [*further]
+    for name in given:
+        if name not in known:
+            near = get_close_matches(name, known, n=1)
+            hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
+            raise TypeError(f"{function.__name__}() has no option {name!r}; {hint}")
