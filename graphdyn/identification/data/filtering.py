@@ -1,8 +1,8 @@
 """Parallel filtering: a linear filter along time on the torque and on every column of the regressor.
 
-From τ = W x follows F τ = (F W) x for any linear F, so that no filter biases x, whatever it does to sign(v). A torque
-that is filtered alone has lost what its regressor still has: friction comes out wrong by percents. Gautier, "Dynamic
-identification of robots with power model", IEEE ICRA 1997.
+For any linear F, τ = W x implies F τ = (F W) x. No filter therefore biases x, whatever it does to sign(v). A torque
+that is filtered alone lacks components that its regressor still has: friction is then wrong by percents. Gautier,
+"Dynamic identification of robots with power model", IEEE ICRA 1997.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from graphdyn.identification.data.rows import Rows
 from graphdyn.layout import Array
 
 LEAST_WINDOW = 4096
-"""Smallest number of rows that are filtered at once, beside those around them."""
+"""Smallest number of rows that are filtered at once, without the rows around them."""
 
 
 def filtered(
     chunks: Iterable[Rows], row_filter: RowFilter, support: NDArray[np.bool_], min_speed: ArrayLike
 ) -> Iterator[Rows]:
-    """The equations of one uninterrupted run, filtered, in windows that overlap by what the filter remembers.
+    """The equations of one uninterrupted run, filtered, in windows that overlap by the memory of the filter.
 
-    support: where W can differ from zero (n, b); which equations count is decided by the filtered velocity
+    support: where W can differ from zero (n, b); the filtered velocity decides which equations count
     """
     n, b = support.shape
     width = int(support.sum())

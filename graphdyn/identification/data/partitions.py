@@ -1,7 +1,7 @@
-"""Data in parts that are worked on independently of each other, in other processes or on other machines.
+"""Data in independent parts, which can be processed in other processes or on other machines.
 
-What comes of the parts is put together in a binary tree that their numbers fix. It is therefore the same to the last
-bit wherever and in whatever order the parts were worked on.
+The results of the parts are merged in a binary tree that the numbers of the parts fix. The merged result is therefore
+the same to the last bit, wherever and in whatever order the parts are processed.
 """
 
 from __future__ import annotations
@@ -14,19 +14,22 @@ T = TypeVar("T")
 
 @runtime_checkable
 class Partitioned(Protocol):
-    """What Problem(data=…) may be given in place of samples, beside being iterable: crosscheck.PartitionedRecording."""
+    """Data in parts, for Problem(data=…) in place of samples; iterable, such as crosscheck.PartitionedRecording."""
 
     def each_part(self, problem: Any, function: Callable[[Any, slice], T]) -> list[tuple[int, T]]:
-        """Number of the time block and answer of every part, in their order.
+        """Number of the time block and result of every part, in their order.
 
-        function: of the problem of a part alone, and which of its rows are its own; the others around them are those
-            that the row filter remembers. It can be pickled
+        function: of the problem of one part and of which of its rows belong to it; the other rows are those around it
+            that the row filter needs. It can be pickled
         """
         ...
 
 
 def merged_in_tree(merge: Callable[[T, T], T], parts: Sequence[T]) -> T:
-    """Neighbours together, then neighbouring pairs, and so on; a last one without neighbour waits for a round."""
+    """Sum of the parts in a binary tree: neighbors are merged, then neighboring pairs, and so on.
+
+    A last part without a neighbor waits for the next round.
+    """
     left = list(parts)
     while len(left) > 1:
         pairs = [merge(left[k], left[k + 1]) for k in range(0, len(left) - 1, 2)]

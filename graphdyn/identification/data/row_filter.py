@@ -8,9 +8,9 @@ from graphdyn.layout import Array
 
 
 class RowFilter(Protocol):
-    """A linear filter along the rows, the same for every column: low-pass, decimation, one after the other.
+    """A linear filter along the rows, the same for every column: low-pass, decimation, or a sequence of them.
 
-    factor: of the rows 0, 1, 2, … every factor-th one stays
+    factor: of the rows 0, 1, 2, … every factor-th one is kept
     memory: number of rows before and after a row on which its filtered value depends
     """
 
@@ -20,10 +20,10 @@ class RowFilter(Protocol):
     def memory(self) -> int: ...
 
     def __call__(self, columns: Array) -> Array:
-        """(N, k) → (⌈N / factor⌉, k). Raises InvalidInput for too few rows."""
+        """Filtered rows: (N, k) → (⌈N / factor⌉, k). Raises InvalidInput for too few rows."""
         ...
 
 
 def filtered_length(rows: int, row_filter: RowFilter | None) -> int:
-    """Number of rows that a filter leaves."""
+    """Number of rows that a filter keeps."""
     return rows if row_filter is None else -(-rows // row_filter.factor)

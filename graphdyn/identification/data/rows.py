@@ -1,7 +1,4 @@
-"""Equations of consecutive samples, one per joint and sample.
-
-The rows of a recording that count, where not all of them do.
-"""
+"""Equations of consecutive samples, one per joint and sample, and the rows of a recording that count."""
 
 from __future__ import annotations
 
@@ -53,9 +50,9 @@ P = TypeVar("P", Rows, Rows | Samples)
 
 
 def counted(parts: Iterable[P], used: NDArray[np.bool_] | None) -> Iterator[P]:
-    """Of consecutive parts of a recording, the rows that are used (N,); all for None.
+    """The used rows (N,) of consecutive parts of a recording; None uses all.
 
-    After a gap a run of the recording starts anew. Raises InvalidInput for another number of rows.
+    After a gap a new run of the recording starts. Raises InvalidInput for another number of rows.
     """
     if used is None:
         yield from parts

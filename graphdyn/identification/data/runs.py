@@ -13,24 +13,24 @@ from graphdyn.identification.data.samples import Samples
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Pieces in order, to be read once, and the filter that they all have."""
+    """Consecutive pieces, to be read once, and their common filter."""
 
     row_filter: RowFilter | None
     samples: Iterator[Samples]
 
     def pieces(self, length: int) -> Iterator[Samples]:
-        """At most this long."""
+        """The pieces, cut to this length at most."""
         return (part for piece in self.samples for part in piece.pieces(length))
 
     def filtered_length(self) -> int:
-        """Number of rows that the filter leaves."""
+        """Number of rows that the filter keeps."""
         return filtered_length(sum(map(len, self.samples)), self.row_filter)
 
 
 def runs(pieces: Iterable[Samples]) -> Iterator[Run]:
-    """One after the other; each is to be read to its end before the next.
+    """The runs, one after the other; each must be read to its end before the next.
 
-    Raises InvalidInput where a piece continues one with another filter.
+    Raises InvalidInput if a piece continues one with another filter.
     """
     left = iter(pieces)
     head = next(left, None)
@@ -41,7 +41,7 @@ def runs(pieces: Iterable[Samples]) -> Iterator[Run]:
 
 
 def _continued(left: Iterator[Samples], row_filter: RowFilter | None, following: list[Samples]) -> Iterator[Samples]:
-    """The pieces that continue the one before; the first that does not goes into `following`."""
+    """The pieces that continue the previous one; the first that does not goes into `following`."""
     for piece in left:
         if not piece.continues:
             following.append(piece)

@@ -1,4 +1,4 @@
-"""What was measured, as arrays: pieces of motion with the actuator torques; and the motion alone, as a term sees it."""
+"""Measured data as arrays: pieces of motion with the actuator torques, and the motion alone, as a term reads it."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ class Samples:
     q, v, a: joint positions, velocities, accelerations     (N, n)  [rad or m, …/s, …/s²]
     tau: measured actuator torques or forces                (N, n)  [N m or N]
     base: prescribed motion of the base, at rest if left out
-    row_filter: through which the torque and every column of the regressor still have to go; tau is as measured then
-    continues: whether the first sample follows the last one of the piece before, one period later; filters and
-        correlations in time do not stop between them
+    row_filter: filter still to be applied to the torque and every column of the regressor; tau is then as measured
+    continues: whether the first sample follows the last one of the previous piece, one period later; filters and
+        correlations in time then continue across the border
     time: of every sample, for methods that simulate the motion and for drifts   (N,)  [s]
     temperature: of the drives, for drifts                  (N, n)  [°C]
     motion_covariance: of the errors of q, v and a of each joint in a row of the equations, after the filter; for
         methods that allow for them                         (n, 3, 3)
 
-    Memory maps are kept as they are and read piece by piece. Raises InvalidInput where the shapes differ.
+    Memory maps are kept as they are and read piece by piece. Raises InvalidInput if the shapes differ.
     """
 
     q: Array
@@ -77,7 +77,7 @@ class Samples:
 
 
 def joined_samples(pieces: Sequence[Samples], rows: slice | NDArray[np.int64]) -> Samples:
-    """These rows of pieces one after the other, as one piece at a base at rest."""
+    """These rows of several pieces as one piece with the base at rest."""
 
     def known(name: str) -> Array | None:
         columns = [getattr(piece, name) for piece in pieces]
@@ -109,8 +109,8 @@ def _base_rows(base: BaseMotion | None, rows: slice) -> BaseMotion | None:
 class TorqueFreeSamples(Samples):
     """Samples whose torque cannot be read.
 
-    A part of the torque that is computed from the measured torque would explain it by itself, and where a model is only
-    evaluated there is none.
+    A term that computed its columns from the measured torque would explain the torque by itself. Where a model is only
+    evaluated, there is no measured torque.
     """
 
     def __init__(self, samples: Samples) -> None:

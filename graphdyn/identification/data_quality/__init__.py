@@ -1,4 +1,4 @@
-"""The health of a recording: faults that can be seen in it, and what cannot be seen, before anything is identified."""
+"""Data quality of a recording before the identification: its faults, and faults that it cannot reveal."""
 
 from graphdyn.identification.data_quality.changes import Change
 from graphdyn.identification.data_quality.channels import Channels

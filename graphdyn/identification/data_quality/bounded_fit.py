@@ -1,11 +1,11 @@
-"""Least squares over parameters that are not absurd: the fit on which the health of a recording is judged.
+"""Least squares with plausible parameters: the fit that decides on the data quality of a recording.
 
     min Σ_j ‖W_j x - τ_j‖² / e_j²,    m ≥ 0, ∫x² dm, ∫y² dm, ∫z² dm ≥ 0 of every body, F_v, F_c, I_a ≥ 0
 
-These bounds are the diagonal of the pseudo-inertia matrix: a relaxation of the linear matrix inequalities of real
-bodies that a solver for nonnegative least squares answers in milliseconds. Without them a reversed torque is fitted as
-well as the right one, by bodies of negative mass and friction that drives. Nothing is compared with CAD, so that a URDF
-whose inertials are placeholders serves as well.
+These bounds are the diagonal of the pseudo-inertia matrix. They relax the linear matrix inequalities of physically
+consistent bodies, so that a solver for nonnegative least squares takes milliseconds. Without them a reversed torque
+fits as well as the right one, with bodies of negative mass and friction that drives. The fit uses no CAD values, so a
+URDF whose inertials are placeholders will do.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SMALLEST = 1e-3
 
 MOMENTS = [PARAMETER_NAMES.index(name) for name in ("I_xx", "I_yy", "I_zz")]
 FROM_SECOND_MOMENTS = np.ones((3, 3)) - np.eye(3)
-"""I_xx = ∫(y² + z²) dm, and so on."""
+"""Matrix from the second moments of mass to the moments of inertia: I_xx = ∫(y² + z²) dm, and so on."""
 
 STEPS_PER_COLUMN = 30
 """Largest number of steps of the solver for each column; it takes one or two."""
@@ -38,7 +38,7 @@ STEPS_PER_COLUMN = 30
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """x = to_parameters y, and which y cannot be negative.   (p, p), (p,)"""
+    """Bounded coordinates y: x = to_parameters y (p, p), and which y cannot be negative (p,)."""
 
     to_parameters: Array
     nonnegative: NDArray[np.bool_]
@@ -67,7 +67,9 @@ class BoundedFit:
     """
 
     def __init__(self, matrix: Array, known: Array, kept: NDArray[np.bool_], bounds: Bounds):
-        """matrix: W (N, n, p); known: torque (N, n); kept: which rows count for which joint (N, n)
+        """Prepare the fit of W x + known.
+
+        matrix: W (N, n, p); known: torque (N, n); kept: which rows count for which joint (N, n)
 
         Raises InvalidInput for NaN and infinity.
         """
@@ -90,7 +92,9 @@ class BoundedFit:
     def several(
         cls, torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
     ) -> list[BoundedFit]:
-        """Of motions of the same length, computed together: compiled code is fast from a thousand samples on."""
+        """Fits of several motions of the same length, computed together: compiled code is fast from a thousand samples
+        on.
+        """
         q, v, a, tau = (np.concatenate([getattr(part, name) for part in motions]) for name in ("q", "v", "a", "tau"))
         samples, bounds = Samples(q, v, a, tau), Bounds.of(torque_model)
         matrices = np.split(torque_model.rows(samples), len(motions))
@@ -98,16 +102,16 @@ class BoundedFit:
         return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]
 
     def errors(self, tau: Array, *, bounded: bool = True) -> Array:
-        """‖e_j‖ / ‖τ_j‖ of every joint (n,), not below SMALLEST. tau: measured torque (N, n)"""
+        """‖e_j‖ / ‖τ_j‖ of every joint (n,), not below SMALLEST. tau: measured torque (N, n)."""
         factors = self._factors(tau)
         return _errors(factors, self._solved(factors, bounded))
 
     def parameters(self, tau: Array, *, bounded: bool = True) -> Array:
-        """x (p,)."""
+        """Fitted parameters x (p,)."""
         return self._solved(self._factors(tau), bounded)
 
     def residual(self, tau: Array, x: Array) -> Array:
-        """W x + known - τ (N, n); NaN where the row does not count."""
+        """Residual W x + known - τ (N, n); NaN in rows that do not count."""
         return np.where(self.kept, self.matrix @ x + self.known - tau, np.nan)
 
     def _solved(self, factors: list[Array], bounded: bool) -> Array:
@@ -116,7 +120,7 @@ class BoundedFit:
         return self._bounded_solution(factors, weights) if bounded else _solution(factors, weights)
 
     def _factors(self, tau: Array) -> list[Array]:
-        """Per joint [R | z] with ‖R x - z‖ = ‖e_j‖ / ‖τ_j‖."""
+        """Factors [R | z] per joint with ‖R x - z‖ = ‖e_j‖ / ‖τ_j‖."""
         right = tau - self.known
         factors = []
         for j, (seen, q, r) in enumerate(self._parts):
@@ -130,7 +134,7 @@ class BoundedFit:
         return factors
 
     def _bounded_solution(self, factors: list[Array], weights: Array) -> Array:
-        """The free columns are projected out first; what they cannot imitate is left to the bounded ones."""
+        """Solution with bounds: the free columns are projected out first, and the bounded ones explain the rest."""
         a, b = _weighted(factors, weights)
         a = a @ self._bounds.to_parameters
         length = np.linalg.norm(a, axis=0)
@@ -149,7 +153,7 @@ class BoundedFit:
 
 
 def _nonnegative(a: Array, b: Array) -> Array:
-    """x ≥ 0 with the smallest ‖A x - b‖; zero where the solver does not settle, a fit that convinces nobody."""
+    """x ≥ 0 with the smallest ‖A x - b‖; zero, a poor fit, if the solver does not converge."""
     from scipy.optimize import nnls
 
     if not a.size:  # scipy.optimize.nnls frees the memory of an empty matrix twice
@@ -162,7 +166,7 @@ def _nonnegative(a: Array, b: Array) -> Array:
 
 
 def _basis(a: Array) -> Array:
-    """Orthonormal columns that span those of A."""
+    """Orthonormal columns that span the columns of A."""
     if not a.shape[1]:
         return a
     u, s, _ = np.linalg.svd(a, full_matrices=False)

@@ -1,4 +1,4 @@
-"""What may have happened to the columns of a recording, and how to undo it."""
+"""Possible faults in the columns of a recording, and the changes that correct them."""
 
 from __future__ import annotations
 
@@ -31,13 +31,14 @@ ChangeKind = Literal[
 ]
 
 MOST_JOINTS = 10
-"""Robots with more joints: only neighbours are tried as exchanged, because pairs grow with the square."""
+"""Largest number of joints for which all pairs are tried as exchanged; beyond it only neighbors, because the number of
+pairs grows with the square."""
 
 CLEAR = 0.3
-"""Share of a joint's torque that the model must explain for its gain to say anything of units."""
+"""Smallest share of a joint's torque that the model must explain for its gain to indicate a wrong unit."""
 
 OTHER_UNIT = 2.0
-"""Factor from which a gain is one of units: CAD is rarely so wrong."""
+"""Gain beyond which the unit is wrong: CAD is rarely so wrong."""
 
 QUARTER_TURNS = (90.0, -90.0, 180.0)
 """Zeros of angles that are tried [°]: those by which conventions differ."""
@@ -45,13 +46,13 @@ QUARTER_TURNS = (90.0, -90.0, 180.0)
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A change of the columns that undoes a fault.
+    """A change of the columns that corrects a fault.
 
-    joints: which                                           (k,)
-    position, velocity, torque: by what the columns are to be multiplied, None for nothing   (n, n)
+    joints: those that it concerns                          (k,)
+    position, velocity, torque: factors of the columns, None for no change   (n, n)
     zero: added to joint positions                          (n,) [rad]
     alone: position or velocity is changed without the other, because they contradict each other as recorded
-    factor: of a scale; seconds by which the torque is late, of a lag
+    factor: of a scale; delay of the torque [s], of a lag
     """
 
     kind: ChangeKind
@@ -65,11 +66,11 @@ class Change:
 
     @property
     def moves(self) -> bool:
-        """Whether the motion changes, so that there are other equations."""
+        """Whether the change affects the motion, so that the equations change."""
         return self.position is not None or self.velocity is not None or self.zero is not None
 
     def followed(self, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which rows count for which joint (N, n), if its standstill has gone to another column."""
+        """Rows that count for each joint (N, n), after its standstill has moved to another column."""
         return kept if self.velocity is None else kept[:, np.argmax(np.abs(self.velocity), axis=1)]
 
     def applied(self, samples: Samples, columns: RecordedColumns) -> Samples:
@@ -79,10 +80,10 @@ class Change:
 
 
 def changes(slides: Sequence[bool], contradicting: Sequence[int] = ()) -> Iterator[Change]:
-    """All that are tried, the simpler first.
+    """All changes to try, the simpler first.
 
     slides: which joints are prismatic                      (n,)
-    contradicting: joints whose v is not the rate of q; of them position or velocity alone may be changed
+    contradicting: joints whose v is not the rate of q; for them position or velocity alone may be changed
     """
     n = len(slides)
     turning = [j for j in range(n) if not slides[j]]
@@ -105,9 +106,9 @@ def changes(slides: Sequence[bool], contradicting: Sequence[int] = ()) -> Iterat
 
 
 def scales(gain: Array, share: Array) -> Iterator[Change]:
-    """All torques in another unit than the model's, or those of single joints in another unit than the rest.
+    """Changes of unit: of all torques against the model, or of single joints against the others.
 
-    The former shows only beside torques that are known.
+    The former shows only if some torques are known.
 
     gain: of measured on predicted torque (n,); share: of the torque that it explains (n,)
     """

@@ -1,4 +1,4 @@
-"""What the channels of a recording show by themselves, without a model of the robot."""
+"""Data quality of single channels, without a model of the robot."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphdyn.identification.statistics.residual_statistics import MOVING
 from graphdyn.layout import Array
 
 SAME = 1e-9
-"""Two channels whose correlation is nearer to ±1 than this hold the same signal."""
+"""Distance of a correlation from ±1 below which two channels hold the same signal."""
 
 HELD = 5
 """Consecutive rows at exactly the largest or smallest torque that count as clipped: noise would change them."""
@@ -20,12 +20,12 @@ HELD = 5
 
 @dataclass(frozen=True, eq=False)
 class Channels:
-    """Per joint (n,), over all rows.
+    """Properties of the channels, per joint (n,), over all rows.
 
     standstill: share of rows with |v| ≤ MOVING
     clipped: share of rows with the torque held at an end of its range; of torques as recorded
     constant_positions, constant_torques: joints; duplicated_…: pairs of joints that have the same signal
-    velocity_gain: of the given v on the rate of q, 1 if v is that rate; NaN where the joint does not move
+    velocity_gain: of the given v on the rate of q, 1 if v is that rate; NaN for a joint that does not move
     """
 
     standstill: Array
@@ -38,7 +38,7 @@ class Channels:
 
 
 def channels(pieces: Sequence[Piece], torques: Sequence[Array]) -> Channels:
-    """torques: as recorded, before any filter, in pieces (N_k, n)"""
+    """Channels of pieces. torques: as recorded, before any filter (N_k, n)."""
     q, v = (np.concatenate([getattr(piece.samples, name) for piece in pieces]) for name in ("q", "v"))
     tau = np.concatenate(list(torques))
     return Channels(
@@ -79,7 +79,7 @@ def _held(tau: Array, lowest: Array, highest: Array) -> Array:
 
 
 def rate_gain(pieces: Sequence[Piece]) -> Array:
-    """Gain of v on the rate of q, of each joint (n,); NaN where neither shows a motion: noise is no rate."""
+    """Gain of v on the rate of q, of each joint (n,); NaN if neither shows a motion: noise is no rate."""
     products, squares, fastest = 0.0, 0.0, np.zeros(pieces[0].samples.q.shape[1])
     for piece in pieces:
         rate = np.gradient(piece.samples.q, piece.period, axis=0)

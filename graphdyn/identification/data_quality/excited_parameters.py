@@ -1,4 +1,4 @@
-"""How well a recording excites each group of parameters."""
+"""Excitation of each group of parameters by a recording."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from graphdyn.layout import BODY_PARAMETERS
 from graphdyn.model.inertia import PARAMETER_NAMES
 
 FIRST_MOMENTS = sum(not name.startswith("I") for name in PARAMETER_NAMES)
-"""Mass and m c come first among the ten parameters of a body."""
+"""Number of a body's parameters before the tensor: mass and m c come first among the ten."""
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """Of one group of base parameters.
+    """Excitation of one group of base parameters.
 
-    determined: how many the recording determines; structural: how many any motion could
+    determined: number that the recording determines; structural: number that some motion could determine
     weakest: smallest singular value of the group's part of the regressor that no other group can imitate, joints
         weighted by their torque and columns at unit length: 1 is best, 0 is not excited; NaN for an empty group
     """
@@ -33,7 +33,7 @@ class Excitation:
 
 
 def excitation(problem: Problem) -> tuple[Excitation, ...]:
-    """Of masses and centers of mass, of inertia tensors, and of every further term of the torque model."""
+    """Excitation of masses and centers of mass, of inertia tensors, and of every further term of the torque model."""
     equations, base, structural = problem.equations, problem.base, problem.structure.base
     size = np.sqrt(equations.measured_squares / np.maximum(equations.counts, 1))
     r, _ = equations.weighted(np.where(size > 0, size, 1.0))
@@ -66,5 +66,5 @@ def groups(torque_model: TorqueModel) -> Iterator[tuple[str, list[int]]]:
 
 
 def _words(name: str) -> str:
-    """ "RotorInertia" → "rotor inertia"."""
+    """A class name as words: "RotorInertia" → "rotor inertia"."""
     return "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in name).strip()

@@ -1,4 +1,4 @@
-"""Measured on predicted torque: the factor between the torque that was recorded and the one of the model as given."""
+"""Gain of measured on predicted torque: the factor between the recorded torque and that of the model as given."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from graphdyn.identification.terms.term import CarriesBodies
 from graphdyn.layout import Array
 
 BLOCKS = 20
-"""Of time, each left out once for the deviation (jackknife)."""
+"""Number of time blocks, each of which is left out once for the standard deviation (jackknife)."""
 
 
 NEGLIGIBLE = 1e-6
-"""Part of the measured torque below which a predicted one is rounding."""
+"""Predicted torque, relative to the measured one, below which it is rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gains:
-    """Per joint, of τ = gain · τ_model + drives, drives fitted along (n,).
+    """Gains per joint of τ = gain · τ_model + drives, with the drives fitted along (n,).
 
-    gain, deviation: 1 for SI units at the joints and a right model; NaN where the model predicts no torque
-    share: ‖gain · τ_model‖ / ‖τ‖; a small one says that the drives make the torque, and the gain little
+    gain, deviation: 1 for SI units at the joints and a right model; NaN if the model predicts no torque
+    share: ‖gain · τ_model‖ / ‖τ‖; if it is small, the drives dominate the torque, and the gain means little
     without_gain: ‖e_j‖ / ‖τ_j‖ of the model with drives, gain 1
     """
 
@@ -39,7 +39,7 @@ class Gains:
 
 
 def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Gains:
-    """fit: of these samples."""
+    """Gains of these samples. fit: of the same samples."""
     prior = torque_model.prior()
     model = fit.matrix @ prior + fit.known
     drives = _drive_columns(torque_model)
@@ -90,7 +90,7 @@ def _first_with_deviation(columns: Array, right: Array) -> tuple[float, float]:
 
 
 def _misfit(columns: Array, right: Array) -> float:
-    """‖right‖ less what the columns explain."""
+    """Part of ‖right‖ that the columns do not explain."""
     length = np.linalg.norm(columns, axis=0)
     coefficients = np.linalg.lstsq(columns / length, right, rcond=RANK)[0]
     return float(np.linalg.norm(right - columns / length @ coefficients))

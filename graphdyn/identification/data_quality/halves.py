@@ -1,4 +1,4 @@
-"""Whether the two halves of a recording agree: with common parameters, and with parameters of their own."""
+"""Agreement of the two halves of a recording: with common parameters, and with separate ones."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 CONTRADICTED, WORTH = 2.0, 0.2
-"""The halves of a recording contradict each other where the common fit leaves so many times the residual of their own
-fit, and so large a part of the torque."""
+"""Residual of the common fit from which the halves of a recording contradict each other: as a multiple of that of their
+separate fits, and as a fraction of the torque."""
 
 
 def halves_apart(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Array:
-    """Errors of the common fit and of its own fit, of the first and of the second half (2, 2, n)."""
+    """Errors of the common and of the separate fit, of the first and of the second half (2, 2, n)."""
     x, middle = fit.parameters(samples.tau), len(samples) // 2
     errors = []
     for rows in (slice(None, middle), slice(middle, None)):
@@ -29,6 +29,6 @@ def halves_apart(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -
 
 
 def contradictions(halves: Array) -> NDArray[np.bool_]:
-    """In which half, and at which joint, a recording contradicts its other half (2, n). halves: of RecordingHealth"""
+    """Halves and joints where a recording contradicts its other half (2, n). halves: of RecordingHealth."""
     common, own = halves[:, 0], halves[:, 1]
     return np.asarray(common > np.maximum(CONTRADICTED * own, WORTH))

@@ -1,8 +1,8 @@
-"""Delay of the measured torque behind the motion, between the samples.
+"""Delay of the measured torque against the motion, estimated between the samples.
 
-The torque is shifted by δ, τ(t + δ) = W(t) x is fitted, and δ is where Σ_j log ‖e_j‖ is smallest: a scan finds the
-valley, a search its bottom. Its standard deviation is that of one Gauss-Newton step there, with residuals that may be
-correlated within each of BLOCKS blocks of time.
+The torque is shifted by δ, τ(t + δ) = W(t) x is fitted, and δ minimizes Σ_j log ‖e_j‖. A scan finds the
+valley, a search its bottom. The standard deviation is that of one Gauss-Newton step there, with residuals that may be
+correlated within each of BLOCKS time blocks.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from graphdyn.identification.data_quality.thinning import ThinnedRecording
 from graphdyn.layout import Array
 
 STEP = 0.02
-"""[s] Of the scan: of motion below 10 Hz, a valley is wider."""
+"""Step of the scan [s]: for motion below 10 Hz, a valley is wider."""
 
 EXACT = 1e-5
-"""[s] To which the bottom of the valley is searched."""
+"""Precision of the search for the bottom of the valley [s]."""
 
 BLOCKS = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Lag:
-    """Positive: the torque was recorded late.
+    """Delay of the torques; positive if they were recorded late.
 
     common, deviation: of all joints                        [s]
-    gained: by how much Σ_j log ‖e_j‖ falls without it
+    gained: fall of Σ_j log ‖e_j‖ if the delay is removed
     joints, deviations: of each, the others as `common`     (n,) [s]
-    joints_gained: by how much the sum falls further        (n,)
+    joints_gained: further fall of the sum                  (n,)
     """
 
     common: float
@@ -66,13 +66,13 @@ class _Misfit:
         return float(np.sum(np.log(np.maximum(np.linalg.norm(left, axis=0) / self._size, SMALLEST))))
 
     def left(self, torque: Array) -> Array:
-        """What no parameters can imitate, in units of the noise, rows that do not count zero (N, n)."""
+        """Residual that no parameters can reduce, in units of the noise; rows that do not count are zero (N, n)."""
         right = (torque * self._fit.kept / self._noise).ravel()
         return np.asarray(right - self._imitated @ (self._imitated.T @ right)).reshape(torque.shape)
 
 
 def lag(recording: ThinnedRecording, fit: BoundedFit) -> Lag:
-    """fit: of recording.samples."""
+    """Delay of the recording. fit: of recording.samples."""
     misfit = _Misfit(recording, fit)
     common, lowest = _lowest(misfit, recording.span)
     n = recording.samples.q.shape[1]
@@ -96,7 +96,7 @@ def _alone(misfit: Callable[[Array], float], common: float, n: int, j: int, own:
 
 
 def _lowest(misfit: Callable[[float], float], span: float) -> tuple[float, float]:
-    """Where it is lowest, and how low."""
+    """Position of the minimum, and its value."""
     from scipy.optimize import minimize_scalar
 
     steps = int(span / STEP)
@@ -108,7 +108,7 @@ def _lowest(misfit: Callable[[float], float], span: float) -> tuple[float, float
 
 
 def _deviation(error: Array, shift: Array) -> float:
-    """Of a time [s]; error and its change per second of shift, in units of the noise (N, k)."""
+    """Standard deviation of a time [s]; error and its change per second of shift, in units of the noise (N, k)."""
     edges = np.linspace(0, len(error), BLOCKS + 1).astype(int)
     steps = [np.sum(error[a:b] * shift[a:b]) for a, b in pairwise(edges)]
     curvature = float(np.sum(shift**2))

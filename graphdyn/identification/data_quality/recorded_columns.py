@@ -1,4 +1,4 @@
-"""How the columns of a recording became joint coordinates: faults happen to columns, in front of gears and offsets."""
+"""Conversion of recorded columns to joint coordinates: faults occur in columns, before gears and offsets."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from graphdyn.layout import Array
 class RecordedColumns:
     """q = position c_q + zero,   tau = torque c_tau   with the columns c in SI units.
 
-    position, torque: unit matrices where the columns are those of the joints       (n, n)
-    zero: joint coordinates where the columns of the positions are zero             (n,) [rad or m]
+    position, torque: unit matrices if the columns are those of the joints          (n, n)
+    zero: joint coordinates at zero of the position columns                         (n,) [rad or m]
     """
 
     position: Array
@@ -36,10 +36,10 @@ class RecordedColumns:
         torque: Array | None = None,
         zero: Array | None = None,
     ) -> Samples:
-        """The samples as they would be, had the columns been multiplied by these matrices (n, n).
+        """The samples after a multiplication of the columns by these matrices (n, n).
 
         velocity: of the columns of v and a
-        zero: added to the joint positions behind that      (n,)
+        zero: added to the resulting joint positions        (n,)
         """
         q, v, a = samples.q, samples.v, samples.a
         if position is not None:
@@ -54,5 +54,5 @@ class RecordedColumns:
 
 
 def _conjugated(change: Array, to_joints: Array) -> Array:
-    """The change of the columns, as one of the joint coordinates."""
+    """The change of the columns, expressed in joint coordinates."""
     return np.asarray(to_joints @ change @ np.linalg.inv(to_joints))

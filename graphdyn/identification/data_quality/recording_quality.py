@@ -1,9 +1,9 @@
-"""What can be said of a recording before anything is identified from it.
+"""Data quality of a recording before the identification.
 
-A fault such as a reversed torque, exchanged columns or a delay is looked for by undoing it: if the equations of motion
-then fit much better, with parameters that are not absurd, the recording has the fault. "Much" is measured by
-Σ_j log ‖e_j‖ over the joints, the logarithm of the likelihood per sample where the noise of each joint is unknown. The
-kinematics alone decide, not the inertial parameters of the model.
+Each possible fault, such as a reversed torque, exchanged columns or a delay, is corrected on trial. If the equations of
+motion then fit much better, with plausible parameters, the recording has the fault. The criterion is Σ_j log ‖e_j‖ over
+the joints, the logarithm of the likelihood per sample for unknown noise of each joint. Only the
+kinematics of the model count, not its inertial parameters.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class RecordingHealth:
-    """What a recording shows of itself; n joints, those that no others drive.
+    """Data quality of a recording with n joints, those that no others drive.
 
-    faults: in the order in which they have to be undone; none are looked for where a channel holds no signal of its own
-    unseen: changes after which the recording would fit as well: what it cannot tell
+    faults: in the order of their correction; none are searched if a channel holds no signal of its own
+    unseen: changes after which the recording would fit equally well, so that it cannot reveal them
     errors: ‖e_j‖ / ‖τ_j‖ of the fit within bounds, as recorded                      (n,)
     free_errors: of the fit without bounds                                           (n,)
     sign_costs: rise of Σ log ‖e_j‖ with the torque of each joint reversed           (n,)
-    halves: of each half of the rows, errors of the common fit and of its own fit    (2, 2, n)
+    halves: of each half of the rows, errors of the common and of its separate fit   (2, 2, n)
     variation: ‖τ_j - mean‖ / ‖τ_j‖: error of a constant                            (n,)
     gains, lag, channels: as recorded
     """
@@ -63,15 +63,15 @@ def recording_health(
     columns: RecordedColumns | None = None,
     min_speed: ArrayLike = 0.0,
 ) -> RecordingHealth:
-    """Look for faults of a recording.
+    """Search a recording for faults.
 
     torque_model: robot, drives and known torques; its inertial parameters are read for the gains alone
     pieces: uninterrupted, q, v, a and tau low-passed alike
     torques: as recorded, before any filter, piece by piece (N_k, n); those of the pieces if left out
-    columns: how the recorded columns became joint coordinates; as they are if left out
+    columns: conversion of the recorded columns to joint coordinates; the identity if left out
     min_speed: as in Problem
 
-    Raises TooShort for a recording too short to look for delays; InvalidInput for a base that moves, and where a term
+    Raises TooShort for a recording too short to look for delays; InvalidInput for a moving base, and if a term
     of the torque is not finite.
     """
     model = torque_model.model

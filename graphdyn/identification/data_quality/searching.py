@@ -1,4 +1,4 @@
-"""Faults of a recording, found by undoing them one after the other."""
+"""Search for the faults of a recording, which corrects them one after the other."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 CONVINCING = 0.5
-"""Fall of Σ log ‖e_j‖ from which a change is a finding: the residual of one joint falls by 40 %, or that of six by 8 %.
-Of the recordings in docs/industrial_arms.md no wrong change gains more than 0.1, and no fault that is listed there
+"""Fall of Σ log ‖e_j‖ from which a change is a fault: the residual of one joint falls by 40 %, or that of six by 8 %.
+On the recordings in docs/industrial_arms.md no wrong change gains more than 0.1, and no fault that is listed there
 less than 0.9."""
 
 LATE, SIGNIFICANT, LEAST_DELAY = 0.15, 4.0, 0.005
-"""The same for a delay, which has a σ besides: it must be so many times as long, and so long [s], since friction that
-sets in before a joint moves looks like shorter ones (2.3 ms with the sign of v on the TX40). On those three recordings
-delays of at most 6 ms (2.5 σ) gain 0.06 or less, further 20 ms at least 0.28."""
+"""Bounds for a delay: the fall of Σ log ‖e_j‖, its length in σ, and its length [s]. Friction that
+sets in before a joint moves looks like a shorter delay (2.3 ms with the sign of v on the TX40). On those three
+recordings delays of at most 6 ms (2.5 σ) gain 0.06 or less, further 20 ms at least 0.28."""
 
 INSIDE = 0.95
-"""Part of the times looked at in which a delay must lie: at their end there is no valley."""
+"""Part of the searched interval in which a delay must lie: at its ends there is no valley."""
 
 EXPLAINED = 0.5
-"""Part of the variation of the torques, geometric mean over the joints, that a change may leave at most: where the
+"""Largest part of the variation of the torques, geometric mean over the joints, that a change may leave: if the
 torques are noise, some change always gains."""
 
 UNSEEN = 0.25
-"""Rise of it below which a recording cannot tell that a change would be wrong."""
+"""Rise of Σ log ‖e_j‖ below which a recording cannot reveal that a change would be wrong."""
 
 NEVER_UNSEEN = ("late torque", "scaled torque")
-"""Kinds of changes of a measured size: a small one is no fault, and the gains speak of a large one."""
+"""Kinds of changes of a measured size: a small one is no fault, and the gains show a large one."""
 
 ROUNDS = 3
-"""Faults that are looked for one after the other, each after the one before has been undone."""
+"""Largest number of faults, each searched after the correction of the previous one."""
 
 RIGHT_RATE = 0.2
 """Deviation from 1 of the gain of v on the rate of q beyond which they contradict each other."""
@@ -55,7 +55,7 @@ RIGHT_RATE = 0.2
 class ChangeTrial:
     """A change that was tried.
 
-    gained: by how much Σ log ‖e_j‖ falls; errors: ‖e_j‖ / ‖τ_j‖ afterwards (n,)
+    gained: fall of Σ log ‖e_j‖; errors: ‖e_j‖ / ‖τ_j‖ afterwards (n,)
     unexplained: the same relative to the variation of the torque, geometric mean over the joints
     cad_misfit: Σ log of the errors of CAD with fitted drives afterwards, for changes that gain about the same
     """
@@ -74,9 +74,9 @@ class ChangeTrial:
 
 @dataclass(frozen=True, eq=False)
 class DataFault:
-    """A fault and the change that undoes it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
+    """A fault and the change that corrects it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
 
-    instead: changes that would do nearly as well
+    instead: changes that would be nearly as good
     """
 
     change: Change
@@ -93,7 +93,7 @@ def search(
     kept: NDArray[np.bool_],
     found_gains: Gains,
 ) -> tuple[tuple[DataFault, ...], tuple[Change, ...], Array]:
-    """The faults, the changes that the recording cannot tell once they are undone, and its halves then (2, 2, n)."""
+    """The faults, the changes that the corrected recording cannot reveal, and then its halves (2, 2, n)."""
     model = torque_model.model
     slides = [model.joints[k].is_prismatic for k in model.freedoms.independent]
     faults: list[DataFault] = []
@@ -139,7 +139,9 @@ def _tried(
 def _fits(
     torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
 ) -> list[BoundedFit | None]:
-    """None for a motion that a user's term or torque refuses: it never happened."""
+    """The fits of changed motions; None for a motion that a user's term or torque refuses, which cannot have
+    occurred.
+    """
     try:
         return [*BoundedFit.several(torque_model, motions, kept)]
     except Exception:
@@ -165,7 +167,7 @@ def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Sa
 
 
 def _late(torque_model: TorqueModel, thinned: ThinnedRecording, fit: BoundedFit) -> list[ChangeTrial]:
-    """The torques of all joints, and of each, as if they were late."""
+    """The torques of all joints, and of each, with a delay removed."""
     found, n, before = lag(thinned, fit), len(fit.kept.T), fit.errors(thinned.samples.tau)
     trials = []
     for joints, seconds, deviation, gained in [
@@ -192,6 +194,6 @@ def _undone(piece: Piece, change: Change, columns: RecordedColumns) -> Piece:
 
 
 def variation(tau: Array) -> Array:
-    """‖τ_j - mean‖ / ‖τ_j‖ (n,)."""
+    """Variation ‖τ_j - mean‖ / ‖τ_j‖ (n,)."""
     size = np.linalg.norm(tau, axis=0)
     return np.asarray(np.linalg.norm(tau - tau.mean(axis=0), axis=0) / np.where(size > 0, size, 1.0))

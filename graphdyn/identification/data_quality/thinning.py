@@ -1,4 +1,4 @@
-"""Some rows of a recording, evenly taken, with the torque between its samples."""
+"""Evenly spaced rows of a recording, with the torque between its samples."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from graphdyn.identification.data.samples import Samples
 from graphdyn.layout import Array
 
 ROWS = 600
-"""Rows that are looked at: a recording's faults show in few, and each trial costs milliseconds then."""
+"""Number of rows that are examined: few rows show a recording's faults, and each trial then costs milliseconds."""
 
 LARGEST_LAG = 0.2
-"""[s] Delays are looked for up to this; where a recording is short, up to SHARE of its longest piece."""
+"""Longest delay in the search [s]; in a short recording it is SHARE of the longest piece."""
 SHARE = 0.1
 
 ORDER = 5
-"""Of the spline between the samples of the torque: of a signal that is filtered below a fifth of the sampling rate,
-it is right to 1e-4."""
+"""Order of the spline between the samples of the torque: for a signal low-passed below a fifth of the sampling rate,
+it is exact to 1e-4."""
 
 
 class TooShort(InvalidInput):
@@ -30,13 +30,15 @@ class TooShort(InvalidInput):
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """An uninterrupted piece of a recording, prepared: q, v, a and tau low-passed alike. period [s]"""
+    """An uninterrupted piece of a recording, prepared: q, v, a and tau low-passed alike. period [s]."""
 
     samples: Samples
     period: float
 
     def later(self, seconds: Array) -> Piece:
-        """With the torque that is measured so much later, a time for each joint (n,); where there is none, the last."""
+        """The piece with the torque that is measured so much later, a time for each joint (n,); at the end the last
+        one.
+        """
         from scipy.interpolate import make_interp_spline
 
         t = np.arange(len(self.samples)) * self.period
@@ -79,7 +81,7 @@ class ThinnedRecording:
         return np.column_stack(each)
 
     def torque_rate(self) -> Array:
-        """(N, n) [N m/s or N/s]."""
+        """Rate of the torque (N, n) [N m/s or N/s]."""
         return np.concatenate([spline(t, 1) for spline, t in self._parts])
 
 
