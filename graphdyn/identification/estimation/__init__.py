@@ -1,1 +1,1 @@
-"""What all estimators share: the estimate, cross-validation, plausibility, and the comparison of methods."""
+"""Common parts of all estimators: the estimate, cross-validation, plausibility, and the comparison of methods."""

@@ -1,4 +1,4 @@
-"""Several methods on the same recording: every result explains itself, every failure says why."""
+"""Comparison of several methods on the same recording, with the reason of every failure."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from graphdyn.identification.statistics.residual_statistics import ResidualStati
 from graphdyn.layout import Array
 
 ENOUGH = 80
-"""Correlation times of a recording from which block deviations are right: twice as much covers the truth in 90 to 98 of
-100 cases, as `python tests/helpers/coverage_run.py` shows."""
+"""Fewest correlation times of a recording for which block deviations are right: twice as much covers the truth in 90 to
+98 of 100 cases, as `python tests/helpers/coverage_run.py` shows."""
 
 
 TAKES_NONE = "the method takes no expected values; use one that does (WLS, ridge, consistent, …), or expect none"
@@ -26,15 +26,15 @@ TAKES_NONE = "the method takes no expected values; use one that does (WLS, ridge
 
 @dataclass(frozen=True, eq=False)
 class MethodResult:
-    """One method: its answer and how good it is, or why there is none.
+    """Result of one method: the estimate and its quality, or the reason why there is none.
 
-    failure: the reason, None where there is an estimate
+    failure: the reason, None if there is an estimate
     base_values: of the base parameters of the problem (r,)
-    standard_deviations: of them, right for white noise; None where the method gives none
+    standard_deviations: of them, right for white noise; None if the method gives none
     block_deviations: of them, allowing for correlation in time (jackknife over time blocks); None likewise. Right for
         recordings of ENOUGH correlation times or more, a lower bound for shorter ones (`training.correlation_times`)
     training, held_out: residuals on the recording, and on the one that was held out
-    seconds: of the estimation alone; the recording had been compressed before
+    seconds: of the estimation alone, without the compression of the recording
     """
 
     name: str
@@ -62,14 +62,14 @@ class MethodResult:
 
 @dataclass(frozen=True, eq=False)
 class MethodComparison:
-    """What the recording determines, whatever the method, and the methods in the order given.
+    """Identifiability of the parameters, the same for all methods, and the results of the methods in the order given.
 
     names, units: of the p parameters of the torque model; base_names, base_units: of the r base parameters
-    base_symbols: short names of these, as Khalil writes them, such as XXR_2
-    rank: r; structural_rank: what any motion could determine; gap: smallest accepted and largest rejected pivot
+    base_symbols: short names of these in Khalil's notation, such as XXR_2
+    rank: r; structural_rank: number that some motion could determine; gap: smallest accepted and largest rejected pivot
     condition_number: of the regressor, joints weighted by their measured torque and columns at unit length
-    undetermined: parameters that do not stand alone: they show in combinations, or not at all
-    lost: base parameters of the structure that this recording does not determine by themselves
+    undetermined: parameters that are determined only in combinations, or not at all
+    lost: base parameters of the structure that this recording does not determine individually
     """
 
     names: tuple[str, ...]
@@ -86,7 +86,7 @@ class MethodComparison:
     results: tuple[MethodResult, ...]
 
     def of(self, name: str) -> MethodResult:
-        """Raises InvalidInput for an unknown method."""
+        """The result of a method by name. Raises InvalidInput for an unknown method."""
         for result in self.results:
             if result.name == name:
                 return result
@@ -107,8 +107,8 @@ def compare_methods(
     poses: random poses in which the mass matrix is tested
     progress: called with the name of every method before it starts
 
-    What a method raises is its result; the others go on. Raises InvalidInput for two methods of the same name, for a
-    held-out recording with other parameters, and where the recording itself cannot be used.
+    An error that a method raises becomes its result; the others go on. Raises InvalidInput for two methods of the same
+    name, for a held-out recording with other parameters, and if the recording itself cannot be used.
     """
     names = [estimator.name for estimator in estimators]
     repeated = [name for name in names if names.count(name) > 1]
@@ -126,7 +126,7 @@ def compare_methods(
 def _judged(
     problem: Problem, results: Sequence[MethodResult], held_out: Problem | None, poses: int
 ) -> tuple[MethodResult, ...]:
-    """With the residuals and the plausibility of all estimates."""
+    """The results with the residuals and the plausibility of all estimates."""
     judged = list(results)
     solved = [k for k, result in enumerate(results) if result.estimate is not None]
     if solved:

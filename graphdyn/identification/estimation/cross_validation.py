@@ -1,4 +1,4 @@
-"""Choice of a strength by cross-validation over folds of time blocks, so that neighbouring samples stay together."""
+"""Choice of a strength by cross-validation over folds of time blocks, so that neighboring samples stay together."""
 
 from __future__ import annotations
 
@@ -13,15 +13,17 @@ from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 Trained = Callable[[float], Array]
-"""Parameters of the torque model (p,) for a strength, or EstimationFailed."""
+"""Function from a strength to the parameters of the torque model (p,); it may raise EstimationFailed."""
 
 
 @dataclass(frozen=True, eq=False)
 class CrossValidation:
-    """strengths (s,), increasing
-    errors: Σ_g ‖W_g x - τ_g‖² / σ_g² of each fold, x fitted to the others, infinite where that failed
+    """Errors of the folds for every strength.
+
+    strengths: in increasing order                          (s,)
+    errors: Σ_g ‖W_g x - τ_g‖² / σ_g² of each fold, x fitted to the others, infinite if that failed
                                                             (folds, s)
-    failures: why, in sentences
+    failures: the reasons, in sentences
     """
 
     strengths: tuple[float, ...]
@@ -30,7 +32,7 @@ class CrossValidation:
 
     @property
     def best(self) -> float:
-        """The strength with the smallest sum of errors; the larger of equal ones."""
+        """The strength with the smallest sum of errors, the larger of equal ones."""
         total = self.errors.sum(axis=0)
         return self.strengths[int(np.flatnonzero(total == total.min())[-1])]
 
@@ -56,10 +58,11 @@ def cross_validation(
     *,
     folds: Sequence[CompressedEquations] | None = None,
 ) -> CrossValidation:
-    """train: prepares the fit to all folds but one; noise: σ_g of every joint (n,).
+    """Errors of all strengths on each fold, for fits to the other folds.
 
+    train: prepares the fit to all folds but one; noise: σ_g of every joint (n,)
     folds: those of the problem if left out
-    Raises EstimationFailed with less than two time blocks, and where every strength fails.
+    Raises EstimationFailed with less than two time blocks, and if every strength fails.
     """
     folds = problem.folds if folds is None else folds
     if len(folds) < 2:

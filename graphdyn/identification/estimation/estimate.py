@@ -1,4 +1,4 @@
-"""The common interface of all estimators, and their common answer."""
+"""The common interface of all estimators, and their common result."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """What an estimator answers.
+    """Result of an estimator.
 
     parameters: x of all columns of the torque model        (p,)
-    covariance: of the base parameters of the problem (Problem.base), None where the method gives none   (r, r)
+    covariance: of the base parameters of the problem (Problem.base), None if the method gives none      (r, r)
     block_covariance: the same, allowing for correlation in time within each time block
-    noise: standard deviation of the torque of each joint as the method sees it, None likewise           (n,) [N m or N]
-    iterations: how often the equations were solved
-    settings: numbers the method chose, such as the strength of a prior
+    noise: standard deviation of the torque of each joint by this method, None likewise                  (n,) [N m or N]
+    iterations: number of solutions of the equations
+    settings: numbers that the method chose, such as the strength of a prior
     remarks: in sentences: a solver that stopped early, a fallback
     """
 
@@ -53,11 +53,11 @@ def base_estimate(
 
 
 class Estimator(Protocol):
-    """A method of identification. Any object with these four texts and one function is one.
+    """A method of identification: any object with these four texts and this function.
 
     name: short, for tables
-    reference: where it is published
-    assumptions: what has to hold for its answer to be right
+    reference: publication
+    assumptions: conditions under which the result is right
     needs: what has to be measured or known
     """
 
@@ -71,5 +71,5 @@ class Estimator(Protocol):
     def needs(self) -> str: ...
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed, saying why, where there is no answer."""
+        """Estimate of a problem. Raises EstimationFailed with the reason if there is none."""
         ...

@@ -1,4 +1,4 @@
-"""Could a real robot have these parameters? Bodies one by one, and the mass matrix over many poses."""
+"""Physical consistency of identified parameters: of single bodies, and of the mass matrix over many poses."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ POSES_AT_ONCE = 256
 
 @dataclass(frozen=True, eq=False)
 class Plausibility:
-    """Whether identified parameters can belong to a real robot.
+    """Whether identified parameters are physically consistent.
 
-    pseudo_inertia_eigenvalues: the smallest of every body, ≥ 0 for a real one (n,)
+    pseudo_inertia_eigenvalues: the smallest of every body, ≥ 0 for a consistent one (n,)
     mass_matrix_eigenvalues: the smallest in every pose, > 0 for a real robot (poses,) [kg m² or kg]
     """
 
@@ -28,7 +28,7 @@ class Plausibility:
 
     @property
     def consistent(self) -> bool:
-        """Every body can be real."""
+        """Whether every body is physically consistent."""
         return bool(np.all(self.pseudo_inertia_eigenvalues >= 0))
 
     @property
@@ -40,7 +40,7 @@ class Plausibility:
 def plausibility(
     torque_model: TorqueModel, parameters: Array, *, poses: int = POSES, seed: int = 0
 ) -> list[Plausibility]:
-    """One for every row of parameters (m, p); poses are drawn from the limits of the robot."""
+    """Plausibility of every row of parameters (m, p); poses are drawn from the limits of the robot."""
     x = np.asarray(parameters, dtype=float)
     torque_model = replace(torque_model, model=torque_model.model.opened)  # loops leave its motions inertia, too
     q, _ = torque_model.model.random_state(np.random.default_rng(seed), poses)
@@ -52,7 +52,7 @@ def plausibility(
 
 
 def mass_matrices(torque_model: TorqueModel, q: Array, parameters: Array) -> Array:
-    """M (N, m, n, n) at q (N, n) for parameters (m, p): how the torque of all terms changes with a, rotors included."""
+    """M (N, m, n, n) at q (N, n) for parameters (m, p): derivative of the torque of all terms by a, rotors included."""
     n = q.shape[1]
     rest = np.zeros_like(q)
     still = Samples(q, rest, rest, rest, time=rest[:, 0], temperature=rest)  # drifts do not change with a

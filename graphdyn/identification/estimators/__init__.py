@@ -1,4 +1,4 @@
-"""Estimators, one per file. Each says where it comes from, what it assumes and what it needs."""
+"""Estimators, one per file. Each states its reference, its assumptions and its needs."""
 
 from graphdyn.identification.estimators.consistent import ConsistentLeastSquares
 from graphdyn.identification.estimators.consistent_prior import ConsistentWithPrior

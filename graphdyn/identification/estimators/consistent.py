@@ -1,12 +1,12 @@
-"""Weighted least squares over the parameters that real bodies can have: a program with linear matrix inequalities.
+"""Weighted least squares over physically consistent parameters: a program with linear matrix inequalities.
 
-    minimise Σ_g ‖W_g x - τ_g‖² / σ_g²   subject to   P_i(x) ⪰ margin · P₀_i for every body,   F_v, F_c, I_a ≥ 0
+    minimize Σ_g ‖W_g x - τ_g‖² / σ_g²   subject to   P_i(x) ⪰ margin · P₀_i for every body,   F_v, F_c, I_a ≥ 0
 
-P_i is the 4×4 pseudo-inertia matrix of body i, linear in its ten parameters; it is positive definite if and only if
+P_i is the 4×4 pseudo-inertia matrix of body i, linear in its ten parameters. It is positive definite if and only if
 some distribution of mass has these parameters: positive mass, positive definite tensor, triangle inequalities. P₀ is
-the prior's; the margin keeps the answer off the boundary, where a mass matrix is singular in some pose. Masses and
-centers of mass may be bounded. Where the data determine less than all parameters, the answer nearest to the prior is
-taken (consistent.fit says how).
+that of the prior. The margin keeps the solution off the boundary, where a mass matrix is singular in some pose. Masses
+and centers of mass may be bounded. If the data determine less than all parameters, the solution nearest to the prior is
+taken (see consistent.fit).
 
 Sousa and Cortesão, "Physical feasibility of robot base inertial parameter identification: a linear matrix inequality
 approach", International Journal of Robotics Research 33(6), 2014. Wensing, Kim and Slotine, "Linear matrix inequalities
@@ -32,11 +32,12 @@ from graphdyn.identification.problem.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class ConsistentLeastSquares:
-    """Weighted least squares among bodies that can be real, by linear matrix inequalities.
+    """Weighted least squares over physically consistent bodies, by linear matrix inequalities.
 
     limits: on masses and centers of mass
-    prior: where the data leave parameters open, and what the margin refers to; the model's parameters if left out
-    margin: part of the prior's inertia that every body keeps
+    prior: for parameters that the data do not determine, and reference of the margin; the model's parameters if left
+        out
+    margin: fraction of the prior's inertia that every body keeps
     """
 
     limits: PhysicalLimits = field(default_factory=PhysicalLimits)
@@ -49,7 +50,7 @@ class ConsistentLeastSquares:
     takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed, InvalidInput for limits that make no sense."""
+        """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
         bodies = unknown_bodies(problem.torque_model, self.prior)
         limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
         noise = joint_noise(problem.equations)

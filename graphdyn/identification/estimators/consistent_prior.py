@@ -1,13 +1,13 @@
-"""Physically consistent least squares with a prior on the manifold of real inertias.
+"""Physically consistent least squares with a prior on the manifold of physically consistent inertias.
 
-    minimise Σ_g ‖W_g x - τ_g‖² / σ_g² + strength Σ_i d(P_i(x), P₀_i)
+    minimize Σ_g ‖W_g x - τ_g‖² / σ_g² + strength Σ_i d(P_i(x), P₀_i)
     subject to P_i ⪰ margin · P₀_i for every body,  F_v, F_c, I_a ≥ 0
 
-d is the entropic divergence (log-det Bregman divergence) or the quadratic form that it is near the prior, its pullback
-metric. Unlike a ridge in kg, kg m and kg m², both are free of units and of the choice of link frames, and measure every
-body by its own size. A strength γ expects the entries of a body within √(2/γ) of the prior, relative: 200 trusts it to
-10 %. It is chosen by cross-validation over time blocks. Strength 0 is the limit: the prior decides only what the data
-leave open.
+d is the entropic divergence (log-det Bregman divergence), or its quadratic approximation near the prior, the pullback
+metric. Unlike a ridge in kg, kg m and kg m², both are independent of units and of the choice of link frames, and
+measure every body by its own size. A strength γ expects the entries of a body within √(2/γ) of the prior, relative: 200
+trusts it to 10 %. Cross-validation over time blocks chooses the strength. Strength 0 is the limit: the prior then
+decides only what the data do not determine.
 
 Lee, Wensing and Park, "Geometric robot dynamic identification: a convex programming approach", IEEE Transactions on
 Robotics 36(2), 2020.
@@ -39,7 +39,7 @@ STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
 
 @dataclass(frozen=True, eq=False)
 class ConsistentWithPrior:
-    """Weighted least squares among bodies that can be real, drawn towards a prior by a distance between inertias.
+    """Weighted least squares over physically consistent bodies, drawn towards a prior by a distance between inertias.
 
     metric: "entropic" or "pullback"
     strength: of the prior; chosen by cross-validation from strengths if left out
@@ -72,7 +72,7 @@ class ConsistentWithPrior:
         return f"consistent, {self.metric} prior"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed, InvalidInput for limits that make no sense."""
+        """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
         bodies = unknown_bodies(problem.torque_model, self.prior)
         limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
         noise = joint_noise(problem.equations)

@@ -1,11 +1,11 @@
 """Direct and inverse dynamic identification (DIDIM): the output error of the torque in the simulated loop.
 
-    minimise Σ_g ‖τ_g - τ_g(x)‖² / σ_g²,   dτ_g(x)/dx ≈ W_g of the simulated motion
+    minimize Σ_g ‖τ_g - τ_g(x)‖² / σ_g²,   dτ_g(x)/dx ≈ W_g of the simulated motion
 
-τ(x) is the torque of the simulated loop. Its controller makes the robot follow the reference whatever its parameters:
-the motion hardly depends on them, and the torque depends on them as in the inverse dynamics, so that one simulation is
-enough for a step of Gauss and Newton. Measured positions are used for the start alone, so that their noise, and what
-differentiation makes of it, does not matter.
+τ(x) is the torque of the simulated loop. The controller makes the robot follow the reference whatever its parameters:
+the motion hardly depends on them, and the torque depends on them as in the inverse dynamics. One simulation is
+therefore enough for a Gauss-Newton step. Measured positions serve only as the start, so their noise and its
+differentiation do not matter.
 
 Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
 IEEE Transactions on Control Systems Technology 21(2), 2013.
@@ -29,7 +29,7 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class DirectInverse:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """DIDIM. The standard parameters are those with the estimated base parameters that are nearest to the model's.
 
     loop, start, most: as in InstrumentalVariables
     """
@@ -43,7 +43,7 @@ class DirectInverse:
     needs: str = "actuator torques; the controller of the loop, and the reference that it followed; all of the friction"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed where the loop is not known, or the iteration diverges."""
+        """Estimate of a problem. Raises EstimationFailed if the loop is not known, or the iteration diverges."""
         loop = SimulatedLoop(problem, self.loop)
 
         def step(x: Array, simulated: list[Samples]) -> OutputFit:

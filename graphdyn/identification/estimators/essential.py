@@ -1,9 +1,9 @@
-"""Essential parameters: weighted least squares on the base parameters that the data see well.
+"""Essential parameters: weighted least squares on the base parameters that the data determine well.
 
-The parameter with the largest relative standard deviation %σ = 100 σ / |x| is set to zero and the rest estimated
-again, until the largest %σ is below `ratio` times the smallest, or removing one more would raise the weighted residual
-by more than `increase` of itself. Khalil and Dombre, Modeling, Identification and Control of Robots, 2002, section
-12.4; Pham and Gautier, "Essential parameters of robots", IEEE CDC 1991.
+The parameter with the largest relative standard deviation %σ = 100 σ / |x| is set to zero, and the rest is estimated
+again. This ends when the largest %σ is below `ratio` times the smallest, or when one more removal would raise the
+weighted residual by more than `increase` of itself. Khalil and Dombre, Modeling, Identification and Control of Robots,
+2002, section 12.4; Pham and Gautier, "Essential parameters of robots", IEEE CDC 1991.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True)
 class EssentialParameters:
-    """Weighted least squares without the parameters that the data hardly determine, left out one after the other.
+    """Weighted least squares without the poorly determined parameters, which are removed one after the other.
 
     ratio: of the largest %σ to the smallest at which to stop
-    increase: of the root mean square of the weighted residual that is accepted
+    increase: accepted rise of the root mean square of the weighted residual, relative
     """
 
     ratio: float = 30.0

@@ -1,9 +1,9 @@
-"""Generalised least squares: noise that is correlated between the joints.
+"""Generalized least squares: noise that is correlated between the joints.
 
     x = argmin Σ_t e_tᵀ Σ⁻¹ e_t,  e_t = W_t x - τ_t (n,),     cov x = (Σ_t W_tᵀ Σ⁻¹ W_t)⁻¹
 
-Σ (n, n) comes from the residuals of weighted least squares; where some equations of a sample are left out, from the
-rows and columns of the others. Aitken, 1936; Zellner, "An efficient method of estimating seemingly unrelated
+Σ (n, n) comes from the residuals of weighted least squares. If some equations of a sample are left out, the rows and
+columns of the others are used. Aitken, 1936; Zellner, "An efficient method of estimating seemingly unrelated
 regressions", J. of the American Statistical Association 57, 1962.
 """
 
@@ -25,15 +25,18 @@ from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.layout import Array
 
 LEAST_SAMPLES = 10
-"""Complete samples per joint: fewer give no usable covariance between the joints."""
+"""Fewest complete samples per joint: fewer give no usable covariance between the joints."""
 
 WEAKEST = 1e-6
-"""Smallest eigenvalue of the correlation between the joints; below, some joints repeat each other's noise."""
+"""Smallest eigenvalue of the correlation between the joints; below it, some joints repeat the noise of others."""
 
 
 @dataclass(frozen=True)
 class GeneralisedLeastSquares:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's."""
+    """Generalized least squares.
+
+    The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """
 
     name: str = "GLS"
     reference: str = "Zellner, J. of the American Statistical Association 57, 1962"
@@ -62,9 +65,10 @@ class GeneralisedLeastSquares:
 
 
 def error_covariance(problem: Problem, x: Array, used: Array) -> Array:
-    """Σ (n, n) over the samples whose equations all count; used: what the parameters use up of each joint's (n,).
+    """Σ (n, n) over the samples whose equations all count; used: equations of each joint that the parameters use up
+    (n,).
 
-    Raises EstimationFailed where there are too few of them, or one joint repeats the noise of others.
+    Raises EstimationFailed if there are too few samples, or one joint repeats the noise of others.
     """
     n, count = problem.n_joints, 0
     products, squares = np.zeros((n, n)), np.zeros(n)

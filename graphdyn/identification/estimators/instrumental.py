@@ -2,13 +2,14 @@
 
     x = (Σ_g Z_gᵀ W_g / σ_g²)⁻¹ Σ_g Z_gᵀ τ_g / σ_g²
 
-W has noise, because q, v and a are measured, and in a closed loop the same noise is in τ: least squares is biased,
+W has noise, because q, v and a are measured. In a closed loop the same noise is in τ, so least squares is biased,
 whatever the length of the recording. Z is the regressor of the motion that the loop makes in simulation, with the
-parameters of the iteration before: it resembles W and knows nothing of the noise, so that Zᵀ(W x - τ) is zero at the
-truth on the average. Each joint counts by its own residual.
+parameters of the previous iteration. It resembles W and is independent of the noise, so that Zᵀ(W x - τ) is zero at the
+truth on average. Each joint is weighted by its own residual.
 
 Janot, Vandanjon and Gautier, "A generic instrumental variable approach for industrial robot identification", IEEE
-Transactions on Control Systems Technology 22(1), 2014. They filter Z like W; here W and τ alone are filtered (Beside).
+Transactions on Control Systems Technology 22(1), 2014. They filter Z like W; here only W and τ are filtered (see
+closed_loop.beside).
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class InstrumentalVariables:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """IDIM-IV. The standard parameters are those with the estimated base parameters that are nearest to the model's.
 
     loop: the controller of the recording and its reference; without it there is no estimate
     start: of the iteration: "wls", "cad", or parameters of all columns of the torque model (p,)
@@ -48,7 +49,7 @@ class InstrumentalVariables:
     needs: str = "as WLS; the controller of the loop, and the reference that it followed"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed where the loop is not known, or the iteration diverges."""
+        """Estimate of a problem. Raises EstimationFailed if the loop is not known, or the iteration diverges."""
         loop = SimulatedLoop(problem, self.loop)
         used = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
 

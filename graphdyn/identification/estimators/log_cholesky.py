@@ -1,11 +1,12 @@
 """Physically consistent identification without constraints: nonlinear least squares in log-Cholesky coordinates.
 
-    minimise Σ_g ‖W_g x(θ) - τ_g‖² / σ_g² + strength · ½ ‖S(θ) - E‖²
+    minimize Σ_g ‖W_g x(θ) - τ_g‖² / σ_g² + strength · ½ ‖S(θ) - E‖²
 
-Every θ is a real body, so that no cone solver is needed; the price is a cost that is not convex. It is solved from
-several starts around the prior, with the analytic Jacobian, and the answer says how many of them agree. The quadratic
-prior keeps directions finite that the data leave open. Where the cheapest start does not pass the certificate of the
-convex problem with the same cost, that is solved instead (it needs cvxpy and Clarabel), and a remark says so.
+Every θ is a physically consistent body, so that no cone solver is needed. In return the cost is not convex. It is
+minimized from several starts around the prior, with the analytic Jacobian, and the result states how many of them
+agree. The quadratic prior keeps directions finite that the data do not determine. If the cheapest start does not pass
+the certificate of the convex problem with the same cost, the convex problem is solved instead (it needs cvxpy and
+Clarabel), and a remark says so.
 
 Rucker and Wensing, "Smooth parameterization of rigid-body inertia", IEEE Robotics and Automation Letters 7(2), 2022.
 """
@@ -33,10 +34,10 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class LogCholesky:
-    """Nonlinear least squares in log-Cholesky parameters, whose every value is a body that can be real.
+    """Nonlinear least squares in log-Cholesky parameters, whose every value is a physically consistent body.
 
     prior: the model's parameters if left out
-    starts: how many; the first from the prior, the others drawn around it
+    starts: number of starts; the first from the prior, the others drawn around it
     strength: of the quadratic prior, > 0
     margin: as in ConsistentLeastSquares
     seed: of the starts
@@ -54,7 +55,7 @@ class LogCholesky:
     takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed, InvalidInput without a start or with a strength of 0."""
+        """Estimate of a problem. Raises EstimationFailed, and InvalidInput without a start or with a strength of 0."""
         bodies = unknown_bodies(problem.torque_model, self.prior)
         noise = joint_noise(problem.equations)
         coordinates = prior_coordinates(problem.base, *problem.equations.informed(noise), bodies.prior, bodies.columns)
@@ -89,7 +90,7 @@ class LogCholesky:
     def _fallback(
         self, problem: Problem, coordinates: PriorCoordinates, bodies: Bodies, noise: Array, failure: EstimationFailed
     ) -> Estimate:
-        """The convex program with the same cost."""
+        """Solution of the convex program with the same cost."""
         limits = inequalities(PhysicalLimits(), bodies, [column.name for column in problem.torque_model.columns])
         try:
             fit = ConsistentProblem(coordinates, limits, metric="pullback", margin=self.margin).solve(self.strength)

@@ -1,16 +1,17 @@
-"""Maximum likelihood with noise on both sides: of the torques, and of q, v and a.
+"""Maximum likelihood with noise on the torques and on q, v and a.
 
-    minimise Σ_t (τ_t - W(μ_t) x)ᵀ Σ⁻¹ (τ_t - W(μ_t) x) + (m_t - μ_t)ᵀ C⁻¹ (m_t - μ_t)    over x and every μ_t
+    minimize Σ_t (τ_t - W(μ_t) x)ᵀ Σ⁻¹ (τ_t - W(μ_t) x) + (m_t - μ_t)ᵀ C⁻¹ (m_t - μ_t)    over x and every μ_t
 
 m = (q, v, a) is the measured motion, μ the true one, Σ the variances of the torques. C is known: the noise of the
-positions, sent through low-pass and differences, is that of q, v and a, which share it. Each step linearises at what is
-known of μ, with G = ∂τ/∂m there:
+positions, after low-pass and differences, is the common noise of q, v and a. Each step linearizes at the current
+estimate of μ, with G = ∂τ/∂m there:
 
     e = τ - W(μ) x - G (m - μ),     S = Σ + G C Gᵀ
     dx = argmin Σ_t (e - W(μ) dx)ᵀ S⁻¹ (e - W(μ) dx),     μ ← m + C Gᵀ S⁻¹ e
 
-A row counts by what the errors of its motion make of the torque. W is that of the estimated motion: with W(m), however
-weighted, the noise of W would stay in the residual, and the bias with it. Without errors of the motion this is WLS.
+The weight of a row includes the torque error that the errors of its motion cause. W is that of the estimated motion:
+with W(m), however weighted, the noise of W would stay in the residual, and the bias with it. Without errors of the
+motion this is WLS.
 
 After a parallel filter C is that of the filtered errors, and W(μ) - W(m) is added to the filtered W(m): G counts as
 constant over the memory of the filter. Rows count as independent; block deviations allow for their correlation.
@@ -40,24 +41,27 @@ from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
 MOVED = 0.01
-"""Converged is what moves by less than this part of its standard deviation, in every base parameter."""
+"""Step of a base parameter, in its standard deviations, below which it counts as converged."""
 
 MOST = 50
 """Iterations after which an estimate that still moves has diverged."""
 
 SMALLEST = 0.1
-"""Noise of a torque, as a part of its residual, if the errors of the motion explain all of it: C is not exact."""
+"""Smallest noise of a torque, relative to its residual, if the errors of the motion explain all of it: C is not
+exact."""
 
 LARGEST_SHARE = "residual by errors of the motion"
-"""Name of the setting with Σ G C Gᵀ over Σ e² of the joint where it is largest."""
+"""Name of the setting with Σ G C Gᵀ over Σ e² of the joint with the largest ratio."""
 
 
 @dataclass(frozen=True, eq=False)
 class MaximumLikelihood:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """Maximum likelihood with noisy positions.
 
-    torque_noise: Σ^½ of the filtered torques, one for all or (n,); if left out, of every joint what the errors of the
-        motion do not explain of its residual   [N m or N]
+    The standard parameters are those with the estimated base parameters that are nearest to the model's.
+
+    torque_noise: Σ^½ of the filtered torques, one for all or (n,); if left out, the part of each joint's residual that
+        the errors of the motion do not explain   [N m or N]
     most: iterations after which an estimate that still moves counts as diverged
     """
 
@@ -69,9 +73,10 @@ class MaximumLikelihood:
     needs: str = "as WLS; the noise of the positions, and how v and a come from them"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed where the errors of the motion are not known, or the iteration diverges.
+        """Estimate of a problem.
 
-        Raises InvalidInput for a torque_noise that is not positive.
+        Raises EstimationFailed if the errors of the motion are not known, or the iteration diverges; InvalidInput for a
+        torque_noise that is not positive.
         """
         start, noise = weighted_solution(problem.equations)
         x, noise = start.x, self._torque_noise(noise)
@@ -107,7 +112,7 @@ class MaximumLikelihood:
 def _linearised(
     problem: Problem, x: Array, shifts: list[Array], noise: Array
 ) -> tuple[list[CompressedEquations], Array, Array]:
-    """The equations of a step, block by block, Σ e² and Σ G C Gᵀ of every joint (n,); moves `shifts`."""
+    """Equations of a step, block by block, with Σ e² and Σ G C Gᵀ of every joint (n,); it updates `shifts`."""
     blocks: dict[int, Accumulator] = defaultdict(lambda: Accumulator(problem.base.rank, problem.n_joints))
     squares, explained = np.zeros((2, problem.n_joints))
     for number, part in enumerate(measured_motion(problem)):

@@ -2,7 +2,7 @@
 
     x = argmin Σ_g ‖W_g x - τ_g‖²
 
-All joints count alike, in N m. The standard deviations allow each joint its own noise:
+All joints have the same weight, in N m. The standard deviations allow each joint its own noise:
 cov x = C (Σ_g σ_g² W_gᵀW_g) C,  C = (WᵀW)⁻¹,  σ_g² = ‖W_g x - τ_g‖² / (N_g - tr(W_g C W_gᵀ)).
 """
 
@@ -22,7 +22,10 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True)
 class OrdinaryLeastSquares:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's."""
+    """Ordinary least squares.
+
+    The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """
 
     name: str = "OLS"
     reference: str = "Atkeson, An and Hollerbach, Int. J. of Robotics Research 5(3), 1986; Gautier, 1991"

@@ -1,13 +1,13 @@
 """Output error of the simulated loop: on positions (CLOE), or on torques, the input of the robot (CLIE).
 
-    minimise Σ_g ‖y_g - y_g(x)‖² / σ_g²,    y = q or τ
+    minimize Σ_g ‖y_g - y_g(x)‖² / σ_g²,    y = q or τ
 
-by the method of Gauss and Newton with the sensitivities of whole simulations. Nothing measured is differentiated, and
-nothing enters an equation twice: for white noise on the output this is maximum likelihood. Each iteration simulates the
+by the Gauss-Newton method with the sensitivities of whole simulations. No measurement is differentiated, and
+none enters an equation twice: for white noise on the output this is maximum likelihood. Each iteration simulates the
 loop 2 r + 1 times.
 
 Landau and Karimi, Automatica 33(8), 1997; Gautier, Janot and Vandanjon, IEEE Transactions on Control Systems Technology
-21(2), 2013, where it is compared with DIDIM.
+21(2), 2013, with a comparison with DIDIM.
 """
 
 from __future__ import annotations
@@ -30,7 +30,9 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class ClosedLoopOutputError:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """Output error of the simulated loop.
+
+    The standard parameters are those with the estimated base parameters that are nearest to the model's.
 
     output: "position" or "torque"
     loop, start, most: as in InstrumentalVariables
@@ -55,7 +57,10 @@ class ClosedLoopOutputError:
         return "CLOE" if self.output == "position" else "CLIE"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed where loop or terms are not known to a simulation, or the iteration diverges."""
+        """Estimate of a problem.
+
+        Raises EstimationFailed if the simulation does not know the loop or a term, or if the iteration diverges.
+        """
         loop = SimulatedLoop(problem, self.loop)
         unknown = not_simulated(problem.torque_model)
         if unknown:

@@ -3,7 +3,7 @@
     x = argmin Σ_g Σ_t ρ(e_gt / σ_g),     weight w(u) = ρ'(u) / u
 
     Huber   ρ = u²/2 up to |u| = c, linear beyond                c = 1.345: 95 % efficient for normal noise
-    Tukey   w = (1 - (u/c)²)² up to |u| = c, 0 beyond            c = 4.685; starts from Huber's answer
+    Tukey   w = (1 - (u/c)²)² up to |u| = c, 0 beyond            c = 4.685; starts from Huber's estimate
 
 σ_g is the median of |e_g| over 0.6745, renewed in every iteration.
 cov x = A⁻¹ B A⁻¹ with A = Σ_g mean(ψ') W_gᵀW_g / σ_g², B = Σ_g κ_g mean(ψ²) W_gᵀW_g / σ_g².
@@ -39,10 +39,10 @@ from graphdyn.layout import Array
 MOST_ITERATIONS = 50
 
 SETTLED = 1e-3
-"""Converged where no parameter moves by more than this part of its standard deviation,"""
+"""Step of a parameter, in its standard deviations, below which it counts as converged."""
 
 ROUNDING = 1e-10
-"""or of itself, which is what data without noise can give."""
+"""Step of a parameter, relative to itself, below which it counts as converged: the limit for data without noise."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def _iterate(problem: Problem, norm: Norm, x: Array) -> _Fit:
 
 
 def _reweighted(problem: Problem, norm: Norm, residuals: Array, scale: Array) -> tuple[Solution, Array]:
-    """One least-squares solution, and what it uses up of the equations of each joint."""
+    """One least-squares solution, and the equations of each joint that it uses up."""
     accumulator = Accumulator(problem.base.rank, problem.n_joints, support=problem.support)
     position = 0
     for rows in problem.rows():
@@ -134,7 +134,7 @@ def _blocks_at_minimum(
 ) -> tuple[CompressedEquations, ...]:
     """Least-squares equations of every time block with the gradient of ρ at its minimum x.
 
-    Their second derivative is that of ρ on the average over each joint: W_gᵀ w W_g times c_g = mean(ψ') / mean(w).
+    Their second derivative is the mean one of ρ over each joint: W_gᵀ w W_g times c_g = mean(ψ') / mean(w).
     """
     u = residuals / scale
     counted = np.isfinite(u)
@@ -148,7 +148,7 @@ def _blocks_at_minimum(
 
 
 def _covariance(problem: Problem, norm: Norm, residuals: Array, scale: Array) -> tuple[Array, float]:
-    """A⁻¹ B A⁻¹, and the mean weight."""
+    """Covariance A⁻¹ B A⁻¹, and the mean weight."""
     u = residuals / scale
     counted = np.isfinite(u)
     influence, slope = norm.influence(u), norm.slope(u)

@@ -2,9 +2,9 @@
 
     x = argmin Σ_g ‖W_g x - τ_g‖² / σ_g² + λ Σ_k ((x_k - mean_k) / scale_k)²
 
-in all standard parameters: what the data leave open stays at the prior. Parameters without a scale (friction, offset)
-are not drawn. Hoerl and Kennard, Technometrics 12(1), 1970; blocks of time instead of single samples, because
-neighbouring samples are correlated: Roberts et al., Ecography 40(8), 2017.
+in all standard parameters: those that the data do not determine stay at the prior. Parameters without a scale
+(friction, offset) are not drawn. Hoerl and Kennard, Technometrics 12(1), 1970; blocks of time instead of single
+samples, because neighboring samples are correlated: Roberts et al., Ecography 40(8), 2017.
 """
 
 from __future__ import annotations
@@ -25,14 +25,16 @@ from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 STRENGTHS = tuple(10.0**k for k in range(-8, 9))
-"""λ = 1 takes the scale of the prior for its standard deviation."""
+"""Strengths λ that cross-validation tries; at λ = 1 the scale of the prior is its standard deviation."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ridge:
-    """prior: that of the model if left out; strength: λ, chosen from `strengths` if left out.
+    """Ridge regression toward a prior.
 
-    settings of the estimate: the strength, and the root mean square error of validation in units of the noise
+    prior: that of the model if left out; strength: λ, chosen from `strengths` if left out
+
+    The settings of the estimate are the strength, and the root mean square error of validation in units of the noise.
     """
 
     prior: Prior | None = None
@@ -67,10 +69,10 @@ class Ridge:
 
 @dataclass(frozen=True, eq=False)
 class RidgePath:
-    """The answers of ‖R x - z‖² + λ ‖(x - mean) / scale‖² for every λ, after one decomposition.
+    """The solutions of ‖R x - z‖² + λ ‖(x - mean) / scale‖² for every λ, after one decomposition.
 
     With f the free and d the drawn parameters, in units of the scale: R_f f + R_d d ≈ c = z - R mean. P projects on
-    what R_f does not reach, P R_d = U Σ Vᵀ, so that d = V (Σ² + λ)⁻¹ Σ Uᵀ c and f = R_f⁺ (c - R_d d).
+    the complement of the range of R_f, P R_d = U Σ Vᵀ, so that d = V (Σ² + λ)⁻¹ Σ Uᵀ c and f = R_f⁺ (c - R_d d).
     """
 
     prior: Prior
@@ -83,7 +85,7 @@ class RidgePath:
 
     @classmethod
     def of(cls, r_base: Array, z: Array, base_matrix: Array, prior: Prior) -> RidgePath:
-        """Of ‖R_base B x - z‖, B the matrix of the base parameters."""
+        """Solutions of ‖R_base B x - z‖, B the matrix of the base parameters."""
         r = r_base @ base_matrix
         drawn = np.isfinite(prior.scale)
         r_f, r_d = r[:, ~drawn], r[:, drawn] * prior.scale[drawn]
@@ -98,11 +100,11 @@ class RidgePath:
         return cls(prior, free_inverse, r_d, u[:, seen], sigma[seen], v_t[seen], z - r @ prior.mean)
 
     def at(self, strength: float) -> Array:
-        """x (p,)."""
+        """Solution x (p,) for this λ."""
         return self.prior.mean + self._step(strength, self.right)
 
     def response(self, strength: float) -> Array:
-        """dx / dc (p, rows): the answer is linear in c."""
+        """Response dx / dc (p, rows): the solution is linear in c."""
         return self._step(strength, np.eye(len(self.right)))
 
     def _step(self, strength: float, right: Array) -> Array:

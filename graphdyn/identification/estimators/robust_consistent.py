@@ -1,12 +1,12 @@
-"""Physically consistent least squares in which samples with large residuals count less: Huber's norm among real bodies.
+"""Physically consistent least squares in which samples with large residuals count less, by Huber's norm.
 
-    minimise Σ_g Σ_t 2 ρ(e_gt / σ_g) + strength Σ_i d(P_i(x), P₀_i)
+    minimize Σ_g Σ_t 2 ρ(e_gt / σ_g) + strength Σ_i d(P_i(x), P₀_i)
     subject to P_i ⪰ margin · P₀_i for every body,  F_v, F_c, I_a ≥ 0
 
 by iterative reweighting: with the weights w(u) = ρ'(u) / u of the last residuals it is the program of
 ConsistentWithPrior (ConsistentLeastSquares without a metric). At a given σ the cost is convex, and each step lowers it.
-Stiction at standstill, slips and collisions then bend neither friction nor links. The strength of the prior comes from
-cross-validation with the weights that were found without a prior.
+Stiction at standstill, slips and collisions then distort neither friction nor links. Cross-validation chooses the
+strength of the prior, with the weights that were found without a prior.
 
 Huber, Annals of Mathematical Statistics 35(1), 1964; Wensing, Kim and Slotine, IEEE Robotics and Automation Letters
 3(1), 2018; Lee, Wensing and Park, IEEE Transactions on Robotics 36(2), 2020.
@@ -43,14 +43,15 @@ from graphdyn.identification.problem.problem import Problem, together
 from graphdyn.layout import Array
 
 SETTLED = 1e-2
-"""Converged where no joint's predicted torque moves by more than this part of its noise, root mean square."""
+"""Root mean square change of a joint's predicted torque, relative to its noise, below which the iteration has
+converged."""
 
 MOST_ITERATIONS = 30
 
 
 @dataclass(frozen=True, eq=False)
 class RobustConsistent:
-    """Huber's norm among bodies that can be real. Every iteration reads the recording and solves a cone program.
+    """Huber's norm over physically consistent bodies. Every iteration reads the recording and solves a cone program.
 
     metric: distance from the prior, "entropic" or "pullback"; none without a prior
     strength: of the prior; chosen by cross-validation from strengths if left out
@@ -74,7 +75,7 @@ class RobustConsistent:
         return f"consistent, {self.metric} prior, Huber" if self.metric else "consistent, Huber"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed, InvalidInput for limits that make no sense."""
+        """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
         bodies = unknown_bodies(problem.torque_model, self.prior)
         limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
         program = _Program(problem, bodies, limits, self.metric or "pullback", self.margin, huber(self.threshold))
@@ -104,7 +105,10 @@ class RobustConsistent:
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """residuals (N, n), blocks with the weights of the residuals before, scale (n,) [N m or N]"""
+    """State of the iteration.
+
+    residuals (N, n), blocks with the weights of the previous residuals, scale (n,) [N m or N]
+    """
 
     residuals: Array
     blocks: tuple[CompressedEquations, ...]
@@ -124,14 +128,14 @@ class _Program:
     norm: Norm
 
     def solve(self, equations: CompressedEquations, strength: float) -> tuple[PriorCoordinates, ConsistentFit]:
-        """Of equations whose weights are in them."""
+        """Fit to equations that contain their weights."""
         weighted = equations.weighted(np.ones(equations.n_groups))
         coordinates = prior_coordinates(self.problem.base, *weighted, self.bodies.prior, self.bodies.columns)
         program = ConsistentProblem(coordinates, self.limits, metric=self.metric, margin=self.margin)
         return coordinates, program.solve(strength)
 
     def settled(self, residuals: Array, strength: float) -> _State:
-        """From these residuals on."""
+        """Iterate from these residuals until the fit converges."""
         used = self.problem.base.rank / self.problem.equations.counts.sum()
         iteration, converged = 0, False
         while not converged and iteration < MOST_ITERATIONS:

@@ -1,4 +1,4 @@
-"""What robust methods share: norms, residuals, a scale that outliers do not move, and equations with weights."""
+"""Common parts of robust methods: norms, residuals, a scale insensitive to outliers, and weighted equations."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ HUBER = 1.345
 
 @dataclass(frozen=True)
 class Norm:
-    """influence: ψ(u); slope: ψ'(u)."""
+    """A robust norm. influence: ψ(u); slope: ψ'(u)."""
 
     influence: Callable[[Array], Array]
     slope: Callable[[Array], Array]
 
     def weight(self, u: Array) -> Array:
-        """ψ(u) / u, 1 at u = 0."""
+        """Weight ψ(u) / u, 1 at u = 0."""
         return np.divide(self.influence(u), u, out=np.ones_like(u), where=u != 0)
 
 
@@ -46,13 +46,15 @@ def tukey(c: float = 4.685) -> Norm:
 
 
 def residuals_of(problem: Problem, x: Array) -> Array:
-    """e (N, n), NaN where an equation does not count."""
+    """Residuals e (N, n), NaN for equations that do not count."""
     parts = (np.where(rows.kept, problem.reduced(rows) @ x - rows.right, np.nan) for rows in problem.rows())
     return np.concatenate(list(parts))
 
 
 def robust_scale(problem: Problem, residuals: Array, used: Array) -> Array:
-    """σ (n,) from the median of |e|, at least rounding of the torque. used: equations used up by parameters (n,)"""
+    """σ (n,) from the median of |e|, at least the rounding of the torque. used: equations used up by parameters
+    (n,).
+    """
     counts = problem.equations.counts
     counted = (np.abs(column[np.isfinite(column)]) for column in residuals.T)
     median = np.array([np.median(sizes) for sizes in counted]) / MEDIAN * np.sqrt(counts / (counts - used))

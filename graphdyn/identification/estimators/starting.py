@@ -1,4 +1,4 @@
-"""Where an iteration with a simulated loop begins, and what is told of its end."""
+"""Initial values of an iteration with a simulated loop, and the report of its end."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ Beginning = ArrayLike | Literal["wls", "cad"]
 
 
 def starts(problem: Problem, beginning: Beginning) -> list[InitialEstimate]:
-    """The parameters (p,) given, weighted least squares, or CAD without friction; CAD stands in for the first two.
+    """Initial values: the given parameters (p,), weighted least squares, or CAD without friction, which replaces the
+    others.
 
     Raises InvalidInput for other words, and parameters of another number.
     """
@@ -35,7 +36,7 @@ def starts(problem: Problem, beginning: Beginning) -> list[InitialEstimate]:
 
 
 def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position"] = "torque") -> Estimate:
-    """The estimate, with the test of exogeneity, and how often the loop was simulated."""
+    """The estimate, with the test of exogeneity and the number of simulations."""
     problem, last = loop.problem, end.last
     test = exogeneity(loop, last.x, end.simulated)
     joints = problem.torque_model.model.independent_joints

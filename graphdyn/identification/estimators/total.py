@@ -1,6 +1,6 @@
-"""Total least squares: errors in the regressor as well as in the torque. Here for comparison, not for use.
+"""Total least squares: errors in the regressor as well as in the torque. It serves only for comparison.
 
-    minimise ‖[E | e]‖²   subject to   (W D⁻¹ + E) y = τ + e,   x = D⁻¹ y
+    minimize ‖[E | e]‖²   subject to   (W D⁻¹ + E) y = τ + e,   x = D⁻¹ y
 
 with rows weighted by the noise of their joint and D the lengths of the columns: (x, -1) is the right singular vector of
 the smallest singular value of [W D⁻¹ | τ / ‖τ‖]. It is right if the errors of all entries are independent and equally
@@ -26,9 +26,11 @@ from graphdyn.identification.problem.problem import Problem
 
 @dataclass(frozen=True)
 class TotalLeastSquares:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """Total least squares.
 
-    scaled: columns at unit length; without it the units of the parameters decide
+    The standard parameters are those with the estimated base parameters that are nearest to the model's.
+
+    scaled: columns at unit length; otherwise the units of the parameters weigh the columns
     """
 
     scaled: bool = True
@@ -41,7 +43,10 @@ class TotalLeastSquares:
         return "TLS" if self.scaled else "TLS, unscaled"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed where the smallest singular value has no torque in its vector."""
+        """Estimate of a problem.
+
+        Raises EstimationFailed if the singular vector of the smallest singular value has no torque component.
+        """
         r, z = problem.equations.weighted(joint_noise(problem.equations))
         lengths = np.append(np.linalg.norm(r, axis=0), np.linalg.norm(z)) if self.scaled else np.ones(len(z))
         *_, vectors = np.linalg.svd(np.column_stack([r, z]) / lengths)

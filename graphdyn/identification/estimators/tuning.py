@@ -1,9 +1,9 @@
-"""Numbers of a torque model that it is not linear in: widths, Stribeck velocities, deflections.
+"""Search for numbers that enter a torque model nonlinearly: widths, Stribeck velocities, deflections.
 
     min over s, x of Σ_g ‖W_g(s) x - τ_g‖² / σ_g²
 
-By variable projection: for every s the best x is linear least squares, so that the search is over s alone, one number
-per joint, in logarithms. σ_g is the noise at the start. No bound is set on x.
+The method is variable projection: for every s, linear least squares gives the best x. The search is over s alone, one
+number per joint, in logarithms. σ_g is the noise at the start. x has no bounds.
 
 Golub and Pereyra, "Separable nonlinear least squares: the variable projection method and its applications", Inverse
 Problems 19, 2003.
@@ -28,23 +28,23 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
 RANGE = 30.0
-"""Each number is looked for between its start divided by this and its start times this."""
+"""Factor of the search interval: from the start divided by this to the start times this."""
 
 STEP = 0.02
-"""Of the finite differences, relative: far above the grid that samples are to the corners of the friction."""
+"""Relative step of the finite differences: far above the spacing of samples around the corners of the friction."""
 
 PRECISION = 1e-4
 """Relative change of the sum of squares at which the search ends."""
 
 LARGEST = 1e9
-"""[bytes] Of the equations in memory."""
+"""Largest size of the equations in memory [bytes]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Tunable:
-    """A term with settings that `tuned` finds, one number for each joint; as it is, the term at their start.
+    """A term with settings that `tuned` finds, one number for each joint; used directly, it is the term at the start.
 
-    name: of the term, in words
+    name: of the term, as text
     make: the term with these settings, each (n,)
     start: by name; positive                                [the unit of the setting]
     """
@@ -61,7 +61,7 @@ class Tunable:
 
     @property
     def has_memory(self) -> bool:
-        """Whether the term has."""
+        """Whether the term has memory."""
         return getattr(self.make(**self.start), "has_memory", False)
 
     def _at_start(self, model: RobotModel) -> Term:
@@ -72,7 +72,7 @@ class Tuned(NamedTuple):
     """A setting that was found.
 
     name: of term and setting, such as "coulomb width"; values: (n,)  [the unit of the setting]
-    at_end: joints for which it is at the end of its range: the recording does not say    (n,)
+    at_end: joints whose setting is at the end of its range: the recording does not determine it  (n,)
     """
 
     name: str
@@ -83,7 +83,7 @@ class Tuned(NamedTuple):
 def tuned(problem: Problem) -> tuple[TorqueModel, tuple[Tuned, ...]]:
     """The torque model of a problem with the best settings in place of every Tunable, and these settings.
 
-    Raises InvalidInput where the equations do not fit in memory.
+    Raises InvalidInput if the equations do not fit in memory.
     """
     from scipy.optimize import least_squares  # imported where first used: import graphdyn stays light
 
@@ -126,7 +126,9 @@ def tuned(problem: Problem) -> tuple[TorqueModel, tuple[Tuned, ...]]:
 
 
 class _Projected:
-    """The equations without what the other terms explain: P = 1 - Q Qᵀ, Q an orthonormal basis of their columns."""
+    """The equations projected on the complement of the other terms: P = 1 - Q Qᵀ, Q an orthonormal basis of their
+    columns.
+    """
 
     def __init__(self, problem: Problem, searched: list[int]) -> None:
         self._problem = problem
@@ -147,13 +149,13 @@ class _Projected:
         self._right = self._without(np.concatenate([part.right for part in parts])[self._kept] / self._noise)
 
     def residual(self, terms: list[Term]) -> Array:
-        """(rows,) in units of the noise, with the best x."""
+        """Residual (rows,) in units of the noise, with the best x."""
         columns = self._without(self._columns(terms))
         x, *_ = np.linalg.lstsq(columns, self._right, rcond=None)
         return np.asarray(columns @ x - self._right)
 
     def _columns(self, terms: list[Term]) -> Array:
-        """Their filtered columns over the rows that count, in units of the noise."""
+        """Filtered columns of terms over the rows that count, in units of the noise."""
         problem = self._problem
         own = replace(problem, torque_model=TorqueModel(problem.torque_model.model, terms), progress=None)
         matrix = np.concatenate([part.matrix for part in own.rows()])

@@ -1,8 +1,8 @@
-"""Weighted least squares on base parameters (IDIM-WLS): every joint counts by its own noise.
+"""Weighted least squares on base parameters (IDIM-WLS): every joint is weighted by its own noise.
 
     x = argmin Σ_g ‖W_g x - τ_g‖² / σ_g²,     cov x = (Σ_g W_gᵀW_g / σ_g²)⁻¹
 
-σ_g comes from the residual of joint g alone, fitted by the parameters that it sees.
+σ_g comes from the residual of joint g alone, fitted by the parameters that act on it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True)
 class WeightedLeastSquares:
-    """The standard parameters are those with the estimated base parameters that are nearest to the model's."""
+    """Weighted least squares.
+
+    The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """
 
     name: str = "WLS"
     reference: str = "Gautier, Dynamic identification of robots with power model, IEEE ICRA 1997"
