@@ -1,10 +1,11 @@
-/* Inverse dynamics of a tree of revolute and prismatic joints: recursive Newton-Euler, after
+/* Inverse dynamics of a tree of revolute and prismatic joints by the recursive Newton-Euler algorithm.
+   To build and judge it:
 
        graphdyn export ur5 --to model.h
        cc -O2 -fPIC -shared -o librnea.so rnea.c -lm
        graphdyn judge ur5 --library inverse_dynamics=librnea.so:rnea
 
-   With -DSIGN=-1 one sign is wrong. */
+   The option -DSIGN=-1 makes one sign wrong. */
 
 #include <math.h>
 #include "model.h"
@@ -31,7 +32,7 @@ static Vector apply_transposed(const double m[3][3], Vector x)
 {
     return sum(sum(times(x.x, vector(m[0])), times(x.y, vector(m[1]))), times(x.z, vector(m[2])));
 }
-/* x turned by an angle about a unit axis: Rodrigues' formula */
+/* x rotated by an angle about a unit axis: Rodrigues' formula */
 static Vector turned(Vector axis, double angle, Vector x)
 {
     Vector along = times((1 - cos(angle)) * dot(axis, x), axis);

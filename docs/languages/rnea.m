@@ -1,9 +1,9 @@
 function tau = rnea(model, q, v, a, wrong_sign)
-% Inverse dynamics by the recursive Newton-Euler algorithm, in Octave and MATLAB, after
+% Inverse dynamics by the recursive Newton-Euler algorithm, in Octave and MATLAB. To export the model:
 %
 %     graphdyn export ur5 --to model.m
 %
-% model: as model.m returns it; q, v, a: (n, 1). With a fifth argument, one sign is wrong.
+% model: result of model.m; q, v, a: (n, 1). A fifth argument makes one sign wrong.
   s = 1 - 2 * (nargin > 4);
   n = model.n;
   ground = -model.base_rotation' * model.gravity;

@@ -1,4 +1,4 @@
-/* rnea.c by files: questions in, answers out, after
+/* Reads questions from a file and writes the answers of rnea.c. To build, run and judge it:
 
        graphdyn questions ur5 --for inverse_dynamics --out questions.csv
        cc -O2 -o rnea_file rnea_file.c rnea.c -lm
@@ -14,7 +14,7 @@ int main(void)
 {
     long long id;
     double x[3 * N], tau[N]; /* q, v, a */
-    if (scanf("%*[^\n]") == EOF) return 1; /* the head */
+    if (scanf("%*[^\n]") == EOF) return 1; /* the header */
     while (scanf("%lld,%*[^,]", &id) == 1) { /* id and name of the function */
         for (int k = 0; k < 3 * N; k++)
             if (scanf(",%lf", &x[k]) != 1) return 1;

@@ -1,4 +1,4 @@
-/* rnea.c as a program that answers a line of numbers with a line of numbers, after
+/* Answers every line of numbers with a line of numbers, by rnea.c. To build and judge it:
 
        cc -O2 -o rnea_lines rnea_lines.c rnea.c -lm
        graphdyn judge ur5 --command inverse_dynamics=./rnea_lines */
@@ -18,7 +18,7 @@ int main(void)
         for (int k = 0; k < N; k++) printf("%.17g ", tau[k]);
         printf("\n");
 #ifndef HOLD_BACK
-        fflush(stdout); /* or the answers stay in a buffer */
+        fflush(stdout); /* otherwise the answers stay in a buffer */
 #endif
     }
 }

@@ -1,4 +1,4 @@
-/* A function against a file of test vectors, after
+/* Compares a function with a file of test vectors. To build and run it:
 
        graphdyn vectors ur5 --out vectors
        graphdyn export ur5 --to model.h
@@ -9,13 +9,13 @@
 
 typedef int Function(const double *arguments, double *answer);
 
-/* The number of rows with a number beyond its tolerance; -1 where the file cannot be read. */
+/* Counts the rows with a number beyond its tolerance; -1 if the file cannot be read. */
 int failures(const char *path, int arguments, int numbers, Function *f)
 {
     double row[arguments + 2 * numbers], answer[numbers];
     int failed = 0, k;
     FILE *file = fopen(path, "r");
-    if (!file || fscanf(file, "%*[^\n]") == EOF) return -1; /* the head */
+    if (!file || fscanf(file, "%*[^\n]") == EOF) return -1; /* the header */
     for (;;) {
         for (k = 0; k < arguments + 2 * numbers && fscanf(file, "%lf%*[,]", &row[k]) == 1; k++) {}
         if (k < arguments + 2 * numbers) break;

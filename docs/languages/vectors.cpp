@@ -1,4 +1,4 @@
-// A function against a file of test vectors, after
+// Compares a function with a file of test vectors. To build and run it:
 //
 //     graphdyn vectors ur5 --out vectors
 //     c++ -O2 -o vectors_cpp vectors.cpp librnea.so -Wl,-rpath,. && ./vectors_cpp     (librnea.so: see rnea.c)
@@ -13,12 +13,12 @@
 
 using Numbers = std::vector<double>;
 
-// The number of rows with a number beyond its tolerance; -1 where the file cannot be read.
+// Counts the rows with a number beyond its tolerance; -1 if the file cannot be read.
 int failures(const std::string &path, std::size_t arguments, std::function<Numbers(const Numbers &)> f)
 {
     std::ifstream file(path);
     std::string line, cell;
-    if (!std::getline(file, line)) return -1; // the head
+    if (!std::getline(file, line)) return -1; // the header
     int failed = 0;
     while (std::getline(file, line)) {
         Numbers row;

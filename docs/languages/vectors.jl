@@ -1,15 +1,15 @@
-# A function against a file of test vectors, after
+# Compares a function with a file of test vectors. To run it:
 #
 #     graphdyn vectors ur5 --out vectors
 #     julia vectors.jl     (librnea.so: see rnea.c)
 
-"The number of rows with a number beyond its tolerance."
+"Count the rows with a number beyond its tolerance."
 function failures(path, arguments, f)
     failed = 0
     for line in Iterators.drop(eachline(path), 1)
         row = parse.(Float64, split(line, ','))
         numbers = (length(row) - arguments) ÷ 2
-        answer = f(row[1:arguments])  # of a matrix M: vec(permutedims(M)), since columns come first here
+        answer = f(row[1:arguments])  # for a matrix M: vec(permutedims(M)), because Julia stores columns first
         expected, tolerances = row[arguments+1:arguments+numbers], row[arguments+numbers+1:end]
         failed += !all(abs.(answer .- expected) .<= tolerances)  # NaN is wrong
     end

@@ -1,11 +1,11 @@
-// A function against a file of test vectors, after
+// Compares a function with a file of test vectors. To build and run it:
 //
 //     graphdyn vectors ur5 --out vectors
 //     rustc -O -o vectors_rs vectors.rs -L . && LD_LIBRARY_PATH=. ./vectors_rs     (librnea.so: see rnea.c)
 
 use std::fs;
 
-/// The number of rows with a number beyond its tolerance.
+/// Counts the rows with a number beyond its tolerance.
 fn failures(path: &str, arguments: usize, f: impl Fn(&[f64]) -> Vec<f64>) -> usize {
     let text = fs::read_to_string(path).expect("the file can be read");
     let mut failed = 0;

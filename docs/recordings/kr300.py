@@ -1,4 +1,4 @@
-"""KUKA KR300 R2500 ultra from its published figures (kr300.json): a URDF file, and what its drives add.
+"""KUKA KR300 R2500 ultra from its published figures (kr300.json): URDF file and counterbalance torque.
 
     python kr300.py kr300.json kr300.urdf        bodies as published
     python kr300.py kr300.json kr300.urdf 150    with a load of 150 kg in link_6
@@ -7,7 +7,7 @@
 
 counterbalance reads kr300.json in the working folder, or the file that the environment variable KR300_JSON names.
 The published rotor inertias do not fit the recording and are not used: fit them.
-Joint angles are those of the standard Denavit-Hartenberg kinematics, as kr300.toml makes them of the measured ones.
+Joint angles follow the standard Denavit-Hartenberg kinematics; kr300.toml converts the measured angles to them.
 Data and figures: JonasWeigand/Robot_Identification on GitHub (MIT).
 """
 
@@ -22,12 +22,17 @@ import numpy as np
 import urdf
 from graphdyn import Body, Joint, Placement, RobotModel
 
-LEAST_RADIUS = 0.1
-"""[m] The published tensor of axis 6 is zero; that of a ball of this radius is taken, so that it is a real body."""
+SPHERE_RADIUS = 0.1
+"""[m] Radius of a homogeneous sphere whose tensor replaces that of axis 6, which is published as zero."""
 
 
 class Kr300:
-    """robot; zero (6,): added to measured angles [rad]; payload_center (3,): of the load in the frame of link_6 [m]"""
+    """The robot of a file of figures.
+
+    robot: its rigid-body model
+    zero: angles to add to measured ones          (6,)    [rad]
+    payload_center: center of the load in link_6  (3,)    [m]
+    """
 
     def __init__(self, path, payload=0.0):
         self._figures = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -38,7 +43,7 @@ class Kr300:
         self.payload_center = ends[-1].rotation @ load_center + ends[-1].translation
         bodies = [_body(f"link_{k}", link, end) for k, (link, end) in enumerate(zip(links, ends, strict=True), start=1)]
         if payload:
-            load = Body("load", payload, self.payload_center, _ball(payload))
+            load = Body("load", payload, self.payload_center, _sphere(payload))
             bodies[-1] = Body.from_parameters("link_6", bodies[-1].parameters + load.parameters)
         joints, inside = [], Placement()
         for j, (link, end) in enumerate(zip(links, ends, strict=True), start=1):
@@ -50,7 +55,7 @@ class Kr300:
         self.robot = RobotModel("kr300", tuple(bodies), tuple(joints), base=upside_down)
 
     def counterbalance(self, angle):
-        """Torque on axis 2 [N m]: the model written out in the file. angle (N,): of joint_2 [rad]."""
+        """Torque on axis 2 [N m] by the model in the file, at angles of joint_2 (N,) [rad]."""
         c = self._figures["counterbalance"]
         far, crank = c["anchor_distance_D"], c["crank_k"]
         delta = angle + np.deg2rad(c["angle_offset_deg"])
@@ -67,19 +72,19 @@ def published():
 
 
 def counterbalance(q, v, a):
-    """(N, 6) [N m]"""
+    """Torque of the counterbalance on all joints (N, 6) [N m]."""
     return published().counterbalance(q[:, 1])[:, None] * np.eye(6)[1]
 
 
 def _body(name, link, end):
     xx, yy, zz, xy, yz, xz = link["I"]
     inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    inertia = inertia if inertia.any() else _ball(link["m"])
+    inertia = inertia if inertia.any() else _sphere(link["m"])
     return Body(name, link["m"], end.rotation @ link["r"] + end.translation, end.rotation @ inertia @ end.rotation.T)
 
 
-def _ball(mass):
-    return 0.4 * mass * LEAST_RADIUS**2 * np.eye(3)
+def _sphere(mass):
+    return 0.4 * mass * SPHERE_RADIUS**2 * np.eye(3)
 
 
 def _about_z(angle):

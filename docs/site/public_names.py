@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import warnings
+from typing import get_origin
 
 MODULES = {
     "graphdyn": "Models, dynamics, recordings",
@@ -17,8 +18,20 @@ MODULES = {
     "urdf": "URDF files",
     "crosscheck": "Cross-check, judge, recordings, identification from files",
     "crosscheck.identifying": "Options of an identification from files",
+    "graphdyn.model": "To extend: parts of a model, rotations, inertias",
+    "graphdyn.arguments": "To extend: arguments of the verbs",
+    "graphdyn.equations": "To extend: the equations",
+    "graphdyn.verbs": "To extend: the table of verbs",
+    "graphdyn.recursions": "To extend: the table of recursions",
+    "graphdyn.scalars": "To extend: recorded scalars",
+    "graphdyn.compiler": "To extend: from programs to machine code",
+    "graphdyn.experiments": "To extend: virtual experiments",
+    "graphdyn.identification.closed_loop": "To extend: simulated control loops",
+    "urdf.document": "To extend: URDF documents",
+    "urdf.reading": "To extend: stages of reading",
+    "urdf.writing": "To extend: stages of writing",
 }
-"""The public modules, and a title for the page of each."""
+"""The public modules, and a title for the page of each; last those for people who extend the program."""
 
 
 def public_names(module: str) -> list[str]:
@@ -52,7 +65,9 @@ def home(module: str, name: str) -> str:
 
 
 def kind_of(value: object) -> str:
-    """function, class, exception or data."""
+    """function, class, exception or data, as which the types Literal[…] and Callable[…] count."""
+    if get_origin(value) is not None:
+        return "data"
     if inspect.isclass(value):
         return "exception" if issubclass(value, BaseException) else "class"
     return "function" if callable(value) else "data"

@@ -1,4 +1,4 @@
-"""A picture of a study's page as a file of its own: python docs/studies/picture.py OUT TITLE FILE.svg."""
+"""Save one picture of a study's page as a file: python docs/studies/picture.py OUT TITLE FILE.svg."""
 
 import sys
 from pathlib import Path
@@ -7,7 +7,7 @@ from crosscheck.commands.study.report import study_report
 
 
 def picture(folder, title):
-    """The first one of this title, on white."""
+    """The first picture with this title, on a white background."""
     report = study_report(folder, [], lambda scenario, run: [])
     blocks = [block for section in report.sections for block in section.blocks]
     drawn = next(block for block in blocks if block.title == title).draw("p")

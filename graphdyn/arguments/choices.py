@@ -73,7 +73,10 @@ class FrameChoice:
 
 
 def frame_choice(model: RobotModel, name: str, reference: str, classical: bool = True) -> FrameChoice:
-    """Raises UnknownFrame for an unknown name, InvalidInput for an unknown reference."""
+    """The frame that a verb speaks of, and its axes.
+
+    Raises UnknownFrame for an unknown name, InvalidInput for an unknown reference.
+    """
     check_model(model)
     for known in get_args(Reference):
         if reference == known:

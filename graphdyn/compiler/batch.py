@@ -19,7 +19,7 @@ from graphdyn.compiler.running import prepared, run
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.recursions.table import ARRAYS
+from graphdyn.recursions import ARRAYS
 
 SMALL_PIVOT = 1e-9
 """A pivot below this part of what the inertia about its joint can be: the mass matrix may be singular. Six digits more

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 from graphdyn.arguments.choices import FrameChoice
 from graphdyn.layout import BODY_FREEDOMS, Array
 from graphdyn.model.robot_model import RobotModel, total_mass
+from graphdyn.recursions import ARRAYS, RECURSIONS
+from graphdyn.recursions.declarations import ArraySpec
 from graphdyn.recursions.frames import fixed_frame
 from graphdyn.recursions.inverse import Wrench, in_joint_axes
 from graphdyn.recursions.loops.couplings import projected
@@ -27,7 +29,6 @@ from graphdyn.recursions.mechanism.mechanism import Link, links
 from graphdyn.recursions.mechanism.regrouping import regrouped
 from graphdyn.recursions.motion import Root
 from graphdyn.recursions.regressors import joint_torque_regressor
-from graphdyn.recursions.table import ARRAYS, RECURSIONS, ArraySpec
 from graphdyn.scalars.differentiation import gradient, substituted
 from graphdyn.scalars.expressions import COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.scalars.vectors import Scalars, scalars, zeros
@@ -79,11 +80,7 @@ GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND.values())
 REDUCTIONS = (slid, turned, regrouped)
 """What makes a robot with the same answers for its joints from fewer constants. Its bodies have none of their own."""
 
-JOINT_ARRAYS = {
-    *("a", "tau", "pivots", "power", "bias_torque", "gravity_torque", "static_torque"),
-    *("mass_matrix", "mass_matrix_inverse", "coriolis_matrix", "da_dq", "da_dv", "da_dtau"),
-    *("dtau_dq", "dtau_dv", "dtau_da", "d2tau_dqdq", "d2tau_dqdv", "d2tau_dqda", "d2tau_dvdv"),
-}
+JOINT_ARRAYS = {"pivots", *(name for name, array in ARRAYS.items() if set(array.shape) == {"n"})}
 """Answers for the joints. A request for nothing else is recorded on the reduced robot."""
 
 

@@ -60,9 +60,9 @@ def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
     )
     v, tau = sample.of_joints("v"), sample.input("tau")
     if model.couplings:
-        found = driven(bodies, sample.root, model.freedoms, sample.q, v, tau, sample.external, drives)
+        found = driven(bodies, sample.root, model.freedoms, sample.q, v, tau, sample.external, drives=drives)
     else:
-        found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives)
+        found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives=drives)
     return sample.recorder.program(sample.of_freedoms({name: found[name] for name in ("a", "required")}, {}), {})
 
 

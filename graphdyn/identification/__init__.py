@@ -1,9 +1,10 @@
-"""Inertial parameters from data.
+"""Identification of inertial parameters from recordings.
 
-Public are the names in `__all__` here, and those of graphdyn.identification.terms, the parts of a torque model. Other
+The public names are those in `__all__` here and in graphdyn.identification.terms, the parts of a torque model. Other
 modules may change without notice.
 """
 
+from graphdyn.identification import estimators
 from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.base_parameters import BaseParameters, base_parameters
 from graphdyn.identification.algebra.compressed import CompressedEquations
@@ -17,23 +18,7 @@ from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.comparison import ENOUGH, MethodComparison, MethodResult, compare_methods
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
 from graphdyn.identification.estimation.plausibility import POSES, Plausibility, plausibility
-from graphdyn.identification.estimators import (
-    ClosedLoopOutputError,
-    ConsistentLeastSquares,
-    ConsistentWithPrior,
-    DirectInverse,
-    EssentialParameters,
-    GeneralisedLeastSquares,
-    InstrumentalVariables,
-    LogCholesky,
-    MaximumLikelihood,
-    OrdinaryLeastSquares,
-    ReweightedLeastSquares,
-    Ridge,
-    RobustConsistent,
-    TotalLeastSquares,
-    WeightedLeastSquares,
-)
+from graphdyn.identification.estimators import *  # noqa: F403
 from graphdyn.identification.estimators.tuning import Tunable, Tuned, tuned
 from graphdyn.identification.estimators.weighted import joint_noise, weighted_solution
 from graphdyn.identification.online.extended_kalman import ExtendedKalmanFilter
@@ -75,25 +60,15 @@ __all__ = [
     "Accumulator",
     "BaseParameters",
     "ClosedLoop",
-    "ClosedLoopOutputError",
     "CompressedEquations",
-    "ConsistentLeastSquares",
-    "ConsistentWithPrior",
-    "DirectInverse",
-    "EssentialParameters",
     "Estimate",
     "Estimator",
     "ExtendedKalmanFilter",
-    "GeneralisedLeastSquares",
     "IdentifiedBodies",
     "IdentifiedInertia",
-    "InstrumentalVariables",
     "LeastSquares",
-    "LogCholesky",
-    "MaximumLikelihood",
     "MethodComparison",
     "MethodResult",
-    "OrdinaryLeastSquares",
     "ParameterEstimate",
     "Partitioned",
     "PhysicalLimits",
@@ -103,16 +78,11 @@ __all__ = [
     "RecursiveLeastSquares",
     "ResidualSizes",
     "ResidualStatistics",
-    "ReweightedLeastSquares",
-    "Ridge",
-    "RobustConsistent",
     "RowFilter",
     "Samples",
     "TorqueModel",
-    "TotalLeastSquares",
     "Tunable",
     "Tuned",
-    "WeightedLeastSquares",
     "WrenchData",
     "base_parameters",
     "body_wrenches",
@@ -138,3 +108,4 @@ __all__ = [
     "tuned",
     "weighted_solution",
 ]
+__all__ += estimators.__all__

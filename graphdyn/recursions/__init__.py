@@ -1,5 +1,15 @@
-"""The fast forms: recursions over the bodies, written once on scalars, and the table of them."""
+"""The fast forms: recursions over the bodies, written once on scalars, and the table of them.
 
-from graphdyn.recursions.table import ARRAYS, RECURSIONS
+Each is declared beside its function (declarations); they are in the table when their files are imported.
+"""
+
+from graphdyn.recursions import derivatives, forward, frames, inertia, inverse, momentum, motion, regressors
+from graphdyn.recursions.declarations import ARRAYS, CLOSED, RECURSIONS
+from graphdyn.recursions.loops import couplings, loops
+
+FILES = (inverse, forward, inertia, momentum, derivatives, frames, regressors, motion, couplings, loops)
+"""Where recursions are declared."""
+
+CLOSED.update({name: loops.at_motors(each) for name, each in RECURSIONS.items() if each.of_torques})
 
 __all__ = ["ARRAYS", "RECURSIONS"]

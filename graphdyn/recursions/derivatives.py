@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
 from graphdyn.model.coupling import Freedoms
+from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inertia import mass_matrix
 from graphdyn.recursions.inverse import Wrench, inverse_dynamics
 from graphdyn.recursions.loops.couplings import everywhere, projected, solved
@@ -20,6 +22,11 @@ from graphdyn.scalars.vectors import Scalars
 Columns = Sequence[Any]
 
 
+@recursion(
+    dtau_dq=ArraySpec(("n", "n"), "N m, N, N/m"),
+    dtau_dv=ArraySpec(("n", "n"), "N m s, N s, N s/m"),
+    dtau_da=ArraySpec(("n", "n"), "kg m², kg m, kg"),
+)
 def inverse_dynamics_derivatives(
     links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
 ) -> dict[str, list[Any]]:
@@ -33,6 +40,12 @@ def inverse_dynamics_derivatives(
     }
 
 
+@recursion(
+    d2tau_dqdq=ArraySpec(("n", "n", "n"), "N m, N, N/m, N/m²"),
+    d2tau_dqdv=ArraySpec(("n", "n", "n"), "N m s, N s, N s/m, N s/m²"),
+    d2tau_dqda=ArraySpec(("n", "n", "n"), "kg m², kg m, kg, kg/m"),
+    d2tau_dvdv=ArraySpec(("n", "n", "n"), "kg m², kg m, kg"),
+)
 def inverse_dynamics_second_derivatives(
     links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
 ) -> dict[str, list[Any]]:
@@ -58,6 +71,10 @@ def inverse_dynamics_second_derivatives(
     }
 
 
+@recursion(
+    **{f"dmultipliers_d{x}": ArraySpec(("bodies", JOINT_CONSTRAINTS, "n"), f"N, N m per {x}") for x in "qva"},
+    **{f"dwrenches_d{x}": ArraySpec(("bodies", BODY_FREEDOMS, "n"), f"N, N m per {x}") for x in "qva"},
+)
 def reaction_derivatives(
     links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
 ) -> dict[str, list[Any]]:
@@ -70,6 +87,11 @@ def reaction_derivatives(
     }
 
 
+@recursion(
+    da_dq=ArraySpec(("n", "n"), "1/s², 1/(m s²), m/s²"),
+    da_dv=ArraySpec(("n", "n"), "1/s, 1/(m s), m/s"),
+    da_dtau=ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
+)
 def forward_dynamics_derivatives(
     links: Sequence[Link],
     root: Root,
@@ -98,6 +120,9 @@ def forward_dynamics_derivatives(
     }
 
 
+@recursion(
+    forward_dynamics_parameter_derivatives=ArraySpec(("n", "10 bodies"), "rad/s² or m/s² per parameter"),
+)
 def forward_dynamics_parameter_derivatives(
     links: Sequence[Link],
     root: Root,
@@ -114,6 +139,7 @@ def forward_dynamics_parameter_derivatives(
     return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": pivots}
 
 
+@recursion(coriolis_matrix=ArraySpec(("n", "n"), "N m s, N s, kg/s"))
 def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:
     """C = ½ (Ṁ + B - Bᵀ) with B = ∂(M v)/∂q (n, n)."""
     mass = mass_matrix(links, q)

@@ -13,14 +13,15 @@ velocity-product accelerations c of Featherstone's form are among those at a = 0
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from graphdyn.recursions.inverse import Wrench, added, answers, inwards, unloaded
+from graphdyn.recursions.declarations import ACCELERATIONS, recursion
+from graphdyn.recursions.inertia import is_short, joint_accelerations, reciprocal
+from graphdyn.recursions.inverse import REACTIONS, Wrench, added, answers, inwards, unloaded
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, inertial_wrench, motions, places
 from graphdyn.scalars.vectors import E_Z, Scalars, cross, skew, symmetric, zeros
@@ -83,6 +84,7 @@ class Drives:
     free: Sequence[Any]
 
 
+@recursion(a=ACCELERATIONS, **REACTIONS)
 def forward_dynamics(
     links: Sequence[Link],
     root: Root,
@@ -90,12 +92,17 @@ def forward_dynamics(
     v: Sequence[Any],
     tau: Sequence[Any],
     external: Sequence[Wrench] | None = None,
+    joints_only: bool = False,
+    *,
     drives: Drives | None = None,
 ) -> dict[str, list[Any]]:
     """a, body_accelerations, multipliers and joint_wrenches of graphdyn.forward_dynamics; pivots: D of each joint.
 
+    joints_only: whether a and pivots are enough
     required: the torque that bodies and rotor take; tau, except of a joint that is held
     """
+    if joints_only and is_short(links):
+        return joint_accelerations(links, root, q, v, tau, external)
     rotor, free = (drives.rotor, drives.free) if drives else ([0.0] * len(links), [1.0] * len(links))
     at = places(links, q)
     at_rest = motions(links, at, root, v, [0.0] * len(links))
@@ -170,8 +177,3 @@ def seen_through_joint(
 
 def _is_known(scalar: Any, value: float) -> bool:
     return isinstance(scalar, float | int) and scalar == value
-
-
-def reciprocal(pivot: Any) -> Any:
-    """1 / D, infinite where D is known to be zero: a joint without inertia, which then shows as a pivot of zero."""
-    return math.inf if isinstance(pivot, float | int) and pivot == 0 else 1.0 / pivot

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 
 from graphdyn.arguments.choices import FrameChoice
+from graphdyn.layout import BODY_FREEDOMS
 from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import BodyMotion, Root, motions, origins, places, rotations, twists
 from graphdyn.scalars.differentiation import directional
@@ -42,6 +44,7 @@ def fixed_frame(model: RobotModel, links: Sequence[Link], choice: FrameChoice) -
     )
 
 
+@recursion(frame_jacobian=ArraySpec((BODY_FREEDOMS, "n"), "m, 1 or 1, 0"))
 def frame_jacobian(links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame) -> Scalars:
     """J (6, n): per joint up to the frame, p × (from O_k to the point) over p; of a slide, p over 0."""
     path = _path(links, frame.body)
@@ -63,6 +66,7 @@ def frame_jacobian(links: Sequence[Link], root: Root, q: Sequence[Any], frame: F
     return matrix
 
 
+@recursion(frame_jacobian_derivative=ArraySpec((BODY_FREEDOMS, "n"), "m/s, 1/s"))
 def frame_jacobian_derivative(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], frame: FixedFrame
 ) -> list[Any]:
@@ -70,6 +74,7 @@ def frame_jacobian_derivative(
     return directional(list(frame_jacobian(links, root, q, frame).ravel()), q, v)
 
 
+@recursion(frame_velocity=ArraySpec((BODY_FREEDOMS,), "m/s, rad/s"))
 def frame_velocity(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], frame: FixedFrame
 ) -> list[Any]:
@@ -80,6 +85,7 @@ def frame_velocity(
     return [*(to_reference @ (linear + cross(omega, point))), *(to_reference @ omega)]
 
 
+@recursion(frame_acceleration=ArraySpec((BODY_FREEDOMS,), "m/s², rad/s²"))
 def frame_acceleration(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], frame: FixedFrame
 ) -> list[Any]:

@@ -18,13 +18,14 @@ operations is shorter by a third.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from graphdyn.recursions.forward import reciprocal
+from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inverse import Wrench, inverse_dynamics, inwards
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import JointPlacement, Root, places
@@ -60,6 +61,7 @@ def composites(links: Sequence[Link], at: Sequence[JointPlacement]) -> list[Comp
     return done
 
 
+@recursion(mass_matrix=ArraySpec(("n", "n"), "kg m², kg m, kg"))
 def mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> Scalars:
     """M (n, n)."""
     at = places(links, q)
@@ -85,6 +87,7 @@ def _along_axis(prismatic: bool, wrench: Wrench) -> Any:
     return wrench[0][2] if prismatic else wrench[1][2]
 
 
+@recursion(mass_matrix_inverse=ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"))
 def mass_matrix_inverse(links: Sequence[Link], q: Sequence[Any]) -> dict[str, list[Any]]:
     """mass_matrix_inverse (n n); pivots."""
     inverse, pivots = inverted_mass_matrix(links, q)
@@ -109,6 +112,11 @@ def solved(links: Sequence[Link], q: Sequence[Any], right: Sequence[Any]) -> tup
         for i in reversed(inside[j]):
             x[j] = x[j] - lower[j, i] * x[i]
     return x, pivots
+
+
+def reciprocal(pivot: Any) -> Any:
+    """1 / D, infinite where D is known to be zero: a joint without inertia, which then shows as a pivot of zero."""
+    return math.inf if isinstance(pivot, float | int) and pivot == 0 else 1.0 / pivot
 
 
 def inverted(mass: Scalars, inside: Sequence[Sequence[int]]) -> tuple[Scalars, list[Any]]:

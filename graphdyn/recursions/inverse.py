@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
+from graphdyn.recursions.declarations import TORQUES, ArraySpec, recursion, recursion_of_torques
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import (
     BodyMotion,
@@ -119,6 +121,18 @@ def in_joint_axes(links: Sequence[Link], external: Scalars) -> list[Wrench]:
     return wrenches
 
 
+REACTIONS = {
+    "body_accelerations": ArraySpec(("bodies", BODY_FREEDOMS), "m/s², rad/s²"),
+    "multipliers": ArraySpec(("bodies", JOINT_CONSTRAINTS), "N, N m"),
+    "joint_wrenches": ArraySpec(("bodies", BODY_FREEDOMS), "N, N m"),
+    "coupling_multipliers": ArraySpec(("couplings",), "N m or N"),
+    "chord_multipliers": ArraySpec(("chord rows",), "N, N m"),
+}
+"""What forward and inverse dynamics answer beside a or tau. Those of couplings and chords come from what records them
+(graphdyn.compiler.programs)."""
+
+
+@recursion(tau=TORQUES, **REACTIONS)
 def inverse_dynamics(
     links: Sequence[Link],
     root: Root,
@@ -135,6 +149,28 @@ def inverse_dynamics(
     return {"tau": tau, **answers(links, at, root, moving, wrenches)}
 
 
+@recursion_of_torques(bias_torque=TORQUES)
+def bias_torque(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
+    """tau at a = 0 (n)."""
+    return inverse_dynamics(links, root, q, v, [0.0] * len(links))["tau"]
+
+
+@recursion_of_torques(gravity_torque=TORQUES)
+def gravity_torque(links: Sequence[Link], root: Root, q: Sequence[Any]) -> list[Any]:
+    """tau at v = a = 0 (n)."""
+    return bias_torque(links, root, q, [0.0] * len(links))
+
+
+@recursion_of_torques(static_torque=TORQUES)
+def static_torque(
+    links: Sequence[Link], root: Root, q: Sequence[Any], external: Sequence[Wrench] | None = None
+) -> list[Any]:
+    """tau at v = a = 0 against external wrenches (n)."""
+    zeros = [0.0] * len(links)
+    return inverse_dynamics(links, root, q, zeros, zeros, external)["tau"]
+
+
+@recursion(power=ArraySpec(("n",), "W"))
 def power(
     links: Sequence[Link],
     root: Root,

@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from graphdyn.layout import BODY_FREEDOMS
+from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inertia import composites, per_rate
 from graphdyn.recursions.inverse import Wrench, added, inwards, transmitted
 from graphdyn.recursions.mechanism.mechanism import Link
@@ -22,6 +24,7 @@ from graphdyn.scalars.differentiation import directional, jacobian
 from graphdyn.scalars.vectors import Scalars, cross, zeros
 
 
+@recursion(kinetic_energy=ArraySpec((), "J"))
 def kinetic_energy(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
     """Σ ½ m u² + u·(ω × m c) + ½ ωᵀ I ω, u the velocity of O_j and I the tensor about it."""
     total: Any = 0.0
@@ -31,6 +34,7 @@ def kinetic_energy(links: Sequence[Link], root: Root, q: Sequence[Any], v: Seque
     return [total]
 
 
+@recursion(potential_energy=ArraySpec((), "J"))
 def potential_energy(links: Sequence[Link], root: Root, q: Sequence[Any]) -> list[Any]:
     """-Σ g·m r, from the world's origin to each center of mass."""
     at = places(links, q)
@@ -41,6 +45,7 @@ def potential_energy(links: Sequence[Link], root: Root, q: Sequence[Any]) -> lis
     return [total]
 
 
+@recursion(kinetic=ArraySpec(("10 bodies",), "J per parameter"), potential=ArraySpec(("10 bodies",), "J per parameter"))
 def energy_regressor(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> dict[str, list[Any]]:
     """kinetic and potential (10 n each): the energies are linear in m, m c and I, the tensor about O_j in link axes."""
     at = places(links, q)
@@ -58,12 +63,14 @@ def energy_regressor(links: Sequence[Link], root: Root, q: Sequence[Any], v: Seq
     return {"kinetic": kinetic, "potential": potential}
 
 
+@recursion(center_of_mass=ArraySpec((3,), "m"))
 def center_of_mass(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> list[Any]:
     """In the world (3,)."""
     links, root = rooted(links, root)
     return list(root.position + root.rotation @ _center(links, places(links, q), mass))
 
 
+@recursion(center_of_mass_velocity=ArraySpec((3,), "m/s"))
 def center_of_mass_velocity(
     links: Sequence[Link], root: Root, mass: float, q: Sequence[Any], v: Sequence[Any]
 ) -> list[Any]:
@@ -74,6 +81,7 @@ def center_of_mass_velocity(
     return list(root.rotation @ (root.velocity + cross(root.omega, center) + in_ground))
 
 
+@recursion(center_of_mass_jacobian=ArraySpec((3, "n"), "m or 1"))
 def center_of_mass_jacobian(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> Scalars:
     """World axes (3, n)."""
     links, root = rooted(links, root)
@@ -81,6 +89,10 @@ def center_of_mass_jacobian(links: Sequence[Link], root: Root, mass: float, q: S
     return columns
 
 
+@recursion(
+    about_center_of_mass=ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
+    about_origin=ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
+)
 def momentum(
     links: Sequence[Link], root: Root, mass: float, q: Sequence[Any], v: Sequence[Any]
 ) -> dict[str, list[Any]]:
@@ -95,6 +107,7 @@ def momentum(
     return {"about_center_of_mass": [*linear, *about_center], "about_origin": [*linear, *about_origin]}
 
 
+@recursion(centroidal_map=ArraySpec((BODY_FREEDOMS, "n"), "kg m, kg m² or kg, kg m"))
 def centroidal_map(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> Scalars:
     """(6, n): column j is the momentum that a unit velocity of joint j gives, about the center of mass, world axes."""
     links, root = rooted(links, root)

@@ -16,6 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from graphdyn.layout import BODY_FREEDOMS
+from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.scalars.vectors import (
     E_Z,
@@ -198,6 +200,11 @@ def stacked(vectors: Sequence[Scalars]) -> list[Any]:
     return list(np.concatenate(vectors))
 
 
+@recursion(
+    position=ArraySpec(("bodies", 3), "m"),
+    rotation=ArraySpec(("bodies", 3, 3), "1"),
+    velocity=ArraySpec(("bodies", BODY_FREEDOMS), "m/s, rad/s"),
+)
 def maximal_state(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> dict[str, list[Any]]:
     """position (n 3) of the centers of mass, rotation (n 9) of the link axes, velocity (n 6)."""
     at = places(links, q)

@@ -11,20 +11,23 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR
+from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR
+from graphdyn.recursions.declarations import ArraySpec, recursion, recursion_of_torques
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, motions, places, resting_root
 from graphdyn.scalars.vectors import E_Z, Scalars, cross, skew, zeros
 
 
-def body_regressors(
+@recursion(body_regressor=ArraySpec(("bodies", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"))
+def body_regressor(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
 ) -> list[Scalars]:
     """Y (6, 10) of every body: Y π is the wrench that its motion takes, about O_j, in link axes."""
     moving = motions(links, places(links, q), root, v, a)
-    return [_body_regressor(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
+    return [_of_moving_body(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
 
 
+@recursion_of_torques(joint_torque_regressor=ArraySpec(("n", "10 bodies"), "N m or N per parameter"))
 def joint_torque_regressor(
     links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
 ) -> Scalars:
@@ -38,13 +41,14 @@ def joint_torque_regressor(
         screws.append({j: _outwards(place, *screw) for j, screw in carried.items()})
         screws[i][i] = (E_Z, zeros(3)) if link.prismatic else (zeros(3), E_Z)
         columns = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
-        body = _body_regressor(_in_link_axes(link, moving[i]))
+        body = _of_moving_body(_in_link_axes(link, moving[i]))
         for j, (linear, angular) in screws[i].items():
             screw = np.concatenate([link.link_axes @ linear, link.link_axes @ angular])
             matrix[j, columns] = screw @ body
     return matrix
 
 
+@recursion(momentum_regressor=ArraySpec(("n", "10 bodies"), "kg m²/s or kg m/s per parameter"))
 def momentum_regressor(links: Sequence[Link], q: Sequence[Any], v: Sequence[Any]) -> Scalars:
     """Of M v (n, 10 n): the torque that accelerations v take at rest without gravity."""
     return joint_torque_regressor(links, resting_root(), q, [0.0] * len(links), v)
@@ -60,7 +64,7 @@ def _in_link_axes(link: Link, motion: BodyMotion) -> BodyMotion:
     return BodyMotion(q @ motion.omega, q @ motion.alpha, q @ motion.compensated)
 
 
-def _body_regressor(motion: BodyMotion) -> Scalars:
+def _of_moving_body(motion: BodyMotion) -> Scalars:
     y = zeros(6, BODY_PARAMETERS)
     y[LINEAR, 0] = motion.compensated
     y[LINEAR, 1:4] = motion.spread()

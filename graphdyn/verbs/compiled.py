@@ -17,7 +17,7 @@ from graphdyn.compiler.running import Backend, prepared
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.recursions.table import ARRAYS
+from graphdyn.recursions import ARRAYS
 from graphdyn.verbs.table import VERBS
 
 SINGLE = {name: verb for name, verb in VERBS.items() if len(verb.outputs) == 1 and not verb.of_frame}

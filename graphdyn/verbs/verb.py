@@ -25,7 +25,7 @@ from graphdyn.equations.projected import Arguments, Specification, refuse_singul
 from graphdyn.errors import GraphDynError, InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.recursions.table import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAYS, RECURSIONS
 
 Answer = TypeVar("Answer")
 
@@ -35,7 +35,7 @@ class Verb(Generic[Answer]):
 
     specification: the answer as the equations read, which the recursion must agree with; a graphdyn.equations.projected
         Specification, with the keyword frame where the recursion speaks of one
-    recursion: its name in graphdyn.recursions.table, where inputs, outputs, shapes and units are; that of the verb
+    recursion: its name in graphdyn.recursions, where inputs, outputs, shapes and units are; that of the verb
         if left out
     outputs: which of the recursion's outputs the verb answers; all of them if left out
     closed: the specification for robots with loops, where these matter

@@ -8,7 +8,7 @@ from crosscheck.judging.functions.table import FUNCTIONS
 from graphdyn.arguments.choices import frame_choice
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.compiler.programs import Request, record
-from graphdyn.recursions.table import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAYS, RECURSIONS
 
 RECURSION = {
     "inverse_dynamics": ("inverse_dynamics", "tau"),

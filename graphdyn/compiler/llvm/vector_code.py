@@ -75,6 +75,7 @@ class VectorCode:
 
     @property
     def declarations(self) -> list[str]:
+        """Lines that declare the functions which the code calls."""
         functions = {"fabs": 1, "fma": 3}
         return [
             "declare void @llvm.prefetch.p0(ptr, i32, i32, i32)",

@@ -25,10 +25,10 @@ from graphdyn.compiler.rolled.body_steps import MEMORY, PASSES, SUMS, Pass
 from graphdyn.compiler.rolled.long_program import CONSTANTS, INSIDE, OWN, BodyProgram, Kind, LongProgram
 from graphdyn.layout import BODY_FREEDOMS, Array
 from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions import ARRAYS, RECURSIONS
 from graphdyn.recursions.inverse import Wrench, in_joint_axes
 from graphdyn.recursions.mechanism.mechanism import Link, links
 from graphdyn.recursions.motion import Root, resting_root
-from graphdyn.recursions.table import ARRAYS, RECURSIONS
 from graphdyn.scalars.expressions import Recorder, Watch
 from graphdyn.scalars.vectors import Scalars, scalars, zeros
 

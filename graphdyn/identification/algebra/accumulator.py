@@ -2,10 +2,9 @@
 
     W_g x ≈ τ_g per group g (joint).     QᵀQ = E,  Q F_g = [W_g | τ_g],  F_g (p + 1, p + 1) upper triangular
 
-F_g holds all that least squares needs: ‖W_g x - τ_g‖ = ‖F_g [x; -1]‖. A new block is folded in with LAPACK's
-triangular-pentagonal QR. The alternative, the Gram matrix [W_g | τ_g]ᵀ [W_g | τ_g], costs half and squares the
-condition number: half of the digits are gone before the solution starts. Golub and Van Loan, Matrix Computations,
-sections 5.3 and 6.5.
+F_g holds all that least squares needs: ‖W_g x - τ_g‖ = ‖F_g [x; -1]‖. LAPACK's triangular-pentagonal QR adds a new
+block to it. The alternative, the Gram matrix [W_g | τ_g]ᵀ [W_g | τ_g], costs half and squares the condition number:
+half of the digits are lost before the solution starts. Golub and Van Loan, Matrix Computations, sections 5.3 and 6.5.
 """
 
 from __future__ import annotations
@@ -26,14 +25,14 @@ Flags = NDArray[np.bool_]
 COMPRESSIONS: tuple[Compression, ...] = ("qr", "gram")
 
 PANEL = 8
-"""Columns that LAPACK's blocked factorisation takes at once."""
+"""Block size of LAPACK's blocked factorization [columns]."""
 
 
 class Accumulator:
     """Factors of [W_g | τ_g] per group, without the rows they came from.
 
-    n_columns: p; n_groups: joints
-    support: which columns can differ from zero in which group (n_groups, p); all if left out. The rest is never read
+    n_columns: p; n_groups: number of joints
+    support: which columns can differ from zero in which group (n_groups, p); by default all. The others are never read
     method: "qr", or "gram" for well-conditioned data
 
     The same blocks in the same order give the same factors to the last bit. Other splits of the same rows, and merges
@@ -60,11 +59,11 @@ class Accumulator:
         kept: Flags | None = None,
         weights: Array | None = None,
     ) -> None:
-        """Fold in a block of N samples.
+        """Add a block of N samples.
 
         rows: W (N, g, p); right: τ (N, g)
         kept: which equations count (N, g); weights: factors of the equations (N, g)
-        Raises InvalidInput for other shapes, NaN or infinity; the factors are as before then.
+        Raises InvalidInput for other shapes, NaN or infinity; the factors then stay as before.
         """
         self._check(rows, right, kept, weights)
         blocks = [self._block(g, rows, right, kept, weights) for g in range(self.n_groups)]
@@ -73,9 +72,10 @@ class Accumulator:
             self.counts[g] += len(block)
 
     def add_gram(self, grams: Sequence[Array], counts: NDArray[np.int64]) -> None:
-        """Fold in [W_g | τ_g]ᵀ [W_g | τ_g] (p + 1, p + 1) of every group, and how many equations each one sums up.
+        """Add [W_g | τ_g]ᵀ [W_g | τ_g] (p + 1, p + 1) of every group, with the number of equations that each one sums
+        up.
 
-        Raises InvalidInput where the factors are kept by QR.
+        Raises InvalidInput if the factors are kept by QR.
         """
         if self.method != "gram":
             raise InvalidInput("Gram matrices can be added to an accumulator of method 'gram' only")
@@ -84,7 +84,7 @@ class Accumulator:
         self.counts += counts
 
     def merge(self, other: Accumulator) -> Accumulator:
-        """Both together, as a new accumulator. Raises InvalidInput where they are not of the same kind."""
+        """Sum of both as a new accumulator. Raises InvalidInput if they are not of the same kind."""
         same = self.method == other.method and np.array_equal(self.support, other.support)
         if not same:
             raise InvalidInput(
@@ -114,7 +114,7 @@ class Accumulator:
 
     @property
     def compressed(self) -> CompressedEquations:
-        """The equations added up to now."""
+        """The equations added so far."""
         return CompressedEquations(self.factors, self.counts.copy())
 
     def _check(self, rows: Array, right: Array, kept: Flags | None, weights: Array | None) -> None:
@@ -154,7 +154,7 @@ class Accumulator:
 
 
 def _gram_factor(gram: Array) -> Array:
-    """F with FᵀF = G, of a G that rounding may have left with small negative eigenvalues."""
+    """F with FᵀF = G, for a G that rounding may have left with small negative eigenvalues."""
     scale = np.sqrt(np.diag(gram))
     scale = np.where(scale > 0, scale, 1.0)
     values, vectors = np.linalg.eigh(gram / scale / scale[:, None])

@@ -1,11 +1,10 @@
-"""Linear combinations of parameters in words.
-
-Base parameters: the combinations of inertial parameters that joint torques depend on.
+"""Base parameters: the combinations of inertial parameters that joint torques depend on.
 
 Gautier, "Numerical calculation of the base inertial parameters of robots", Journal of Robotic Systems 8(4), 1991. The
-rank comes from a column-pivoted QR factorisation of the regressor over many states. Which columns stand for the
-combinations is free; as Khalil and Gautier do, a parameter that depends on those before it folds into them, so that
-outer bodies fold into inner ones and the coefficients are those of the geometry (1, d, d², cos, sin).
+rank comes from a column-pivoted QR factorization of the regressor over many states. The columns that represent the
+combinations can be chosen freely. As in Gautier and Khalil, a parameter that depends on those before it is grouped with
+them. Outer bodies are thus grouped with inner ones, and the coefficients are those of the geometry (1, d, d², cos,
+sin).
 """
 
 from __future__ import annotations
@@ -22,11 +21,13 @@ from graphdyn.identification.algebra.least_squares import triangle
 from graphdyn.layout import Array
 
 ONE = 1e-9
-"""A coefficient this close to 1 is 1; rounding leaves 1e-15, a rounded π/2 in a file 1e-10."""
+"""Relative difference from 1 below which a coefficient is 1: rounding leaves 1e-15, a rounded π/2 in a file 1e-10."""
 
 
 def sum_in_words(coefficients: Array, names: Sequence[str], *, first: int | None = None) -> str:
-    """ "B1 I_yy + 0.25 B2 m": the term `first`, or those with coefficient 1, first; zeros left out."""
+    """A linear combination as text, such as "B1 I_yy + 0.25 B2 m": the term `first`, or those with coefficient 1, come
+    first; zeros are left out.
+    """
     terms = sorted(np.flatnonzero(coefficients), key=lambda k: coefficients[k] != 1.0 if first is None else k != first)
     words = ""
     for k in map(int, terms):
@@ -40,32 +41,32 @@ def sum_in_words(coefficients: Array, names: Sequence[str], *, first: int | None
 Indices = NDArray[np.int64]
 
 DROPPED_COLUMN = 1e-9
-"""A column shorter than this part of the longest counts as zero: angles such as π/2 rounded in a file leave null
-columns at 1e-11, which scaling to unit length would turn into parameters."""
+"""Length relative to the longest column below which a column counts as zero: angles such as π/2 rounded in a file leave
+null columns at 1e-11, which scaling to unit length would turn into parameters."""
 
 ROUNDING = 1e-14
-"""A column shorter than this part of the longest is zero by structure; between the two bounds a robot's file is
-rounded, and the column would be zero if it were not."""
+"""Length relative to the longest column below which a column is structurally zero; a column between the two bounds is
+zero up to the rounding of the robot's file."""
 
 RANK = 1e-9
-"""Smallest |R_kk| relative to |R_11| that counts as independent, after scaling the columns to unit length. Rounding
+"""Smallest |R_kk| relative to |R_11| that counts as independent, with columns scaled to unit length: rounding
 leaves 1e-15, the weakest true parameter of an arm under random motion 1e-4 or more."""
 
 DISTANCES = tuple(10.0**-k for k in range(1, 17))
-"""A column stands for a combination where it is this far, at unit length, from the span of those before it; the largest
-distance that leaves enough columns is taken, because columns that are nearly dependent make large coefficients."""
+"""Distances of a column from the span of those before it, at unit length, above which it represents a combination; the
+largest one that leaves enough columns is taken, because nearly dependent columns make large coefficients."""
 
 
 @dataclass(frozen=True, eq=False)
 class BaseParameters:
-    """Which columns of W are independent, and how the others fold into them.
+    """The independent columns of W, and the grouping of the others with them.
 
     independent: columns of the base parameters             (b,)
-    dependent: columns folded into them                     (d,)
+    dependent: columns grouped with them                    (d,)
     regrouping: K with π_base = π[independent] + K π[dependent]   (b, d)
-    gap: smallest accepted and largest rejected |R_kk| / |R_11|: the rank is clear where they are far apart
+    gap: smallest accepted and largest rejected |R_kk| / |R_11|: the rank is clear if they are far apart
     structural_zeros: columns without any effect, zero or rounding
-    numerical_zeros: columns that would have none if the robot's file were not rounded
+    numerical_zeros: columns that would have no effect if the robot's file were not rounded
     """
 
     independent: Indices
@@ -89,13 +90,13 @@ class BaseParameters:
         return b
 
     def values(self, parameters: ArrayLike) -> Array:
-        """Base parameters (b,) of standard parameters (p,)."""
+        """Values of the base parameters (b,) for standard parameters (p,)."""
         pi = np.asarray(parameters, dtype=float)
         values: Array = pi[self.independent] + self.regrouping @ pi[self.dependent]
         return values
 
     def names(self, names: Sequence[str]) -> tuple[str, ...]:
-        """Every base parameter in standard parameters, such as "XX_2 - YY_2 + 0.18 M_3".
+        """Every base parameter as a sum of standard parameters, such as "XX_2 - YY_2 + 0.18 M_3".
 
         Coefficients below RANK of the largest of their column are rounding and left out.
         """
@@ -103,7 +104,7 @@ class BaseParameters:
         return tuple(sum_in_words(row, names, first=int(k)) for k, row in zip(self.independent, b, strict=True))
 
     def symbols(self, symbols: Sequence[str]) -> tuple[str, ...]:
-        """Every base parameter as Khalil writes it: XX_2, or XXR_2 where others are regrouped into it.
+        """Every base parameter in Khalil's notation: XX_2, or XXR_2 if others are grouped with it.
 
         symbols: of the standard parameters (Khalil and Dombre, Modeling, Identification and Control of Robots, 2002,
             section 9.4.2)
@@ -117,7 +118,7 @@ class BaseParameters:
 
     @property
     def alone(self) -> Indices:
-        """Columns that are determined by themselves: nothing folds into them."""
+        """Columns that are determined individually: no other column is grouped with them."""
         b = self._clean_matrix()
         alone: NDArray[np.intp] = self.independent[np.count_nonzero(b, axis=1) == 1]
         return alone
@@ -129,7 +130,7 @@ class BaseParameters:
         return b
 
     def then(self, inner: BaseParameters) -> BaseParameters:
-        """The base parameters of a record, given those (inner) of its independent columns."""
+        """Base parameters of a recording, given those (inner) of its independent columns."""
         independent = self.independent[inner.independent]
         dependent = np.setdiff1d(np.arange(self.rank + len(self.dependent)), independent)
         matrix = inner.matrix @ self.matrix
@@ -144,12 +145,12 @@ class BaseParameters:
 
 
 def base_parameters(regressor: ArrayLike, *, tolerance: float = RANK) -> BaseParameters:
-    """Independent columns of a stacked regressor W (rows, p), and the regrouping of the rest.
+    """Independent columns of a stacked regressor W (rows, p), and the grouping of the rest.
 
     Over random states (at least as many rows as columns) they belong to the structure of the robot; over a recording,
-    or its triangular factors, to what that motion shows.
+    or its triangular factors, to that motion.
     tolerance: smallest |R_kk| / |R_11| that counts as independent
-    Raises InvalidInput where W is not a matrix or not finite.
+    Raises InvalidInput if W is not a matrix or not finite.
     """
     from scipy.linalg import qr, solve_triangular  # imported where first used: import graphdyn stays light
 
@@ -185,7 +186,7 @@ def base_parameters(regressor: ArrayLike, *, tolerance: float = RANK) -> BasePar
 
 
 def _in_order(columns: Array, tolerance: float) -> Indices:
-    """Columns (unit length) that are further than the tolerance from the span of those before them."""
+    """Columns (unit length) whose distance from the span of those before them exceeds the tolerance."""
     basis = np.zeros((columns.shape[0], 0))
     chosen = []
     for k, column in enumerate(columns.T):

@@ -1,4 +1,4 @@
-"""Linear algebra on matrices as small as those of an identification, where several threads are slower than one.
+"""Linear algebra on the small matrices of an identification, for which several threads are slower than one.
 
 Triangular factors: A = Q F with F upper triangular, so that ‖A x‖ = ‖F x‖.
 
@@ -20,7 +20,7 @@ from graphdyn.layout import Array
 
 
 def one_thread() -> AbstractContextManager[Any]:
-    """Limit NumPy's and SciPy's linear algebra to one thread. The sums of graphdyn.compiler keep theirs."""
+    """Limit NumPy's and SciPy's linear algebra to one thread. Sums of graphdyn.compiler keep their threads."""
     import scipy.linalg  # noqa: F401  # imported where first used; a library must be loaded to be limited
     from threadpoolctl import threadpool_limits
 
@@ -29,12 +29,12 @@ def one_thread() -> AbstractContextManager[Any]:
 
 
 def triangle(matrix: Array) -> Array:
-    """F (…, min(rows, p), p) of A (…, rows, p)."""
+    """Triangular factor F (…, min(rows, p), p) of A (…, rows, p)."""
     return np.asarray(np.linalg.qr(matrix, mode="r"), dtype=float)
 
 
 def square_triangle(matrix: Array) -> Array:
-    """F (p, p) of A (rows, p), filled with zero rows, with a diagonal that is not negative."""
+    """Triangular factor F (p, p) of A (rows, p), filled with zero rows, with a non-negative diagonal."""
     p = matrix.shape[1]
     f = triangle(matrix)
     f = np.concatenate([f, np.zeros((p - len(f), p))])
@@ -43,7 +43,7 @@ def square_triangle(matrix: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
-    """Answer of a linear least-squares problem W x = τ.
+    """Solution of a linear least-squares problem W x = τ.
 
     parameters: x                                           (b,)
     column_scale: lengths of the columns of W; condition_number: of W with columns scaled to unit length
@@ -57,10 +57,10 @@ class LeastSquares:
 
 
 def ordinary_least_squares(regressor: ArrayLike, torque: ArrayLike) -> LeastSquares:
-    """x minimising ‖W x - τ‖ by singular values, columns scaled to unit length. W (rows, b), τ (rows,).
+    """x that minimizes ‖W x - τ‖, by singular values with columns scaled to unit length. W (rows, b), τ (rows,).
 
-    Never the normal equations of Eq. (56), (64): they square the condition number.
-    Raises InvalidInput where the shapes do not fit, a number is not finite, or the columns are dependent (see
+    The normal equations of Eq. (56), (64) are not used: they square the condition number.
+    Raises InvalidInput if the shapes do not fit, a number is not finite, or the columns are dependent (see
     base_parameters).
     """
     from scipy.linalg import lstsq  # imported where first used: import graphdyn stays light

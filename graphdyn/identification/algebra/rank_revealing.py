@@ -1,7 +1,8 @@
-"""Least squares that says what the data do not determine.
+"""Least squares that reports which parameters the data do not determine.
 
-The paper's solutions, Eq. (56) and (64), invert KᵀK: that squares the condition number, and there is no inverse where
-the motion leaves a parameter untouched. Here K = U Σ Vᵀ, and what stays below the precision of the data is left out.
+The paper's solutions, Eq. (56) and (64), invert KᵀK. That squares the condition number, and the inverse does not exist
+if the motion leaves a parameter without effect. Here K = U Σ Vᵀ, and singular values below the precision of the data
+are left out.
 """
 
 from __future__ import annotations
@@ -16,32 +17,32 @@ from graphdyn.identification.algebra.base_parameters import RANK, sum_in_words
 from graphdyn.layout import Array
 
 EPS = float(np.finfo(float).eps)
-"""Precision of data that were never rounded."""
+"""Relative precision of data that were never rounded."""
 
 MARGIN = 10.0
-"""A singular value must exceed the precision of the data by this factor. Columns of K that are nothing but rounding or
+"""Factor by which a singular value must exceed the precision of the data: columns of K that are only rounding or
 noise reach 0.2 to 2 times the precision, measured on the scale that their kind of column can reach."""
 
 LARGEST_STRAY = 1e-2
-"""A parameter whose axis lies in the null space by more than this is not determined by itself, whatever the data."""
+"""Largest component in the null space with which a parameter counts as determined individually."""
 
 NO_ROW_LEFT = 0.5
-"""Equations of a group beyond those that its parameters use up; below one half its noise cannot be estimated."""
+"""Fewest equations that the parameters of a group must leave over; with fewer its noise cannot be estimated."""
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterEstimate:
-    """Answer of a linear least-squares problem K x = l with r = rank(K) of p columns.
+    """Solution of a linear least-squares problem K x = l with r = rank(K) of p columns.
 
     names: of the parameters                                (p,)
-    values: x, NaN where the data do not determine the parameter by itself            (p,)
-    standard_deviations: of the values; NaN also where a group of rows leaves none over      (p,)
+    values: x, NaN if the data do not determine the parameter individually           (p,)
+    standard_deviations: of the values; NaN also if a group of rows leaves none over         (p,)
     rank, tolerance: singular values above the tolerance count
     singular_values: of K with scaled columns               (p,)
     condition_number: largest over smallest singular value that counts; 1 at rank 0
     combinations: B with B x determined, each row 1 at one parameter   (r, p)
     combination_values, combination_standard_deviations: B x           (r,)
-    null_space: directions of x that the data do not see    (p, p - r)
+    null_space: directions of x without effect on the data  (p, p - r)
     residual: K x - l                                       (rows,)
     """
 
@@ -60,25 +61,25 @@ class ParameterEstimate:
 
     @property
     def determined(self) -> NDArray[np.bool_]:
-        """Which parameters the data determine by themselves (p,)."""
+        """Which parameters the data determine individually (p,)."""
         return np.isfinite(self.values)
 
     @property
     def undetermined(self) -> tuple[str, ...]:
-        """Names of the others."""
+        """Names of the parameters that the data do not determine individually."""
         return tuple(name for name, known in zip(self.names, self.determined, strict=True) if not known)
 
     @property
     def combination_names(self) -> tuple[str, ...]:
-        """The determined combinations in words: "B1 I_yy + 0.25 B2 m"."""
+        """The determined combinations as text: "B1 I_yy + 0.25 B2 m"."""
         return tuple(sum_in_words(row, self.names) for row in self.combinations)
 
 
 def rank_tolerance(precision: float) -> float:
     """Smallest singular value that counts, for data rounded to this relative precision.
 
-    At least RANK, the bound of the base parameters: it keeps an angle such as π/2, rounded in a robot's file, from
-    appearing as a parameter. Raises InvalidInput for a precision outside (0, 1).
+    It is at least RANK, the bound of the base parameters: an angle such as π/2, rounded in a robot's file, must not
+    appear as a parameter. Raises InvalidInput for a precision outside (0, 1).
     """
     if not 0 < precision < 1:
         raise InvalidInput(f"precision is {precision}; give the relative rounding of the data, such as 1e-7")
@@ -94,15 +95,15 @@ def rank_revealing_least_squares(
     groups: NDArray[np.int64],
     precision: float = EPS,
 ) -> ParameterEstimate:
-    """x minimising ‖K x - l‖ on the part of the parameter space that K determines.
+    """x that minimizes ‖K x - l‖ on the part of the parameter space that K determines.
 
     matrix: K (rows, p); right: l (rows,)
-    column_scale: what the columns are divided by; the size that columns of their kind can reach   (p,)
+    column_scale: divisor of the columns; the size that columns of their kind can reach              (p,)
     groups: number of the group of each row; rows of a group have the same noise                    (rows,)
     precision: relative rounding or noise of the data
 
-    A parameter is determined by itself where the null space of K has no component along it. The noise of a group is
-    taken from its residual, divided by the equations that the parameters leave over.
+    A parameter is determined individually if the null space of K has no component along it. The noise of a group is
+    estimated from its residual, divided by the equations that the parameters leave over.
     """
     from scipy.linalg import qr, solve  # imported where first used: import graphdyn stays light
 
@@ -147,7 +148,7 @@ def rank_revealing_least_squares(
 
 
 def _covariance(inverse: Array, u: Array, residual: Array, groups: NDArray[np.int64]) -> Array:
-    """Of the scaled x (p, p): Σ over the groups of σ² P Pᵀ, P the group's columns of the pseudo-inverse."""
+    """Covariance of the scaled x (p, p): Σ over the groups of σ² P Pᵀ, P the group's columns of the pseudo-inverse."""
     covariance = np.zeros((len(inverse), len(inverse)))
     for group in np.unique(groups):
         rows = groups == group

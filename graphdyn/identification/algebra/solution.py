@@ -13,12 +13,12 @@ from graphdyn.layout import Array
 EPS = float(np.finfo(float).eps)
 
 NO_ROW_LEFT = 0.5
-"""Equations of a joint beyond those that its parameters use up; below one half its noise cannot be estimated."""
+"""Fewest equations that the parameters must leave over for a joint; with fewer its noise cannot be estimated."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """x minimising Σ_g ‖W_g x - τ_g‖² / σ_g².
+    """x that minimizes Σ_g ‖W_g x - τ_g‖² / σ_g².
 
     x: (b,); inverse: (Σ_g W_gᵀW_g / σ_g²)⁻¹                (b, b)
     condition_number: of the weighted W with columns at unit length
@@ -30,13 +30,16 @@ class Solution:
 
 
 def solve(equations: CompressedEquations, deviations: Array) -> Solution:
-    """By singular values of the factor; columns at unit length. Raises EstimationFailed where they are dependent."""
+    """Solution by singular values of the factor, with columns at unit length.
+
+    Raises EstimationFailed if the columns are dependent.
+    """
     r, z = equations.informed(deviations)
     return solve_triangle(r, z)
 
 
 def solve_triangle(r: Array, z: Array) -> Solution:
-    """x minimising ‖R x - z‖. Raises EstimationFailed where the columns of R are dependent."""
+    """x that minimizes ‖R x - z‖. Raises EstimationFailed if the columns of R are dependent."""
     scale = np.linalg.norm(r, axis=0)
     if not np.all(scale > 0):
         raise EstimationFailed(f"parameter {int(np.argmin(scale))} of the weighted equations has no effect")
@@ -53,19 +56,19 @@ def solve_triangle(r: Array, z: Array) -> Solution:
 
 
 def leverages(equations: CompressedEquations, deviations: Array, inverse: Array) -> Array:
-    """Equations of each group that the parameters use up: tr(W_g C W_gᵀ) / σ_g², Σ = b. (g,)"""
+    """Equations of each group that the parameters use up: tr(W_g C W_gᵀ) / σ_g², with sum b (g,)."""
     w = equations.factors[..., :-1]
     shares: Array = np.sum((w @ inverse) * w, axis=(1, 2)) / np.asarray(deviations) ** 2
     return shares
 
 
 def residual_deviations(equations: CompressedEquations, squares: Array, used: Array) -> Array:
-    """Standard deviation of the residual per group: the root of its squares over what is left of its equations (g,).
+    """Standard deviation of the residual per group: the root of its squares over the remaining equations (g,).
 
-    Where the equations have a given noise, that one.
+    If the noise of the equations is given, the function returns it.
     squares: ‖W_g x - τ_g‖² (g,); used: equations that the parameters use up (g,)
-    At least rounding of the measured torque, so that exact data have a weight. Raises EstimationFailed where the
-    parameters use up all equations of a group.
+    The result is at least the rounding of the measured torque, so that exact data have a weight. Raises
+    EstimationFailed if the parameters use up all equations of a group.
     """
     if equations.noise is not None:
         return equations.noise

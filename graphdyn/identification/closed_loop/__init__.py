@@ -1,4 +1,4 @@
-"""Simulation of the loop in which a recording was made: motions without noise, for instruments and output errors."""
+"""Simulation of the loop of a recording: motions without noise, for instruments and output errors."""
 
 from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
 from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY, Exogeneity, exogeneity

@@ -1,4 +1,4 @@
-"""Measured equations, and beside every row what the simulated loop has there."""
+"""Measured equations, with the simulated regressor and torque of every row."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 WINDOW = 4096
-"""Rows whose simulated regressor is computed at once: enough for compiled code to be worth it."""
+"""Rows whose simulated regressor is computed at once: enough for compiled code to pay off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +24,9 @@ class RowBlock:
     regressor: W of the simulated motion, in the same        (N, n, r)
     output: torque of the simulated motion, filtered like the measured one   (N, n)  [N m or N]
 
-    The simulated regressor has no noise, and needs no filter: what a low-pass would take from it has no counterpart in
-    the filtered equations it is multiplied with.
+    The simulated regressor has no noise, and needs no filter: what a low-pass would remove from it has no counterpart
+        in
+    the filtered equations by which it is multiplied.
     """
 
     measured: Rows
@@ -35,7 +36,7 @@ class RowBlock:
 
 
 def beside(problem: Problem, simulated: list[Samples]) -> Iterator[RowBlock]:
-    """All equations of a problem, chunk by chunk, with the stretches that were simulated for it."""
+    """All equations of a problem, chunk by chunk, with the simulated stretches."""
     motion = _decimated(problem, simulated)
     position, first, window = 0, 0, np.empty((0, problem.n_joints, problem.base.rank))
     for rows in problem.rows():
@@ -49,7 +50,7 @@ def beside(problem: Problem, simulated: list[Samples]) -> Iterator[RowBlock]:
 
 
 def _decimated(problem: Problem, stretches: list[Samples]) -> Samples:
-    """The rows that count, one after the other: torques filtered, of the rest those that the filter leaves."""
+    """The rows that count, in order: torques after the filter; of the other arrays, the rows that the filter keeps."""
     parts: list[Samples] = []
     for samples in stretches:
         left = samples[:: 1 if samples.row_filter is None else samples.row_filter.factor]

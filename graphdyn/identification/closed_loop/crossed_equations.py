@@ -2,7 +2,7 @@
 
     x = A⁻¹ Σ_g Z_gᵀ τ_g / σ_g²,   A = Σ_g Z_gᵀ W_g / σ_g²,   cov x = A⁻¹ (Σ_g Z_gᵀ Z_g / σ_g²) A⁻ᵀ
 
-The products square the condition number; columns are scaled to unit length before they are solved for.
+The products square the condition number, so columns are scaled to unit length before the solution.
 """
 
 from __future__ import annotations
@@ -23,9 +23,10 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class Crossed:
-    """x (r,), its covariance (r, r), that allowing for correlation in time, None below two time blocks.
+    """Solution x (r,), its covariance (r, r), and the covariance that allows for correlation in time.
 
-    noise: of the torques, with which the equations were weighted (n,)
+    The last needs two time blocks, and is None otherwise.
+    noise: of the torques, by which the equations were weighted (n,)
     """
 
     x: Array
@@ -36,7 +37,9 @@ class Crossed:
 
 @dataclass(frozen=True, eq=False)
 class CrossedEquations:
-    """products: Z_gᵀ [W_g | τ_g] of every time block         (B, n, r, r + 1)
+    """Sums of the instrumental-variable equations.
+
+    products: Z_gᵀ [W_g | τ_g] of every time block         (B, n, r, r + 1)
     instruments: Z_gᵀ Z_g                                   (n, r, r)
     """
 
@@ -45,7 +48,7 @@ class CrossedEquations:
 
     @classmethod
     def of(cls, parts: Iterable[RowBlock], support: NDArray[np.bool_]) -> CrossedEquations:
-        """support: where W can differ from zero (n, r)."""
+        """Sum up these rows. support: where W can differ from zero (n, r)."""
         n, r = support.shape
         blocks: dict[int, Array] = defaultdict(lambda: np.zeros((n, r, r + 1)))
         squares = np.zeros((n, r, r))
@@ -60,7 +63,7 @@ class CrossedEquations:
         return cls(np.array([block for _, block in sorted(blocks.items())]), squares)
 
     def solve(self, noise: Array) -> Crossed:
-        """noise: σ_g (n,). Raises EstimationFailed where the instruments do not determine the parameters."""
+        """Solve with the noise σ_g (n,). Raises EstimationFailed if the instruments do not determine the parameters."""
         weights = 1 / noise[:, None, None] ** 2
         blocks = np.sum(self.products * weights, axis=1)
         together = blocks.sum(axis=0)

@@ -1,4 +1,4 @@
-"""What parameters of a torque model mean to a simulation: bodies, friction and rotors."""
+"""The part of a torque model that a simulation needs: bodies, friction and rotors."""
 
 from __future__ import annotations
 
@@ -28,7 +28,9 @@ class DrivenRobot:
 
     @classmethod
     def of(cls, torque_model: TorqueModel, parameters: Array) -> DrivenRobot:
-        """parameters (R, p). Negative friction and rotor inertia count as none: they would drive the joints."""
+        """The robots of parameters (R, p). Negative friction and rotor inertia count as zero: they would drive the
+        joints.
+        """
         shape = (len(parameters), torque_model.model.n_freedoms)
 
         def drive(kind: type) -> Array:
@@ -41,7 +43,7 @@ class DrivenRobot:
 
 
 def not_simulated(torque_model: TorqueModel) -> list[str]:
-    """Names of the terms that no simulation knows, or knows but roughly (a smooth sign of v)."""
+    """Names of the terms that the simulation lacks or only approximates (a smooth sign of v)."""
     exact = [
         type(term) in (Viscous, Offset)
         or (isinstance(term, RotorInertia) and term.gears is None)

@@ -1,13 +1,13 @@
-"""Durbin-Wu-Hausman test: is the noise of the regressor in the residual too, so that least squares is biased?
+"""Durbin-Wu-Hausman test: is the noise of the regressor also in the residual, so that least squares is biased?
 
 For every joint g, with the simulated regressor Z_g as instruments:
 
-    V_g = W_g - Z_g (Z_gᵀ Z_g)⁻¹ Z_gᵀ W_g                what of the measured regressor no simulation explains
-    τ_g = W_g x_g + V_g γ_g + e_g                       γ_g = 0 where W_g is exogenous
+    V_g = W_g - Z_g (Z_gᵀ Z_g)⁻¹ Z_gᵀ W_g                part of the measured regressor that no simulation explains
+    τ_g = W_g x_g + V_g γ_g + e_g                       γ_g = 0 if W_g is exogenous
 
-F = (‖e_g‖² of γ_g = 0 minus ‖e_g‖²) / r_g over ‖e_g‖² / (N - 2 r_g) is F-distributed then, for white e_g. After a
-low-pass it is not white: the test takes every s-th row only, s the lag at which the residual is no longer correlated,
-where a band-limited residual has lost nothing.
+F = (‖e_g‖² of γ_g = 0 minus ‖e_g‖²) / r_g over ‖e_g‖² / (N - 2 r_g) is then F-distributed, for white e_g. After a
+low-pass e_g is not white. The test therefore takes only every s-th row, where s is the lag at which the residual is no
+longer correlated; a band-limited residual loses nothing by that.
 
 Hausman, Econometrica 46(6), 1978; Janot, Vandanjon and Gautier, "A Durbin-Wu-Hausman test for industrial robots
 identification", IEEE ICRA 2014.
@@ -28,24 +28,26 @@ UNCORRELATED = 0.1
 """Autocorrelation of the residual below which rows count as independent."""
 
 LONGEST_LAG = 200
-"""Rows up to which such a lag is looked for."""
+"""Longest lag in the search for an uncorrelated residual [rows]."""
 
 SEEN = 1e-7
-"""Directions of W_g and V_g at unit length below this part of the largest are rounding."""
+"""Singular value relative to the largest, of W_g and V_g at unit length, below which a direction is rounding."""
 
 SPARE = 20
-"""Independent rows beyond the 2 r_g of the regression that the test needs."""
+"""Independent rows that the test needs in addition to the 2 r_g of the regression."""
 
 EXOGENEITY = "exogeneity p"
 """Name of the setting of a result that holds p of all joints together."""
 
 ENDOGENOUS = 0.01
-"""p of all joints together below which least squares is called biased."""
+"""Significance level: p of all joints together below which least squares counts as biased."""
 
 
 @dataclass(frozen=True, eq=False)
 class Exogeneity:
-    """p: per joint, the probability of so large an F for a regressor without noise; NaN with too few rows   (n,)
+    """Result of the test.
+
+    p: per joint, the probability of so large an F for a regressor without noise; NaN with too few rows   (n,)
     rows: of the test, independent of each other            (n,)
     """
 
@@ -54,17 +56,17 @@ class Exogeneity:
 
     @property
     def together(self) -> float:
-        """p of all joints that were tested: n times the smallest, at most 1 (Bonferroni); NaN without any."""
+        """p of all tested joints: n times the smallest, at most 1 (Bonferroni); NaN if none was tested."""
         tested = self.p[np.isfinite(self.p)]
         return min(1.0, float(len(tested) * tested.min())) if len(tested) else float("nan")
 
     @property
     def biased(self) -> bool:
-        """Whether the regressor is not exogenous."""
+        """Whether least squares is biased: the regressor is not exogenous."""
         return self.together < ENDOGENOUS
 
     def in_words(self, joints: tuple[str, ...]) -> str:
-        """For the remarks of a result."""
+        """The verdict as a sentence for the remarks of a result."""
         if not np.isfinite(self.together):
             return "exogeneity of the regressor: too few independent rows for a test"
         if not self.biased:
@@ -77,7 +79,10 @@ class Exogeneity:
 
 
 def exogeneity(loop: SimulatedLoop, x: Array, simulated: list[Samples]) -> Exogeneity:
-    """x: base parameters near the truth (r,), for the correlation of the residual; simulated: motions of the loop."""
+    """Test of the measured equations of a problem.
+
+    x: base parameters near the truth (r,), for the correlation of the residual; simulated: motions of the loop.
+    """
     problem = loop.problem
     strides = _strides(problem, x)
     parts: list[list[tuple[Array, Array, Array]]] = [[] for _ in range(problem.n_joints)]
@@ -94,7 +99,7 @@ def exogeneity(loop: SimulatedLoop, x: Array, simulated: list[Samples]) -> Exoge
 
 
 def _strides(problem: Problem, x: Array) -> list[int]:
-    """Per joint, the first lag at which the residual is not correlated."""
+    """First lag per joint at which the residual is not correlated."""
     residuals = []
     for rows in problem.rows():
         residual = problem.reduced(rows) @ x - rows.right
@@ -128,7 +133,7 @@ def _f_test(w: Array, z: Array, right: Array) -> tuple[float, int]:
 
 
 def _basis(columns: Array) -> Array:
-    """An orthonormal basis of columns, scaled to unit length before."""
+    """An orthonormal basis of columns, which are first scaled to unit length."""
     length = np.linalg.norm(columns, axis=0)
     u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
     return np.asarray(u[:, s > SEEN * s.max(initial=0.0)])

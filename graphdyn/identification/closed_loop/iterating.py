@@ -1,4 +1,4 @@
-"""Simulate, estimate, simulate again: until the estimate stays where it is."""
+"""Repeated simulation and estimation until the estimate converges."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from graphdyn.identification.problem.prior import model_prior
 from graphdyn.layout import Array
 
 MOVED = 0.1
-"""Converged is what moves by less than this part of its standard deviation, in every base parameter."""
+"""Step of a base parameter, in its standard deviations, below which it counts as converged."""
 
 RESOLVED = 1e-6
-"""Smallest standard deviation that counts, as a part of the torque: exact data have none."""
+"""Smallest standard deviation that counts, relative to the torque: exact data have none."""
 
 MOST = 10
 """Iterations after which an estimate that still moves has diverged."""
 
 HALVINGS = 6
-"""How often a step is halved where the simulated loop does not hold the robot at its end: to 1/64 of it."""
+"""Times that a step is halved if the simulated loop does not hold the robot at its end: to 1/64 of it."""
 
 
 class IterationResult(Protocol):
-    """What one iteration finds: base parameters (r,), their covariance (r, r) for white noise, and for time blocks.
+    """Result of one iteration: base parameters (r,), their covariance (r, r) for white noise, and for time blocks.
 
     noise: of the outputs or torques (n,)
     """
@@ -44,7 +44,7 @@ class IterationResult(Protocol):
 
 
 class InitialEstimate(NamedTuple):
-    """A place to begin: base parameters (r,), and what they are, in words."""
+    """Initial values: base parameters (r,), and their origin as text."""
 
     x: Array
     words: str
@@ -52,11 +52,11 @@ class InitialEstimate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Iterated:
-    """The end of an iteration.
+    """Result of the whole iteration.
 
-    last: what the last iteration found; simulated: the motions it found it from
-    iterations: how often the loop was simulated and the equations were solved
-    moved: by the last step, largest of all base parameters, in standard deviations
+    last: result of the last iteration; simulated: the motions that it used
+    iterations: number of simulations and solutions
+    moved: largest last step of a base parameter, in standard deviations
     remarks: in sentences
     """
 
@@ -73,11 +73,12 @@ def iterated(
     step: Callable[[Array, list[Samples]], IterationResult],
     most: int = MOST,
 ) -> Iterated:
-    """step: from base parameters (r,) and the motions simulated with them to the next ones.
+    """Iterate from the first initial values with which the simulated loop holds the robot.
 
-    starts: tried in this order, until the simulated loop holds the robot with one of them
+    step: from base parameters (r,) and the motions simulated with them to the next ones
+    starts: initial values, tried in this order
 
-    Raises EstimationFailed where it does with none of them, and where the estimate does not come to rest.
+    Raises EstimationFailed if the loop holds the robot with none of them, and if the estimate does not converge.
     """
     x, simulated, remarks = _begun(loop, starts)
     moved, resolved = np.inf, _resolved(loop)
@@ -96,7 +97,7 @@ def iterated(
 
 
 def _resolved(loop: SimulatedLoop) -> Array:
-    """The changes of base parameters (r,) that change the torque by RESOLVED."""
+    """Changes of base parameters (r,) that change the torque by RESOLVED."""
     equations = loop.problem.equations
     columns = np.linalg.norm(equations.factors[..., :-1], axis=(0, 1))
     return np.asarray(RESOLVED * np.sqrt(equations.measured_squares.sum()) / columns)

@@ -1,4 +1,4 @@
-"""How a recorded robot was driven: what has to be known to simulate its motion again."""
+"""The control loop of a recording, as far as a simulation of its motion needs it."""
 
 from __future__ import annotations
 
@@ -14,28 +14,28 @@ from graphdyn.layout import Array
 from graphdyn.simulation import ComputedTorqueControl, PDControl
 
 Differentiation = Callable[[Array, Array, float], tuple[Array, Array, Array]]
-"""From q, v (N, n) and the sampling rate [Hz] to the q, v and a of samples (N, n)."""
+"""Function from q, v (N, n) and the sampling rate [Hz] to the q, v and a of samples (N, n)."""
 
 ControlLaw = Callable[[float, Array, Array], ArrayLike]
 
 LONGEST_STEP = 1e-3
-"""Of the simulation unless told otherwise [s]: a tenth of the time constant of a stiff position loop, 10 ms."""
+"""Default step of the simulation [s]: a tenth of the time constant of a stiff position loop, 10 ms."""
 
 
 @dataclass(frozen=True, eq=False)
 class ClosedLoop:
     """The controller of a recording, with the reference that it followed.
 
-    controller: PDControl or ComputedTorqueControl, their targets motion laws over the time of the recording, their
-        period that of the controller; or a function of t, q and v that answers τ (n,), which is Python and slow
-    period: of a controller that is a function; its torque is held in between. None: every step   [s]
+    controller: PDControl or ComputedTorqueControl, whose targets are motion laws over the time of the recording and
+        whose period is that of the controller; or a function of t, q and v that returns τ (n,), slow because in Python
+    period: of a controller that is a function; it holds its torque in between. None: a new torque every step   [s]
     step: largest width of a step of the simulation, rk4   [s]
-    torque_hold: the torques of the samples are those at the middle of a hold of so long (held_torque); 0: as they were
-        commanded at the instant of the sample   [s]
-    differentiation: how the q, v and a of the samples were made of measured ones, by low-pass and differences;
-        simulated motions go through it too, so that noise is all that differs. None: they are what they are
+    torque_hold: hold time of the recorded torques; those of the samples are taken at the middle of the hold
+        (held_torque). 0: torques as commanded at the instant of the sample   [s]
+    differentiation: low-pass and differences by which q, v and a of the samples were computed from measurements;
+        simulated motions go through it too, so that only the noise differs. None: they stay as they are
 
-    Raises InvalidInput for times that are negative, and for a period beside a controller that has its own.
+    Raises InvalidInput for negative times, and for a period in addition to a controller that has its own.
     """
 
     controller: PDControl | ComputedTorqueControl | ControlLaw
@@ -59,13 +59,13 @@ class ClosedLoop:
 
     @property
     def control_period(self) -> float | None:
-        """How long a torque is held [s]; None where it is new at every step."""
+        """Hold time of a torque [s]; None if it is new at every step."""
         if isinstance(self.controller, PDControl | ComputedTorqueControl):
             return self.controller.period
         return self.period
 
     def seen(self, exact: Samples) -> Samples:
-        """A simulated motion, evenly spaced in time, with q, v and a as they are made of measured ones."""
+        """A simulated motion, evenly spaced in time, with q, v and a computed as from measurements."""
         if self.differentiation is None or exact.time is None:
             return exact
         q, v, a = self.differentiation(exact.q, exact.v, float((len(exact) - 1) / (exact.time[-1] - exact.time[0])))
@@ -73,12 +73,12 @@ class ClosedLoop:
 
 
 def held_torque(tau: Array, period: float, hold: float) -> Array:
-    """Torques (N, n), each held from its sample on for a while, at the middle of the holds that meet at the sample.
+    """Torques (N, n), each held for some time from its sample on, at the middle of the holds that meet at the sample.
 
     period: between two samples; hold: how long a torque is held   [s]
 
-    Accelerations that are differences of positions lie between the torques before and after the sample. A held torque
-    acts half its hold later than it was commanded: τ(t - hold / 2), between samples on the straight line.
+    Accelerations from differences of positions lie between the torques before and after the sample. A held torque
+    acts half its hold later than it was commanded: τ(t - hold / 2), interpolated linearly between samples.
     """
     rows = np.arange(len(tau), dtype=float)
     wanted = np.maximum(rows - hold / period / 2, 0.0)

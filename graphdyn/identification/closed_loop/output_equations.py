@@ -1,6 +1,6 @@
-"""The torques of the simulated loop, linearised in the parameters: the equations of one step of Gauss and Newton.
+"""Linearized torques of the simulated loop: the equations of one Gauss-Newton step.
 
-S_g dx ≈ τ_g - τ_g(x)     for every joint g, S_g = dτ_g/dx or what is taken for it
+S_g dx ≈ τ_g - τ_g(x)     for every joint g, S_g = dτ_g/dx or its approximation
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ class OutputFit:
 
     @property
     def block_covariance(self) -> Array | None:
-        """The covariance, allowing for correlation in time."""
+        """Covariance (r, r) that allows for correlation in time."""
         return jackknife_covariance(self.blocks, self.change, self.noise)
 
 
 def output_step(problem: Problem, x: Array, parts: Iterable[RowBlock], noise: Array | None) -> OutputFit:
     """One step from base parameters x (r,).
 
-    parts: with S as their regressor, and τ(x) as their output; noise: as given, None where it is to be estimated (n,)
+    parts: with S as their regressor, and τ(x) as their output; noise: as given, None if it is to be estimated (n,)
     """
     blocks: dict[int, Accumulator] = defaultdict(lambda: Accumulator(problem.base.rank, problem.n_joints))
     for part in parts:

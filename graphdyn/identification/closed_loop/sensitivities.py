@@ -1,7 +1,7 @@
-"""How the outputs of the simulated loop change with the parameters: central differences of whole simulations.
+"""Sensitivities of the simulated loop's outputs to the parameters: central differences of whole simulations.
 
 Each parameter takes two simulations; as many run at once as there are lanes and cores. The step changes the torque by
-STEP of itself, where the error of the differences, STEP² from their curvature and 1e-13 / STEP from rounding, is about
+STEP of itself. The error of the differences, STEP² from their curvature and 1e-13 / STEP from rounding, is there about
 1e-8. The changes go through the same low-pass as the measured output.
 """
 
@@ -23,19 +23,19 @@ from graphdyn.layout import Array
 OutputName = Literal["position", "torque"]
 
 STEP = 1e-4
-"""Change of the torque by the change of one parameter, relative."""
+"""Relative change of the torque by the change of one parameter."""
 
 AT_ONCE = 16
-"""Simulations whose motions are in memory at once."""
+"""Largest number of simulations whose motions are in memory at once."""
 
 LARGEST = 2e9
-"""[bytes] Of all sensitivities."""
+"""Largest size of all sensitivities in memory [bytes]."""
 
 
 def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: OutputName) -> Iterator[RowBlock]:
-    """Measured and simulated outputs, and the sensitivities of the latter as the regressor.
+    """Measured and simulated outputs, with the sensitivities of the latter as the regressor.
 
-    x: base parameters (r,) of the simulated motions. Raises EstimationFailed where all of it does not fit in memory.
+    x: base parameters (r,) of the simulated motions. Raises EstimationFailed if the result does not fit in memory.
     """
     problem = loop.problem
     sensitivity = sensitivities(loop, x, name)
@@ -50,7 +50,7 @@ def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: Outpu
 
 
 def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:
-    """(N, n, r), for the rows of the problem."""
+    """Sensitivities (N, n, r) for the rows of the problem."""
     problem = loop.problem
     equations, prior = problem.equations, model_prior(problem.torque_model)
     length = np.linalg.norm(equations.factors[..., :-1], axis=(0, 1))
@@ -75,7 +75,7 @@ def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:
 
 
 def _output(loop: SimulatedLoop, samples: Samples, name: OutputName) -> Array:
-    """Of one stretch, as it is measured, in the rows that the filter leaves (N, n)."""
+    """Output of one stretch, as measured, in the rows that the filter keeps (N, n)."""
     row_filter = samples.row_filter
     if name == "torque":
         return samples.tau if row_filter is None else row_filter(samples.tau)

@@ -1,7 +1,7 @@
-"""The motions of a recording simulated again, with parameters as they are believed: without noise.
+"""Simulated motions of a recording with estimated parameters: motions without noise.
 
-The loop makes the robot follow its reference with almost any parameters, so that simulated and measured motions stay
-close, and the simulated one has nothing of the measured noise.
+The loop makes the robot follow its reference with almost any parameters. Simulated and measured motions therefore stay
+close, and the simulated one contains none of the measured noise.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ NO_LOOP = "needs the controller of the loop in which the recording was made, wit
 class SimulatedLoop:
     """The stretches of a problem's recording, to be simulated with any parameters.
 
-    simulations: of the whole recording so far
+    simulations: number of simulations of the whole recording so far
 
-    Raises EstimationFailed without a loop, without times, for a base that moves, for times that are not even, and for
-    friction with memory.
+    Raises EstimationFailed without a loop, without times, for a moving base, for uneven times, and for friction with
+    memory.
     """
 
     def __init__(self, problem: Problem, loop: ClosedLoop | None) -> None:
@@ -43,12 +43,15 @@ class SimulatedLoop:
     def samples(self, parameters: Array) -> list[Samples]:
         """The motions with parameters x (p,), row for row those of the recording.
 
-        Raises EstimationFailed where the loop does not hold the robot.
+        Raises EstimationFailed if the loop does not hold the robot.
         """
         return [runs[0] for runs in self.runs(parameters[None])]
 
     def runs(self, parameters: Array) -> Iterator[list[Samples]]:
-        """Segment by segment, the motions with R rows of parameters (R, p). Raises EstimationFailed likewise."""
+        """The motions with R rows of parameters (R, p), segment by segment.
+
+        Raises EstimationFailed if the loop does not hold the robot.
+        """
         self.simulations += len(parameters)
         robots = self._robots(parameters)
         for stretch in self._stretches:
@@ -64,11 +67,11 @@ class SimulatedLoop:
         return replace(self.problem, data=pieces, progress=None)
 
     def measured_positions(self) -> Array:
-        """In the rows that the filter leaves (N, n)."""
+        """Measured positions (N, n) in the rows that the filter keeps."""
         return np.concatenate([stretch.positions() for stretch in self._stretches])
 
     def _robots(self, parameters: Array) -> DrivenRobot:
-        """What the joints feel of parameters: in base parameters alone, so that nothing depends on the others."""
+        """The driven robots of base parameters alone, so that the result does not depend on other parameters."""
         base = self.problem.structure.base
         alone = np.zeros_like(parameters)
         alone[:, base.independent] = [base.values(x) for x in parameters]
@@ -76,7 +79,7 @@ class SimulatedLoop:
 
 
 def _uninterrupted(pieces: Sequence[Samples]) -> list[list[Samples]]:
-    """Pieces that continue each other together."""
+    """Groups of pieces that continue each other."""
     stretches: list[list[Samples]] = []
     for piece in pieces:
         if piece.continues and stretches:

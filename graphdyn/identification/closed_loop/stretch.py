@@ -20,17 +20,17 @@ from graphdyn.motion_laws import Course, MotionLaw
 from graphdyn.simulation import ComputedTorqueControl, PDControl, Rollout, rollout
 
 EVEN = 1e-3
-"""Largest deviation of a step of time from the mean one, relative: clocks of recordings are rounded to microseconds."""
+"""Largest relative deviation of a time step from the mean one: clocks of recordings are rounded to microseconds."""
 
 DIVIDES = 1e-9
-"""A quotient this little above a whole number is one."""
+"""Tolerance by which a quotient may exceed a whole number and still counts as one: rounding."""
 
 CLOCK = 1e-3
-"""A step divides a time if the quotient is this close to a whole number: sampling rates have five or six digits."""
+"""Tolerance of the quotient from a whole number if a step divides a time: sampling rates have five or six digits."""
 
 
 Runs = tuple[Array, Array, Array, Array]
-"""q, v, a and torques of the actuators of R robots (R, N, n) each."""
+"""q, v, a and actuator torques of R robots (R, N, n) each."""
 
 
 class Segment:
@@ -53,7 +53,7 @@ class Segment:
         self._temperature = joined_samples(pieces, slice(None)).temperature
 
     def samples(self, robots: DrivenRobot) -> list[Samples]:
-        """The exact motion of each robot. Raises EstimationFailed where it runs away."""
+        """The exact motion of each robot. Raises EstimationFailed if it diverges."""
         runs = self._in_python(robots) if self._loop.is_function else self._compiled(robots)
         if not all(np.all(np.isfinite(array)) for array in runs):
             raise EstimationFailed("the simulated loop does not hold the robot with these parameters: it runs away")
@@ -73,13 +73,13 @@ class Segment:
         ]
 
     def positions(self) -> Array:
-        """Measured ones, in the rows that the filter leaves (N, n)."""
+        """Measured positions (N, n), in the rows that the filter keeps."""
         q = np.concatenate([np.asarray(piece.q, dtype=float) for piece in self._pieces])
         row_filter = self._pieces[0].row_filter
         return q if row_filter is None else q[:: row_filter.factor]
 
     def as_measured(self, exact: Samples) -> Iterator[Samples]:
-        """An exact motion with q, v and a as they are made of measured ones, in the pieces of the recording."""
+        """An exact motion with q, v and a computed as from measurements, in the pieces of the recording."""
         seen, first = self._loop.seen(exact), 0
         for piece in self._pieces:
             yield replace(seen[first : first + len(piece)], continues=piece.continues)
@@ -91,7 +91,7 @@ class Segment:
 
     @cached_property
     def _every(self) -> int:
-        """Steps per sample: the shortest of sample, control period and longest step is divided."""
+        """Steps per sample, which divide the shortest of sample, control period and longest step."""
         period = self._loop.control_period or self._period
         shortest = min(period, self._period)
         step = shortest / np.ceil(shortest / self._loop.step - DIVIDES)
@@ -130,7 +130,7 @@ class Segment:
         return found.q, found.v, found.a, found.tau
 
     def _in_python(self, robots: DrivenRobot) -> Runs:
-        """With a controller that is a function: asked once in a period, for one robot after the other."""
+        """The motions with a controller that is a function, called once per period, for one robot after the other."""
         law: Any = self._loop.controller
         held = max(1, round((self._loop.period or 0.0) / self._step))
         steps = (self._rows - 1) * self._every
@@ -162,7 +162,9 @@ class Segment:
 
 
 class _Later:
-    """A law over the time since a start; the last course is kept, because every iteration asks for the same times."""
+    """A motion law over the time since a start; it caches its last course, because every iteration asks for the same
+    times.
+    """
 
     def __init__(self, law: MotionLaw, start: float) -> None:
         self._law, self._start = law, start

@@ -1,4 +1,4 @@
-"""Least squares over the inertias of real bodies: what the physically consistent estimators share."""
+"""Least squares over physically consistent inertias: the common parts of the physically consistent estimators."""
 
 from graphdyn.identification.consistent.limits import PhysicalLimits
 

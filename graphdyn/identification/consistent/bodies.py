@@ -1,4 +1,4 @@
-"""Which columns of a torque model are the ten parameters of a body, and which of the rest cannot be negative."""
+"""The ten columns of every unknown body in a torque model, and the other columns that cannot be negative."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ NOT_NEGATIVE = (
     *(Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, LoadFriction, MaxwellSlip),
     *(RotorInertia, PayloadMass),
 )
-"""Dissipation takes energy, a rotor has mass. Stribeck friction may fall below zero: it comes on top of Coulomb's."""
+"""Terms whose parameters cannot be negative: friction dissipates energy, a rotor has mass. Stribeck friction may fall
+below zero, because it adds to Coulomb friction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class Bodies:
     prior: pseudo-inertia matrices, positive definite       (n, 4, 4)
     further: names of the columns that belong to no body, in their order      (k,)
     nonnegative: those of them that cannot be negative
-    remarks: what was changed in the prior, in sentences
+    remarks: changes of the prior, in sentences
     """
 
     names: tuple[str, ...]
@@ -51,10 +52,12 @@ class Bodies:
 
 
 def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
-    """prior: its mean is read; the parameters of the model if left out. A payload that it does not know (zero) is
+    """Unknown bodies of a torque model, with their prior.
+
+    prior: its mean is read; the parameters of the model if left out. A payload that it does not contain (zero) is
     expected to be like the body that carries it.
 
-    Raises EstimationFailed where no body is unknown, InvalidInput where no body of the prior has a mass.
+    Raises EstimationFailed if no body is unknown, InvalidInput if no body of the prior has a mass.
     """
     model, start = torque_model.model, 0
     names: list[str] = []

@@ -1,10 +1,10 @@
-"""How far a cost can be above its minimum: a bound from convexity, which asks no solver.
+"""Bound on the distance of a cost from its minimum, from convexity alone, independent of the solver.
 
 For a convex f, bodies S_i ⪰ margin · E, rows G u ≥ h and any multipliers λ ≥ 0,
     f(u) - f(u*) ≤ (∇f - Gᵀλ)·(u - u*) + λ·(G u - h).
-With Z_i the part of the slope ∇f - Gᵀλ that belongs to S_i, a body contributes ⟨Z_i, S_i - S_i*⟩, which is at most
-⟨Z_i, S_i - margin · E⟩ where Z_i ⪰ 0. What Z_i lacks of that, and the slope of the further columns, is charged with the
-size of u itself, as if u* were no larger.
+Let Z_i be the part of the slope ∇f - Gᵀλ that belongs to S_i. A body contributes ⟨Z_i, S_i - S_i*⟩, which is at most
+⟨Z_i, S_i - margin · E⟩ if Z_i ⪰ 0. The negative part of Z_i, and the slope of the further columns, are multiplied by
+the size of u itself, as if u* were no larger.
 """
 
 import numpy as np

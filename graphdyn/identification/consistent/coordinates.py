@@ -1,13 +1,13 @@
 """Least squares in coordinates in which the prior is the unit matrix: a physically meaningful scaling of the columns.
 
-Per body P = U₀ S U₀ᵀ with the prior P₀ = U₀ U₀ᵀ, so that S = E is the prior and S ⪰ 0 a real body; s are the ten
-entries of S, those off the diagonal times √2, so that ‖s‖ = ‖S‖. A further column (friction, offset, …) is scaled so
-that 1 makes a torque as large as the whole measured one. Everything is then free of units, and of the choice of link
-frames.
+Per body P = U₀ S U₀ᵀ with the prior P₀ = U₀ U₀ᵀ. S = E is the prior, and S ⪰ 0 is a physically consistent body. s are
+the ten entries of S, those off the diagonal times √2, so that ‖s‖ = ‖S‖. A further column (friction, offset, …) is
+scaled so that 1 makes a torque as large as the whole measured one. The coordinates are thus independent of units and
+of the choice of link frames.
 
-The rank is that of the base parameters, which drop tiny columns before they scale any. Parameters that fit best are
+The rank is that of the base parameters, which drop tiny columns before they scale any. The best fits are
     u = fitting + null y,    any y:
-the data determine u up to y; a method that stays on this set has the base parameters of weighted least squares.
+the data determine u up to y. A method that stays on this set has the base parameters of weighted least squares.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _ROWS, _COLUMNS = np.triu_indices(4)
 _WEIGHT = np.where(_ROWS == _COLUMNS, 1.0, np.sqrt(0.5))
 
 SYMMETRIC = np.zeros((4, 4, BODY_PARAMETERS))
-"""S = SYMMETRIC @ s."""
+"""Basis of symmetric matrices: S = SYMMETRIC @ s."""
 SYMMETRIC[_ROWS, _COLUMNS, range(BODY_PARAMETERS)] = SYMMETRIC[_COLUMNS, _ROWS, range(BODY_PARAMETERS)] = _WEIGHT
 
 IDENTITY = np.einsum("iik->k", SYMMETRIC)
-"""s of S = E."""
+"""Coordinates s of the unit matrix S = E."""
 
 CLEAREST = 1e5
-"""Largest ‖z‖ in standard deviations of the residuals that their scaling trusts: exact data have no such unit."""
+"""Largest ‖z‖, in standard deviations of the residuals, by which equations are scaled: exact data have no such unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +45,8 @@ class PriorCoordinates:
     prior: pseudo-inertia matrices                          (n, 4, 4)
     to_parameters: x = to_parameters @ u, x in the order of the torque model   (p, p), p = 10n + k
     matrix, right: A (r, p), b (r,)
-    fitting, null: the u that fit best are fitting + null y (p,), (p, p - r), null orthonormal
-    base, base_values, base_covariance: base parameters of the data, those that fit best (r,), their covariance (r, r)
+    fitting, null: the best fits u are fitting + null y (p,), (p, p - r), null orthonormal
+    base, base_values, base_covariance: base parameters of the data, their best fit (r,), their covariance (r, r)
     """
 
     prior: Array
@@ -65,7 +65,7 @@ class PriorCoordinates:
 
     @property
     def width(self) -> int:
-        """Entries of u that belong to bodies; the further columns follow."""
+        """Number of entries of u that belong to bodies; the further columns follow."""
         return BODY_PARAMETERS * self.n_bodies
 
     @property
@@ -74,28 +74,31 @@ class PriorCoordinates:
         return np.concatenate([np.tile(IDENTITY, self.n_bodies), np.zeros(len(self.to_parameters) - self.width)])
 
     def symmetric(self, u: Array) -> Array:
-        """S of the bodies (n, 4, 4)."""
+        """Matrices S of the bodies (n, 4, 4)."""
         tensors: Array = np.einsum("ijk,nk->nij", SYMMETRIC, u[: self.width].reshape(-1, BODY_PARAMETERS))
         return tensors
 
     def smallest_eigenvalues(self, u: Array) -> Array:
-        """Of S (n,)."""
+        """Smallest eigenvalue of S for each body (n,)."""
         return np.asarray(np.linalg.eigvalsh(self.symmetric(u))[:, 0], dtype=float)
 
     def parameters(self, u: Array) -> Array:
-        """x (p,)."""
+        """Parameters x (p,) of the torque model."""
         return self.to_parameters @ u
 
     def fitting_parameters(self, u: Array) -> Array:
-        """x (p,) among the best fits, for a u that is there up to rounding: base parameters exact, the rest from u."""
+        """Parameters x (p,) among the best fits, for a u that is a best fit up to rounding.
+
+        The base parameters are exact, and the rest comes from u.
+        """
         x = self.to_parameters @ u
         x[self.base.independent] = self.base_values - self.base.regrouping @ x[self.base.dependent]
         return x
 
     def nearest_best_fit(self, u: Array, held: NDArray[np.bool_]) -> Array:
-        """The u that fits best at the smallest distance from this one.
+        """The best fit u with the smallest distance from this one.
 
-        Entries that are held (p,) become zero, up to rounding, where the best fits allow it.
+        Entries that are held (p,) become zero, up to rounding, if the best fits allow it.
         """
         inverse = np.linalg.pinv(self.null[held], rcond=RANK)
         y = self.null.T @ (u - self.fitting)
@@ -103,7 +106,7 @@ class PriorCoordinates:
         return self.fitting + self.null @ y
 
     def excess(self, u: Array) -> float:
-        """‖A u - b‖² above its minimum."""
+        """Amount of ‖A u - b‖² above its minimum."""
         return float(np.sum((self.matrix @ (u - self.fitting)) ** 2))
 
 
@@ -113,7 +116,7 @@ def prior_coordinates(
     """Coordinates for min ‖R x_base - z‖², residuals in units of their standard deviation.
 
     base: of the recording; reduced: R (≥ r, r), right: z (≥ r,), of CompressedEquations.weighted
-    prior: pseudo-inertia matrices, positive definite (n, 4, 4); body_columns: which of the p columns are their ten
+    prior: pseudo-inertia matrices, positive definite (n, 4, 4); body_columns: the ten of each body among the p columns
     """
     rank = len(base.independent)
     inner = base_parameters(reduced[:rank])  # a part of a recording may determine less than the whole

@@ -1,4 +1,4 @@
-"""What a physically consistent fit reports about itself."""
+"""Report of a physically consistent fit."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ def consistent_estimate(
     remarks: tuple[str, ...],
     settings: Mapping[str, float] | None = None,
 ) -> Estimate:
-    """The estimate, with remarks on the constraints and on a solver that did not say "optimal".
+    """The estimate, with remarks on the constraints and on a solver status other than "optimal".
 
-    Its covariance is that of weighted least squares where it has the same base parameters; else there is none: the
-    estimate is biased by the constraints or the prior, and scattered less than that.
+    If the base parameters equal those of weighted least squares, so does the covariance. Otherwise there is none: the
+    constraints or the prior bias the estimate and reduce its scatter.
     """
     answer, low = fit.answer, float(fit.eigenvalues.min())
     if answer.status != "optimal":

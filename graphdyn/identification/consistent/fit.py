@@ -1,14 +1,14 @@
-"""Least squares over real bodies: the common part of the physically consistent convex methods.
+"""Least squares over physically consistent bodies: the common part of the convex methods.
 
-With a strength: minimise ‖A u - b‖² + strength · d(u) over S_i ⪰ margin · E and the inequalities.
+With a strength: minimize ‖A u - b‖² + strength · d(u) over S_i ⪰ margin · E and the inequalities.
 
-Strength 0 is the limit from above. Where some consistent u are among the best fits, the one nearest to the prior
-among them is taken: the base parameters are those of weighted least squares, to the last digit and whatever the
-solver's precision, because it only searches the null space; the prior decides only what the data do not. Where no best
-fit is consistent the constraints are active, and the quadratic distance with the strength WEAK fixes what the data do
-not.
+Strength 0 is the limit from above. If some best fits u are consistent, the one nearest to the prior is taken. Its base
+parameters are those of weighted least squares to the last digit, whatever the solver's precision, because the solver
+only searches the null space. The prior then decides only what the data do not determine. If no best
+fit is consistent, the constraints are active. The quadratic distance with the strength WEAK then fixes what the data
+do not determine.
 
-An answer is accepted by its eigenvalues, the inequalities and the certificate of its cost, whatever status the solver
+A solution is accepted by its eigenvalues, the inequalities and the certificate of its cost, whatever status the solver
 reports.
 """
 
@@ -27,26 +27,26 @@ from graphdyn.identification.consistent.semidefinite import ConicAnswer, Semidef
 from graphdyn.layout import Array
 
 MARGIN = 1e-4
-"""Every body keeps this part of its prior: P ⪰ MARGIN · P₀. Then M(q) ⪰ MARGIN · M₀(q) in every pose: solutions do not
-sit on the boundary, where a mass matrix is singular."""
+"""Fraction of its prior that every body keeps: P ⪰ MARGIN · P₀. Then M(q) ⪰ MARGIN · M₀(q) in every pose: solutions do
+not lie on the boundary, where a mass matrix is singular."""
 
 WEAK = 1e-2
-"""Strength that fixes directions without data where constraints are active: an entry of S costs one variance when it is
-fourteen times the prior away from it."""
+"""Strength that fixes directions without data if constraints are active: an entry of S costs one variance at a distance
+of fourteen times the prior."""
 
 KEPT = 0.5
-"""Part of the margin that an answer must keep; the solver is exact to much less."""
+"""Fraction of the margin that a solution must keep; the solver is far more exact."""
 
 VIOLATED = 1e-6
-"""An inequality counts as violated beyond this, relative to the size of its terms."""
+"""Largest violation of an inequality, relative to the size of its terms."""
 
 CLOSE = 1e-3
-"""An answer may be this much above the minimal cost, relative to the cost or one variance of the residuals."""
+"""Largest amount of a solution's cost above the minimum, relative to the cost or one variance of the residuals."""
 
 
 @dataclass(frozen=True, eq=False)
 class ConsistentFit:
-    """Parameters and what is true of them.
+    """Parameters of a physically consistent fit, and its properties.
 
     parameters: x                                           (p,)
     excess: ‖A u - b‖² above that of unconstrained least squares, in variances of one residual
@@ -65,7 +65,7 @@ class ConsistentFit:
 
 
 class ConsistentProblem:
-    """min ‖A u - b‖² over real bodies, for one or many strengths.
+    """min ‖A u - b‖² over physically consistent bodies, for one or many strengths.
 
     metric: distance from the prior
     inequalities: of x; see limits.inequalities
@@ -83,13 +83,16 @@ class ConsistentProblem:
         self._programs: dict[Metric, SemidefiniteProgram] = {}
 
     def solve(self, strength: float = 0.0) -> ConsistentFit:
-        """Raises EstimationFailed, naming the limits, and EstimationFailed where no answer passes the checks."""
+        """Fit with this strength of the prior.
+
+        Raises EstimationFailed if no bodies keep the limits, which it names, or if no solution passes the checks.
+        """
         if strength == 0:
             return self._best_fit() or self._whole(WEAK, "pullback")
         return self._whole(strength, self._metric)
 
     def _best_fit(self) -> ConsistentFit | None:
-        """Nearest to the prior among the consistent best fits, None without any."""
+        """The consistent best fit nearest to the prior, None if there is none."""
         c = self._coordinates
         found = None
         for metric in dict.fromkeys(("pullback", self._metric)):  # the quadratic one is sure to see infeasibility
@@ -132,7 +135,7 @@ class ConsistentProblem:
         return (*said, *(f"{self._names[k]} is violated" for k in np.flatnonzero(short > VIOLATED * size)))
 
     def _contradiction(self) -> str:
-        """Which limits no bodies can keep, found by how far each has to be relaxed."""
+        """The limits that no bodies can keep, found from the amount by which each has to be relaxed."""
         short = least_violations(self._coordinates, (self._g, self._h), self._margin)
         broken = [name for name, value in zip(self._names, short, strict=True) if value > VIOLATED]
         return (

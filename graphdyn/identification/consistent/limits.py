@@ -1,4 +1,4 @@
-"""What is known of masses, centers of mass and friction before anything is measured, as linear inequalities."""
+"""Prior knowledge of masses, centers of mass and friction, as linear inequalities."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class PhysicalLimits:
-    """Bounds on the bodies, by name ("payload" for an unknown payload); infinite where there is none on one side.
+    """Bounds on the bodies, by name ("payload" for an unknown payload); infinite if there is none on one side.
 
     mass: lowest and highest mass (2,) of a body            [kg]
     center: box that holds the center of mass of a body, lower and upper corner in link axes from the link origin (2, 3)
@@ -33,7 +33,7 @@ class PhysicalLimits:
 class Inequalities:
     """G x ≥ h of the parameters x of a torque model.
 
-    matrix: G (m, p); right: h (m,); names: each in words   (m,)
+    matrix: G (m, p); right: h (m,); names: each as text    (m,)
     """
 
     matrix: Array
@@ -42,7 +42,7 @@ class Inequalities:
 
 
 def inequalities(limits: PhysicalLimits, bodies: Bodies, columns: Sequence[str]) -> Inequalities:
-    """The limits, and the columns that cannot be negative. columns: names of all p.
+    """The limits as inequalities, with the columns that cannot be negative. columns: names of all p.
 
     Raises InvalidInput, naming the body, for an unknown body, a wrong shape, a lower bound above the upper one.
     """
@@ -74,7 +74,7 @@ def inequalities(limits: PhysicalLimits, bodies: Bodies, columns: Sequence[str])
 
 
 def _mass(bodies: Bodies, name: str, bounded: str) -> int:
-    """Column of its mass."""
+    """Column of a body's mass."""
     if name not in bodies.names:
         raise InvalidInput(
             f"{bounded} limits of '{name}', which is not an unknown body; known: {', '.join(bodies.names)}"

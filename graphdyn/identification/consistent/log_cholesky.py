@@ -1,4 +1,4 @@
-"""Log-Cholesky coordinates of an inertia: ten numbers without bounds, each choice of them a real body.
+"""Log-Cholesky coordinates of an inertia: ten unbounded numbers, each choice of them a physically consistent body.
 
     P = U Uᵀ,   U = e^α [e^d₁ s₁₂ s₁₃ t₁; 0 e^d₂ s₂₃ t₂; 0 0 e^d₃ t₃; 0 0 0 1]
     θ = (α, d₁, d₂, d₃, s₁₂, s₂₃, s₁₃, t₁, t₂, t₃)
@@ -53,7 +53,7 @@ def log_cholesky_pseudo_inertia_derivatives(theta: Array) -> Array:
 
 
 def log_cholesky_parameters(matrix: Array) -> Array:
-    """θ (…, 10) of positive definite P (…, 4, 4). Raises numpy.linalg.LinAlgError where P is not."""
+    """θ (…, 10) of positive definite P (…, 4, 4). Raises numpy.linalg.LinAlgError if P is not positive definite."""
     u = upper_factor(matrix)
     unit = u / u[..., 3:, 3:]
     theta = [np.log(u[..., 3, 3]), *(np.log(unit[..., k, k]) for k in _STRETCHES)]

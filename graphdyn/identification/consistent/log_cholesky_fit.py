@@ -1,19 +1,20 @@
-"""Nonlinear least squares in log-Cholesky coordinates: the real bodies without a constraint and without a cone solver.
+"""Nonlinear least squares in log-Cholesky coordinates: consistent bodies without constraints or cone solver.
 
-    minimise  ‖A u(θ, f) - b‖² + strength · ½ ‖S(θ) - E‖²,   S_i = margin · E + (1 - margin) U(θ_i) U(θ_i)ᵀ
+    minimize  ‖A u(θ, f) - b‖² + strength · ½ ‖S(θ) - E‖²,   S_i = margin · E + (1 - margin) U(θ_i) U(θ_i)ᵀ
 
 over θ, ten numbers per body, θ = 0 at the prior, and the further columns f. It is the problem of the convex fit with
-the quadratic distance in other unknowns, and not convex in θ. Each start is led along a path of falling strengths, each
-answer the start of the next: the data bend the valley of the cost, and the prior straightens it. Levenberg and
-Marquardt's method (MINPACK, through scipy.optimize.least_squares) with the analytic Jacobian. Columns that cannot be
-negative but would become so are held at zero, and released when the cost would fall.
+the quadratic distance in other unknowns, and not convex in θ. Each start follows a path of falling strengths, and each
+solution is the start of the next. The data bend the valley of the cost, and the prior straightens it. The method is
+that of Levenberg and Marquardt (MINPACK, through scipy.optimize.least_squares) with the analytic Jacobian. Columns that
+cannot be negative but would become so are held at zero, and released when the cost would fall.
 
-Towards a body on the margin some entries of θ run to -∞, where the method converges slowly, and may
-stop too early: answers are moved off the margin and solved for again. An answer counts by the certificate of the convex
-problem, not by the condition that stopped it. Off the margin, Newton's method adds the last digits.
+Towards a body on the margin some entries of θ run to -∞, where the method converges slowly and may
+stop too early. Solutions are therefore moved off the margin and solved for again. The certificate of the convex
+problem decides on a solution, not the condition that stopped the method. Off the margin, Newton's method adds the last
+digits.
 
-Where the answer can be moved among the best fits of unconstrained least squares, by the shortest way and off the
-margin, it is: the base parameters are those of least squares then, to the last digit.
+If the shortest move of a solution into the best fits of unconstrained least squares stays off the
+margin, it is made: the base parameters are then those of least squares, to the last digit.
 """
 
 from __future__ import annotations
@@ -36,11 +37,11 @@ SPREAD = 0.5
 """Standard deviation of θ of the further starts: masses and lengths within a factor of 1.6 of the prior."""
 
 STRENGTH = 1.0
-"""Expects the entries of a body within √2 of the prior, relative. A hundred times less takes hundreds of iterations
-where the data want a body on the margin."""
+"""Default strength: expects the entries of a body within √2 of the prior, relative. A hundredth of it takes hundreds of
+iterations if the data want a body on the margin."""
 
 PATH = (1e4, 1e3, 1e2, 1e1, 1e0, 1e-1, 1e-2)
-"""Strengths on the way to a smaller one."""
+"""Decreasing strengths that are solved before a smaller one."""
 
 SMALLEST_STEP = 1e-8
 """Relative change of the unknowns and of the cost at which least_squares stops."""
@@ -48,20 +49,20 @@ SMALLEST_STEP = 1e-8
 EVALUATIONS = 500
 
 LIFT = 1e-2
-"""Part of the prior that is added to every body before the last strength is settled again: a step that overshoots
+"""Fraction of the prior that is added to every body before the last strength is solved again: a step that overshoots
 leaves a column of U at zero, where the gradient vanishes although the cost would fall."""
 
 LIFTS = 2
 
 ROUNDING = 1e-12
-"""Of a column that is zero, relative to one that makes the whole torque."""
+"""Largest rounding of a zero column, relative to a column that makes the whole torque."""
 
 ROUNDS = 10
-"""Sets of columns held at zero that are tried at each strength."""
+"""Largest number of sets of columns held at zero that are tried at each strength."""
 
 NEAR = 1e-2
-"""An answer may be this much above the minimal cost, relative to the cost or one variance of the residuals: far less
-than noise moves the cost."""
+"""Largest amount of a solution's cost above the minimum, relative to the cost or one variance of the residuals: far
+less than noise moves the cost."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +71,7 @@ class LocalMinimum:
 
     cost: ‖A u - b‖² + strength · ½ ‖S - E‖²
     suboptimality: bound on the cost above its minimum
-    stopped: what ended least_squares, in its words
+    stopped: message of least_squares on its end
     evaluations: of the residuals
     """
 
@@ -87,8 +88,10 @@ class LocalMinimum:
 
 @dataclass(frozen=True, eq=False)
 class LogCholeskyFit:
-    """parameters: x (p,); excess, eigenvalues, best_fit: see ConsistentFit
-    starts: all of them, the one taken first; agreeing: how many found its cost
+    """Result of the fit from all starts.
+
+    parameters: x (p,); excess, eigenvalues, best_fit: see ConsistentFit
+    starts: all of them, the chosen one first; agreeing: how many found its cost
     seconds: of all starts
     """
 
@@ -110,10 +113,10 @@ def log_cholesky_fit(
     margin: float = MARGIN,
     seed: int = 0,
 ) -> LogCholeskyFit:
-    """nonnegative: which further columns cannot be negative (k,).
+    """Fit from several starts: the first is the prior, the others are drawn around it. The cheapest solution is taken.
 
-    The first start is the prior, the others are drawn around it. The cheapest is taken.
-    Raises InvalidInput for less than one start or a strength of 0, EstimationFailed where the cheapest is not accepted.
+    nonnegative: which further columns cannot be negative (k,).
+    Raises InvalidInput for less than one start or a strength of 0, EstimationFailed if the cheapest is not accepted.
     """
     if starts < 1 or not strength > 0:
         raise InvalidInput(f"{starts} starts with strength {strength:g}; at least one, and a strength > 0 needed")
@@ -140,7 +143,7 @@ def log_cholesky_fit(
 def _from(
     coordinates: PriorCoordinates, theta: Array, bounded: NDArray[np.bool_], strength: float, margin: float
 ) -> LocalMinimum:
-    """From these bodies, and from the further columns of unconstrained least squares."""
+    """Solution from these bodies, and from the further columns of unconstrained least squares."""
     unknowns = np.concatenate([theta, coordinates.fitting[coordinates.width :]])
     evaluations = 0
     for on_the_way in (*(larger for larger in PATH if larger > strength), strength):
@@ -163,7 +166,7 @@ def _from(
 
 
 def _settled(problem: Residuals, unknowns: Array, bounded: NDArray[np.bool_]) -> tuple[Array, int, str]:
-    """The unknowns at one strength, evaluations, and what stopped least_squares."""
+    """The unknowns at one strength, evaluations, and the message of least_squares on its end."""
     from scipy.optimize import least_squares  # imported where first used: import graphdyn stays light
 
     evaluations = 0

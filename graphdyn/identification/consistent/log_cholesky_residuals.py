@@ -15,11 +15,13 @@ from graphdyn.identification.consistent.polishing import FURTHER
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 LARGEST = 40.0
-"""|θ| beyond which nothing changes: trial steps may not overflow, and e^-40 is negligible."""
+"""Largest |θ| that has an effect: trial steps must not overflow, and e^-40 is negligible."""
 
 
 class Residuals:
-    """A u - b and √(strength / 2) (u - u of the prior), of the unknowns (θ of n bodies, further columns)."""
+    """A u - b and √(strength / 2) (u - u of the prior), as functions of the unknowns (θ of n bodies, further
+    columns).
+    """
 
     def __init__(self, coordinates: PriorCoordinates, strength: float, margin: float):
         self.coordinates, self.margin, self.pull = coordinates, margin, np.sqrt(strength / 2)
@@ -47,7 +49,7 @@ class Residuals:
         return float(np.sum(self.residuals(unknowns) ** 2))
 
     def lifted(self, unknowns: Array, part: float) -> Array:
-        """With this part of the prior added to every body."""
+        """The unknowns with this fraction of the prior added to every body."""
         thicker = log_cholesky_pseudo_inertia(self._thetas(unknowns)) + part * np.eye(4)
         further = unknowns[self.coordinates.width :]
         return np.concatenate([log_cholesky_parameters(thicker).reshape(-1), further])
@@ -69,7 +71,7 @@ class Residuals:
 
 
 def with_values(unknowns: Array, free: NDArray[np.int64], values: Array) -> Array:
-    """The unknowns with these values at the free ones."""
+    """The unknowns with these values at the free entries."""
     changed = unknowns.copy()
     changed[free] = values
     return changed

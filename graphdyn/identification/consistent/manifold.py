@@ -1,11 +1,12 @@
-"""Distances between the inertias of real bodies, and a prior that lies among them.
+"""Distances between physically consistent inertias, and a prior that lies among them.
 
-Pseudo-inertia matrices P of real bodies are the positive definite 4×4 matrices. Two distances from a prior P₀:
+Pseudo-inertia matrices P of physically consistent bodies are the positive definite 4×4 matrices. There are two
+distances from a prior P₀:
 
     entropic    d = tr(P₀⁻¹ P) - log det(P₀⁻¹ P) - 4        Bregman divergence of -log det
     pullback    d = ½ tr((P₀⁻¹ (P - P₀))²)                  its second-order part at P₀, a quadratic form in P
 
-Both are ≥ 0, vanish at P₀ alone, and do not change when the link frame or the units do: P → G P Gᵀ, P₀ → G P₀ Gᵀ.
+Both are ≥ 0, vanish at P₀ alone, and are invariant to changes of link frame or units: P → G P Gᵀ, P₀ → G P₀ Gᵀ.
 
 Lee, Wensing and Park, "Geometric robot dynamic identification: a convex programming approach", IEEE Transactions on
 Robotics 36(2), 2020, Eq. (22) and (26); Lee and Park, "A geometric algorithm for robust multibody inertial parameter
@@ -22,13 +23,13 @@ from graphdyn.layout import Array
 from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
 RADIUS = 1e-3
-"""[m] No prior is thinner (root mean square distance of its mass from a plane through the center of mass)."""
+"""Smallest extent of a prior [m]: the root mean square distance of its mass from a plane through the center of mass."""
 
 THINNESS = 0.05
-"""No prior is thinner than this part of its largest extent: the log-det of a flat or slender CAD body is undefined."""
+"""Smallest extent of a prior relative to its largest one: the log-det of a flat or slender CAD body is undefined."""
 
 MASS = 1e-2
-"""No prior is lighter than this part of the mean body: a link without mass in the file gets that much."""
+"""Smallest mass of a prior relative to the mean body: a link without mass in the file gets that much."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +37,7 @@ class InertialPrior:
     """Positive definite pseudo-inertia matrices of n bodies, about the link origins, in link axes.
 
     pseudo_inertia: (n, 4, 4) [kg, kg m, kg m²]
-    lifted: which bodies were too light, too thin or no real bodies and had to be moved inside    (n,)
+    lifted: bodies that were too light, too thin or not physically consistent and had to be moved inside    (n,)
     """
 
     pseudo_inertia: Array
@@ -44,7 +45,7 @@ class InertialPrior:
 
 
 def entropic_divergence(matrix: Array, prior: Array) -> Array:
-    """tr(P₀⁻¹ P) - log det(P₀⁻¹ P) - 4 of positive definite P, P₀ (…, 4, 4); infinite where P is not."""
+    """tr(P₀⁻¹ P) - log det(P₀⁻¹ P) - 4 of positive definite P, P₀ (…, 4, 4); infinite if P is not positive definite."""
     excess = np.linalg.eigvals(np.linalg.solve(prior, matrix)).real - 1.0
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.where(excess.min(axis=-1) > -1, np.sum(excess - np.log1p(excess), axis=-1), np.inf)
@@ -63,11 +64,11 @@ def upper_factor(matrix: Array) -> Array:
 
 
 def inertial_prior(parameters: Array) -> InertialPrior:
-    """Ten parameters per body (n, 10), moved inside the real bodies where they are not among them.
+    """Prior from ten parameters per body (n, 10), moved inside the physically consistent bodies if needed.
 
     The mass is raised to MASS of the mean, and the extent along each principal axis to THINNESS of the largest one
-    and to RADIUS. What is inside already is left as it is.
-    Raises InvalidInput where no body has a mass.
+    and to RADIUS. A body that is already inside stays unchanged.
+    Raises InvalidInput if no body has a mass.
     """
     mass = parameters[:, 0]
     heavy = mass > 0
@@ -80,7 +81,7 @@ def inertial_prior(parameters: Array) -> InertialPrior:
 
 
 def _lift(matrix: Array, least_mass: float) -> bool:
-    """Moves one pseudo-inertia matrix inside, in place; whether that was needed."""
+    """Move one pseudo-inertia matrix inside, in place; return whether that was needed."""
     light = matrix[3, 3] < least_mass
     center = np.zeros(3) if matrix[3, 3] <= 0 else matrix[:3, 3] / matrix[3, 3]
     second_moments = matrix[:3, :3] - matrix[3, 3] * np.outer(center, center)

@@ -1,11 +1,11 @@
-"""Newton steps from the answer of a cone solver to the last digits, where the bodies are off their margin.
+"""Newton steps from the answer of a cone solver to the last digits, for bodies that are off their margin.
 
 There the cost f(u) = ‖A u - b‖² + strength · d(u) is smooth, and the inequalities that hold with equality are known:
 those whose multiplier exceeds their slack. Newton's method on the optimality conditions of the rest,
 
     ∇f(u) = Gᵀλ,  G u = h  (active rows),
 
-doubles the digits in every step. It changes nothing where it would leave the margin.
+doubles the digits in every step. If it would leave the margin, it changes nothing.
 """
 
 from dataclasses import dataclass
@@ -20,19 +20,19 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 Metric = Literal["entropic", "pullback"]
 
 FURTHER = 1e-6
-"""Weight of the squares of the further columns beside the distance of the bodies: where the data cannot tell friction
-or a rotor from a link, the link stays at its prior."""
+"""Weight of the squares of the further columns relative to the distance of the bodies: if the data cannot distinguish
+friction or a rotor from a link, the link stays at its prior."""
 
 STEPS = 20
 
 ROUNDS = 20
-"""Sets of active rows that are tried."""
+"""Largest number of sets of active rows that are tried."""
 
 SETTLED = 1e-12
-"""Newton stops at a step this small relative to u."""
+"""Size of a step, relative to u, at which Newton's method stops."""
 
 SHORTEST = 1e-3
-"""Steps are halved down to this part where they would leave the margin."""
+"""Smallest fraction to which steps are halved if they would leave the margin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Cost:
 def polished(
     cost: Cost, u: Array, multipliers: Array, inequalities: tuple[Array, Array], margin: float
 ) -> tuple[Array, Array]:
-    """u and the multipliers of G u ≥ h after Newton's method; as given where it does not converge off the margin.
+    """u and the multipliers of G u ≥ h after Newton's method; unchanged if it does not converge off the margin.
 
     Active rows with a negative multiplier are released, violated rows are made active.
     """
@@ -99,7 +99,7 @@ def polished(
 
 
 def _newton(cost: Cost, x: Array, rows: Array, right: Array, margin: float) -> tuple[Array, Array] | None:
-    """The minimum of the cost on rows x = right, and the multipliers; None where it is not found off the margin."""
+    """The minimum of the cost on rows x = right, and the multipliers; None if it is not found off the margin."""
     corner = np.zeros((len(rows), len(rows)))
     for _ in range(STEPS):
         system = np.block([[cost.hessian(x), -rows.T], [rows, corner]])

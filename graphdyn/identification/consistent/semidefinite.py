@@ -1,10 +1,10 @@
 """The semidefinite programs of the physically consistent methods, in the coordinates of the prior.
 
-    minimise    ‖A u - b‖² + strength · d(u)      over u = offset + basis y
+    minimize    ‖A u - b‖² + strength · d(u)      over u = offset + basis y
     subject to  S_i ⪰ margin · E  for every body,  G u ≥ h
 
-with the entropic divergence or the quadratic pullback distance d (manifold), of the bodies, and a weak quadratic
-of the further columns, so that it has one minimum. cvxpy writes the cone program, Clarabel solves it.
+d is the entropic divergence or the quadratic pullback distance (manifold) of the bodies. A weak quadratic
+of the further columns makes the minimum unique. cvxpy writes the cone program, Clarabel solves it.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from graphdyn.identification.consistent.polishing import FURTHER, Metric
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 PRECISION = 1e-10
-"""Relative gap and infeasibility at which Clarabel stops; it says "optimal_inaccurate" where it cannot get there."""
+"""Relative gap and infeasibility at which Clarabel stops; it reports "optimal_inaccurate" if it cannot reach them."""
 
 ITERATIONS = 200
 
 
 @dataclass(frozen=True, eq=False)
 class ConicAnswer:
-    """The solver's answer and status.
+    """The solver's solution and status.
 
-    u: None where the solver gives none                     (p,)
+    u: None if the solver gives none                        (p,)
     multipliers: of G u ≥ h, not negative                   (m,)
     status: of the solver ("optimal", "optimal_inaccurate", "infeasible", …), or its error message
     objective: ‖A u - b‖² + strength d(u)
@@ -48,9 +48,9 @@ class ConicAnswer:
 class SemidefiniteProgram:
     """One program, written once and solved for many strengths.
 
-    on_best_fits: u runs over the best fits alone (then the data term is constant and left out), else over all u
+    on_best_fits: u is restricted to the best fits (the data term is then constant and left out), else any u
     inequalities: G (m, p), h (m,)
-    Raises EstimationFailed where cvxpy or Clarabel is not installed.
+    Raises EstimationFailed if cvxpy or Clarabel is not installed.
     """
 
     def __init__(
@@ -89,7 +89,7 @@ class SemidefiniteProgram:
         self._problem = cp.Problem(cp.Minimize(cost), real + self._limits)
 
     def solve(self, strength: float) -> ConicAnswer:
-        """Solves at PRECISION; where the solver does not get there, once more at its own default."""
+        """Solve at PRECISION, and once more at the solver's own default if it does not reach that."""
         self._strength.value = strength
         answer = self._solve(tol_gap_abs=PRECISION, tol_gap_rel=PRECISION, tol_feas=PRECISION)
         if answer.status in ("optimal", "infeasible"):
@@ -118,7 +118,9 @@ class SemidefiniteProgram:
 
 
 def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, Array], margin: float) -> Array:
-    """By how much each inequality has to be relaxed so that bodies with S_i ⪰ margin · E exist (m,), least sum."""
+    """Amounts (m,), of least sum, by which each inequality must be relaxed so that bodies with S_i ⪰ margin · E
+    exist.
+    """
     cp = _cvxpy()
     g, h = inequalities
     u, short = cp.Variable(len(coordinates.origin)), cp.Variable(len(h), nonneg=True)
@@ -128,7 +130,7 @@ def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, A
 
 
 def _bodies(u: Any, n: int) -> list[Any]:
-    """S of the bodies, as expressions of cvxpy."""
+    """Matrices S of the bodies, as expressions of cvxpy."""
     cp = _cvxpy()
     to_square = SYMMETRIC.reshape(-1, BODY_PARAMETERS, order="F")
     parts = (u[BODY_PARAMETERS * i : BODY_PARAMETERS * (i + 1)] for i in range(n))
@@ -136,7 +138,7 @@ def _bodies(u: Any, n: int) -> list[Any]:
 
 
 def _cvxpy() -> Any:
-    """cvxpy, imported where first used: it takes a second, and graphdyn works without it."""
+    """cvxpy, imported at first use: the import takes a second, and graphdyn works without it."""
     try:
         import clarabel  # noqa: F401
         import cvxpy

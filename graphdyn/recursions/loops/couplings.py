@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.model.coupling import Freedoms
+from graphdyn.recursions.declarations import with_couplings
 from graphdyn.recursions.forward import Drives
 from graphdyn.recursions.inertia import inverted, inverted_mass_matrix, mass_matrix
 from graphdyn.recursions.inverse import Wrench, inverse_dynamics
@@ -31,6 +32,7 @@ def projected(answer: Scalars, shape: Sequence[int | str], freedoms: Freedoms | 
     return answer
 
 
+@with_couplings
 def forward_dynamics(
     links: Sequence[Link],
     root: Root,
@@ -62,7 +64,7 @@ def driven(
     """
     mass = projected(mass_matrix(links, q), ("n", "n"), freedoms)
     mass[np.diag_indices(len(mass))] += np.array(drives.rotor, dtype=object)
-    bias = projected(_torques(links, root, q, v, [0.0] * len(links), external), ("n",), freedoms)
+    bias = projected(torques(links, root, q, v, [0.0] * len(links), external), ("n",), freedoms)
     free = np.array(drives.free, dtype=object)
     moving = mass * np.outer(free, free)
     moving[np.diag_indices(len(mass))] += 1.0 - free
@@ -71,12 +73,14 @@ def driven(
     return {"a": list(a), "required": list(mass @ a + bias)}
 
 
+@with_couplings
 def mass_matrix_inverse(links: Sequence[Link], freedoms: Freedoms, q: Columns) -> dict[str, Any]:
     """mass_matrix_inverse (n n) and pivots."""
     inverse, pivots = _inverted_mass_matrix(links, freedoms, q)
     return {"mass_matrix_inverse": list(inverse.ravel()), "pivots": pivots}
 
 
+@with_couplings
 def power(
     links: Sequence[Link],
     root: Root,
@@ -87,7 +91,7 @@ def power(
     external: Sequence[Wrench] | None = None,
 ) -> dict[str, list[Any]]:
     """τ_j v_j (n) of the free joints, whose torques move the driven ones too."""
-    tau = _torques(links, root, q, v, a, external)
+    tau = torques(links, root, q, v, a, external)
     rates = np.array(v, dtype=object)[list(freedoms.independent)]
     return {"power": list(projected(tau, ("n",), freedoms) * rates)}
 
@@ -103,7 +107,7 @@ def solved(
 ) -> tuple[Scalars, Scalars, list[Any]]:
     """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n,), and the pivots (n); of all joints without freedoms, else of the free ones."""
     inverse, pivots = inverted_mass_matrix(links, q) if freedoms is None else _inverted_mass_matrix(links, freedoms, q)
-    bias = _torques(links, root, q, v, [0.0] * len(links), external)
+    bias = torques(links, root, q, v, [0.0] * len(links), external)
     return inverse, inverse @ (np.array(tau, dtype=object) - projected(bias, ("n",), freedoms)), pivots
 
 
@@ -112,7 +116,7 @@ def everywhere(a: Scalars, freedoms: Freedoms | None) -> list[Any]:
     return list(a if freedoms is None else scalars(freedoms.matrix) @ a)
 
 
-def _torques(
+def torques(
     links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None
 ) -> Scalars:
     """That all joints need (n,)."""

@@ -7,7 +7,7 @@ Accelerations, torques and multipliers then follow as from couplings, with a K t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,9 +15,11 @@ import numpy as np
 
 from graphdyn.model.loops import CLOSED
 from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions.declarations import Recursion, with_chords
 from graphdyn.recursions.inertia import inverted, mass_matrix
-from graphdyn.recursions.inverse import Wrench, along_pins, inverse_dynamics, transmitted
+from graphdyn.recursions.inverse import Wrench, along_pins, transmitted
 from graphdyn.recursions.loops.chords import ChordRows, Columns, chord_rows, is_zero
+from graphdyn.recursions.loops.couplings import torques
 from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import Root, inertial_wrench, motions, places
 from graphdyn.scalars.vectors import Scalars, zeros
@@ -84,6 +86,7 @@ def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) ->
     return Closing(motions_of, dependent, columns, inverse, rows, watched)
 
 
+@with_chords
 def forward_dynamics(
     model: RobotModel,
     links: Sequence[Link],
@@ -98,7 +101,7 @@ def forward_dynamics(
     k, start = held.motions, held.start(len(links))
     mass = k.T @ mass_matrix(links, q) @ k
     inverse, pivots = inverted(mass, [range(j)[::-1] for j in range(len(mass))])
-    needed = np.array(inverse_dynamics(links, root, q, v, start, external)["tau"], dtype=object)
+    needed = torques(links, root, q, v, start, external)
     gained = k @ (inverse @ (k.T @ (np.array(tau, dtype=object) - needed)))
     a = [x + y for x, y in zip(start, gained, strict=True)]
     watched = [_ratio(pivot, size) for pivot, size in zip(pivots, mass.diagonal(), strict=True)]
@@ -106,7 +109,8 @@ def forward_dynamics(
     return {"a": a, **answer, "pivots": held.watched + watched}
 
 
-def inverse_dynamics_at_motors(
+@with_chords
+def inverse_dynamics(
     model: RobotModel,
     links: Sequence[Link],
     root: Root,
@@ -117,32 +121,30 @@ def inverse_dynamics_at_motors(
 ) -> dict[str, list[Any]]:
     """As graphdyn.recursions.inverse answers, with torques at the actuated joints alone, the smallest that do."""
     held = closing(model, links, q, v)
-    needed = np.array(inverse_dynamics(links, root, q, v, a, external)["tau"], dtype=object)
+    needed = torques(links, root, q, v, a, external)
     to_motors, pivots = _actuation(model, held)
     tau = list(to_motors @ needed)
     answer = _reactions(model, links, root, held, q, v, a, tau, external)
     return {"tau": tau, **answer, "pivots": held.watched + held.opened_by(a) + pivots}
 
 
-def at_motors(
-    model: RobotModel,
-    links: Sequence[Link],
-    q: Columns,
-    v: Columns,
-    name: str,
-    torques: Scalars | Columns,
-    a: Columns = (),
-) -> dict[str, list[Any]]:
-    """Torques (n) or torques per parameter (n, k) of the joints without chords, at the actuated joints, by name.
+def at_motors(recursion: Recursion) -> Callable[..., dict[str, list[Any]]]:
+    """The form for robots with chords of a recursion that answers torques (n) or torques per parameter (n, k).
 
-    a: accelerations that must keep the loops closed, if any
+    What the recursion answers for the joints without chords, at the actuated joints. Accelerations, where it takes
+    some, must keep the loops closed.
     """
-    held = closing(model, links, q, v)
-    to_motors, pivots = _actuation(model, held)
-    return {
-        name: list((to_motors @ np.asarray(torques, dtype=object)).ravel()),
-        "pivots": held.watched + (held.opened_by(a) if len(a) else []) + pivots,
-    }
+
+    def at_actuated(x: Any, q: Columns, v: Columns | None = None, *a: Columns) -> dict[str, list[Any]]:
+        ((name,), arrays) = recursion.outputs, (q, *([] if v is None else [v]), *a)
+        of_tree = np.asarray(recursion.compute(x, *arrays), dtype=object)
+        held = closing(x.model, x.links, q, x.zeros if v is None else v)
+        to_motors, pivots = _actuation(x.model, held)
+        answer = list((to_motors @ of_tree).ravel())
+        opened = [each for rates in a for each in held.opened_by(rates)]
+        return {name: answer, "pivots": held.watched + opened + pivots}
+
+    return at_actuated
 
 
 def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:
@@ -173,8 +175,8 @@ def _reactions(
     moving = motions(links, at, root, v, a)
     required = [inertial_wrench(*pair) for pair in zip(links, moving, strict=True)]
     without = transmitted(links, at, required, external)
-    torques = [force[2] if link.prismatic else moment[2] for link, (force, moment) in zip(links, without, strict=True)]
-    found = held.multipliers([x - y for x, y in zip(tau, torques, strict=True)])
+    needed = [force[2] if link.prismatic else moment[2] for link, (force, moment) in zip(links, without, strict=True)]
+    found = held.multipliers([x - y for x, y in zip(tau, needed, strict=True)])
     loads = [(zeros(3), zeros(3)) for _ in links] if external is None else list(external)
     of_chords, first = [], 0
     for chord, rows in zip(model.chords, held.rows, strict=True):

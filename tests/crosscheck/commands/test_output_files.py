@@ -145,7 +145,7 @@ class TestSpellings:
         installed = tmp_path / "installed"
         installed.write_text(small_arm.read_text(encoding="utf-8"), encoding="utf-8")
         entry = type("Entry", (), {"name": "arm", "path": installed})
-        monkeypatch.setattr("urdf.document.catalogue.robots", lambda: (entry,))
+        monkeypatch.setattr("urdf.robots", lambda: (entry,))
         assert "reads this file" in refuses("show", "arm", "--json", installed)
 
     def test_a_module_by_name(self, refuses, tmp_path):

@@ -154,8 +154,8 @@ def test_page(program, small_arm, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--out", "run.txt"), "--out run.txt: name a file that ends with .parquet, .csv, .npz, .mcap"),
-        (("--out", "-"), "--out -: name a file that ends with .parquet"),
+        (("--out", "run.txt"), "--out run.txt: name a file that ends with .mcap, .csv, .npz, .parquet"),
+        (("--out", "-"), "--out -: name a file that ends with .mcap"),
         (("--rate", "0"), "--rate and --duration must be above zero"),
         (("--position", "1,2"), "--position has 2 numbers for 3 joints: z_shoulder, y_elbow, a_slide"),
         (("--velocity", "1,2,x"), "--velocity 1,2,x: numbers with commas between them are needed"),

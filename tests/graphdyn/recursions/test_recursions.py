@@ -19,7 +19,7 @@ from witnesses import acceleration_scale, relative_error
 import graphdyn
 from graphdyn.compiler.programs import Request
 from graphdyn.compiler.running import run
-from graphdyn.recursions.table import RECURSIONS
+from graphdyn.recursions import RECURSIONS
 
 EPS = np.finfo(float).eps
 

@@ -10,7 +10,7 @@ from random_trees import NAMED, random_state
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput
 from graphdyn.arguments.choices import KEYWORDS, METHODS
-from graphdyn.recursions.table import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAYS, RECURSIONS
 from graphdyn.verbs.table import VERBS
 
 MODEL = NAMED["mixed_chain"]
