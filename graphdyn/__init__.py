@@ -37,71 +37,31 @@ from graphdyn.model.inertia import Consistency
 from graphdyn.model.parts import Body, Frame, Joint, JointLimits
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import Placement
-from graphdyn.verbs.answers import (
-    EnergyRegressor,
-    ForwardDynamics,
-    ForwardDynamicsDerivatives,
-    InverseDynamics,
-    InverseDynamicsDerivatives,
-    InverseDynamicsSecondDerivatives,
-    Momentum,
-    ReactionDerivatives,
-)
-from graphdyn.verbs.assembly import assemble
-from graphdyn.verbs.compiled import CompiledModel, compile
-from graphdyn.verbs.derivatives import (
-    forward_dynamics_derivatives,
-    forward_dynamics_parameter_derivatives,
-    inverse_dynamics_derivatives,
-    inverse_dynamics_second_derivatives,
-    reaction_derivatives,
-)
-from graphdyn.verbs.dynamics import (
-    bias_torque,
-    forward_dynamics,
-    gravity_torque,
-    inverse_dynamics,
-    joint_accelerations,
-    joint_torques,
-    kkt_system,
-    solve_kkt,
-    static_torque,
-)
-from graphdyn.verbs.energies import energy_regressor, kinetic_energy, potential_energy, power
-from graphdyn.verbs.frames import frame_acceleration, frame_jacobian, frame_jacobian_derivative, frame_velocity
-from graphdyn.verbs.matrices import (
-    body_regressor,
-    coriolis_matrix,
-    joint_torque_regressor,
-    mass_matrix,
-    mass_matrix_inverse,
-    momentum_regressor,
-)
-from graphdyn.verbs.momentum import (
-    center_of_mass,
-    center_of_mass_jacobian,
-    center_of_mass_velocity,
-    centroidal_map,
-    momentum,
-)
-from graphdyn.verbs.recorded_function import RecordedFunction
+from graphdyn.verbs import answers as _answers
+from graphdyn.verbs import assembly as _assembly
+from graphdyn.verbs import compiled as _compiled
+from graphdyn.verbs import derivatives as _derivatives
+from graphdyn.verbs import dynamics as _dynamics
+from graphdyn.verbs import energies as _energies
+from graphdyn.verbs import frames as _frames
+from graphdyn.verbs import matrices as _matrices
+from graphdyn.verbs import momenta as _momenta
+from graphdyn.verbs import recorded_function as _recorded_function
+from graphdyn.verbs.answers import *  # noqa: F403
+from graphdyn.verbs.assembly import *  # noqa: F403
+from graphdyn.verbs.compiled import *  # noqa: F403
+from graphdyn.verbs.derivatives import *  # noqa: F403
+from graphdyn.verbs.dynamics import *  # noqa: F403
+from graphdyn.verbs.energies import *  # noqa: F403
+from graphdyn.verbs.frames import *  # noqa: F403
+from graphdyn.verbs.matrices import *  # noqa: F403
+from graphdyn.verbs.momenta import *  # noqa: F403
+from graphdyn.verbs.recorded_function import *  # noqa: F403
 
 if TYPE_CHECKING:
     from graphdyn import excitation, identification
-    from graphdyn.simulation import (
-        ComputedTorqueControl,
-        EnergyBalance,
-        Event,
-        Friction,
-        JointStops,
-        MeasurementNoise,
-        Occurrence,
-        PDControl,
-        Rollout,
-        Simulation,
-        rollout,
-        simulate,
-    )
+    from graphdyn import simulation as _simulation
+    from graphdyn.simulation import *  # noqa: F403
 else:
     _SIMULATION = (
         "ComputedTorqueControl",
@@ -133,18 +93,10 @@ __all__ = [
     "BaseMotion",
     "Body",
     "Chord",
-    "CompiledModel",
-    "ComputedTorqueControl",
     "Consistency",
     "Coupling",
-    "EnergyBalance",
-    "EnergyRegressor",
     "EstimationFailed",
-    "Event",
-    "ForwardDynamics",
-    "ForwardDynamicsDerivatives",
     "Frame",
-    "Friction",
     "GimbalLock",
     "Graph",
     "GraphDynError",
@@ -152,77 +104,43 @@ __all__ = [
     "IntegrationFailed",
     "InvalidInput",
     "InvalidModel",
-    "InverseDynamics",
-    "InverseDynamicsDerivatives",
-    "InverseDynamicsSecondDerivatives",
     "Joint",
     "JointLimits",
-    "JointStops",
     "KKTSolution",
     "KKTSystem",
     "LoopAnalysis",
     "MaximalState",
-    "MeasurementNoise",
-    "Momentum",
-    "Occurrence",
-    "PDControl",
     "Placement",
     "RankDeficientConstraints",
-    "ReactionDerivatives",
-    "RecordedFunction",
     "RobotModel",
-    "Rollout",
-    "Simulation",
     "SingularMassMatrix",
     "UnknownFrame",
     "VirtualRecording",
     "analyze_loops",
-    "assemble",
-    "bias_torque",
-    "body_regressor",
-    "center_of_mass",
-    "center_of_mass_jacobian",
-    "center_of_mass_velocity",
-    "centroidal_map",
-    "compile",
-    "coriolis_matrix",
-    "energy_regressor",
     "excitation",
-    "forward_dynamics",
-    "forward_dynamics_derivatives",
-    "forward_dynamics_parameter_derivatives",
-    "frame_acceleration",
-    "frame_jacobian",
-    "frame_jacobian_derivative",
     "frame_placement",
-    "frame_velocity",
-    "gravity_torque",
     "identification",
-    "inverse_dynamics",
-    "inverse_dynamics_derivatives",
-    "inverse_dynamics_second_derivatives",
     "joint_acceleration",
-    "joint_accelerations",
     "joint_state",
-    "joint_torque_regressor",
-    "joint_torques",
-    "kinetic_energy",
-    "kkt_system",
     "kr500",
     "kr500_experiment",
     "layout",
-    "mass_matrix",
-    "mass_matrix_inverse",
     "maximal_state",
-    "momentum",
-    "momentum_regressor",
     "motion_laws",
-    "potential_energy",
-    "power",
-    "reaction_derivatives",
     "record",
-    "rollout",
-    "simulate",
-    "solve_kkt",
-    "static_torque",
 ]
+__all__ += _answers.__all__
+__all__ += _assembly.__all__
+__all__ += _compiled.__all__
+__all__ += _derivatives.__all__
+__all__ += _dynamics.__all__
+__all__ += _energies.__all__
+__all__ += _frames.__all__
+__all__ += _matrices.__all__
+__all__ += _momenta.__all__
+__all__ += _recorded_function.__all__
+if TYPE_CHECKING:
+    __all__ += _simulation.__all__
+else:
+    __all__ += _SIMULATION
+__all__.sort()

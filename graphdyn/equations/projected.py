@@ -153,6 +153,11 @@ def torque_at_zero(name: str, *zero: str) -> Specification:
     return torque
 
 
+bias_torque = torque_at_zero("bias_torque", "a")
+gravity_torque = torque_at_zero("gravity_torque", "v", "a")
+static_torque = torque_at_zero("static_torque", "v", "a")
+
+
 def rooted_state(
     model: RobotModel, base: BaseMotion | None, q: Array, v: Array, a: Array | None = None
 ) -> MaximalState:

@@ -16,8 +16,8 @@ from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller, PDControl, reference
 from graphdyn.simulation.drives import finite, per_joint, refuse_loops
 from graphdyn.simulation.equations.equations import answer
-from graphdyn.verbs.compiled import SingleState
 from graphdyn.verbs.compiled import compile as compiled
+from graphdyn.verbs.single_state import OfMotion, SingleState
 
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
 
@@ -91,7 +91,7 @@ class Torques:
         return np.concatenate([per_joint(name, getattr(self.controller, name), self.model) for name in GAINS])
 
     @cached_property
-    def _believed(self) -> SingleState:
+    def _believed(self) -> SingleState[OfMotion]:
         """The joint torques of the robot that the controller believes in."""
         return compiled(getattr(self.controller, "nominal", None) or self.model).joint_torques
 

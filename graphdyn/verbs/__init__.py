@@ -1,6 +1,9 @@
-"""The public functions of the dynamics, the table that says how each is computed, and what they answer."""
+"""The public functions of the dynamics, how each is computed, and what they answer.
 
-from graphdyn.verbs.compiled import SingleState
-from graphdyn.verbs.table import VERBS
+graphdyn exports what `__all__` of the files says; here is what other packages need beside it.
+"""
+
+from graphdyn.verbs.single_state import SingleState
+from graphdyn.verbs.verb import VERBS
 
 __all__ = ["VERBS", "SingleState"]

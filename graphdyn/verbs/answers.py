@@ -8,6 +8,17 @@ import numpy as np
 
 from graphdyn.layout import Array
 
+__all__ = [
+    "EnergyRegressor",
+    "ForwardDynamics",
+    "ForwardDynamicsDerivatives",
+    "InverseDynamics",
+    "InverseDynamicsDerivatives",
+    "InverseDynamicsSecondDerivatives",
+    "Momentum",
+    "ReactionDerivatives",
+]
+
 
 @dataclass(frozen=True, eq=False)
 class ForwardDynamics:

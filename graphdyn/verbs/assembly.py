@@ -13,6 +13,8 @@ from graphdyn.layout import Array
 from graphdyn.model import assembly
 from graphdyn.model.robot_model import RobotModel, check_model
 
+__all__ = ["assemble"]
+
 
 def assemble(
     model: RobotModel,

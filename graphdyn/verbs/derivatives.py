@@ -9,7 +9,9 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.arguments.choices import Method
+from graphdyn.equations import complex_steps, regressors
+from graphdyn.equations.loops import derivatives as loop_derivatives
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.answers import (
@@ -18,10 +20,25 @@ from graphdyn.verbs.answers import (
     InverseDynamicsSecondDerivatives,
     ReactionDerivatives,
 )
-from graphdyn.verbs.table import Verbs
+from graphdyn.verbs.single_state import OfTorques, SingleState
+from graphdyn.verbs.verb import computed, verb
+
+__all__ = [
+    "forward_dynamics_derivatives",
+    "forward_dynamics_parameter_derivatives",
+    "inverse_dynamics_derivatives",
+    "inverse_dynamics_second_derivatives",
+    "reaction_derivatives",
+]
+
+DIFFERENCES = "take differences along closed motions (graphdyn.assemble)"
 
 
-@with_keywords
+@verb(
+    complex_steps.inverse_dynamics_derivatives,
+    answer=InverseDynamicsDerivatives,
+    closed=loop_derivatives.inverse_dynamics_derivatives,
+)
 def inverse_dynamics_derivatives(
     model: RobotModel,
     q: ArrayLike,
@@ -44,10 +61,16 @@ def inverse_dynamics_derivatives(
 
     Raises InvalidInput.
     """
-    return Verbs.inverse_dynamics_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(
+        inverse_dynamics_derivatives, model, (q, v, a), base, method, threads, check, out, external_wrenches
+    )
 
 
-@with_keywords
+@verb(
+    complex_steps.inverse_dynamics_second_derivatives,
+    answer=InverseDynamicsSecondDerivatives,
+    remedy=DIFFERENCES,
+)
 def inverse_dynamics_second_derivatives(
     model: RobotModel,
     q: ArrayLike,
@@ -68,12 +91,16 @@ def inverse_dynamics_second_derivatives(
     interpreted where it takes seconds to compile: a robot of six joints.
     Arguments and errors as in inverse_dynamics_derivatives.
     """
-    return Verbs.inverse_dynamics_second_derivatives(
-        model, (q, v, a), base, method, threads, check, out, external_wrenches
+    return computed(
+        inverse_dynamics_second_derivatives, model, (q, v, a), base, method, threads, check, out, external_wrenches
     )
 
 
-@with_keywords
+@verb(
+    complex_steps.forward_dynamics_derivatives,
+    answer=ForwardDynamicsDerivatives,
+    closed=loop_derivatives.forward_dynamics_derivatives,
+)
 def forward_dynamics_derivatives(
     model: RobotModel,
     q: ArrayLike,
@@ -96,10 +123,12 @@ def forward_dynamics_derivatives(
 
     Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
     """
-    return Verbs.forward_dynamics_derivatives(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+    return computed(
+        forward_dynamics_derivatives, model, (q, v, tau), base, method, threads, check, out, external_wrenches
+    )
 
 
-@with_keywords
+@verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives, remedy=DIFFERENCES)
 def reaction_derivatives(
     model: RobotModel,
     q: ArrayLike,
@@ -117,10 +146,10 @@ def reaction_derivatives(
 
     Arguments, methods and errors as in inverse_dynamics_derivatives.
     """
-    return Verbs.reaction_derivatives(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(reaction_derivatives, model, (q, v, a), base, method, threads, check, out, external_wrenches)
 
 
-@with_keywords
+@verb(regressors.forward_dynamics_parameter_derivatives, remedy=DIFFERENCES)
 def forward_dynamics_parameter_derivatives(
     model: RobotModel,
     q: ArrayLike,
@@ -143,6 +172,13 @@ def forward_dynamics_parameter_derivatives(
 
     Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
     """
-    return Verbs.forward_dynamics_parameter_derivatives(
-        model, (q, v, tau), base, method, threads, check, out, external_wrenches
+    return computed(
+        forward_dynamics_parameter_derivatives, model, (q, v, tau), base, method, threads, check, out, external_wrenches
     )
+
+
+class DerivativeCalls:
+    """The calls of a CompiledModel that answer derivatives."""
+
+    forward_dynamics_parameter_derivatives: SingleState[OfTorques]
+    """∂a/∂π (n, 10 n) [rad/s² or m/s² per parameter]"""

@@ -11,20 +11,33 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import one_state
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.arguments.choices import Method
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import bias_acceleration
-from graphdyn.equations.loops.dynamics import closed
+from graphdyn.equations.loops import dynamics as loops
 from graphdyn.equations.system.cardano import cardano_system
 from graphdyn.equations.system.kkt import Coordinates, KKTSystem
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.answers import ForwardDynamics, InverseDynamics
-from graphdyn.verbs.table import Verbs
+from graphdyn.verbs.single_state import OfMotion, OfPositions, OfState, OfTorques, SingleState
+from graphdyn.verbs.verb import computed, verb
+
+__all__ = [
+    "bias_torque",
+    "forward_dynamics",
+    "gravity_torque",
+    "inverse_dynamics",
+    "joint_accelerations",
+    "joint_torques",
+    "kkt_system",
+    "solve_kkt",
+    "static_torque",
+]
 
 
-@with_keywords
+@verb(projected.forward_dynamics, answer=ForwardDynamics, closed=loops.forward_dynamics)
 def forward_dynamics(
     model: RobotModel,
     q: ArrayLike,
@@ -45,10 +58,10 @@ def forward_dynamics(
 
     Raises InvalidInput; SingularMassMatrix where the torques do not determine the accelerations (massless bodies).
     """
-    return Verbs.forward_dynamics(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+    return computed(forward_dynamics, model, (q, v, tau), base, method, threads, check, out, external_wrenches)
 
 
-@with_keywords
+@verb(projected.inverse_dynamics, answer=InverseDynamics, closed=loops.inverse_dynamics)
 def inverse_dynamics(
     model: RobotModel,
     q: ArrayLike,
@@ -74,10 +87,15 @@ def inverse_dynamics(
     Raises InvalidInput, with loops also where motors leave a motion free; InconsistentState where a loop is open.
     """
     model = model if actuated is None else model.with_actuated(actuated)
-    return Verbs.inverse_dynamics(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(inverse_dynamics, model, (q, v, a), base, method, threads, check, out, external_wrenches)
 
 
-@with_keywords
+@verb(
+    projected.forward_dynamics,
+    recursion="forward_dynamics",
+    outputs=("body_accelerations", "multipliers"),
+    closed=loops.forward_dynamics,
+)
 def solve_kkt(
     model: RobotModel,
     q: ArrayLike,
@@ -95,10 +113,10 @@ def solve_kkt(
 
     Arguments, units and errors as in forward_dynamics, for any number of states; kkt_system shows the equations of one.
     """
-    return Verbs.solve_kkt(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+    return computed(solve_kkt, model, (q, v, tau), base, method, threads, check, out, external_wrenches)
 
 
-@with_keywords
+@verb(projected.inverse_dynamics, recursion="inverse_dynamics", outputs=("tau",), closed=loops.inverse_dynamics)
 def joint_torques(
     model: RobotModel,
     q: ArrayLike,
@@ -116,10 +134,10 @@ def joint_torques(
 
     Arguments and errors are the same.
     """
-    return Verbs.joint_torques(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(joint_torques, model, (q, v, a), base, method, threads, check, out, external_wrenches)
 
 
-@with_keywords
+@verb(projected.forward_dynamics, recursion="forward_dynamics", outputs=("a",), closed=loops.forward_dynamics)
 def joint_accelerations(
     model: RobotModel,
     q: ArrayLike,
@@ -137,10 +155,10 @@ def joint_accelerations(
 
     Arguments and errors are the same.
     """
-    return Verbs.joint_accelerations(model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+    return computed(joint_accelerations, model, (q, v, tau), base, method, threads, check, out, external_wrenches)
 
 
-@with_keywords
+@verb(projected.bias_torque, closed=loops.at_motors(projected.bias_torque))
 def bias_torque(
     model: RobotModel,
     q: ArrayLike,
@@ -158,10 +176,10 @@ def bias_torque(
 
     Raises InvalidInput.
     """
-    return Verbs.bias_torque(model, (q, v), base, method, threads, check, out)
+    return computed(bias_torque, model, (q, v), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(projected.gravity_torque, closed=loops.at_motors(projected.gravity_torque))
 def gravity_torque(
     model: RobotModel,
     q: ArrayLike,
@@ -179,10 +197,10 @@ def gravity_torque(
     Raises InvalidInput.
     """
     at_rest = base and BaseMotion(base.rotation, base.translation)
-    return Verbs.gravity_torque(model, (q,), at_rest, method, threads, check, out)
+    return computed(gravity_torque, model, (q,), at_rest, method, threads, check, out)
 
 
-@with_keywords
+@verb(projected.static_torque, closed=loops.at_motors(projected.static_torque))
 def static_torque(
     model: RobotModel,
     q: ArrayLike,
@@ -203,7 +221,7 @@ def static_torque(
     Of the motion of a base only the placement counts. Raises InvalidInput.
     """
     at_rest = base and BaseMotion(base.rotation, base.translation)
-    return Verbs.static_torque(model, (q,), at_rest, method, threads, check, out, external_wrenches)
+    return computed(static_torque, model, (q,), at_rest, method, threads, check, out, external_wrenches)
 
 
 def kkt_system(
@@ -228,8 +246,27 @@ def kkt_system(
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")
     x = one_state(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
     if model.chords:
-        closed(model, x["q"], x["v"])  # refuses open states
+        loops.closed(model, x["q"], x["v"])  # refuses open states
     state = projected.rooted_state(model, base, x["q"], x["v"])
     bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     system = projected.kkt(state, x["tau"], x["external_wrenches"], bias)
     return system if coordinates == "twist" else cardano_system(state, system)
+
+
+class DynamicsCalls:
+    """The calls of a CompiledModel that answer torques and accelerations."""
+
+    joint_torques: SingleState[OfMotion]
+    """τ (n,) [N m or N]"""
+
+    joint_accelerations: SingleState[OfTorques]
+    """a (n,) [rad/s² or m/s²]"""
+
+    bias_torque: SingleState[OfState]
+    """h (n,) [N m or N]"""
+
+    gravity_torque: SingleState[OfPositions]
+    """g (n,) [N m or N]"""
+
+    static_torque: SingleState[OfPositions]
+    """g (n,), without external wrenches [N m or N]"""

@@ -8,14 +8,24 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.arguments.choices import Method
+from graphdyn.equations import projected, regressors
+from graphdyn.equations.loops import dynamics as loops
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.answers import EnergyRegressor
-from graphdyn.verbs.table import Verbs
+from graphdyn.verbs.single_state import OfMotion, OfPositions, OfState, SingleState
+from graphdyn.verbs.verb import computed, verb
+
+__all__ = [
+    "energy_regressor",
+    "kinetic_energy",
+    "potential_energy",
+    "power",
+]
 
 
-@with_keywords
+@verb(projected.kinetic_energy)
 def kinetic_energy(
     model: RobotModel,
     q: ArrayLike,
@@ -33,10 +43,10 @@ def kinetic_energy(
 
     Raises InvalidInput.
     """
-    return Verbs.kinetic_energy(model, (q, v), base, method, threads, check, out)
+    return computed(kinetic_energy, model, (q, v), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(projected.potential_energy)
 def potential_energy(
     model: RobotModel,
     q: ArrayLike,
@@ -53,10 +63,10 @@ def potential_energy(
 
     Raises InvalidInput.
     """
-    return Verbs.potential_energy(model, (q,), base, method, threads, check, out)
+    return computed(potential_energy, model, (q,), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(projected.power, closed=loops.power)
 def power(
     model: RobotModel,
     q: ArrayLike,
@@ -78,10 +88,10 @@ def power(
 
     Raises InvalidInput.
     """
-    return Verbs.power(model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(power, model, (q, v, a), base, method, threads, check, out, external_wrenches)
 
 
-@with_keywords
+@verb(regressors.energy_regressor, answer=EnergyRegressor)
 def energy_regressor(
     model: RobotModel,
     q: ArrayLike,
@@ -102,4 +112,17 @@ def energy_regressor(
 
     Raises InvalidInput.
     """
-    return Verbs.energy_regressor(model, (q, v), base, method, threads, check, out)
+    return computed(energy_regressor, model, (q, v), base, method, threads, check, out)
+
+
+class EnergyCalls:
+    """The calls of a CompiledModel that answer energies and power."""
+
+    kinetic_energy: SingleState[OfState]
+    """T () [J]"""
+
+    potential_energy: SingleState[OfPositions]
+    """U () [J]"""
+
+    power: SingleState[OfMotion]
+    """P_j = τ_j v_j (n,) [W]"""

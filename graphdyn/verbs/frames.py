@@ -15,14 +15,22 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method, Reference, frame_choice, with_keywords
+from graphdyn.arguments.choices import Method, Reference, frame_choice
+from graphdyn.equations import complex_steps, frame_motion
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.verbs.table import Verbs
+from graphdyn.verbs.verb import computed, verb
+
+__all__ = [
+    "frame_acceleration",
+    "frame_jacobian",
+    "frame_jacobian_derivative",
+    "frame_velocity",
+]
 
 
-@with_keywords
+@verb(frame_motion.frame_jacobian)
 def frame_jacobian(
     model: RobotModel,
     q: ArrayLike,
@@ -46,10 +54,10 @@ def frame_jacobian(
     Raises UnknownFrame, InvalidInput.
     """
     choice = frame_choice(model, frame, reference)
-    return Verbs.frame_jacobian(model, (q,), base, method, threads, check, out, frame=choice)
+    return computed(frame_jacobian, model, (q,), base, method, threads, check, out, frame=choice)
 
 
-@with_keywords
+@verb(frame_motion.frame_velocity)
 def frame_velocity(
     model: RobotModel,
     q: ArrayLike,
@@ -74,10 +82,10 @@ def frame_velocity(
     Raises UnknownFrame, InvalidInput.
     """
     choice = frame_choice(model, frame, reference)
-    return Verbs.frame_velocity(model, (q, v), base, method, threads, check, out, frame=choice)
+    return computed(frame_velocity, model, (q, v), base, method, threads, check, out, frame=choice)
 
 
-@with_keywords
+@verb(frame_motion.frame_acceleration)
 def frame_acceleration(
     model: RobotModel,
     q: ArrayLike,
@@ -104,10 +112,10 @@ def frame_acceleration(
     Raises UnknownFrame, InvalidInput.
     """
     choice = frame_choice(model, frame, reference, classical)
-    return Verbs.frame_acceleration(model, (q, v, a), base, method, threads, check, out, frame=choice)
+    return computed(frame_acceleration, model, (q, v, a), base, method, threads, check, out, frame=choice)
 
 
-@with_keywords
+@verb(complex_steps.frame_jacobian_derivative)
 def frame_jacobian_derivative(
     model: RobotModel,
     q: ArrayLike,
@@ -133,4 +141,4 @@ def frame_jacobian_derivative(
     choice = frame_choice(model, frame, reference)
     if base is not None and (base.velocity.any() or base.acceleration.any()):
         raise InvalidInput("frame_jacobian_derivative takes a base at rest: the axes of a moving one turn, too")
-    return Verbs.frame_jacobian_derivative(model, (q, v), base, method, threads, check, out, frame=choice)
+    return computed(frame_jacobian_derivative, model, (q, v), base, method, threads, check, out, frame=choice)

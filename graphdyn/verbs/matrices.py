@@ -8,14 +8,26 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.arguments.choices import Method
+from graphdyn.equations import complex_steps, projected, regressors
+from graphdyn.equations.loops import dynamics as loops
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.verbs.table import Verbs
+from graphdyn.verbs.single_state import OfMotion, OfPositions, OfState, SingleState
+from graphdyn.verbs.verb import computed, verb
+
+__all__ = [
+    "body_regressor",
+    "coriolis_matrix",
+    "joint_torque_regressor",
+    "mass_matrix",
+    "mass_matrix_inverse",
+    "momentum_regressor",
+]
 
 
-@with_keywords
+@verb(projected.mass_matrix)
 def mass_matrix(
     model: RobotModel,
     q: ArrayLike,
@@ -32,10 +44,10 @@ def mass_matrix(
 
     Raises InvalidInput.
     """
-    return Verbs.mass_matrix(model, (q,), base, method, threads, check, out)
+    return computed(mass_matrix, model, (q,), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(projected.mass_matrix_inverse, remedy="joint_accelerations says what torques do")
 def mass_matrix_inverse(
     model: RobotModel,
     q: ArrayLike,
@@ -52,10 +64,10 @@ def mass_matrix_inverse(
 
     Raises InvalidInput; SingularMassMatrix where M has no inverse (massless bodies).
     """
-    return Verbs.mass_matrix_inverse(model, (q,), base, method, threads, check, out)
+    return computed(mass_matrix_inverse, model, (q,), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(complex_steps.coriolis_matrix)
 def coriolis_matrix(
     model: RobotModel,
     q: ArrayLike,
@@ -77,10 +89,10 @@ def coriolis_matrix(
     """
     if base is not None and (base.velocity.any() or base.acceleration.any()):
         raise InvalidInput("coriolis_matrix takes a base at rest: C v is not what a moving base adds to bias_torque")
-    return Verbs.coriolis_matrix(model, (q, v), base, method, threads, check, out)
+    return computed(coriolis_matrix, model, (q, v), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(regressors.joint_torque_regressor, closed=loops.at_motors(regressors.joint_torque_regressor))
 def joint_torque_regressor(
     model: RobotModel,
     q: ArrayLike,
@@ -101,10 +113,10 @@ def joint_torque_regressor(
 
     Raises InvalidInput.
     """
-    return Verbs.joint_torque_regressor(model, (q, v, a), base, method, threads, check, out)
+    return computed(joint_torque_regressor, model, (q, v, a), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(regressors.body_regressor)
 def body_regressor(
     model: RobotModel,
     q: ArrayLike,
@@ -126,10 +138,10 @@ def body_regressor(
 
     Raises InvalidInput.
     """
-    return Verbs.body_regressor(model, (q, v, a), base, method, threads, check, out)
+    return computed(body_regressor, model, (q, v, a), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(regressors.momentum_regressor)
 def momentum_regressor(
     model: RobotModel,
     q: ArrayLike,
@@ -150,4 +162,26 @@ def momentum_regressor(
 
     Raises InvalidInput.
     """
-    return Verbs.momentum_regressor(model, (q, v), base, method, threads, check, out)
+    return computed(momentum_regressor, model, (q, v), base, method, threads, check, out)
+
+
+class MatrixCalls:
+    """The calls of a CompiledModel that answer matrices."""
+
+    mass_matrix: SingleState[OfPositions]
+    """M (n, n) [kg m², kg m, kg]"""
+
+    mass_matrix_inverse: SingleState[OfPositions]
+    """M⁻¹ (n, n) [1/(kg m²), 1/(kg m), 1/kg]"""
+
+    coriolis_matrix: SingleState[OfState]
+    """C (n, n) [N m s, N s, kg/s]"""
+
+    joint_torque_regressor: SingleState[OfMotion]
+    """W (n, 10 n) [N m or N per parameter]"""
+
+    body_regressor: SingleState[OfMotion]
+    """Y (n, 6, 10) [N, N m per parameter]"""
+
+    momentum_regressor: SingleState[OfState]
+    """Of M v (n, 10 n) [kg m²/s or kg m/s per parameter]"""

@@ -15,6 +15,8 @@ from graphdyn.layout import Array
 from graphdyn.scalars.differentiation import jacobian
 from graphdyn.scalars.expressions import Expression, Recorder
 
+__all__ = ["RecordedFunction"]
+
 VALUE, JACOBIAN = "value", "jacobian"
 
 

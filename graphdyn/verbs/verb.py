@@ -1,4 +1,4 @@
-"""What every verb has in common: arguments in, a method chosen, arrays out.
+"""What every verb has in common: how it is declared; arguments in, a method chosen, arrays out.
 
 The dynamics body after body, compiled for the robot at hand: graphdyn.equations.projected for many samples.
 
@@ -9,15 +9,16 @@ absent where there are none.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from typing import Any, Generic, TypeVar, cast
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wrenches
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import FrameChoice, Method, is_recursive
+from graphdyn.arguments.choices import FrameChoice, Method, is_recursive, with_keywords
 from graphdyn.compiler.batch import Evaluation, Options, evaluate
 from graphdyn.equations import projected
 from graphdyn.equations.loops.reactions import in_self_stress_usually
@@ -28,77 +29,46 @@ from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions import ARRAYS, RECURSIONS
 
 Answer = TypeVar("Answer")
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
-class Verb(Generic[Answer]):
-    """A row of the table of verbs (graphdyn.verbs.table.Verbs), whose attribute names it.
+@dataclass(frozen=True, eq=False)
+class Verb:
+    """What is declared of a public function (verb): how its answer is computed.
 
     specification: the answer as the equations read, which the recursion must agree with; a graphdyn.equations.projected
         Specification, with the keyword frame where the recursion speaks of one
-    recursion: its name in graphdyn.recursions, where inputs, outputs, shapes and units are; that of the verb
-        if left out
-    outputs: which of the recursion's outputs the verb answers; all of them if left out
+    recursion: its name in graphdyn.recursions.RECURSIONS, where inputs, outputs, shapes and units are
+    outputs: which of the recursion's outputs the verb answers
     closed: the specification for robots with loops, where these matter
     remedy: what to do with robots with loops instead, of a verb that has no answer for them
     answer: the class that holds several outputs; without one they are a tuple, and a single output is an array
     """
 
-    name: str
+    function: Callable[..., Any]
+    specification: Callable[..., dict[str, Array]]
+    recursion: str
+    outputs: tuple[str, ...]
+    closed: Specification | None
+    remedy: str | None
+    answer: type | None
 
-    def __init__(
-        self,
-        specification: Callable[..., dict[str, Array]],
-        recursion: str | None = None,
-        outputs: tuple[str, ...] = (),
-        answer: type[Answer] | None = None,
-        closed: Specification | None = None,
-        remedy: str | None = None,
-    ) -> None:
-        self.specification, self.closed, self.remedy, self.outputs = specification, closed, remedy, outputs
-        self._recursion, self._answer = recursion, answer
+    @property
+    def name(self) -> str:
+        return self.function.__name__
 
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-        self.recursion = self._recursion or name
-        self.inputs, self.of_frame = RECURSIONS[self.recursion].inputs, RECURSIONS[self.recursion].of_frame
-        self.outputs = self.outputs or RECURSIONS[self.recursion].outputs
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        return RECURSIONS[self.recursion].inputs
+
+    @cached_property
+    def of_frame(self) -> bool:
+        return RECURSIONS[self.recursion].of_frame
 
     def __str__(self) -> str:
         """Such as "mass_matrix(q) → mass_matrix (n, n) [kg m², kg m, kg]"."""
         answers = (f"{name} ({_listed(ARRAYS[name].shape)}) [{ARRAYS[name].unit}]" for name in self.outputs)
         return f"{self.name}({_listed(self.inputs)}) → {', '.join(answers)}"
-
-    def __call__(
-        self,
-        model: RobotModel,
-        arguments: tuple[ArrayLike, ...],
-        base: BaseMotion | None,
-        method: Method,
-        threads: int | None,
-        check: bool,
-        out: Answer | None,
-        external_wrenches: ArrayLike | None = None,
-        frame: FrameChoice | None = None,
-    ) -> Answer:
-        """The answer for arguments in the order of `inputs`; the keywords are those of choices.KEYWORDS.
-
-        frame: given to the verbs that speak of one (graphdyn.arguments.choices.frame_choice)
-        """
-        given = dict(zip(self.inputs, arguments, strict=True))
-        if external_wrenches is not None:
-            given["external_wrenches"] = external_wrenches
-        x = joint_arrays(model, base, check=False, **given)
-        self.refuse_loops(model)
-        specification = self.specification if frame is None else partial(self.specification, frame=frame)
-        if model.chords and self.closed is not None:
-            return self._of_loops(self.closed, model, x, base, method, Options(threads, check), out)
-        if is_recursive(method, x, out):
-            moving = base if RECURSIONS[self.recursion].on_moving_base else None
-            options, memory = Options(threads, check), self._memory(out)
-            return self._packed(
-                answers(model, specification, self.recursion, self.outputs, x, moving, options, memory, frame)
-            )
-        return self._packed(specification(model, _complete(model, x), base, method == "dense"))
 
     def refuse_loops(self, model: RobotModel) -> None:
         """Raises InvalidInput for a robot with loops where the verb has no answer for them."""
@@ -116,40 +86,20 @@ class Verb(Generic[Answer]):
             what = "loops and couplings" if model.couplings else "loops"
             raise InvalidInput(f"{self.name} of robot '{model.name}', which has {what}, has no compiled form; {remedy}")
 
-    def _of_loops(
-        self,
-        closed: Specification,
-        model: RobotModel,
-        x: dict[str, Array],
-        base: BaseMotion | None,
-        method: Method,
-        options: Options,
-        out: Answer | None,
-    ) -> Answer:
-        """Of a robot with loops. What they leave undetermined is NaN."""
-        if is_recursive(method, x, out) and (self.is_compiled(model) or method == "recursive" or out is not None):
-            self.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
-            memory = self._memory(out)
-            arrays = answers(model, closed, self.recursion, self.outputs, x, base, options, memory)
-            for name, undetermined in in_self_stress_usually(model).items():
-                if name in arrays:
-                    arrays[name][..., undetermined] = np.nan
-            return self._packed(arrays)
-        return self._packed(closed(model, _complete(model, x), base, method == "dense"))
-
-    def _packed(self, arrays: dict[str, Array]) -> Answer:
+    def packed(self, arrays: dict[str, Array]) -> Any:
+        """The answer, of its arrays by name."""
         found = [np.asarray(arrays[name]) for name in self.outputs]  # a number of one state, too
-        if self._answer is not None:
-            return self._answer(*found)
-        return cast(Answer, found[0] if len(found) == 1 else tuple(found))
+        if self.answer is not None:
+            return self.answer(*found)
+        return found[0] if len(found) == 1 else tuple(found)
 
-    def _memory(self, out: Any) -> dict[str, Array] | None:
+    def memory(self, out: Any) -> dict[str, Array] | None:
         """The arrays of out by name. Raises InvalidInput where it has another form than the answer."""
         if out is None:
             return None
-        if self._answer is not None:
-            if not isinstance(out, self._answer):
-                wanted = f"{self._answer.__name__} with an array for each of its fields"
+        if self.answer is not None:
+            if not isinstance(out, self.answer):
+                wanted = f"{self.answer.__name__} with an array for each of its fields"
                 raise InvalidInput(f"out is {type(out).__name__}; give {wanted}")
             return {name: getattr(out, name) for name in self.outputs}
         if len(self.outputs) == 1:
@@ -157,6 +107,90 @@ class Verb(Generic[Answer]):
         if not isinstance(out, tuple) or len(out) != len(self.outputs):
             raise InvalidInput(f"out is {type(out).__name__}; give a pair of arrays, for {' and '.join(self.outputs)}")
         return dict(zip(self.outputs, out, strict=True))
+
+
+VERBS: dict[str, Verb] = {}
+"""The public verbs by name, of the modules that were imported: graphdyn.verbs imports all."""
+
+
+def verb(
+    specification: Callable[..., dict[str, Array]],
+    *,
+    recursion: str | None = None,
+    outputs: tuple[str, ...] = (),
+    closed: Specification | None = None,
+    remedy: str | None = None,
+    answer: type | None = None,
+) -> Callable[[Function], Function]:
+    """Declares a public function as the verb of its name (Verb), and completes its docstring by its keywords.
+
+    recursion: that of the same name if left out; outputs: all of the recursion if left out
+    """
+
+    def declared(function: Function) -> Function:
+        name = recursion or function.__name__
+        wanted = outputs or RECURSIONS[name].outputs
+        VERBS[function.__name__] = Verb(function, specification, name, wanted, closed, remedy, answer)
+        return with_keywords(function)
+
+    return declared
+
+
+def computed(
+    function: Callable[..., Answer],
+    model: RobotModel,
+    arguments: tuple[ArrayLike, ...],
+    base: BaseMotion | None,
+    method: Method,
+    threads: int | None,
+    check: bool,
+    out: Answer | None,
+    external_wrenches: ArrayLike | None = None,
+    frame: FrameChoice | None = None,
+) -> Answer:
+    """What a verb answers.
+
+    function: the public function of the verb; arguments: in the order of its inputs; the keywords are choices.KEYWORDS
+    frame: given to the verbs that speak of one (graphdyn.arguments.choices.frame_choice)
+    """
+    verb = VERBS[function.__name__]
+    given = dict(zip(verb.inputs, arguments, strict=True))
+    if external_wrenches is not None:
+        given["external_wrenches"] = external_wrenches
+    x = joint_arrays(model, base, check=False, **given)
+    verb.refuse_loops(model)
+    if model.chords and verb.closed is not None:
+        arrays = _of_loops(verb, verb.closed, model, x, base, method, Options(threads, check), out)
+    else:
+        specification = verb.specification if frame is None else partial(verb.specification, frame=frame)
+        if is_recursive(method, x, out):
+            moving = base if RECURSIONS[verb.recursion].on_moving_base else None
+            options, memory = Options(threads, check), verb.memory(out)
+            arrays = answers(model, specification, verb, x, moving, options, memory, frame)
+        else:
+            arrays = specification(model, _complete(model, x), base, method == "dense")
+    return cast(Answer, verb.packed(arrays))
+
+
+def _of_loops(
+    verb: Verb,
+    closed: Specification,
+    model: RobotModel,
+    x: dict[str, Array],
+    base: BaseMotion | None,
+    method: Method,
+    options: Options,
+    out: object,
+) -> dict[str, Array]:
+    """Of a robot with loops. What they leave undetermined is NaN."""
+    if not (is_recursive(method, x, out) and (verb.is_compiled(model) or method == "recursive" or out is not None)):
+        return closed(model, _complete(model, x), base, method == "dense")
+    verb.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
+    arrays = answers(model, closed, verb, x, base, options, verb.memory(out))
+    for name, undetermined in in_self_stress_usually(model).items():
+        if name in arrays:
+            arrays[name][..., undetermined] = np.nan
+    return arrays
 
 
 def _complete(model: RobotModel, x: dict[str, Array]) -> dict[str, Array]:
@@ -172,16 +206,15 @@ def _listed(names: Sequence[int | str]) -> str:
 def answers(
     model: RobotModel,
     specification: Specification,
-    recursion: str,
-    outputs: tuple[str, ...],
+    verb: Verb,
     x: Arguments,
     base: BaseMotion | None,
     options: Options,
     out: Mapping[str, Array] | None,
     frame: FrameChoice | None = None,
 ) -> dict[str, Array]:
-    """These outputs of a recursion, which agrees with the specification. Raises SingularMassMatrix."""
-    answer = evaluate(model, recursion, outputs, x, base, options, out, frame)
+    """The outputs of the recursion, which agrees with the specification. Raises SingularMassMatrix."""
+    answer = evaluate(model, verb.recursion, verb.outputs, x, base, options, out, frame)
     if answer.suspects.size:
         _decide(model, answer, specification, x, base)
     return answer.arrays

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -33,7 +34,7 @@ def forward(states: States) -> list[Contender]:
 
 
 def _contenders(
-    single: SingleState,
+    single: SingleState[Any],
     bare: BareCalls,
     function: Callable[..., Array],
     name: str,

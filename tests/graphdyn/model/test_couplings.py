@@ -20,7 +20,7 @@ from graphdyn import (
     identification,
 )
 from graphdyn.motion_laws import FourierSeries
-from graphdyn.verbs.table import VERBS
+from graphdyn.verbs import VERBS
 
 ROUNDING = 1e-13
 """Against the projection by K, relative to the largest term: measured 4e-15."""

@@ -1,10 +1,13 @@
 """graphdyn.compile: one state after the other, in memory that is reused."""
 
 import copy
+import inspect
 import pickle
 import threading
 import weakref
 from concurrent.futures import ThreadPoolExecutor
+from types import SimpleNamespace
+from typing import get_args, get_origin, get_overloads, get_type_hints
 
 import numpy as np
 import pytest
@@ -15,8 +18,9 @@ import graphdyn
 from graphdyn import InvalidInput
 from graphdyn.compiler import running
 from graphdyn.compiler.python_calls import can_call
+from graphdyn.verbs import VERBS, SingleState
 from graphdyn.verbs import compiled as compiled_module
-from graphdyn.verbs.compiled import SINGLE
+from graphdyn.verbs.compiled import SINGLE, CompiledModel
 
 MODEL = NAMED["mixed_chain"]
 """Four joints."""
@@ -216,6 +220,49 @@ def test_what_is_named_is_prepared_up_front(monkeypatch):
         assert len(prepared) == 2
         compiled.bias_torque(*random_state(MODEL, 3)[:2])
         assert len(prepared) == 3
+
+
+def test_every_verb_of_one_array_is_declared_with_its_arguments():
+    """Beside its public function, for editors and type checkers."""
+    declared = {name: hint for name, hint in get_type_hints(CompiledModel).items() if name != "model"}
+    assert declared.keys() == {name for name, verb in VERBS.items() if len(verb.outputs) == 1 and not verb.of_frame}
+    for name, hint in declared.items():
+        assert get_origin(hint) is SingleState
+        (form,) = get_args(hint)
+        where = SimpleNamespace(__module__=form.__module__, __qualname__=f"{form.__qualname__}.__call__")
+        nothing, all_of_them = get_overloads(where)
+        assert tuple(inspect.signature(nothing).parameters) == ("self",)
+        assert tuple(inspect.signature(all_of_them).parameters) == ("self", *VERBS[name].inputs), name
+
+
+def test_calls_have_a_signature_and_a_help():
+    call = graphdyn.compile(MODEL).joint_torques
+    assert str(inspect.signature(call)) == "(q: 'ArrayLike', v: 'ArrayLike', a: 'ArrayLike', /) -> 'Array'"
+    assert inspect.getdoc(call).startswith("joint_torques(q, v, a) → tau (n,) [N m or N]\n\nA verb for one state at a")
+    assert set(SINGLE) <= set(dir(graphdyn.compile(MODEL)))
+
+
+def test_a_misspelt_call_is_answered_with_the_closest():
+    with pytest.raises(AttributeError, match=r"no single-state call 'joint_torqes'; use 'joint_torques'$"):
+        _ = graphdyn.compile(MODEL).joint_torqes
+    with pytest.raises(InvalidInput, match=r"no single-state call 'mas_matrix'; use 'mass_matrix'$"):
+        graphdyn.compile(MODEL, "mas_matrix")
+
+
+@pytest.mark.long
+def test_a_misspelt_call_is_an_error_of_the_type_checker(tmp_path):
+    mypy = pytest.importorskip("mypy.api")
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import graphdyn\n"
+        "compiled = graphdyn.compile(graphdyn.kr500())\n"
+        "compiled.joint_torques([0.0], [0.0], [0.0]).sum()\n"
+        "compiled.joint_torques()\n"
+        "compiled.joint_torqes\n"
+        "compiled.joint_torques([0.0])\n"
+    )
+    report, *_ = mypy.run(["--strict", "--follow-imports=silent", f"--cache-dir={tmp_path}", str(program)])
+    assert [line.split(": ")[0].rpartition(":")[2] for line in report.splitlines() if " error: " in line] == ["5", "6"]
 
 
 def test_unknown_verbs_are_refused():

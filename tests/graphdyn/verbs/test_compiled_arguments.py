@@ -10,7 +10,7 @@ import pytest
 import graphdyn
 from graphdyn import InvalidInput, kr500
 from graphdyn.compiler.llvm import memory as array_layout
-from graphdyn.verbs.compiled import SingleState
+from graphdyn.verbs.single_state import SingleState
 
 
 @pytest.fixture(scope="module")

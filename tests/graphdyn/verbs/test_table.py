@@ -11,7 +11,7 @@ import graphdyn
 from graphdyn import BaseMotion, InvalidInput
 from graphdyn.arguments.choices import KEYWORDS, METHODS
 from graphdyn.recursions import ARRAYS, RECURSIONS
-from graphdyn.verbs.table import VERBS
+from graphdyn.verbs import VERBS
 
 MODEL = NAMED["mixed_chain"]
 AGREEMENT = 1e-12

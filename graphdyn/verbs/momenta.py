@@ -9,14 +9,24 @@ from __future__ import annotations
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method, with_keywords
+from graphdyn.arguments.choices import Method
+from graphdyn.equations import body_sums
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.answers import Momentum
-from graphdyn.verbs.table import Verbs
+from graphdyn.verbs.single_state import OfPositions, OfState, SingleState
+from graphdyn.verbs.verb import computed, verb
+
+__all__ = [
+    "center_of_mass",
+    "center_of_mass_jacobian",
+    "center_of_mass_velocity",
+    "centroidal_map",
+    "momentum",
+]
 
 
-@with_keywords
+@verb(body_sums.center_of_mass)
 def center_of_mass(
     model: RobotModel,
     q: ArrayLike,
@@ -33,10 +43,10 @@ def center_of_mass(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return Verbs.center_of_mass(model, (q,), base, method, threads, check, out)
+    return computed(center_of_mass, model, (q,), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(body_sums.center_of_mass_velocity)
 def center_of_mass_velocity(
     model: RobotModel,
     q: ArrayLike,
@@ -54,10 +64,10 @@ def center_of_mass_velocity(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return Verbs.center_of_mass_velocity(model, (q, v), base, method, threads, check, out)
+    return computed(center_of_mass_velocity, model, (q, v), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(body_sums.center_of_mass_jacobian)
 def center_of_mass_jacobian(
     model: RobotModel,
     q: ArrayLike,
@@ -74,10 +84,10 @@ def center_of_mass_jacobian(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return Verbs.center_of_mass_jacobian(model, (q,), base, method, threads, check, out)
+    return computed(center_of_mass_jacobian, model, (q,), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(body_sums.momentum, answer=Momentum)
 def momentum(
     model: RobotModel,
     q: ArrayLike,
@@ -97,10 +107,10 @@ def momentum(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return Verbs.momentum(model, (q, v), base, method, threads, check, out)
+    return computed(momentum, model, (q, v), base, method, threads, check, out)
 
 
-@with_keywords
+@verb(body_sums.centroidal_map)
 def centroidal_map(
     model: RobotModel,
     q: ArrayLike,
@@ -119,4 +129,20 @@ def centroidal_map(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return Verbs.centroidal_map(model, (q,), base, method, threads, check, out)
+    return computed(centroidal_map, model, (q,), base, method, threads, check, out)
+
+
+class MomentumCalls:
+    """The calls of a CompiledModel that answer the center of mass and the momentum."""
+
+    center_of_mass: SingleState[OfPositions]
+    """c (3,) [m]"""
+
+    center_of_mass_velocity: SingleState[OfState]
+    """ċ (3,) [m/s]"""
+
+    center_of_mass_jacobian: SingleState[OfPositions]
+    """∂ċ/∂v (3, n) [m or 1]"""
+
+    centroidal_map: SingleState[OfPositions]
+    """(6, n) [kg m, kg m² or kg, kg m]"""
