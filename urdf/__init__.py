@@ -43,8 +43,8 @@ from urdf.reading.loading import fused_links, load
 from urdf.reading.mesh_inertials import InertialsFromMeshes
 from urdf.reading.reading import Reading, ReadingOptions
 from urdf.reading.shapes import shapes
-from urdf.writing.saving import save
 from urdf.writing.updating import Update, update
+from urdf.writing.writing import save
 
 __all__ = [
     "AxisNotNormalizedWarning",

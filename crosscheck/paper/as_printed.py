@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.paper.errata import world_axis_rows
-from crosscheck.paper.instant import joint_motion, rail
+from crosscheck.paper.tables import joint_motion, rail
 from graphdyn import MaximalState, kr500, maximal_state
 from graphdyn.equations import joint_axes
 from graphdyn.layout import ANGULAR, LINEAR, Array, body_rows, joint_rows

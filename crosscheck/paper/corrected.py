@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.paper.as_printed import INSTANT
-from crosscheck.paper.instant import joint_motion, rail
+from crosscheck.paper.tables import joint_motion, rail
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import multipliers_of
 from graphdyn import inverse_dynamics, kr500, maximal_state

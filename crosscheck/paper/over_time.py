@@ -1,4 +1,4 @@
-"""The whole experiment of section 3: thirty multipliers, joint forces and moments at every time, compared with rnea."""
+"""The whole experiment of section 3: thirty multipliers, joint forces and moments at every time, beside rnea."""
 
 from __future__ import annotations
 

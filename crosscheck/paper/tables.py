@@ -1,4 +1,4 @@
-"""Table 2: masses and moments of inertia from the density and the geometry of the cylinders."""
+"""Table 2 (masses and moments of inertia from the geometry), and the motion of section 3.1 at one instant."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.paper.printed import TABLE_2, Printed
-from graphdyn import kr500
-from graphdyn.experiments import LENGTHS, RADII
+from graphdyn import BaseMotion, kr500, kr500_experiment
+from graphdyn.experiments import LENGTHS, RADII, RAIL_ACCELERATION
 from graphdyn.layout import Array
 
 WHY_TABLE_2 = (
@@ -56,3 +56,20 @@ def geometry_table() -> GeometryTable:
 
 def _places(number: Printed) -> int:
     return len((number.text or "").partition(".")[2])
+
+
+ALONG_THE_RAIL = np.array([1.0, 0.0, 0.0])
+
+
+def joint_motion(time: float) -> tuple[Array, Array, Array]:
+    """q, v, a (6,) at a time [s]."""
+    recording = kr500_experiment([time])
+    return recording.q[0], recording.v[0], recording.a[0]
+
+
+def rail(time: float) -> BaseMotion:
+    """The carriage at a time [s], from rest."""
+    speed, acceleration = np.zeros(6), np.zeros(6)
+    speed[:3], acceleration[:3] = RAIL_ACCELERATION * time * ALONG_THE_RAIL, RAIL_ACCELERATION * ALONG_THE_RAIL
+    path = RAIL_ACCELERATION * time**2 / 2 * ALONG_THE_RAIL
+    return BaseMotion(translation=path, velocity=speed, acceleration=acceleration)

@@ -12,9 +12,8 @@ from crosscheck.recordings.loading import inspect_recording, load_recording
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping, mapping_of
 from crosscheck.recordings.parts.partitioned import PartitionedRecording
 from crosscheck.recordings.parts.streaming import StreamedRecording
-from crosscheck.recordings.preparation.decimation import decimated_columns
 from crosscheck.recordings.preparation.derivatives import chosen_cutoff, derivative, differentiated
-from crosscheck.recordings.preparation.filtering import lowpass
+from crosscheck.recordings.preparation.filtering import decimated_columns, lowpass
 from crosscheck.recordings.preparation.noise_floor import ResidualAnalysis, residual_analysis
 from crosscheck.recordings.preparation.resampling import resampled, sampling_rate
 from crosscheck.recordings.preparation.row_filters import samples_of

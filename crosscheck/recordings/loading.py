@@ -11,10 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.recordings.checks.clock import blocks_of, stamp_findings, step_findings
-from crosscheck.recordings.checks.stamps import Origin, times
+from crosscheck.recordings.checks.clock import Origin, blocks_of, stamp_findings, step_findings, times
 from crosscheck.recordings.checks.values import cell_findings, channel_findings, motion_findings, value_findings
-from crosscheck.recordings.delays import with_delays_undone
 from crosscheck.recordings.errors import (
     DROPPABLE,
     DROPPED_UNASKED,
@@ -33,6 +31,7 @@ from crosscheck.recordings.mapping.conversion import (
 )
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
+from crosscheck.recordings.preparation.resampling import with_delays_undone
 from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.table import in_words
 from graphdyn import InvalidInput

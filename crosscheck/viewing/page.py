@@ -17,8 +17,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from crosscheck.viewing.figures import Figure
-from crosscheck.viewing.numbers import NumberStore, compressed
-from crosscheck.viewing.scene import scene
+from crosscheck.viewing.scene import NumberStore, compressed, scene
 
 PLAYER = Path(__file__).parent / "player"
 VENDOR = Path(__file__).parents[1] / "vendor"

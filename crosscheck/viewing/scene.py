@@ -1,4 +1,4 @@
-"""From figures to what the player reads: JSON, and arrays beside it.
+"""The data of the player, made from figures: JSON, and arrays in one compressed buffer.
 
 Lengths in m, angles in rad, forces in N, moments in N m; matrices row by row; positions and rotations as 64-bit
 numbers, loads as 32-bit numbers (6e-8 of each), vertices of shapes as 16-bit steps of their box (8e-6 of its size).
@@ -6,14 +6,47 @@ numbers, loads as 32-bit numbers (6e-8 of each), vertices of shapes as 16-bit st
 
 from __future__ import annotations
 
+import gzip
+from base64 import b64encode
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from crosscheck.viewing.figures import BodyShape, Figure, LoadedMotion, ShownRobot, inertia_ellipsoid
-from crosscheck.viewing.numbers import NumberStore
 from graphdyn import Body, Chord, Joint, Placement, RobotModel
+
+Kind = Literal["f4", "f8", "u2", "u4"]
+
+ALIGNMENT = 8
+"""Bytes: typed arrays of JavaScript begin at multiples of the size of their numbers."""
+
+
+class NumberStore:
+    """Collects arrays, little-endian. The same arrays in the same order give the same text."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+        self._length = 0
+
+    def add(self, array: Any, kind: Kind) -> list[Any]:
+        """Kind, first byte and number of entries, from which player/numbers.js makes a typed array."""
+        data = np.ascontiguousarray(array, dtype=f"<{kind}").tobytes()
+        place = [kind, self._length, np.size(array)]
+        padded = data + bytes(-len(data) % ALIGNMENT)
+        self._parts.append(padded)
+        self._length += len(padded)
+        return place
+
+    def text(self) -> str:
+        """All arrays, compressed."""
+        return compressed(b"".join(self._parts))
+
+
+def compressed(content: bytes) -> str:
+    """gzip in base64. The same content gives the same text."""
+    return b64encode(gzip.compress(content, 9, mtime=0)).decode()
+
 
 STEPS = 65535
 """Of the position of a vertex along each edge of the box of its shape."""

@@ -20,9 +20,8 @@ import numpy as np
 
 from crosscheck.viewing.figures import Figure, LoadedMotion
 from crosscheck.viewing.motions import closed_instant, simulated_motion
-from crosscheck.viewing.numbers import NumberStore
 from crosscheck.viewing.page import page
-from crosscheck.viewing.scene import motion_record
+from crosscheck.viewing.scene import NumberStore, motion_record
 from graphdyn import GraphDynError, InvalidInput, RobotModel, assemble, simulate
 
 ADDRESS = "127.0.0.1"

@@ -13,8 +13,7 @@ from graphdyn.identification.algebra.rank_revealing import EPS, ParameterEstimat
 from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.data.partitions import Partitioned
-from graphdyn.identification.data.row_filter import RowFilter
-from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data.samples import RowFilter, Samples
 from graphdyn.identification.estimation.comparison import ENOUGH, MethodComparison, MethodResult, compare_methods
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
 from graphdyn.identification.estimation.plausibility import POSES, Plausibility, plausibility

@@ -6,8 +6,7 @@ MODULES = {
     "crosscheck/recordings/mapping/units.py": "tests/crosscheck/recordings/mapping/test_mapping.py",
     "crosscheck/quantities/scales.py": "tests/crosscheck/quantities/test_scales.py",
     "crosscheck/report/plain_text.py": "tests/crosscheck/report/test_shown_numbers.py",
-    "graphdyn/identification/statistics/correlation_length.py": _STATISTICS,
-    "graphdyn/identification/statistics/jackknife.py": _STATISTICS,
+    "graphdyn/identification/statistics/correlation.py": _STATISTICS,
     "urdf/reading/checks.py": "tests/urdf/reading/test_thresholds.py tests/urdf/reading/test_checks.py",
 }
 """The tests of each."""

@@ -12,10 +12,9 @@ from graphdyn import Placement
 from urdf.document.elements import Drawing, children, name_of, tag_of
 from urdf.document.numbers import BadNumber, numbers, rotation_from_rpy
 from urdf.errors import shortened
-from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.mesh_files import LONGEST
 from urdf.geometry.meshes.primitives import SIZES
-from urdf.geometry.shape import Color
+from urdf.geometry.shape import Color, UnreadableMesh
 
 MESH = "mesh"
 

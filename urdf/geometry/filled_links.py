@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from urdf.document.elements import GEOMETRIES, Geometry
 from urdf.document.source import Source
 from urdf.geometry.drawn import MESH
-from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.mass_properties import Filled, filled, together
 from urdf.geometry.reading import Solid, read_solids
+from urdf.geometry.shape import UnreadableMesh
 
 
 @dataclass(frozen=True)

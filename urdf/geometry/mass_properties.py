@@ -12,8 +12,8 @@ from graphdyn import Placement
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
 from urdf.geometry.drawn import MESH, Drawn
-from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
+from urdf.geometry.shape import UnreadableMesh
 
 if TYPE_CHECKING:
     import trimesh

@@ -12,13 +12,12 @@ from graphdyn import Placement
 from urdf.document.elements import Drawing, Geometry
 from urdf.document.source import Source
 from urdf.geometry.drawn import MESH, Drawn, read_drawing
-from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.decimation import decimated, shared_out
 from urdf.geometry.meshes.mesh_files import read_mesh
 from urdf.geometry.meshes.mesh_paths import find_mesh
 from urdf.geometry.meshes.primitives import primitive
 from urdf.geometry.meshes.triangles import MOST_TRIANGLES, Triangles
-from urdf.geometry.shape import GREY, MissingShape, Shape, Shapes
+from urdf.geometry.shape import GREY, MissingShape, Shape, Shapes, UnreadableMesh
 
 MOST_BYTES = 500_000_000
 """Largest size of all mesh files of a robot; those of the largest published robots have some 100 MB."""

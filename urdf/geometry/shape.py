@@ -1,4 +1,4 @@
-"""The shapes of a robot, as urdf.shapes gives them."""
+"""The shapes of a robot, as urdf.shapes gives them, and why one cannot be read."""
 
 from __future__ import annotations
 
@@ -9,6 +9,15 @@ from numpy.typing import NDArray
 
 from graphdyn import Placement
 from graphdyn.layout import Array
+from urdf.errors import one_line
+
+
+class UnreadableMesh(Exception):
+    """The reason, on one line; caught where the drawings of a robot are read, and listed."""
+
+    def __init__(self, reason: str):
+        super().__init__(one_line(reason))
+
 
 Faces = NDArray[np.int64]
 """Per triangle the numbers of its vertices                (m, 3)."""

@@ -20,8 +20,8 @@ from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, check_tree, joints_in_order
 from urdf.errors import InvalidRobot
 from urdf.loops.closing import all_closures, chords, closure_faults, stated_beside
+from urdf.loops.couplings import actuated, check_motors, unread_beside, unread_motors
 from urdf.loops.mimics import resolve
-from urdf.loops.motors import actuated, check_motors, unread_beside, unread_motors
 from urdf.reading.checks import check
 from urdf.reading.cutting import Cut, cut
 from urdf.reading.fusing import Assembly, assemble

@@ -1,5 +1,5 @@
 """From the model to URDF, and new inertial parameters into an existing file."""
 
-from urdf.writing.saving import urdf_document
+from urdf.writing.writing import urdf_document
 
 __all__ = ["urdf_document"]

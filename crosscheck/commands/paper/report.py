@@ -13,10 +13,9 @@ from crosscheck.commands.paper.over_time_report import over_time_section
 from crosscheck.commands.paper.record import record
 from crosscheck.commands.paper.texts import BODY_COLUMNS
 from crosscheck.paper.checks import EXPERIMENT, WHY_ERRATA, Check
-from crosscheck.paper.instant import joint_motion, rail
 from crosscheck.paper.printed import POSES
 from crosscheck.paper.reproduction import Reproduction
-from crosscheck.paper.tables import WHY_TABLE_2, GeometryTable
+from crosscheck.paper.tables import WHY_TABLE_2, GeometryTable, joint_motion, rail
 from crosscheck.report.report import ROOMY, Block, Column, Picture, Prose, Report, Row, Section, Table, Verdict
 
 JUDGE = "Pinocchio is the judge. Labels such as B5 are the numbers of docs/deviations.md."

@@ -8,8 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.identifying.data_quality.change_words import change_in_words
-from crosscheck.identifying.data_quality.remedies import mapping_lines, recorded_columns
+from crosscheck.identifying.data_quality.remedies import change_in_words, mapping_lines, recorded_columns
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput

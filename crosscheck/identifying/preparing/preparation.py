@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.recordings import Recording, differentiated, samples_of, sampling_rate
-from crosscheck.recordings.preparation.derivatives import Cutoff, Differentiation
-from crosscheck.recordings.preparation.motion_errors import motion_covariance
+from crosscheck.recordings.preparation.derivatives import Cutoff, Differentiation, motion_covariance
 from crosscheck.recordings.preparation.resampling import is_even, resampled
 from crosscheck.recordings.preparation.row_filters import filtered_blocks
 from graphdyn.identification import Problem, Samples, TorqueModel

@@ -8,8 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from crosscheck.recordings.checks.stamps import Origin
-from crosscheck.recordings.delays import refuse_delays
+from crosscheck.recordings.checks.clock import Origin
 from crosscheck.recordings.errors import RecordingFinding
 from crosscheck.recordings.formats.parquet_files import parquet_rows
 from crosscheck.recordings.loading import reordered
@@ -19,7 +18,7 @@ from crosscheck.recordings.parts.logs import Log
 from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import STENCIL, differentiated
 from crosscheck.recordings.preparation.filtering import border, check_cutoff
-from crosscheck.recordings.preparation.resampling import sampling_rate
+from crosscheck.recordings.preparation.resampling import refuse_delays, sampling_rate
 from crosscheck.recordings.preparation.row_filters import BORDERS, torque_filter
 from crosscheck.recordings.preparation.splits import GUARD
 from crosscheck.recordings.recording import Recording

@@ -13,8 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.recordings.checks.stamps import Origin
-from crosscheck.recordings.delays import refuse_delays
+from crosscheck.recordings.checks.clock import Origin
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.table import tables
 from crosscheck.recordings.loading import check_rate, reordered
@@ -22,6 +21,7 @@ from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import differentiated
+from crosscheck.recordings.preparation.resampling import refuse_delays
 from crosscheck.recordings.preparation.row_filters import BORDERS, torque_filter
 from crosscheck.recordings.recording import Recording
 from graphdyn import InvalidInput

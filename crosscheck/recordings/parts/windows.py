@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from crosscheck.recordings.checks.stamps import Origin, times
+from crosscheck.recordings.checks.clock import Origin, times
 from crosscheck.recordings.mapping.conversion import joint_channels, mapped_columns, sliding_joints
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.preparation.resampling import EVEN

@@ -1,4 +1,4 @@
-"""Velocities and accelerations from noisy positions: low-pass, then differences, block by block, borders cut."""
+"""Velocities and accelerations from noisy positions, block by block, and what becomes of the noise."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ import numpy as np
 from crosscheck.recordings.preparation.filtering import ORDER, border, check_cutoff, lowpass, padding
 from crosscheck.recordings.preparation.noise_floor import residual_analysis, white_noise
 from crosscheck.recordings.preparation.resampling import is_even, resampled, sampling_rate
+from crosscheck.recordings.preparation.row_filters import LowPass
 from crosscheck.recordings.recording import JOINT_CHANNELS, Recording
 from graphdyn import InvalidInput
+from graphdyn.identification import RowFilter
 from graphdyn.layout import Array
 
 STENCIL = 5
@@ -148,3 +150,31 @@ def _cutoffs(recording: Recording, cutoff: Cutoff, recorded: list[str]) -> dict[
             raise InvalidInput(f"cutoff is '{cutoff}'; give it in Hz, per channel, or 'residual'")
         cutoff = chosen_cutoff(recording)
     return dict.fromkeys(recorded, cutoff)
+
+
+def motion_covariance(
+    differentiation: Differentiation, row_filter: RowFilter | None, rate: float, q_noise: Array, v_noise: Array | None
+) -> Array:
+    """Covariance of the errors of q, v and a of each joint in a row of the equations (n, 3, 3).
+
+    rate: of the samples [Hz]; q_noise: standard deviations of the measured positions (n,), v_noise: of measured
+    velocities, where v is measured
+
+    White noise through a filter has the covariance Σ_t h_t h_tᵀ, h the answers of q, v and a to one impulse. Where the
+    rows are decimated every factor-th term of the sum is known; they stand for all, because h is slower than the rows.
+    """
+    factor, memory = (1, 0) if row_filter is None else (row_filter.factor, row_filter.memory)
+    lows = (LowPass(cutoff, rate).memory for cutoff in differentiation.cutoffs.values())
+    middle = memory + max(lows, default=0) + 2 * STENCIL + padding()
+    impulse, nothing = np.zeros((2, 2 * middle + 1, 1))
+    impulse[middle] = 1.0
+
+    def spread(q: Array, v: Array) -> Array:
+        seen = differentiation(q, v, rate)
+        answers = np.hstack(seen if row_filter is None else [row_filter(column) for column in seen])
+        return np.asarray(factor * answers.T @ answers)
+
+    covariance = q_noise[:, None, None] ** 2 * spread(impulse, nothing)
+    if v_noise is not None:
+        covariance = covariance + v_noise[:, None, None] ** 2 * spread(nothing, impulse)
+    return np.asarray(covariance)

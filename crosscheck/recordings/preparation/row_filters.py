@@ -7,8 +7,14 @@ from math import ceil, log, prod
 
 import numpy as np
 
-from crosscheck.recordings.preparation.decimation import decimated_columns, rows_needed, slowest_pole
-from crosscheck.recordings.preparation.filtering import border, lowpass, padding
+from crosscheck.recordings.preparation.filtering import (
+    border,
+    decimated_columns,
+    lowpass,
+    padding,
+    rows_needed,
+    slowest_pole,
+)
 from crosscheck.recordings.preparation.resampling import sampling_rate
 from crosscheck.recordings.recording import Recording
 from graphdyn import InvalidInput

@@ -1,8 +1,7 @@
 """Simulation of the loop of a recording: motions without noise, for instruments and output errors."""
 
-from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
 from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY, Exogeneity, exogeneity
-from graphdyn.identification.closed_loop.loop import LONGEST_STEP, ClosedLoop, held_torque
+from graphdyn.identification.closed_loop.loop import LONGEST_STEP, ClosedLoop, DrivenRobot, held_torque
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 
 __all__ = [

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.solution import EPS
 from graphdyn.identification.closed_loop.beside import RowBlock
-from graphdyn.identification.statistics.jackknife import left_out_covariance
+from graphdyn.identification.statistics.correlation import left_out_covariance
 from graphdyn.layout import Array
 
 

@@ -1,4 +1,4 @@
-"""The control loop of a recording, as far as a simulation of its motion needs it."""
+"""The control loop of a recording, and the part of a torque model that its simulation needs."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from numpy.typing import ArrayLike
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.terms import Coulomb, Offset, RotorInertia, Viscous
+from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
 from graphdyn.layout import Array
-from graphdyn.simulation import ComputedTorqueControl, PDControl
+from graphdyn.simulation import ComputedTorqueControl, Friction, PDControl
 
 Differentiation = Callable[[Array, Array, float], tuple[Array, Array, Array]]
 """Function from q, v (N, n) and the sampling rate [Hz] to the q, v and a of samples (N, n)."""
@@ -85,3 +88,45 @@ def held_torque(tau: Array, period: float, hold: float) -> Array:
     before = np.floor(wanted).astype(int)
     after, share = np.minimum(before + 1, len(tau) - 1), (wanted - before)[:, None]
     return np.asarray((1 - share) * tau[before] + share * tau[after])
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenRobot:
+    """R robots with their drives.
+
+    bodies: inertial parameters                             (R, 10 n)
+    friction: per joint and robot                           (R, n) each
+    rotors: inertia of the rotors                           (R, n)
+    """
+
+    bodies: Array
+    friction: Friction
+    rotors: Array
+
+    @classmethod
+    def of(cls, torque_model: TorqueModel, parameters: Array) -> DrivenRobot:
+        """The robots of parameters (R, p). Negative friction and rotor inertia count as zero: they would drive the
+        joints.
+        """
+        shape = (len(parameters), torque_model.model.n_freedoms)
+
+        def drive(kind: type) -> Array:
+            columns = torque_model.slice_of(kind)
+            return np.zeros(shape) if columns is None else parameters[:, columns]
+
+        bodies = np.array([torque_model.inertial_parameters(x) for x in parameters])
+        viscous, dry, rotors = (np.maximum(drive(kind), 0.0) for kind in (Viscous, Coulomb, RotorInertia))
+        return cls(bodies, Friction(viscous, dry, drive(Offset)), rotors)
+
+
+def not_simulated(torque_model: TorqueModel) -> list[str]:
+    """Names of the terms that the simulation lacks or only approximates (a smooth sign of v)."""
+    exact = [
+        type(term) in (Viscous, Offset)
+        or (isinstance(term, RotorInertia) and term.gears is None)
+        or (isinstance(term, Coulomb) and term.width is None)
+        or isinstance(term, CarriesBodies)
+        for term in torque_model.terms
+    ]
+    rough = [type(term).__name__ for term, known in zip(torque_model.terms, exact, strict=True) if not known]
+    return rough + [type(term).__name__ for term in torque_model.known if not isinstance(term, CarriesKnownBodies)]

@@ -16,7 +16,7 @@ from graphdyn.identification.algebra.compressed import CompressedEquations, merg
 from graphdyn.identification.algebra.solution import leverages, residual_deviations, solve
 from graphdyn.identification.closed_loop.beside import RowBlock
 from graphdyn.identification.problem.problem import Problem
-from graphdyn.identification.statistics.jackknife import jackknife_covariance
+from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array
 
 

@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
-from graphdyn.identification.closed_loop.loop import ClosedLoop
+from graphdyn.identification.closed_loop.loop import ClosedLoop, DrivenRobot
 from graphdyn.identification.closed_loop.stretch import Segment
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.problem import Problem

@@ -11,8 +11,7 @@ import numpy as np
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.closed_loop.driven_robot import DrivenRobot
-from graphdyn.identification.closed_loop.loop import ClosedLoop, held_torque
+from graphdyn.identification.closed_loop.loop import ClosedLoop, DrivenRobot, held_torque
 from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.data.row_filter import RowFilter, filtered_length
 from graphdyn.identification.data.rows import Rows
+from graphdyn.identification.data.samples import RowFilter, filtered_length
 from graphdyn.layout import Array
 
 LEAST_WINDOW = 4096

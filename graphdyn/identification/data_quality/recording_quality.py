@@ -16,12 +16,11 @@ from numpy.typing import ArrayLike
 
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.changes import Change
+from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels, channels
 from graphdyn.identification.data_quality.gain import Gains, gains
 from graphdyn.identification.data_quality.halves import contradictions, halves_apart
 from graphdyn.identification.data_quality.lag import Lag, lag
-from graphdyn.identification.data_quality.recorded_columns import RecordedColumns
 from graphdyn.identification.data_quality.searching import DataFault, search, variation
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
 from graphdyn.identification.problem.torque_model import TorqueModel

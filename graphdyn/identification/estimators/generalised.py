@@ -21,7 +21,7 @@ from graphdyn.identification.algebra.solution import EPS, leverages, solve
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem
-from graphdyn.identification.statistics.jackknife import jackknife_covariance
+from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array
 
 LEAST_SAMPLES = 10

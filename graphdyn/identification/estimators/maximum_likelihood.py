@@ -35,8 +35,8 @@ from graphdyn.identification.algebra.solution import residual_deviations, solve
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.identification.statistics.errors_in_variables import measured_motion, whitened
-from graphdyn.identification.statistics.jackknife import jackknife_covariance
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 

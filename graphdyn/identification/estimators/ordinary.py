@@ -16,7 +16,7 @@ from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.algebra.solution import Solution, leverages, residual_deviations, solve
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.problem.problem import Problem
-from graphdyn.identification.statistics.jackknife import jackknife_covariance
+from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array
 
 

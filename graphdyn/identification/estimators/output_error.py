@@ -15,9 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.closed_loop.driven_robot import not_simulated
 from graphdyn.identification.closed_loop.iterating import MOST, iterated
-from graphdyn.identification.closed_loop.loop import ClosedLoop
+from graphdyn.identification.closed_loop.loop import ClosedLoop, not_simulated
 from graphdyn.identification.closed_loop.output_equations import OutputFit, output_step
 from graphdyn.identification.closed_loop.sensitivities import OutputName, outputs
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop

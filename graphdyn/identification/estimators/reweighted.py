@@ -33,7 +33,7 @@ from graphdyn.identification.estimators.robust_weights import (
 )
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem
-from graphdyn.identification.statistics.jackknife import jackknife_covariance
+from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array
 
 MOST_ITERATIONS = 50

@@ -24,8 +24,7 @@ from graphdyn.identification.algebra.compressed import CompressedEquations, merg
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data.filtering import filtered
 from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
-from graphdyn.identification.data.rows import Rows, counted
-from graphdyn.identification.data.runs import Run, runs
+from graphdyn.identification.data.rows import Rows, Run, counted, runs
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.direct_sums import DirectSums
 from graphdyn.identification.problem.prior import expected_equations, without_effect

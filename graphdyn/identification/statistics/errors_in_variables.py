@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.data.rows import Rows
-from graphdyn.identification.data.runs import runs
+from graphdyn.identification.data.rows import Rows, runs
 from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem

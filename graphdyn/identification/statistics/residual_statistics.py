@@ -14,7 +14,7 @@ import numpy as np
 from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
 from graphdyn.identification.data.rows import Rows
 from graphdyn.identification.problem.problem import Problem, own_rows
-from graphdyn.identification.statistics.correlation_length import CorrelationLength
+from graphdyn.identification.statistics.correlation import CorrelationLength
 from graphdyn.layout import Array
 
 MOVING = 0.02

@@ -5,7 +5,7 @@ import pytest
 
 from crosscheck.paper.as_printed import INSTANT, printed_multipliers, printed_rank
 from crosscheck.paper.corrected import corrected_multipliers
-from crosscheck.paper.instant import joint_motion, rail
+from crosscheck.paper.tables import joint_motion, rail
 from graphdyn import inverse_dynamics, kr500
 
 SIX_DIGITS = 1e-6

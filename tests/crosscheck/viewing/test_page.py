@@ -10,7 +10,7 @@ from crosscheck.recordings import Recording
 from crosscheck.viewing.figures import Figure, ShownRobot
 from crosscheck.viewing.motions import closed_instant, recorded_motion
 from crosscheck.viewing.page import page
-from crosscheck.viewing.stand_ins import stand_ins
+from crosscheck.viewing.robots import stand_ins
 from graphdyn import Body, Chord, Coupling, Joint, Placement, RobotModel, inverse_dynamics, maximal_state
 from graphdyn.layout import ANGULAR, LINEAR
 

@@ -20,8 +20,8 @@ from crosscheck.recordings import Recording
 from crosscheck.recordings.recording import recording_of
 from crosscheck.viewing.figures import Figure, ShownRobot, inertia_ellipsoid, standing_position
 from crosscheck.viewing.motions import MOST_INSTANTS, closed_instant, recorded_motion, shown_rows
+from crosscheck.viewing.robots import stand_ins
 from crosscheck.viewing.server import LARGEST_QUESTION, STEP, PageServer
-from crosscheck.viewing.stand_ins import stand_ins
 from graphdyn import Body, Chord, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
 
 ROUNDING = 1e-12

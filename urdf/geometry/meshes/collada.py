@@ -21,9 +21,8 @@ from numpy.typing import NDArray
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 from urdf.errors import shortened
-from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.triangles import MOST_TRIANGLES, Triangles
-from urdf.geometry.shape import Color, Faces
+from urdf.geometry.shape import Color, Faces, UnreadableMesh
 
 _ENCODING = re.compile(rb"""<\?xml[^>]*encoding\s*=\s*["']([^"']*)["']""")
 _ASCII_COMPATIBLE = (b"utf-8", b"utf8", b"us-ascii", b"ascii", b"iso-8859-1", b"iso-8859-15", b"windows-1252")

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from urdf.errors import shortened
-from urdf.geometry.errors import UnreadableMesh
 from urdf.geometry.meshes.collada import read_collada
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
-from urdf.geometry.shape import Color
+from urdf.geometry.shape import Color, UnreadableMesh
 
 LARGEST_MESH = 100_000_000
 """Largest size of a mesh file [bytes]; the largest of published robots have some 30 MB."""

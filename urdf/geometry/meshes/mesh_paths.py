@@ -10,7 +10,7 @@ from urllib.parse import unquote
 from urdf.document.document import UNNAMED
 from urdf.document.numbers import UNEXPANDED
 from urdf.errors import shortened
-from urdf.geometry.errors import UnreadableMesh
+from urdf.geometry.shape import UnreadableMesh
 
 PACKAGE_SCHEMES = ("package", "model")
 """Schemes that begin with the name of a package: of ROS, of Gazebo."""

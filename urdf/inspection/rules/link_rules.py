@@ -11,9 +11,8 @@ from urdf.document.elements import name_of
 from urdf.document.numbers import values
 from urdf.errors import shortened
 from urdf.inspection.findings import Finding
-from urdf.inspection.inertials import LinkInertial
 from urdf.inspection.messages import about, of_file
-from urdf.inspection.structure import Structure
+from urdf.inspection.structure import LinkInertial, Structure
 
 ROUNDED = 0.02
 """Violation of a triangle inequality, as a part of the largest moment, below which it comes from few digits."""

@@ -12,9 +12,8 @@ from graphdyn.model import CONSISTENCY
 from urdf.errors import MOST, shortened
 from urdf.geometry.filled_links import FilledLink, filled_links
 from urdf.inspection.findings import Finding
-from urdf.inspection.inertials import LinkInertial
 from urdf.inspection.messages import about, of_file
-from urdf.inspection.structure import Structure
+from urdf.inspection.structure import LinkInertial, Structure
 
 OUTSIDE = 0.05
 """Distance of a center of mass from the box around the mesh, as a part of its longest side, beyond which they do not

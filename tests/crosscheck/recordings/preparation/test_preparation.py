@@ -22,8 +22,7 @@ from crosscheck.recordings import (
     samples_of,
     sampling_rate,
 )
-from crosscheck.recordings.preparation.decimation import PADDING, rows_needed
-from crosscheck.recordings.preparation.filtering import BORDER_DECAY, border
+from crosscheck.recordings.preparation.filtering import BORDER_DECAY, PADDING, border, rows_needed
 from crosscheck.recordings.preparation.noise_floor import white_noise
 from graphdyn import InvalidInput
 

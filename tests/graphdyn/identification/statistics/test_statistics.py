@@ -22,8 +22,7 @@ from graphdyn.identification import (
 )
 from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.estimation.cross_validation import CrossValidation
-from graphdyn.identification.statistics.correlation_length import MOST_CELLS, CorrelationLength
-from graphdyn.identification.statistics.jackknife import jackknife_covariance
+from graphdyn.identification.statistics.correlation import MOST_CELLS, CorrelationLength, jackknife_covariance
 
 FEW = 30
 """Samples of two joints: 60 equations for 12 parameters, which use up a fifth of them."""
