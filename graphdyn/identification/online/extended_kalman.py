@@ -1,15 +1,15 @@
-"""Extended Kalman filter for data that arrive: state and parameters together, from positions alone.
+"""Extended Kalman filter for online estimation: state and parameters together, from positions alone.
 
     state (q, v, x):    q⁺ = q + T v + T²/2 a,   v⁺ = v + T a,   x⁺ = x + drift,     M(q, x) a = τ - h(q, v, x)
-    measured:           q, and v where a tachometer has it
+    measured:           q, and v with a tachometer
 
-The measured torque drives the model, its noise is that of the state; nothing is differentiated or filtered. a is that
-of the middle of the period. With G_q, G_v = ∂τ/∂q, ∂τ/∂v and the regressor W there,
+The measured torque drives the model, its noise is that of the state; no differentiation and no filter is needed. a is
+the acceleration in the middle of the period. With G_q, G_v = ∂τ/∂q, ∂τ/∂v and the regressor W there,
 
     da = -M⁻¹ (G_q dq + G_v dv + W dx - dτ)
 
-The covariance is kept as a root S, P = S Sᵀ, which stays one by orthogonal transformation: with F the derivative of the
-step, Q = B Bᵀ what noise adds to the state, H the measurement, R its variances,
+The filter propagates a square root S of the covariance, P = S Sᵀ, by orthogonal transformations. With F the derivative
+of the step, Q = B Bᵀ the process noise, H the measurement, R its variances,
 
     | R^½      0      |       | T₁₁  T₁₂ |
     | (F S)ᵀHᵀ (F S)ᵀ |  = Q′ | 0    S⁺ᵀ |     gain K = T₁₂ᵀ T₁₁⁻ᵀ
@@ -44,9 +44,9 @@ class ExtendedKalmanFilter:
 
     period: between two samples [s]
     position_noise, torque_noise, velocity_noise: standard deviations, one for all or (n,); without the last one the
-        velocities of the samples are not used, but for the first   [rad or m, N m or N, rad/s or m/s]
-    start: parameters (p,) to begin with; those of the model, and zero friction, if left out
-    spread: standard deviations of these (p,), from which those of the base parameters follow
+        velocities of the samples are not used, except the first   [rad or m, N m or N, rad/s or m/s]
+    start: initial parameters (p,); those of the model, and zero friction, if left out
+    spread: standard deviations of these (p,), which determine those of the base parameters
     drift: of the parameters in a second, standard deviation (p,) or one for all; 0: they are constant
     held: whether the torque of a sample acts until the next one; otherwise the mean of both acts between them
 
@@ -95,10 +95,10 @@ class ExtendedKalmanFilter:
         self._root = np.zeros((0, 0))
 
     def update(self, samples: Samples) -> None:
-        """Fold in one sample or several, one period apart.
+        """Process one sample or several, one period apart.
 
-        Raises InvalidInput for samples with a filter to come, and for a base that moves; EstimationFailed where the
-        parameters on the way are those of no robot.
+        Raises InvalidInput for samples with a pending filter, and for a moving base; EstimationFailed if the
+        parameters on the way are physically impossible.
         """
         if samples.row_filter is not None:
             raise InvalidInput("these samples still have to go through a filter; the filter of Kalman needs raw ones")
@@ -119,7 +119,7 @@ class ExtendedKalmanFilter:
 
     @property
     def covariance(self) -> Array:
-        """Of the base parameters (r, r). Raises EstimationFailed before the first sample."""
+        """Covariance of the base parameters (r, r). Raises EstimationFailed before the first sample."""
         if not self._root.size:
             raise EstimationFailed("no sample has arrived yet")
         own = self._root[2 * len(self._q) :]
@@ -127,11 +127,13 @@ class ExtendedKalmanFilter:
 
     @property
     def parameters(self) -> Array:
-        """Of all columns of the torque model (p,), those with these base parameters that are nearest to the model's."""
+        """Parameters (p,) of all columns of the torque model: those with these base parameters nearest to the
+        model's.
+        """
         return model_prior(self._model).nearest(self._base, self._x)
 
     def _begin(self, q: Array, v: Array) -> None:
-        """The first measured state; a velocity that is not measured is a difference of positions."""
+        """Start from the first measured state; a velocity that is not measured is a difference of positions."""
         n, r = len(q), len(self._x)
         position = self._measured[:n]
         velocity = self._measured[n:] if len(self._measured) > n else np.sqrt(2) * position / self._period
@@ -163,7 +165,7 @@ class ExtendedKalmanFilter:
         self._root = after[k:, k:].T
 
     def _acceleration(self, tau: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """In the middle of the period, and its derivatives by q, v, x and τ."""
+        """Acceleration in the middle of the period, and its derivatives by q, v, x and τ."""
         n, t = len(self._q), self._period
         a, _ = self._solved(self._q, self._v, tau)
         q, v = self._q + t / 2 * self._v + t**2 / 8 * a, self._v + t / 2 * a
@@ -178,7 +180,7 @@ class ExtendedKalmanFilter:
         return a, -inverse @ slopes[:, :n], -inverse @ slopes[:, n:], -inverse @ w[0], inverse
 
     def _solved(self, q: Array, v: Array, tau: Array) -> tuple[Array, Array]:
-        """a of M a = τ - h, and M⁻¹: the torque at rest in a is h, and its columns by a are M."""
+        """a of M a = τ - h, and M⁻¹: the torque at zero acceleration is h, and its columns by a are M."""
         n = len(q)
         a = np.vstack([np.zeros(n), np.eye(n)])
         here = self._samples(np.broadcast_to(q, a.shape), np.broadcast_to(v, a.shape), a)

@@ -1,9 +1,9 @@
-"""Least squares for data that arrive: the estimate after every sample, old ones forgotten if wanted.
+"""Recursive least squares for online estimation: the estimate after every sample, with optional forgetting.
 
-    minimise Σ_t λ^(T - t) Σ_g (W_tg x - τ_tg)² / σ_g²
+    minimize Σ_t λ^(T - t) Σ_g (W_tg x - τ_tg)² / σ_g²
 
-A triangular factor of the equations up to now is multiplied with λ^½ and updated with the new rows by QR, which is
-recursive least squares in its square-root form: the same numbers as weighted least squares of everything at once, and
+A triangular factor of the equations so far is multiplied by λ^½ and updated with the new rows by QR. This is
+recursive least squares in its square-root form: the same numbers as weighted least squares of all samples at once, and
 no covariance that loses its symmetry. Golub and Van Loan, Matrix Computations, section 6.5; Haykin, Adaptive Filter
 Theory, chapter on square-root adaptive filters.
 """
@@ -52,7 +52,9 @@ class RecursiveLeastSquares:
         self._factor = np.zeros((self._base.rank + 1, self._base.rank + 1))
 
     def update(self, samples: Samples) -> None:
-        """Fold in one sample or several, in the order of time. Raises InvalidInput for those with a filter to come."""
+        """Process one sample or several, in the order of time. Raises InvalidInput for samples with a pending
+        filter.
+        """
         if samples.row_filter is not None:
             raise InvalidInput("these samples still have to go through a filter; give filtered ones, or a Problem")
         w = self._model.rows(TorqueFreeSamples(samples), self._base.independent)
@@ -71,5 +73,7 @@ class RecursiveLeastSquares:
 
     @property
     def parameters(self) -> Array:
-        """Of all columns of the torque model (p,), those with these base parameters that are nearest to the model's."""
+        """Parameters (p,) of all columns of the torque model: those with these base parameters nearest to the
+        model's.
+        """
         return model_prior(self._model).nearest(self._base, self.solution.x)

@@ -1,1 +1,1 @@
-"""An identification problem: the torque model, the prior, and the equations that a recording gives."""
+"""An identification problem: the torque model, the prior, and the equations of a recording."""

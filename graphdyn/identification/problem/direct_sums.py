@@ -1,7 +1,7 @@
-"""Gram matrices of a torque model straight from the motion, without storing any equation.
+"""Gram matrices of a torque model, computed directly from the motion without storing equations.
 
-The rigid bodies come from compiler.gram, which multiplies the columns of the regressor as it computes them; the
-columns of the other terms are handed to it, joint by joint.
+The rigid bodies come from compiler.gram, which multiplies the columns of the regressor as it computes them. The
+columns of the other terms are passed to it, joint by joint.
 """
 
 from __future__ import annotations
@@ -38,7 +38,10 @@ class DirectSums:
         self._width = len(independent) + 1
 
     def __call__(self, samples: Samples, kept: NDArray[np.bool_]) -> list[Array]:
-        """Of all joints (b + 1, b + 1), over the equations that count (N, n). Raises InvalidInput for NaN, infinity."""
+        """Gram matrices of all joints (b + 1, b + 1), over the equations that count (N, n).
+
+        Raises InvalidInput for NaN, infinity.
+        """
         right = np.asarray(samples.tau, dtype=float) - self._torque_model.known_torque(samples)
         if samples.base is not None or self._torque_model.model.chords:
             return self._plain_sums(samples, right, kept)
@@ -53,13 +56,13 @@ class DirectSums:
         return [self._spread(joint, matrix) for joint, matrix in enumerate(matrices)]
 
     def _plain_sums(self, samples: Samples, right: Array, kept: NDArray[np.bool_]) -> list[Array]:
-        """On a moving base and with loops, which the kernel does not cover."""
+        """Gram matrices on a moving base and with loops, which the kernel does not cover."""
         equations = np.concatenate([self._torque_model.rows(samples, self._independent), right[..., None]], axis=-1)
         chosen = [equations[kept[:, joint], joint] for joint in range(right.shape[1])]
         return [rows.T @ rows for rows in chosen]
 
     def _spread(self, joint: int, matrix: Array) -> Array:
-        """From the columns that act on a joint to all."""
+        """Expand the columns that act on a joint to all columns."""
         own = self._acting[joint]
         rigid = self._rigid[self._gram.columns[joint]]
         used = np.concatenate([np.arange(len(rigid) + len(own)), [len(matrix) - 1]])

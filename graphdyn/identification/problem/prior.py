@@ -1,9 +1,8 @@
-"""A guess of all parameters, from CAD for instance, and how far from it the truth may be.
+"""Prior knowledge of the parameters: a mean with a spread, for instance from CAD, and expected single values.
 
-Parameters that are known beforehand, as further equations beside those of the recording.
-
-A parameter that stands alone among the base parameters is one unknown of the recording; of others the recording shows
-sums alone, to which an expected value of one part adds nothing.
+Expected values are further equations in addition to those of the recording. A parameter that is itself a base
+parameter is one unknown of the recording. Of the others the recording determines only sums, to which an expected value
+of one part adds no information.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ class Prior:
     """Parameters expected before the measurement.
 
     mean: expected values                                   (p,)
-    scale: expected distance from them, infinite where nothing is known   (p,)
+    scale: expected distance from them, infinite if nothing is known   (p,)
     """
 
     mean: Array
@@ -43,7 +42,7 @@ class Prior:
 def model_prior(torque_model: TorqueModel) -> Prior:
     """The inertial parameters of the model, with scales m, m l and m l² by unit; nothing is known of the rest.
 
-    m is the mean mass of its bodies (1 kg without any), l the mean distance of its joints (1 m likewise).
+    m is the mean mass of its bodies (1 kg if there are none), l the mean distance of its joints (likewise 1 m).
     """
     model = torque_model.model
     mass = float(np.mean([body.mass for body in model.bodies])) or 1.0
@@ -53,7 +52,7 @@ def model_prior(torque_model: TorqueModel) -> Prior:
 
 
 def expected_equations(torque_model: TorqueModel, base: BaseParameters) -> Array | None:
-    """x_k / deviation = value / deviation in base parameters of the recording (k, r + 1); None without any."""
+    """x_k / deviation = value / deviation in base parameters of the recording (k, r + 1); None if there are none."""
     columns, values, deviations = torque_model.expectations()
     alone = np.isin(columns, base.alone)
     if not alone.any():
@@ -63,7 +62,7 @@ def expected_equations(torque_model: TorqueModel, base: BaseParameters) -> Array
 
 
 def without_effect(torque_model: TorqueModel, base: BaseParameters) -> tuple[str, ...]:
-    """Symbols of the expected parameters that do not stand alone."""
+    """Symbols of the expected parameters that are not base parameters themselves."""
     columns, *_ = torque_model.expectations()
     pairs = zip(torque_model.expected, np.isin(columns, base.alone), strict=True)
     return tuple(symbol for symbol, alone in pairs if not alone)

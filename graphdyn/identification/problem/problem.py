@@ -1,7 +1,7 @@
-"""An identification problem: what the torque is made of, and what was measured, in blocks of time.
+"""An identification problem: the torque model and the recording, in time blocks.
 
 The recording is read in pieces. Everything that least squares needs is kept in triangular factors, one set per time
-block, so that cross-validation is merging all but one; only methods that look at single samples read it again.
+block, so that cross-validation merges all but one. Only methods that use single samples read the recording again.
 """
 
 from __future__ import annotations
@@ -34,20 +34,21 @@ from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
 BLOCKS = 20
-"""Time blocks of a recording unless told otherwise: of a recording of 80 correlation times each has four, and standard
+"""Default number of time blocks: in a recording of 80 correlation times each block has four, and standard
 deviations from 20 blocks are known to 16 %."""
 
 FOLDS = 10
-"""Largest number of folds of a cross-validation: time blocks, or as many neighbouring ones together as it takes."""
+"""Largest number of folds of a cross-validation; further time blocks are merged with their neighbors."""
 
 CHUNK = 1024
 """Samples whose regressor is in memory at once: 4 MB for a six-axis arm, and enough to be worth compiling for."""
 
 REMEMBERED = 32e6
-"""[bytes] Equations of short recordings are kept for the methods that read them many times."""
+"""Largest size of equations [bytes] that are kept for the methods that read them many times."""
 
 SUMMED = 32768
-"""Samples whose equations are summed up at once, without ever being in memory; those of friction are, 5 MB of them."""
+"""Samples whose equations are summed up at once; those of the bodies are never in memory, those of friction take 5
+MB."""
 
 NOTHING = (
     "the recording has no sample, or can be read only once and was: give the samples in a list, or an object that "
@@ -62,16 +63,16 @@ P = TypeVar("P", Rows, Rows | Samples)
 class Problem:
     """A torque model and its data.
 
-    data: one piece, several, or anything that can be iterated over them again and again (a list; an object that
-        opens its file in __iter__). What can be read once only (a generator) serves the methods that read once.
+    data: one piece, several, or anything that can be iterated over repeatedly (a list; an object that
+        opens its file in __iter__). Data that can be read only once (a generator) serve the methods that read once.
         Data in parts (graphdyn.identification.data.partitions) are summed up part by part, wherever their parts are
     n_blocks: time blocks for standard deviations and cross-validation
-    block_samples: samples per time block instead; needed where the data can be read once only
+    block_samples: samples per time block instead; required for data that can be read only once
     min_speed: equations of joint j with |v_j| below it are left out of the fit, one for all or (n,) [rad/s or m/s]
     compression: "qr", or "gram" for well-conditioned data
     rank_tolerance: smallest |R_kk| / |R_11| of the recording that counts as determined
-    used: which rows count, of those that the filter leaves; all if left out. The filter runs over all of them, so that
-        it has settled where a part begins; not for data in parts   (N,)
+    used: which rows count, of those that the filter keeps; all if left out. The filter runs over all of them, so that
+        it has settled at the borders of the used rows; not for data in parts   (N,)
     progress: called with the number of samples of every chunk read
     """
 
@@ -107,7 +108,7 @@ class Problem:
 
     @cached_property
     def structure(self) -> ParameterStructure:
-        """What any motion could determine."""
+        """Parameters that some motion could determine."""
         return structure(self.torque_model)
 
     @cached_property
@@ -132,26 +133,26 @@ class Problem:
         return tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
 
     def accumulator(self) -> Accumulator:
-        """An empty one for the equations of the structure."""
+        """An empty accumulator for the equations of the structure."""
         n_joints, n_columns = self.structure.support.shape
         return Accumulator(n_columns, n_joints, support=self.structure.support, method=self.compression)
 
     @cached_property
     def inner(self) -> BaseParameters:
-        """Which of the structure's base parameters the recording determines."""
+        """The structure's base parameters that the recording determines."""
         factors = merged(self.recorded).factors[..., :-1]
         return base_parameters(factors.reshape(-1, factors.shape[-1]), tolerance=self.rank_tolerance)
 
     @cached_property
     def base(self) -> BaseParameters:
-        """Base parameters of the recording at hand, in standard parameters."""
+        """Base parameters of this recording, in standard parameters."""
         if self.inner.rank == self.structure.base.rank:  # the same columns, but how clearly is up to the recording
             return replace(self.structure.base, gap=(self.inner.gap[0], self.structure.base.gap[1]))
         return self.structure.base.then(self.inner)
 
     @property
     def support(self) -> NDArray[np.bool_]:
-        """Which base parameters of the recording can bear on which joint (n, r)."""
+        """Which base parameters of the recording can act on which joint (n, r)."""
         return self.structure.support[:, self.inner.independent]
 
     @cached_property
@@ -165,7 +166,7 @@ class Problem:
 
     @property
     def without_effect(self) -> tuple[str, ...]:
-        """Symbols of parameters that are expected, but that the recording shows in sums alone, if at all."""
+        """Symbols of expected parameters that the recording determines only in sums, if at all."""
         return without_effect(self.torque_model, self.base)
 
     @cached_property
@@ -176,14 +177,14 @@ class Problem:
 
     @cached_property
     def condition_number(self) -> float:
-        """Of the regressor, joints weighted by their measured torque and columns at unit length."""
+        """Condition number of the regressor, joints weighted by their measured torque and columns at unit length."""
         size = np.sqrt(self.equations.measured_squares / np.maximum(self.equations.counts, 1))
         r, _ = self.equations.weighted(np.where(size > 0, size, 1.0))
         return float(np.linalg.cond(r / np.linalg.norm(r, axis=0))) if self.base.rank else 1.0
 
     @cached_property
     def folds(self) -> tuple[CompressedEquations, ...]:
-        """The time blocks for cross-validation: neighbours together, so that there are FOLDS of them at most."""
+        """The time blocks for cross-validation, merged with their neighbors to at most FOLDS."""
         return together(self.blocks)
 
     def all_but(self, fold: int) -> CompressedEquations:
@@ -196,22 +197,22 @@ class Problem:
         return r @ self.base.matrix, z
 
     def part(self, used: NDArray[np.bool_]) -> Problem:
-        """The same problem with some of its rows (N,) alone, filtered as before."""
+        """The same problem with only some of its rows (N,), filtered as before."""
         found = replace(self, used=used)
         if self.used is None and self._memory:
             found._memory.extend(replace(rows, block=block) for rows, block in found._cut(counted(self._memory, used)))
         return found
 
     def chosen(self, values: NDArray[Value]) -> NDArray[Value]:
-        """Of one value for each row that the filter leaves (N, …), those that count."""
+        """The rows that count, from values for each row that the filter keeps (N, …)."""
         return values if self.used is None else values[self.used]
 
     def reduced(self, rows: Rows) -> Array:
-        """W (N, n, r) of the base parameters of the recording."""
+        """Regressor W (N, n, r) of the base parameters of the recording."""
         return rows.matrix[..., self.inner.independent]
 
     def rows(self) -> Iterator[Rows]:
-        """The equations, chunk by chunk; a chunk belongs to one time block. Kept in memory if there are few."""
+        """The equations, chunk by chunk; a chunk belongs to one time block. Few equations are kept in memory."""
         if self._memory:
             yield from self._memory
             return
@@ -241,7 +242,7 @@ class Problem:
             yield from self._equations_of(run)
 
     def _equations_or_samples(self) -> Iterator[Rows | Samples]:
-        """The samples where no filter stands between them and their sums, the filtered equations elsewhere."""
+        """The samples if no filter precedes their sums, otherwise the filtered equations."""
         for run in self._runs():
             if run.row_filter is None and not self.torque_model.has_memory:
                 yield from map(self._told, run.pieces(SUMMED))
@@ -269,7 +270,7 @@ class Problem:
         return samples
 
     def _runs(self) -> Iterator[Run]:
-        """Raises InvalidInput for pieces that are none, or of other joints."""
+        """Runs of the data. Raises InvalidInput for data that are no pieces, or of other joints."""
         return runs(self._checked(piece) for piece in pieces_of(self.data))
 
     def _checked(self, piece: Samples) -> Samples:
@@ -286,7 +287,7 @@ class Problem:
 
     @cached_property
     def _block_samples(self) -> int:
-        """Rows per time block."""
+        """Number of rows per time block."""
         if self.block_samples is not None:
             return self.block_samples
         if self.used is not None:
@@ -300,7 +301,7 @@ def pieces_of(data: Samples | Iterable[Samples]) -> Iterable[Samples]:
 
 
 def own_rows(problem: Problem, own: slice) -> Iterator[Rows]:
-    """The equations of a part without those around it. own: start and stop among those that the filter leaves."""
+    """The equations of a part without those around it. own: start and stop among those that the filter keeps."""
     position = 0
     for rows in problem.rows():
         cut = rows[max(own.start - position, 0) : max(own.stop - position, 0)]
@@ -333,6 +334,6 @@ def _both(first: CompressedEquations, second: CompressedEquations) -> Compressed
 
 
 def together(blocks: Sequence[CompressedEquations]) -> tuple[CompressedEquations, ...]:
-    """Neighbouring time blocks merged, so that there are FOLDS at most."""
+    """Time blocks merged with their neighbors to at most FOLDS."""
     length = -(-len(blocks) // FOLDS)
     return tuple(merged(blocks[start : start + length]) for start in range(0, len(blocks), length))

@@ -1,4 +1,4 @@
-"""What a torque model could determine under any motion: its base parameters over random states."""
+"""Parameters of a torque model that some motion could determine: its base parameters over random states."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ STATES_PER_PARAMETER = 4
 """Random states per parameter: each gives n equations, far more than there are unknowns."""
 
 ACCELERATION = 10.0
-"""Random accelerations reach this [rad/s² or m/s²]: inertia shows beside gravity."""
+"""Largest random acceleration [rad/s² or m/s²]: inertia is then visible against gravity."""
 
 SPEED = 10.0
-"""Random speeds are clipped to this [rad/s or m/s]: beyond it centrifugal torques hide all others."""
+"""Largest random speed [rad/s or m/s]: beyond it centrifugal torques would dominate all others."""
 
 SMALLEST_STEP, LARGEST_STEP = 1e-6, 0.1
-"""[rad or m] Between random states of friction with memory: with long steps alone, all elements slip and are alike."""
+"""Steps between random states of friction with memory [rad or m]: with only long steps all elements slip alike."""
 
 
 @dataclass(frozen=True, eq=False)
 class ParameterStructure:
-    """Base parameters of a torque model, and which of them bear on which joint.
+    """Base parameters of a torque model, and the joints on which they act.
 
     base: over random states
     support: (n, b): whether column base.independent[k] can differ from zero in the torque of joint j
@@ -40,7 +40,7 @@ class ParameterStructure:
 
 @functools.lru_cache(maxsize=8)
 def structure(torque_model: TorqueModel, seed: int = 0) -> ParameterStructure:
-    """The same model and seed give the same answer; the last few are remembered."""
+    """Structure of a torque model. The same model and seed give the same result; the last few are cached."""
     samples = random_samples(torque_model, STATES_PER_PARAMETER * len(torque_model.columns), seed)
     w = torque_model.rows(samples)
     base = base_parameters(w.reshape(-1, w.shape[-1]))
@@ -51,7 +51,7 @@ def structure(torque_model: TorqueModel, seed: int = 0) -> ParameterStructure:
 def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
     """Random states within the limits of the robot, torques zero; times and temperatures random too.
 
-    For friction with memory every second state is a step of random size from the one before.
+    For friction with memory every second state is a random step away from the previous one.
     """
     rng = np.random.default_rng(seed)
     q, v = torque_model.model.random_state(rng, size)

@@ -1,4 +1,4 @@
-"""What the measured torque is made of: unknown parts, linear in their parameters, and known parts.
+"""The terms of the measured torque: unknown parts, linear in their parameters, and known parts.
 
 tau = W x + known,     W = [W_1 … W_k] from the terms
 """
@@ -29,12 +29,12 @@ class TorqueModel:
 
     terms: with unknown parameters, in the order of the columns; rigid bodies, viscous and Coulomb friction and offset
         if left out
-    known: without; subtracted from the measured torque
-    expected: value and standard deviation of parameters that are known beforehand, from a data sheet for instance, by
+    known: terms without unknowns; subtracted from the measured torque
+    expected: value and standard deviation of parameters that are known beforehand, for instance from a data sheet, by
         symbol: {"IA_3": (764.0, 80.0)}. Methods with takes_expected = True weigh them against the recording
-    noise: standard deviation of the torque of each joint, as methods weigh with it (n,); estimated if left out
+    noise: standard deviation of the torque of each joint, by which methods weigh (n,); estimated if left out
 
-    Raises InvalidInput without a term, and where two columns have the same name.
+    Raises InvalidInput without a term, and if two columns have the same name.
     """
 
     model: RobotModel
@@ -83,13 +83,13 @@ class TorqueModel:
         return w
 
     def known_torque(self, samples: Samples) -> Array:
-        """(N, n) [N m or N]."""
+        """Torque of the known terms (N, n) [N m or N]."""
         motion = TorqueFreeSamples(samples)
         parts = (term.torque(self.model, motion) for term in self.known)
         return np.asarray(sum(parts, start=np.zeros(samples.q.shape)))
 
     def torque(self, samples: Samples, x: Array) -> Array:
-        """(N, n): W x + known."""
+        """Torque of all terms, W x + known (N, n)."""
         return self.rows(samples) @ x + self.known_torque(samples)
 
     @cached_property
@@ -98,11 +98,11 @@ class TorqueModel:
         return any(getattr(term, "has_memory", False) for term in self.terms)
 
     def slice_of(self, kind: type) -> slice | None:
-        """The columns of the first term of this class, None without one."""
+        """The columns of the first term of this class, None if there is none."""
         return next((columns for term, columns in self._parts if isinstance(term, kind)), None)
 
     def inertial_parameters(self, x: Array) -> Array:
-        """(10 n,): what the bodies carry, payload included."""
+        """Inertial parameters of the bodies (10 n,), payload included."""
         total = np.zeros(BODY_PARAMETERS * self.model.n_bodies)
         for term, columns in self._parts:
             if isinstance(term, CarriesBodies):
@@ -119,7 +119,7 @@ class TorqueModel:
         return np.array([symbols.index(symbol) for symbol in self.expected], dtype=np.int64), pairs[:, 0], pairs[:, 1]
 
     def prior(self) -> Array:
-        """(p,): the inertial parameters of the model for RigidBodies, zero for the rest."""
+        """Prior mean (p,): the inertial parameters of the model for RigidBodies, zero for the rest."""
         x = np.zeros(len(self.columns))
         for term, columns in self._parts:
             if isinstance(term, RigidBodies):

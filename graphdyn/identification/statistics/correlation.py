@@ -27,21 +27,24 @@ from graphdyn.identification.algebra.compressed import CompressedEquations, merg
 from graphdyn.layout import Array
 
 MOST_CELLS = 16384
-"""Means of consecutive samples in memory at once; where there are more, neighbours are put together."""
+"""Largest number of means of consecutive samples in memory; beyond it neighbors are merged."""
 
 SURELY = 3.0
-"""Standard deviations 1/√N of the first autocorrelation of white noise below which residuals count as white."""
+"""First autocorrelation of white noise, in standard deviations 1/√N, below which residuals count as white."""
 
 
 class CorrelationLength:
-    """Of n × m columns of residuals, which arrive piece by piece. Gaps are not seen: few products reach across them."""
+    """Correlation length of n × m columns of residuals, which arrive piece by piece.
+
+    Gaps are ignored: few products reach across them.
+    """
 
     def __init__(self, n: int, m: int):
         self._cells, self._left = np.zeros((0, n, m)), np.zeros((0, n, m))
         self._size = 1
 
     def add(self, residual: Array, kept: NDArray[np.bool_]) -> None:
-        """residual (N, n, m); what is not kept (N, n) counts as zero."""
+        """Add a residual (N, n, m); rows that are not kept (N, n) count as zero."""
         self._left = np.concatenate([self._left, np.where(kept[..., None], residual, 0.0)])
         whole = len(self._left) // self._size * self._size
         self._cells = np.concatenate([self._cells, _means(self._left[:whole], self._size)])
@@ -53,7 +56,7 @@ class CorrelationLength:
             self._cells, self._size = _means(self._cells[:even], 2), 2 * self._size
 
     def samples(self) -> Array:
-        """(n, m): 0 for residuals that are white, NaN for none."""
+        """Correlation length in samples (n, m): 0 for white residuals, NaN if there are none."""
         n_cells = len(self._cells)
         spectrum = np.abs(np.fft.rfft(self._cells, 2 * n_cells, axis=0)) ** 2 if n_cells > 1 else np.zeros((1, 1, 1))
         products = np.fft.irfft(spectrum, axis=0)[: max(n_cells, 1)] if n_cells > 1 else spectrum
@@ -70,7 +73,7 @@ def _means(rows: Array, size: int) -> Array:
 
 
 def _fallen(correlation: Array) -> float:
-    """Lags beyond the first after which the correlation is 1/e of that at the first; between two lags, linearly."""
+    """Lags beyond the first after which the correlation is 1/e of that at the first, interpolated linearly."""
     if correlation[1] <= SURELY / np.sqrt(len(correlation)):
         return 0.0
     limit = correlation[1] / np.e
@@ -81,14 +84,15 @@ def _fallen(correlation: Array) -> float:
 
 
 ALL = 1e-8
-"""A combination of parameters of which the other blocks know less than this part is known from one block alone."""
+"""Relative information of the other blocks on a combination of parameters below which one block alone determines it."""
 
 
 def jackknife_covariance(blocks: Sequence[CompressedEquations], x: Array, deviations: Array) -> Array | None:
     """Covariance (b, b) of x, the minimum of Σ_g ‖W_g x - τ_g‖² / deviations_g²; None below two blocks.
 
-    Where one block alone determines a parameter its variance is infinite, its covariances are NaN. Rough with few
-    blocks: each standard deviation is uncertain by 1 / sqrt(2 B) of itself.
+    If one block alone determines a parameter, its variance is infinite, and its covariances are NaN. With few blocks
+    the
+    result is rough: each standard deviation is uncertain by 1 / sqrt(2 B) of itself.
     """
     from scipy.linalg import solve_triangular  # imported where first used: import graphdyn stays light
 
@@ -118,7 +122,7 @@ def left_out_covariance(blocks: Array, scores: Array, scale: Array) -> Array | N
     """Covariance (b, b) of x with Σ_b s_b = 0, s_b = z_b - A_b x; None below two blocks.
 
     blocks: A_b (B, b, b), of full rank together; scores: s_b (B, b); scale: lengths of the columns (b,)
-    Without block b the solution moves by -(Σ A - A_b)⁻¹ s_b. Infinite where one block alone determines x.
+    Without block b the solution moves by -(Σ A - A_b)⁻¹ s_b. The variance is infinite if one block alone determines x.
     """
     count = len(blocks)
     if count < 2:

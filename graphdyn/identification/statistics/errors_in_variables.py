@@ -1,12 +1,10 @@
-"""How the torque of a model changes with the motion: G = ∂τ/∂(q, v, a).
+"""Equations of the torque at the true motion, which is measured with errors, linearized at its current estimate.
 
-Central differences of W x, so that every term of a torque model counts: friction and columns of users as well as bodies
-with parameters that no real body has. With the standard deviations of the errors of q, v and a as steps, sign(v) has a
-slope where the error may turn it, and none elsewhere.
+The slopes G = ∂τ/∂(q, v, a) are central differences of W x. They hold for every term of a torque model: friction,
+columns of users, and bodies whose parameters are physically inconsistent. The steps are the standard deviations of the
+errors of q, v and a, so that sign(v) has a slope where the error may reverse it, and none elsewhere.
 
-The measured motion in the rows of a problem's equations, with the covariance of its errors.
-
-Equations of the torque at the true motion, which is measured with errors, linearised at what is known of it.
+The measured motion belongs to the rows of a problem's equations, with the covariance of its errors.
 """
 
 from __future__ import annotations
@@ -31,7 +29,7 @@ MOTION = ("q", "v", "a")
 def torque_slopes(torque_model: TorqueModel, x: Array, motion: Samples, steps: Array) -> Array:
     """G (N, n, 3 n): columns of all q, then v, then a.
 
-    x: parameters (p,); steps: of q, v and a (3, n); zero where the slope is not wanted, which is zero then
+    x: parameters (p,); steps: of q, v and a (3, n); a zero step gives a slope of zero
     """
     n = motion.q.shape[1]
     slopes = np.zeros((len(motion), n, 3 * n))
@@ -47,7 +45,7 @@ def torque_slopes(torque_model: TorqueModel, x: Array, motion: Samples, steps: A
 
 
 WINDOW = 4096
-"""Rows that are computed at once: enough for compiled code to be worth it."""
+"""Rows that are computed at once: enough for compiled code to pay off."""
 
 NO_ERRORS = (
     "needs the errors of q, v and a (motion_covariance of the samples), which crosscheck.identify estimates from "
@@ -60,7 +58,7 @@ class MeasuredRows:
     """Consecutive rows of one run.
 
     rows: their equations; blocks: the time block of each   (N,)
-    motion: q, v, a where they are
+    motion: their q, v, a
     covariance: of the errors of all q, then v, then a      (3 n, 3 n)
     """
 
@@ -73,7 +71,7 @@ class MeasuredRows:
 def measured_motion(problem: Problem) -> Iterator[MeasuredRows]:
     """All equations, window by window.
 
-    Raises EstimationFailed where the errors are not known, for a base that moves, and for friction with memory.
+    Raises EstimationFailed if the errors are not known, for a moving base, and for friction with memory.
     """
     if problem.torque_model.has_memory:
         raise EstimationFailed("knows the errors of a row at a time, and friction with memory takes all rows together")
@@ -91,7 +89,7 @@ def measured_motion(problem: Problem) -> Iterator[MeasuredRows]:
 
 
 def _windows(chunks: Iterable[Rows]) -> Iterator[list[Rows]]:
-    """Neighbouring chunks of one run together, until there are WINDOW rows."""
+    """Neighboring chunks of one run, joined up to WINDOW rows."""
     parts: list[Rows] = []
     for chunk in chunks:
         if parts and (chunk.first or sum(map(len, parts)) >= WINDOW):
@@ -102,7 +100,7 @@ def _windows(chunks: Iterable[Rows]) -> Iterator[list[Rows]]:
 
 
 def joined(covariance: Array) -> Array:
-    """Of q, v, a of each joint (n, 3, 3) → of all q, then v, then a (3 n, 3 n)."""
+    """Covariance of all q, then v, then a (3 n, 3 n) from that of q, v, a of each joint (n, 3, 3)."""
     n = len(covariance)
     together = np.zeros((3, n, 3, n))
     for j, own in enumerate(covariance):
@@ -111,7 +109,9 @@ def joined(covariance: Array) -> Array:
 
 
 def _motion(problem: Problem) -> tuple[Samples, list[Array], NDArray[np.int64]]:
-    """The rows that count of all that the filters leave; the covariance of the errors of every run; each row's run."""
+    """The rows that count among all that the filters keep; the covariance of the errors of every run; each row's
+    run.
+    """
     parts, covariances, lengths = list[Samples](), list[Array](), list[int]()
     for run in runs([problem.data] if isinstance(problem.data, Samples) else problem.data):
         pieces = list(run.samples)
@@ -129,10 +129,10 @@ def _motion(problem: Problem) -> tuple[Samples, list[Array], NDArray[np.int64]]:
 
 @dataclass(frozen=True, eq=False)
 class Whitened:
-    """Of N rows, multiplied with L⁻¹, S = L Lᵀ the covariance of their residual.
+    """N rows multiplied by L⁻¹, with S = L Lᵀ the covariance of their residual.
 
     matrix, right: W(μ) and e                               (N, n, r), (N, n)
-    shift: μ - m, the estimated motion less the measured one   (N, 3 n)
+    shift: μ - m, the estimated minus the measured motion   (N, 3 n)
     squares: Σ e² over the rows; explained: Σ of the variances G C Gᵀ   (n,)
     """
 
@@ -144,7 +144,7 @@ class Whitened:
 
 
 def whitened(problem: Problem, x: Array, part: MeasuredRows, shift: Array, noise: Array) -> Whitened:
-    """At base parameters x (r,) and the motion estimated so far; noise: of the torques (n,)."""
+    """Whitened rows at base parameters x (r,) and the current estimate of the motion; noise: of the torques (n,)."""
     torque_model, columns = problem.torque_model, problem.base.independent
     measured, kept = part.motion, part.rows.kept[..., None]
     q, v, a = np.split(shift, 3, axis=1)

@@ -1,4 +1,4 @@
-"""Residuals of the torque: their size, and whether they are white.
+"""Statistics of torque residuals: their size, and tests of whiteness.
 
 Ljung and Box, Biometrika 65(2), 1978: Q = N (N + 2) Σ_k r_k² / (N - k) over LAGS lags is χ² distributed for white
 noise. Durbin and Watson, Biometrika 37, 1950: Σ (e_t - e_{t-1})² / Σ e_t² is 2 for white noise, 0 for a drift.
@@ -18,15 +18,16 @@ from graphdyn.identification.statistics.correlation import CorrelationLength
 from graphdyn.layout import Array
 
 MOVING = 0.02
-"""[rad/s or m/s] Below this speed friction is undetermined and swamps the comparison."""
+"""Speed below which a joint counts as at rest [rad/s or m/s]: friction is undetermined there and swamps the
+comparison."""
 
 LAGS = 20
-"""Lags of the Ljung-Box test; the autocorrelation of a piece does not reach into the next one."""
+"""Number of lags of the Ljung-Box test; the autocorrelation of a piece does not reach into the next one."""
 
 
 @dataclass(frozen=True, eq=False)
 class ResidualSizes:
-    """Per joint, over some of the samples; NaN where there are none.
+    """Sizes of the residuals per joint, over some of the samples; NaN if there are none.
 
     count: samples (n,); mean, rms, largest: of predicted minus measured torque (n,) [N m or N]
     relative: ‖e‖ / ‖τ‖ with the measured torque (n,)
@@ -41,14 +42,14 @@ class ResidualSizes:
 
 @dataclass(frozen=True, eq=False)
 class ResidualStatistics:
-    """Predicted minus measured torque.
+    """Statistics of predicted minus measured torque.
 
     everything: over all samples
     moving: per joint over the samples with |v_j| > MOVING
-    durbin_watson, ljung_box_p: per joint over all samples (n,); a p below 0.05 says that the residual is not white,
+    durbin_watson, ljung_box_p: per joint over all samples (n,); p below 0.05 means that the residual is not white,
         and that standard deviations for white noise are too small
-    correlation_length: per joint (n,), in samples: over so many the residual is correlated (lag at which the
-        autocorrelation has fallen to 1/e); zero for a white one
+    correlation_length: per joint (n,), in samples: the lag at which the autocorrelation has fallen to 1/e; zero for a
+        white residual
     """
 
     everything: ResidualSizes
@@ -59,15 +60,15 @@ class ResidualStatistics:
 
     @property
     def correlation_times(self) -> float:
-        """How many times as long as the correlation all samples are, for the joint with the longest one."""
+        """Length of all samples in correlation times, for the joint with the longest one."""
         longest = np.nanmax(self.correlation_length, initial=0.0)
         return float(self.everything.count.max() / longest) if longest > 0 else float("inf")
 
 
 def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualStatistics]:
-    """One for every row of parameters (m, p), in one reading of the recording.
+    """Statistics for every row of parameters (m, p), in one reading of the recording.
 
-    The equations that min_speed leaves out of the fit are predicted too. Of data in parts each part is a piece of its
+    The equations that min_speed leaves out of the fit are predicted too. For data in parts each part is a piece of its
     own, and the longest correlation in any of them counts.
     """
     x = problem.structure.base.matrix @ np.asarray(parameters, dtype=float).T
@@ -81,7 +82,7 @@ def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualSta
 
 
 def residuals_of_part(x: Array, problem: Problem, own: slice) -> _Residuals:
-    """Of the own equations of a part."""
+    """Residuals of the own equations of a part."""
     sums = _Residuals(problem.n_joints, x.shape[1])
     for rows in own_rows(problem, own):
         sums.add(rows, rows.matrix @ x - rows.right[..., None])
@@ -89,7 +90,7 @@ def residuals_of_part(x: Array, problem: Problem, own: slice) -> _Residuals:
 
 
 class _Residuals:
-    """Of n joints and m methods, summed up."""
+    """Sums over the residuals of n joints and m methods."""
 
     def __init__(self, n: int, m: int):
         self.everything, self.moving = _Sizes(n, m), _Sizes(n, m)
@@ -105,13 +106,13 @@ class _Residuals:
         self.lengths.add(residual, rows.kept)
 
     def finished(self) -> _Residuals:
-        """Nothing can be added any more; what only that needs is dropped."""
+        """The sums without the data needed for further rows: no row can be added any more."""
         if self.lengths is not None:
             self.longest, self.lengths = self.lengths.samples(), None
         return self
 
     def merge(self, other: _Residuals) -> _Residuals:
-        """Both together, which must be finished: the longer correlation of the two counts."""
+        """Sum of both, which must be finished; the longer correlation of the two counts."""
         self.everything.merge(other.everything)
         self.moving.merge(other.moving)
         self.lagged.merge(other.lagged)
@@ -119,7 +120,7 @@ class _Residuals:
         return self
 
     def statistics(self) -> list[ResidualStatistics]:
-        """One for every method."""
+        """Statistics for every method."""
         longest = self.finished().longest
         tests = self.lagged.durbin_watson(), self.lagged.ljung_box_p(self.everything.count)
         return [
@@ -134,7 +135,7 @@ class _Sizes:
         self.sum, self.squares, self.largest = np.zeros((n, m)), np.zeros((n, m)), np.zeros((n, m))
 
     def add(self, residual: Array, measured: Array, counted: Array) -> None:
-        """residual (N, n, m); measured, counted (N, n)."""
+        """Add a residual (N, n, m); measured, counted (N, n)."""
         self.count += counted.sum(axis=0)
         self.measured += np.sum(counted * measured**2, axis=0)
         part = residual * counted[..., None]
@@ -159,7 +160,7 @@ class _Sizes:
 
 
 class _Autocorrelation:
-    """Σ_t e_t e_{t-k} for k = 0 … LAGS, within pieces."""
+    """Sums Σ_t e_t e_{t-k} for k = 0 … LAGS, within pieces."""
 
     def __init__(self, n: int, m: int):
         self.products = np.zeros((LAGS + 1, n, m))
@@ -178,7 +179,7 @@ class _Autocorrelation:
         self.tail = joined[-LAGS:]
 
     def merge(self, other: _Autocorrelation) -> None:
-        """Another piece: no product reaches from one into the other."""
+        """Sum with another piece: no product reaches from one into the other."""
         self.products, self.steps = self.products + other.products, self.steps + other.steps
 
     def durbin_watson(self) -> Array:

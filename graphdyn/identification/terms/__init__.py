@@ -1,4 +1,4 @@
-"""What actuator torques are made of: one class per physical effect, each linear in its parameters."""
+"""Terms of the actuator torque: one class per physical effect, each linear in its parameters."""
 
 from graphdyn.identification.terms.drift import Drift
 from graphdyn.identification.terms.drives import CoupledWrist, RotorInertia

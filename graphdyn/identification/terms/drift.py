@@ -20,11 +20,12 @@ UNITS = {"time": "s", "temperature": "K"}
 
 @dataclass(frozen=True, eq=False)
 class Drift:
-    """What is added to a term, in proportion to time or temperature: its torque W x' (s - reference) beside W x.
+    """An addition to a term in proportion to time or temperature: its torque is W x' (s - reference), that of the term
+    W x.
 
-    Take it together with the term itself, whose parameters are then those at the reference.
+    Use it together with the term itself, whose parameters are then those at the reference.
     term: with one column per joint, such as Viscous()
-    over: what drifts: samples.time [s], or samples.temperature of each joint [°C]
+    over: variable of the drift: samples.time [s], or samples.temperature of each joint [°C]
     reference: [s or °C]
     """
 
@@ -34,7 +35,7 @@ class Drift:
 
     @property
     def has_memory(self) -> bool:
-        """Whether the term has."""
+        """Whether the term has memory."""
         return getattr(self.term, "has_memory", False)
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:

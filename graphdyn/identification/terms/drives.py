@@ -1,4 +1,4 @@
-"""What the drives add: inertia of the rotors, and coupling of the last two axes."""
+"""Torques of the drives: inertia of the rotors, and coupling of the last two axes."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from graphdyn.layout import ANGULAR, Array
 from graphdyn.model.robot_model import RobotModel
 
 UNIT = 1e-6
-"""Deviation of the length of an axis from 1 that rounding in a file explains."""
+"""Largest deviation of the length of an axis from 1 that rounding in a file explains."""
 
 
 @dataclass(frozen=True, eq=False)
 class RotorInertia:
     """I_a a per joint: inertia of rotor and gear as seen at the joint.
 
-    With gears, gyroscopic coupling too. Rotor j turns with s = G_j v_j about an axis n that is fixed in the body that
-    carries it, the inside body of joint j, with inertia I = I_a / G_j² about n. Of its kinetic energy I (s + n·ω)² / 2
-    the term has what contains s; the rest is inertia of the carrier:
+    With gears it includes gyroscopic coupling. Rotor j turns with s = G_j v_j about an axis n that is fixed in the body
+    that carries it, the inside body of joint j, with inertia I = I_a / G_j² about n. The term contains those parts of
+    its kinetic energy I (s + n·ω)² / 2 that depend on s; the rest is inertia of the carrier:
 
         I_a a_j + I_a / G_j n·ω̇            on joint j
         I_a / G_j Jᵀ (n a_j + ω × n v_j)   on all joints that turn the carrier, J its angular Jacobian
@@ -83,7 +83,7 @@ class RotorInertia:
 
 @dataclass(frozen=True)
 class CoupledWrist:
-    """Two axes j, k whose motors act on both joints (Stäubli RX and TX: axes 5 and 6).
+    """Coupling of two axes j, k whose motors act on both joints (Stäubli RX and TX: axes 5 and 6).
 
     On joint j:  IAM a_k + FVM v_k + FCM sign(v_j + v_k)
     On joint k:  IAM a_j + FVM v_j + FCM sign(v_j + v_k)

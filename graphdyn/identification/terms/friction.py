@@ -1,8 +1,8 @@
 """Friction, offset and spring of every joint.
 
-sign(v), or tanh(v / width) where a smooth change is wanted. Sources: Armstrong-Hélouvry, Dupont and Canudas de Wit, "A
-survey of models, analysis tools and compensation methods for the control of machines with friction", Automatica
-30(7), 1994 (Stribeck); Khalil and Dombre, Modeling, Identification and Control of Robots, 2002, section 9.3.
+Friction depends on sign(v), or on tanh(v / width) for a smooth change. Sources: Armstrong-Hélouvry, Dupont and Canudas
+de Wit, "A survey of models, analysis tools and compensation methods for the control of machines with friction",
+Automatica 30(7), 1994 (Stribeck); Khalil and Dombre, Modeling, Identification and Control of Robots, 2002, section 9.3.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Coulomb:
 
 @dataclass(frozen=True, eq=False)
 class Stribeck:
-    """F_s sign(v) exp(-|v / velocity|^exponent): what is added at low speed. Take it together with Coulomb.
+    """F_s sign(v) exp(-|v / velocity|^exponent): additional friction at low speed. Use it together with Coulomb.
 
     velocity, exponent: one for all or one per joint [rad/s or m/s, 1]; they are given, not identified
     width: as in Coulomb
@@ -111,7 +111,7 @@ class Offset:
 
 @dataclass(frozen=True)
 class Spring:
-    """K q per joint; beside Offset, a linear spring with any rest position."""
+    """K q per joint; together with Offset, a linear spring with any rest position."""
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         return per_joint_columns(model, "spring", "K", "N m/rad", "N/m")
@@ -126,14 +126,14 @@ def smooth_sign(v: Array, width: ArrayLike | None) -> Array:
 
 
 def each_positive(who: str, values: Sequence[ArrayLike], n: int) -> Array:
-    """(k, n) positive numbers from a list of k. Raises InvalidInput."""
+    """Positive numbers (k, n) from a list of k. Raises InvalidInput."""
     if np.isscalar(values) or len(values) == 0:
         raise InvalidInput(f"{who}s are {values!r}; give a list of at least one")
     return np.array([positive(who, value, n) for value in values])
 
 
 def positive(who: str, value: ArrayLike, n: int) -> Array:
-    """(n,) positive numbers from one or n. Raises InvalidInput."""
+    """Positive numbers (n,) from one or n. Raises InvalidInput."""
     array = as_floats(who, value)
     if array.shape not in ((), (n,)) or not np.all(np.isfinite(array)) or not np.all(array > 0):
         raise InvalidInput(f"{who} is {np.array2string(array)}; give one positive number, or {n}")

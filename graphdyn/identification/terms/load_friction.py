@@ -20,12 +20,12 @@ from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.dynamics import gravity_torque
 
 WIDTHS = (0.02, 0.1, 0.5)
-"""[rad/s or m/s] Default widths of SmoothCoulomb: stiction, Stribeck's range, half the speed of slow motions."""
+"""Default widths of SmoothCoulomb [rad/s or m/s]: stiction, Stribeck's range, half the speed of slow motions."""
 
 
 @dataclass(frozen=True, eq=False)
 class LoadFriction:
-    """F_l |g_j(q)| sign(v) per joint: Coulomb friction as a part of the load that the gear transmits.
+    """F_l |g_j(q)| sign(v) per joint: Coulomb friction as a fraction of the load that the gear transmits.
 
     The load g is the torque of gravity on the model's own bodies, as from CAD, so that the torque stays linear in F_l.
     width: as in Coulomb
@@ -45,7 +45,7 @@ class LoadFriction:
 class SmoothCoulomb:
     """Σ_k F_k tanh(v / width_k) per joint: a friction curve of any shape that saturates.
 
-    A narrow part that is positive beside a wide one that is negative is Stribeck friction.
+    A positive narrow part together with a negative wide one is Stribeck friction.
     widths: at least one, each one number for all joints or one per joint    (k,) or (k, n)  [rad/s or m/s]
     """
 

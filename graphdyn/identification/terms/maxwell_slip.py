@@ -1,13 +1,13 @@
 """Friction with memory: at standstill its torque depends on how the joint came to rest.
 
-An element is a spring of some stiffness in series with a Coulomb slider. Its spring bends by at most d, and from sample
-to sample, as long as nothing slips, by the motion of the joint:
+An element is a spring of some stiffness in series with a Coulomb slider. The deflection of its spring is at most d. As
+long as nothing slips, it changes from sample to sample by the motion of the joint:
 
     z_t = clip(z_{t-1} + (q_t - q_{t-1}) / d, -1, 1),     torque F_m z
 
-Far from reversals z = sign(v): an element of its own is Coulomb friction with presliding (Dahl's, with corners).
-Several elements with different d are the hysteresis of the generalised Maxwell-slip model without its Stribeck curve,
-which Stribeck(…) adds. The torque is linear in F_m; d is not, see graphdyn.identification.estimators.tuning.
+Far from reversals z = sign(v): a single element is Coulomb friction with presliding (Dahl's, with corners).
+Several elements with different d are the hysteresis of the generalized Maxwell-slip model without its Stribeck curve,
+which Stribeck(…) adds. The torque is linear in F_m, but not in d; see graphdyn.identification.estimators.tuning.
 
 Lampaert, Al-Bender and Swevers, "A generalized Maxwell-slip friction model appropriate for control purposes", IEEE
 PhysCon 2003; Al-Bender, Lampaert and Swevers, IEEE Transactions on Automatic Control 50(11), 2005.
@@ -29,12 +29,13 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
 DEFLECTION = 0.01
-"""[rad or m] Default deflection: half a degree, as of gears with some elasticity."""
+"""Default deflection [rad or m]: half a degree, as of gears with some elasticity."""
 
 
 @dataclass(frozen=True, eq=False)
 class MaxwellSlip:
-    """F_m z(t) per joint and element; in place of Coulomb, or beside it. The springs are free where a run begins.
+    """F_m z(t) per joint and element, in place of Coulomb or in addition to it. At the start of a run the springs are
+    free.
 
     deflections: d of every element, each one number for all joints or one per joint    (k,) or (k, n)  [rad or m]
     """

@@ -1,7 +1,7 @@
-"""A load on one body: known (subtracted), unknown, or unknown in its mass alone.
+"""A load on one body: known (subtracted), unknown, or with only its mass unknown.
 
-All parameters are in the link frame of the body that carries the load. An unknown payload beside unknown parameters
-of the same body is not determined: only their sums are, and the base parameters say so.
+All parameters are in the link frame of the body that carries the load. If the parameters of payload and body are both
+unknown, only their sums are determined, and the base parameters show it.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ class RigidBodies:
 
 @dataclass(frozen=True, eq=False)
 class KnownBodies:
-    """Bodies whose parameters are known, from CAD for instance: their torque is subtracted.
+    """Bodies whose parameters are known, for instance from CAD: their torque is subtracted.
 
     parameters: (10 n,), those of the model if left out. Raises InvalidInput for any other shape.
     """
@@ -66,7 +66,7 @@ def inertial_columns(name: str, number: str) -> tuple[TermParameter, ...]:
 
 
 def ten_parameters(who: str, values: ArrayLike, bodies: int = 1) -> Array:
-    """Finite (10 · bodies,). Raises InvalidInput."""
+    """Finite parameters (10 · bodies,). Raises InvalidInput."""
     array = as_floats(f"parameters of the {who}", values)
     if array.shape != (BODY_PARAMETERS * bodies,) or not np.all(np.isfinite(array)):
         raise InvalidInput(

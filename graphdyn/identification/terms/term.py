@@ -17,7 +17,7 @@ class TermParameter:
     """One parameter of the torque.
 
     name: such as "forearm I_xx" or "elbow viscous friction"
-    symbol: as Khalil and Gautier write it, with the number of body or joint: XX_3, FV_3
+    symbol: in the notation of Khalil and Gautier, with the number of body or joint: XX_3, FV_3
     unit: of the parameter
     """
 
@@ -27,9 +27,9 @@ class TermParameter:
 
 
 class Term(Protocol):
-    """A part of the torque with unknown parameters. Any class with these two methods is one.
+    """A part of the torque with unknown parameters: any class with these two methods.
 
-    A term whose rows depend on earlier samples has an attribute has_memory = True; it is given whole runs.
+    A term whose rows depend on earlier samples has an attribute has_memory = True; it receives whole runs.
     """
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
@@ -37,7 +37,7 @@ class Term(Protocol):
         ...
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        """W (N, n, k): its torque is W x. Reading samples.tau raises InvalidInput."""
+        """Regressor W (N, n, k): the torque of the term is W x. Reading samples.tau raises InvalidInput."""
         ...
 
 
@@ -45,7 +45,7 @@ class KnownTerm(Protocol):
     """A part of the torque without unknowns; it is subtracted from the measured torque."""
 
     def torque(self, model: RobotModel, samples: Samples) -> Array:
-        """(N, n) [N m or N]. Reading samples.tau raises InvalidInput."""
+        """Torque (N, n) [N m or N]. Reading samples.tau raises InvalidInput."""
         ...
 
 
@@ -54,7 +54,7 @@ class CarriesBodies(Protocol):
     """A term whose parameters x belong to the inertia of the bodies."""
 
     def inertial_parameters(self, model: RobotModel, x: Array) -> Array:
-        """What they add to the ten parameters of every body (10 n,)."""
+        """Contribution to the ten parameters of every body (10 n,)."""
         ...
 
 
@@ -63,14 +63,14 @@ class CarriesKnownBodies(Protocol):
     """A known term that belongs to the inertia of the bodies."""
 
     def known_inertial_parameters(self, model: RobotModel) -> Array:
-        """What it adds to the ten parameters of every body (10 n,)."""
+        """Contribution to the ten parameters of every body (10 n,)."""
         ...
 
 
 def per_joint_columns(
     model: RobotModel, what: str, symbol: str, unit: str, slide_unit: str
 ) -> tuple[TermParameter, ...]:
-    """One column per joint that no others drive; the second unit is that of a prismatic joint."""
+    """One column for each independent joint; the second unit is that of a prismatic joint."""
     joints = [(k + 1, model.joints[k]) for k in model.freedoms.independent]
     return tuple(
         TermParameter(f"{joint.name} {what}", f"{symbol}_{j}", slide_unit if joint.is_prismatic else unit)

@@ -1,4 +1,4 @@
-"""Torques with columns of the user's own: springs, counterbalances, cables."""
+"""User-defined torques: springs, counterbalances, cables."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Law = Callable[[Array, Array, Array], Array]
 
 @dataclass(frozen=True, eq=False)
 class UserColumns:
-    """k unknown parameters with columns of the user's own.
+    """k unknown parameters with user-defined columns.
 
     law: (q, v, a) → (N, n, k), or (N, n) for one column; row by row, without memory of earlier samples
     names, units: k of each
@@ -49,7 +49,7 @@ class UserColumns:
 class ScaledTorque:
     """A torque (q, v, a) → (N, n) [N m or N] of known form and unknown scale: a spring, a gas spring, a counterbalance.
 
-    name: of the factor, which is 1 where the law is right
+    name: of the factor, which is 1 if the law is exact
     """
 
     law: Law

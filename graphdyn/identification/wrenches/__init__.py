@@ -1,1 +1,1 @@
-"""Inertial parameters body by body from measured joint wrenches: the paper's section 2.3, generalized."""
+"""Inertial parameters of each body from measured joint wrenches: the paper's section 2.3, generalized."""

@@ -1,4 +1,4 @@
-"""From measured joint wrenches to the wrench on each body: the right sides of the identification equations."""
+"""Wrenches on each body from measured joint wrenches: the right sides of the identification equations."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def body_wrenches(model: RobotModel, data: WrenchData) -> tuple[Array, Array]:
     -Σ C^e_ik × F^e_k - Σ S_ik M_k about the center of mass are in body axes (N, n, 3) [N m], Eq. (19), (26).
 
     The model gives the geometry (joints, centers of mass); its masses and moments of inertia are not read.
-    Raises InvalidInput where the data do not fit the model, or are not finite.
+    Raises InvalidInput if the data do not fit the model, or are not finite.
     """
     x = fitting_data(model, data, "q", "rotation", "joint_forces", "joint_moments")
     s = model.graph.incidence()  # which is S^e
@@ -81,7 +81,7 @@ def body_wrenches(model: RobotModel, data: WrenchData) -> tuple[Array, Array]:
 def link_wrenches(model: RobotModel, data: WrenchData) -> Array:
     """The same resultants as wrenches at the link origins O_i, in link axes (N, n, 6) [N, N m].
 
-    No center of mass is read, of the model or of the data. Raises InvalidInput as body_wrenches does.
+    No center of mass is read, neither of the model nor of the data. Raises InvalidInput as body_wrenches does.
     """
     check_model(model)
     force, moment = body_wrenches(model.skeleton, data)
@@ -118,7 +118,7 @@ def fitting_data(model: RobotModel, data: WrenchData, *names: str) -> dict[str, 
 
 
 def _levers(model: RobotModel, q: Array) -> Array:
-    """C^e_ik (N, n, n, 3) with the sliding joints where they are, Eq. (17)-(18) [m]."""
+    """Lever arms C^e_ik (N, n, n, 3) with the sliding joints in their position, Eq. (17)-(18) [m]."""
     levers = np.tile(model.body_joint_vectors(), (len(q), 1, 1, 1))
     for k, joint in enumerate(model.joints, start=1):
         if joint.is_prismatic and joint.inside > 0:

@@ -1,4 +1,4 @@
-"""The common answer of the identifications from wrenches: parameters body by body, and how sure they are."""
+"""The common result of the identifications from wrenches: parameters of each body, and their standard deviations."""
 
 from __future__ import annotations
 
@@ -29,32 +29,32 @@ class IdentifiedBodies:
 
     @property
     def values(self) -> Array:
-        """(n, k); NaN where the data do not determine the parameter by itself."""
+        """Values (n, k); NaN if the data do not determine the parameter individually."""
         return self._table([system.values for system in self.systems])
 
     @property
     def standard_deviations(self) -> Array:
-        """(n, k) of the values; NaN also where there are too few samples to estimate the noise."""
+        """Standard deviations of the values (n, k); NaN also if there are too few samples to estimate the noise."""
         return self._table([system.standard_deviations for system in self.systems])
 
     @property
     def determined(self) -> NDArray[np.bool_]:
-        """(n, k): which parameters are determined by themselves."""
+        """Which parameters are determined individually (n, k)."""
         return np.isfinite(self.values)
 
     @property
     def undetermined(self) -> tuple[str, ...]:
-        """Names of the others, such as "B1 J_22"."""
+        """Names of the parameters that are not determined individually, such as "B1 J_22"."""
         return tuple(name for system in self.systems for name in system.undetermined)
 
     @property
     def combination_names(self) -> tuple[str, ...]:
-        """The parameters and sums of parameters that the data determine, in words."""
+        """The parameters and sums of parameters that the data determine, as text."""
         return tuple(name for system in self.systems for name in system.combination_names)
 
     @property
     def combination_values(self) -> Array:
-        """(rank,): their values."""
+        """Values of the determined combinations (rank,)."""
         return np.concatenate([system.combination_values for system in self.systems])
 
     @property
@@ -64,17 +64,17 @@ class IdentifiedBodies:
 
     @property
     def condition_number(self) -> float:
-        """The worst of the systems, on what they determine."""
+        """Largest condition number of the systems, over what they determine."""
         return max(system.condition_number for system in self.systems)
 
     @property
     def force_residual_rms(self) -> float:
-        """[N]"""
+        """Root mean square of the force residuals [N]."""
         return float(np.sqrt(np.mean(self.residual[..., LINEAR] ** 2)))
 
     @property
     def moment_residual_rms(self) -> float:
-        """[N m]"""
+        """Root mean square of the moment residuals [N m]."""
         return float(np.sqrt(np.mean(self.residual[..., ANGULAR] ** 2)))
 
     def of(self, body: str) -> dict[str, float]:

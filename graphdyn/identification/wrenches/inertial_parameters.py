@@ -1,7 +1,7 @@
 """All ten inertial parameters of every body from measured joint wrenches: any tree, any tensor, any center of mass.
 
-Beyond the paper, whose Eq. (49) needs principal axes and known centers of mass. The motion is taken from q, v, a and
-the geometry, not from the recorded accelerations: those belong to centers of mass, which are unknowns here.
+This goes beyond the paper, whose Eq. (49) needs principal axes and known centers of mass. The motion is computed from
+q, v, a and the geometry, not from the recorded accelerations: those belong to centers of mass, which are unknowns here.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _KINDS = (0, 1, 1, 1, 2, 2, 2, 2, 2, 2)
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedInertia:
-    """Mass, center of mass and tensor about it of one body, in its link frame; NaN where not determined.
+    """Mass, center of mass and tensor about it of one body, in its link frame; NaN if not determined.
 
     mass [kg], center_of_mass (3,) [m], inertia (3, 3) [kg m²]
     """
@@ -42,14 +42,14 @@ class IdentifiedInertia:
 def identify_inertial_parameters(
     model: RobotModel, data: WrenchData, *, base: BaseMotion | None = None, precision: float | None = None
 ) -> IdentifiedBodies:
-    """The ten parameters (Body.parameters) of every body, body by body [kg, kg m, kg m²].
+    """The ten parameters (Body.parameters) of every body, one body at a time [kg, kg m, kg m²].
 
     model: joints and gravity; its inertial parameters are not read
     base: prescribed motion of the base during the samples
-    precision: relative rounding or noise of the data, judged by the fit if left out; what shows no better than that
-        counts as undetermined
+    precision: relative rounding or noise of the data, estimated from the fit if left out; a parameter whose effect does
+        not exceed it counts as undetermined
 
-    Raises InvalidInput where the data do not fit the model, or are not finite.
+    Raises InvalidInput if the data do not fit the model, or are not finite.
     """
     y = body_regressor(model, *_motion(model, data), base=base)
     bodies = np.arange(model.n_bodies)
@@ -67,12 +67,12 @@ def identify_inertial_parameters_together(
     base: BaseMotion | None = None,
     precision: float | None = None,
 ) -> IdentifiedBodies:
-    """The same from the wrenches of some joints alone, all bodies in one system.
+    """The same parameters from the wrenches of some joints alone, all bodies in one system.
 
-    measured_joints: whose wrenches are used, all of them if left out. The wrench of a joint is the sum over the bodies
-        outside it; with the innermost joint alone many parameters show only in combinations
+    measured_joints: joints whose wrenches are used, all of them if left out. The wrench of a joint is the sum over the
+        bodies outside it; with the innermost joint alone many parameters are determined only in combinations
 
-    Raises InvalidInput for an unknown joint, and where the data do not fit the model, or are not finite.
+    Raises InvalidInput for an unknown joint, and if the data do not fit the model, or are not finite.
     """
     check_model(model)
     names = model.joint_names if measured_joints is None else tuple(measured_joints)
@@ -96,9 +96,9 @@ def identify_inertial_parameters_together(
 def joint_wrench_regressor(
     model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, *, base: BaseMotion | None = None
 ) -> Array:
-    """W (…, n, 6, 10 n): joint_wrenches = W π, π = model.inertial_parameters [N, N m]. Block triangular.
+    """W (…, n, 6, 10 n): joint_wrenches = W π, π = model.inertial_parameters [N, N m]. W is block triangular.
 
-    Row block j sums the body regressors of all bodies outside joint j, moved to O_j and turned into link axes of j.
+    Row block j sums the body regressors of all bodies outside joint j, moved to O_j and rotated into link axes of j.
     q, v, a: (…, n); base: prescribed motion of the base. Raises InvalidInput.
     """
     y = body_regressor(model, q, v, a, base=base)
@@ -119,7 +119,7 @@ def joint_wrench_regressor(
 def identified_inertia(identified: IdentifiedBodies, body: str) -> IdentifiedInertia:
     """Mass, center of mass and tensor about it of a body whose ten parameters were identified.
 
-    An entry is NaN where one of the parameters it is made of is undetermined, or the mass is not positive.
+    An entry is NaN if it depends on an undetermined parameter, or if the mass is not positive.
     Raises InvalidInput for an unknown body.
     """
     pi = identified.of(body)
@@ -139,7 +139,7 @@ def identified_inertia(identified: IdentifiedBodies, body: str) -> IdentifiedIne
 
 
 def _motion(model: RobotModel, data: WrenchData) -> tuple[Array, Array, Array]:
-    """q, v, a (N, n)."""
+    """Motion q, v, a (N, n) of the data."""
     x = fitting_data(model, data, "q", "v", "a", "rotation")
     return x["q"], x["v"], x["a"]
 

@@ -1,7 +1,7 @@
 """Masses and principal moments of inertia from measured joint wrenches, Eq. (40)-(64).
 
-Every body stands alone: its equations hold the measured wrenches of its own joints, never a parameter of another body.
-So it does not matter whether bodies are taken from outside to inside, as in section 3.1, or all at once.
+Every body is independent: its equations contain the measured wrenches of its own joints, and no parameter of another
+body. It therefore does not matter whether bodies are solved from outside to inside, as in section 3.1, or all at once.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
 
 PRINCIPAL_PARAMETER_NAMES = ("m(e_1)", "m(e_2)", "m(e_3)", "J_11", "J_22", "J_33")
-"""X_i of Eq. (51): the mass as each world direction shows it, then the moments of inertia about the body axes."""
+"""X_i of Eq. (51): the mass from each world direction, then the moments of inertia about the body axes."""
 
 _KINDS = (0, 0, 0, 1, 1, 1)
 
@@ -45,7 +45,7 @@ def moment_rows(angular_velocity: ArrayLike, angular_acceleration: ArrayLike) ->
 def principal_regressor(model: RobotModel, data: WrenchData) -> Array:
     """Y_i (N, n, 6, 6) with Y_i X_i = Z_i, Eq. (50)-(51): mass rows in world axes, moment rows in body axes.
 
-    Raises InvalidInput where the data do not fit the model, or are not finite.
+    Raises InvalidInput if the data do not fit the model, or are not finite.
     """
     x = fitting_data(model, data, "rotation", "acceleration", "angular_velocity", "angular_acceleration")
     omega, alpha = (
@@ -61,14 +61,14 @@ def principal_regressor(model: RobotModel, data: WrenchData) -> Array:
 def identify_principal_parameters(
     model: RobotModel, data: WrenchData, *, precision: float | None = None
 ) -> IdentifiedBodies:
-    """m(e_1), m(e_2), m(e_3), J_11, J_22, J_33 of every body, body by body, Eq. (52)-(56) [kg, kg m²].
+    """m(e_1), m(e_2), m(e_3), J_11, J_22, J_33 of every body, one body at a time, Eq. (52)-(56) [kg, kg m²].
 
     model: joints, centers of mass and gravity; link axes along the principal axes of inertia. Its masses and moments
         are not read
-    precision: relative rounding or noise of the data, judged by the fit if left out; what shows no better than that
-        counts as undetermined
+    precision: relative rounding or noise of the data, estimated from the fit if left out; a parameter whose effect does
+        not exceed it counts as undetermined
 
-    Raises InvalidInput where the data do not fit the model, or are not finite.
+    Raises InvalidInput if the data do not fit the model, or are not finite.
     """
     return _equations(model, data).solve_by_body(precision)
 
@@ -76,7 +76,7 @@ def identify_principal_parameters(
 def identify_principal_parameters_together(
     model: RobotModel, data: WrenchData, *, precision: float | None = None
 ) -> IdentifiedBodies:
-    """The same from one block-diagonal system of all bodies, Eq. (57)-(64): the same numbers."""
+    """The same numbers from one block-diagonal system of all bodies, Eq. (57)-(64)."""
     return _equations(model, data).solve_together(precision)
 
 

@@ -1,4 +1,4 @@
-"""The equations that measured wrenches give for the parameters of all bodies, and their solution, Eq. (53)-(64)."""
+"""Equations of measured wrenches for the parameters of all bodies, and their solution, Eq. (53)-(64)."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from graphdyn.identification.wrenches.identified_bodies import IdentifiedBodies
 from graphdyn.layout import Array
 
 LARGEST_TOLERANCE = 1e-2
-"""A column with a hundredth of the length of the strongest is not taken for rounding unless the caller says so."""
+"""Largest estimated precision: a column with a hundredth of the length of the strongest counts as rounding only if the
+caller gives that precision."""
 
 
 @dataclass(frozen=True, eq=False)
 class WrenchEquations:
-    """K x = l before it is solved: per sample and measured wrench six equations in the k parameters of n bodies.
+    """K x = l before its solution: six equations per sample and measured wrench in the k parameters of n bodies.
 
     matrix (N, m, 6, n, k), right (N, m, 6)
     kinds: number of the kind of each of the k parameters: those of one kind share their unit and their scale   (k,)
@@ -29,20 +30,21 @@ class WrenchEquations:
     right: Array
 
     def solve_together(self, precision: float | None = None) -> IdentifiedBodies:
-        """All bodies in one system, Eq. (61)-(63). Without a precision, that of the data is judged by the fit."""
+        """Solution of all bodies in one system, Eq. (61)-(63). By default the fit gives the precision of the data."""
         precision = self.seen_precision() if precision is None else precision
         return self._identified([self._solve(slice(None), slice(None), precision)])
 
     def solve_by_body(self, precision: float | None = None) -> IdentifiedBodies:
-        """The same with one system per body, Eq. (53)-(55), where wrench i depends on body i alone."""
+        """Solution with one system per body, Eq. (53)-(55), for wrenches i that depend on body i alone."""
         precision = self.seen_precision() if precision is None else precision
         bodies = range(len(self.body_names))
         return self._identified([self._solve(slice(i, i + 1), slice(i, i + 1), precision) for i in bodies])
 
     def seen_precision(self) -> float:
-        """Relative rounding or noise of the data as the fit shows it: residual over measured wrenches, at least EPS.
+        """Relative rounding or noise of the data as estimated from the fit: residual over measured wrenches, at least
+        EPS.
 
-        Samples that the parameters fit without a residual show nothing: then the precision has to be given.
+        If the parameters fit the samples without a residual, there is no estimate, and the precision has to be given.
         """
         residual = self._solve(slice(None), slice(None), EPS).residual
         measured = np.linalg.norm(self.right)
@@ -51,9 +53,9 @@ class WrenchEquations:
 
     @property
     def scale(self) -> Array:
-        """(n, k): the longest column of each kind among all bodies, which is the size that its columns can reach.
+        """Longest column of each kind among all bodies (n, k), the size that its columns can reach.
 
-        A column that is nothing but rounding stays small then; at unit length it would pass for a parameter.
+        A column that is only rounding then stays small; at unit length it would be mistaken for a parameter.
         """
         lengths = np.sqrt(np.einsum("smwik,smwik->ik", self.matrix, self.matrix))
         kinds = np.array(self.kinds)
