@@ -1,4 +1,6 @@
-"""Possible changes of the columns of a recording, how to undo them, and how columns become joint coordinates."""
+"""Possible faults in the columns of a recording, the changes that correct them, and the conversion to joint
+coordinates.
+"""
 
 from __future__ import annotations
 

@@ -1,18 +1,17 @@
 """Correlation of residuals in time, and standard deviations that allow for it.
 
-Over how many samples residuals are correlated: the lag at which the autocorrelation has fallen to 1/e.
+The correlation length is the lag at which the autocorrelation has fallen to 1/e. The count starts at lag 1, because
+white noise adds only to lag 0 and would hide an additional correlated part. A recording of any length is reduced to at
+most MOST_CELLS means of consecutive samples. A correlation that matters to the standard deviations of a whole recording
+is still visible in them.
 
-It counts from lag 1 on, because noise that is white adds to lag 0 alone and would hide what is correlated beside it. A
-recording of any length is reduced to at most MOST_CELLS means of consecutive samples, in which a correlation that
-matters to the standard deviations of a whole recording is still seen.
-
-Standard deviations that allow for correlation in time: the jackknife over time blocks.
+The standard deviations come from the jackknife over time blocks:
 
     cov x = (B - 1) / B Σ_b (x_b - x) (x_b - x)ᵀ,  x_b the solution without time block b
 
-The blocks count as independent, whatever the noise inside them is, so a block has to be much longer than the
-correlation. Leaving a block out counts what the parameters have taken from it, where sums of squared residuals, small
-because they were minimised, make deviations too small. Quenouille, Biometrika 43, 1956; Künsch, Annals of Statistics
+The blocks count as independent, whatever the noise inside them is, so a block must be much longer than the
+correlation. Leaving a block out accounts for its effect on the parameters. Sums of squared residuals do not: they
+were minimized, and make deviations too small. Quenouille, Biometrika 43, 1956; Künsch, Annals of Statistics
 17(3), 1989; as CR3 in Bell and McCaffrey, Survey Methodology 28(2), 2002.
 """
 
