@@ -27,7 +27,7 @@ from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.programs import Request, record
 from graphdyn.compiler.rolled import rolled_code as body_by_body_code
 from graphdyn.compiler.rolled import rolling as body_by_body
-from graphdyn.recursions import table as recursions
+from graphdyn.recursions import forward
 from graphdyn.recursions.mechanism.joint_frames import slid, turned
 from graphdyn.recursions.mechanism.regrouping import regrouped
 
@@ -45,7 +45,7 @@ Replaced = tuple[tuple[object, str, object], ...]
 
 STEPS: dict[str, Replaced] = {
     "all reductions": ((programs, "REDUCTIONS", ()),),
-    "short_chains": ((recursions, "is_short", lambda links: False),),
+    "short_chains": ((forward, "is_short", lambda links: False),),
     "watching": ((programs, "sufficient", lambda recorder, inputs, outputs: inputs),),
     "turns_ahead": ((emitter, "turns_ahead", lambda program, lanes: ({}, None)),),
     "ALIGNED_STACK": ((vector_code, "ALIGNED_STACK", ""), (body_by_body_code, "ALIGNED_STACK", "")),
@@ -68,7 +68,7 @@ def operations(model: graphdyn.RobotModel) -> None:
         for short in (False, True) if name == "regrouped" else (False,):
             replaced = (
                 (programs, "REDUCTIONS", reductions),
-                (recursions, "is_short", lambda links, short=short: short),
+                (forward, "is_short", lambda links, short=short: short),
             )
             with without(replaced):
                 counts = [arithmetic(record(model, REQUESTS[what])) for what in ("torques", "accelerations")]
