@@ -7,6 +7,8 @@ import inspect
 import warnings
 from typing import get_origin
 
+import rooms
+
 MODULES = {
     "graphdyn": "Models, dynamics, recordings",
     "graphdyn.motion_laws": "Prescribed motions",
@@ -62,6 +64,20 @@ def home(module: str, name: str) -> str:
     value = value_of(module, name)
     homes = (other for other in MODULES if name in public_names(other) and value_of(other, name) is value)
     return f"{next(homes)}.{name}"
+
+
+def room_of(module: str, name: str) -> str:
+    """The room of a public module that defines a name; empty where it is defined elsewhere, or in the module itself."""
+    value = value_of(module, name)
+    defined = getattr(value, "__module__", None) or ""
+    if defined.startswith(f"{module}."):
+        return defined.removeprefix(f"{module}.").partition(".")[0]
+    found = (room for room in rooms.rooms(module) if _offers(f"{module}.{room}", name, value))
+    return next(found, "") if kind_of(value) == "data" else ""
+
+
+def _offers(module: str, name: str, value: object) -> bool:
+    return getattr(importlib.import_module(module), name, None) is value
 
 
 def kind_of(value: object) -> str:

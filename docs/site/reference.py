@@ -5,23 +5,27 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from public_names import MODULES, home, kind_of, public_names, value_of
+import docstrings
+import rooms
+from public_names import MODULES, home, kind_of, public_names, room_of, value_of
 
-SECTIONS = {"function": "Functions", "class": "Classes", "data": "Constants", "exception": "Errors and warnings"}
+KINDS = ("function", "class", "data", "exception")
+"""In this order within a room."""
 
 
 def page(module: str, title: str) -> str:
-    """The page of a module in reStructuredText: its names by kind, each from its docstring."""
+    """The page of a module in reStructuredText: its names by room, each from its docstring."""
     heading = f"{module}: {title[0].lower()}{title[1:]}" if module != "urdf" else f"{module}: {title}"
     lines = [heading, "=" * len(heading), "", f".. py:module:: {module}", ""]
-    by_kind: dict[str, list[str]] = {kind: [] for kind in SECTIONS}
-    for name in public_names(module):
-        by_kind[kind_of(value_of(module, name))].append(name)
-    for kind, names in by_kind.items():
-        if names:
-            lines += [SECTIONS[kind], "-" * len(SECTIONS[kind]), ""]
-        for name in names:
-            elsewhere = home(module, name)
+    by_room: dict[str, list[str]] = {}
+    for name in sorted(public_names(module), key=lambda name: KINDS.index(kind_of(value_of(module, name)))):
+        by_room.setdefault(room_of(module, name), []).append(name)
+    for room in (room for room in ["", *rooms.ordered(module)] if room in by_room):
+        if room:
+            summary = rooms.summary(rooms.rooms(module)[room])
+            lines += [room, "-" * len(room), "", *docstrings.as_rst([summary], (), "", {})]
+        for name in by_room[room]:
+            elsewhere, kind = home(module, name), kind_of(value_of(module, name))
             lines += (
                 _entry(kind, module, name) if elsewhere == f"{module}.{name}" else [f"See :py:obj:`{elsewhere}`.", ""]
             )

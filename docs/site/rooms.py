@@ -24,9 +24,9 @@ SWEEPS = 12
 
 
 def rooms(package: str) -> dict[str, Path]:
-    """The folders and files directly in a package, by name, with the file that has their docstring."""
+    """The folders and files directly in a package or room, by name, with the file that has their docstring."""
     found = {}
-    for path in sorted((ROOT / package).iterdir()):
+    for path in sorted((ROOT / package.replace(".", "/")).glob("*")):
         inside = path / "__init__.py" if path.is_dir() else path
         if inside.suffix == ".py" and inside.exists() and not path.stem.startswith("__"):
             found[path.stem] = inside
@@ -54,8 +54,8 @@ def uses(package: str) -> Uses:
     found: Uses = {name: set() for name in names}
     for name, path in names.items():
         for file in path.parent.rglob("*.py") if path.name == "__init__.py" else [path]:
-            parts = [full.split(".") for full in imported(file)]
-            found[name] |= {part[1] for part in parts if part[0] == package and len(part) > 1 and part[1] in names}
+            inside = (full.removeprefix(f"{package}.") for full in imported(file) if full.startswith(f"{package}."))
+            found[name] |= names.keys() & {full.partition(".")[0] for full in inside}
         found[name].discard(name)
     return found
 
@@ -191,11 +191,17 @@ def picture() -> str:
     )
 
 
+def ordered(package: str) -> list[str]:
+    """The rooms of a package, those that use others before these."""
+    floor = floors(uses(package))
+    return sorted(floor, key=lambda room: (-floor[room], room))
+
+
 def table(package: str) -> str:
-    """The rooms of a package in Markdown, those that use most first, each with the start of its docstring."""
-    files, floor = rooms(package), floors(uses(package))
+    """The rooms of a package in Markdown, each with the start of its docstring."""
+    files = rooms(package)
     lines = ["| room | what it is for |", "|---|---|"]
-    for name in sorted(files, key=lambda room: (-floor[room], room)):
+    for name in ordered(package):
         what = re.sub(r"(?<![\\])\|", r"\\|", summary(files[name]))
         lines.append(f"| `{name}` | {what} |")
     return "\n".join([*lines, ""])
