@@ -39,7 +39,7 @@ Course = tuple[Array, Array, Array]
 SPLINE_DEGREE = 5
 """Quintic: the acceleration is a cubic spline, twice continuously differentiable, and its error is O(h⁴)."""
 
-EDGE = 1e-12
+EDGE_TOLERANCE = 1e-12
 """Relative to the span of a table: a time this close outside is rounding, not extrapolation."""
 
 
@@ -172,7 +172,7 @@ class TabulatedMotion:
 
     def __call__(self, times: Array, /) -> Course:
         times, (first, last) = np.asarray(times, dtype=float), self.times[[0, -1]]
-        slack = EDGE * (last - first)
+        slack = EDGE_TOLERANCE * (last - first)
         outside = (times < first - slack) | (times > last + slack)
         if outside.any():
             raise InvalidInput(

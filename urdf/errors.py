@@ -11,18 +11,18 @@ from typing import ClassVar
 
 from graphdyn import GraphDynError
 
-LONGEST = 80
+MAX_QUOTED_CHARACTERS = 80
 """Largest number of characters of a quoted name or value."""
 
-MOST = 20
+MAX_QUOTED_NAMES = 20
 """Largest number of names in a quoted list."""
 
 
 def shortened(text: str) -> str:
-    """The text on one line; beyond LONGEST characters, without its middle."""
+    """The text on one line; beyond MAX_QUOTED_CHARACTERS characters, without its middle."""
     text = one_line(text)
-    half = LONGEST // 2
-    return text if len(text) <= LONGEST else f"{text[:half]} … {text[-half:]}"
+    half = MAX_QUOTED_CHARACTERS // 2
+    return text if len(text) <= MAX_QUOTED_CHARACTERS else f"{text[:half]} … {text[-half:]}"
 
 
 def one_line(text: str) -> str:
@@ -31,10 +31,10 @@ def one_line(text: str) -> str:
 
 
 def listed(names: Iterable[str]) -> str:
-    """The names in quotes, the first MOST of them."""
+    """The names in quotes, the first MAX_QUOTED_NAMES of them."""
     names = list(names)
-    said = ", ".join(f"'{shortened(name)}'" for name in names[:MOST])
-    return said if len(names) <= MOST else f"{said} and {len(names) - MOST} more"
+    said = ", ".join(f"'{shortened(name)}'" for name in names[:MAX_QUOTED_NAMES])
+    return said if len(names) <= MAX_QUOTED_NAMES else f"{said} and {len(names) - MAX_QUOTED_NAMES} more"
 
 
 class URDFError(GraphDynError, ValueError):

@@ -12,20 +12,20 @@ from crosscheck.bench import curves
 from crosscheck.bench.cold import in_fresh_process
 from crosscheck.bench.contender import MeasuredWork, measure
 from crosscheck.bench.curves import ScalingCurve
-from crosscheck.bench.forms.casadi_forms import NAME as CASADI
+from crosscheck.bench.forms.casadi_forms import CASADI_NAME as CASADI
 from crosscheck.bench.forms.pinocchio_forms import instruction_set
 from crosscheck.bench.identification import Identifications, identifications
 from crosscheck.bench.machine.floor import Floor, Machine, floor, limit, machine
 from crosscheck.bench.machine.load import Load, load
 from crosscheck.bench.machine.timing import Times
 from crosscheck.bench.states import random_states
-from crosscheck.bench.works import DESCRIPTIONS, Peers, work, works_of
-from crosscheck.reference.pinocchio_model import VERSION as PINOCCHIO
+from crosscheck.bench.works import WORK_DESCRIPTIONS, Peers, work, works_of
+from crosscheck.reference.pinocchio_model import PINOCCHIO_VERSION as PINOCCHIO
 from crosscheck.reference.subject import check_counts
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.compiler import chosen_backend, cores
 
-LONGER = 10
+RECORDING_FACTOR = 10
 """Factor on the given number of samples for the recording of the identification and for the largest batch."""
 
 
@@ -46,8 +46,8 @@ class Effort:
     lengths: tuple[int, ...]
 
 
-FULL = Effort(0.25, 9, 2, 10**9, (2, 3, 4, 6, 8, 12, 16, 24, 32, 40, 50, 60))
-QUICK = Effort(0.02, 5, 2, 5000, (2, 4, 8, 16))
+FULL_EFFORT = Effort(0.25, 9, 2, 10**9, (2, 3, 4, 6, 8, 12, 16, 24, 32, 40, 50, 60))
+QUICK_EFFORT = Effort(0.02, 5, 2, 5000, (2, 4, 8, 16))
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,9 @@ class Benchmark:
         return all(measured.agrees for measured in self.works)
 
 
-PARTS = len(DESCRIPTIONS) + len(("machine", "first calls", "identification", "batches", "batches", "chains", "threads"))
+N_PROGRESS_STEPS = len(WORK_DESCRIPTIONS) + len(
+    ("machine", "first calls", "identification", "batches", "batches", "chains", "threads")
+)
 """Number of steps of the progress bar."""
 
 
@@ -113,7 +115,7 @@ def benchmark(
     quick: bool,
     done: Callable[[str, int], None],
 ) -> Benchmark:
-    """Measure. done: called with the current step, and the number of PARTS that it finishes.
+    """Measure. done: called with the current step, and the number of N_PROGRESS_STEPS that it finishes.
 
     threads: largest number of threads, all cores if None
     Raises InvalidInput, PinocchioRefuses, SingularMassMatrix.
@@ -121,7 +123,7 @@ def benchmark(
     check_counts(samples, seed)
     if threads is not None and threads < 1:
         raise InvalidInput(f"threads is {threads!r}; give a number from 1, or None for all cores")
-    effort = QUICK if quick else FULL
+    effort = QUICK_EFFORT if quick else FULL_EFFORT
     counts = thread_numbers(cores() if threads is None else threads)
     compared = (1, counts[-1]) if counts[-1] > 1 else (1,)
     states = random_states(model, samples, seed)
@@ -129,12 +131,12 @@ def benchmark(
 
     done("machine", 0)
     machines = tuple(measured for used in compared if (measured := machine(used)) is not None)
-    floors = {name: least for name in DESCRIPTIONS if machines and (least := floor(model, name, machines[0]))}
+    floors = {name: least for name in WORK_DESCRIPTIONS if machines and (least := floor(model, name, machines[0]))}
     done("machine", 1)
     with TemporaryDirectory(prefix="graphdyn-bench-") as folder:
         peers, works = Peers(states, Path(folder)), []
         for name in works_of(states):
-            title = DESCRIPTIONS[name][0]
+            title = WORK_DESCRIPTIONS[name][0]
             done(title, 0)
             loop = limit(floors[name], machines[0]) if name in floors else None
             works.append(measure(work(name, states, compared, peers), samples, effort.duration, effort.repeats, loop))
@@ -148,12 +150,18 @@ def benchmark(
             fresh.append(in_fresh_process("first_calls", Path(folder)))
         done("first calls", 1)
     found = identifications(
-        model, LONGER * samples, seed, compared, effort.processes, effort.most_loop, lambda what: done(what, 0)
+        model,
+        RECORDING_FACTOR * samples,
+        seed,
+        compared,
+        effort.processes,
+        effort.most_loop,
+        lambda what: done(what, 0),
     )
     done("identification", 1)
     lines = [curves.thread_counts(states, counts, effort.duration, effort.repeats)]
     done("threads", 1)
-    states = random_states(model, LONGER * samples, seed)
+    states = random_states(model, RECORDING_FACTOR * samples, seed)
     for name in ("inverse_dynamics", "forward_dynamics"):
         lines.append(
             curves.batch_sizes(states, name, compared, effort.duration, effort.repeats, lambda what: done(what, 0))

@@ -36,7 +36,7 @@ class CallWork:
         return f"{name}, {self.samples} states per call{', cold memory' if self.cold else ''}"
 
 
-CALLS = {
+CALL_WORKS = {
     "inverse_call_100": CallWork(False, 100),
     "inverse_call_1000": CallWork(False, 1000),
     "inverse_call_1000_cold": CallWork(False, 1000, cold=True),

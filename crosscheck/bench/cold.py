@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from graphdyn import RobotModel
     from graphdyn.layout import Array
 
-CALLS = (
+FIRST_CALLS = (
     "joint_torques",
     "joint_accelerations",
     "forward_dynamics",
@@ -57,7 +57,7 @@ def first_calls(folder: Path) -> dict[str, Any]:
     model = _model(folder)
     x = np.zeros((1, model.n_bodies))
     calls = {}
-    for name in CALLS:
+    for name in FIRST_CALLS:
         verb = getattr(graphdyn, name)
         calls[name] = _seconds(lambda verb=verb: verb(model, x, x, x, method="recursive"))  # type: ignore[misc]
     imports["pinocchio"] = _seconds(lambda: __import__("crosscheck.reference.pinocchio_model"))

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from crosscheck.bench.machine.timing import (
-    STEADY,
+    MIN_STEADY_TIME,
     CoreShare,
     Ratio,
     Times,
@@ -22,13 +22,13 @@ from crosscheck.bench.machine.timing import (
 from crosscheck.bench.states import States
 from graphdyn.layout import Array
 
-ALL = sys.maxsize
+UNLIMITED_SAMPLES = sys.maxsize
 """Largest number of samples of a contender without a limit of its own."""
 
-AMORTISED = 10_000
+AMORTIZED_SAMPLES = 10_000
 """Number of samples per call from which the overhead of the call is negligible."""
 
-LEAST_SHARE = 0.95
+MIN_CORE_SHARE = 0.95
 """Part of their time for which runs on one thread need a core, so that ratios are to be trusted. MeasuredWork: 0.99 and
 more on a quiet machine, 0.5 where two other programs keep both of two cores busy."""
 
@@ -52,7 +52,7 @@ class Contender:
     included: str
     ours: bool = False
     least: int = 1
-    most: int = ALL
+    most: int = UNLIMITED_SAMPLES
 
 
 Forms = Callable[[States, Sequence[int]], list[Contender]]
@@ -136,7 +136,7 @@ class MeasuredWork:
 
     @property
     def undisturbed(self) -> bool:
-        return self.core_share >= LEAST_SHARE
+        return self.core_share >= MIN_CORE_SHARE
 
     @property
     def comparisons(self) -> tuple[SpeedRatio, ...]:
@@ -182,7 +182,7 @@ def measure(
         runs.insert(1, partial(limit, samples))
         threads.insert(1, 1)
     share = CoreShare()
-    rows = in_turns(runs, threads, repeats, STEADY, share)
+    rows = in_turns(runs, threads, repeats, MIN_STEADY_TIME, share)
     limited = None if limit is None else _per_sample(rows.pop(1), samples)
     entries = tuple(
         Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)

@@ -18,16 +18,16 @@ from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms
 from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.bench.machine.timing import Times, in_turns
 from crosscheck.bench.states import States, random_states
-from crosscheck.bench.works import OURS, PINOCCHIO
+from crosscheck.bench.works import GRAPHDYN_FORMS, PINOCCHIO_FORMS
 from graphdyn import Body, Joint, Placement, RobotModel
-from graphdyn.compiler import UNROLLED, chosen_backend, cores, is_long
+from graphdyn.compiler import MAX_UNROLLED_BODIES, chosen_backend, cores, is_long
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 
 LENGTH, RADIUS, MASS = 0.2, 0.04, 1.0
 """Length, radius and mass of each body, a cylinder along z [m, m, kg]."""
 
-TWIST = 1.0
+JOINT_TWIST = 1.0
 """Angle about z between consecutive joint frames [rad]: it leaves no zeros that a compiler could exploit."""
 
 
@@ -35,7 +35,7 @@ def chain(n_bodies: int) -> RobotModel:
     """A serial chain of revolute joints with axes normal to the chain."""
     across = MASS * (3 * RADIUS**2 + LENGTH**2) / 12
     tensor = np.diag([across, across, MASS * RADIUS**2 / 2])
-    turn = rotation_about(np.array([0.0, 0.0, 1.0]), TWIST)
+    turn = rotation_about(np.array([0.0, 0.0, 1.0]), JOINT_TWIST)
     bodies, joints = [], []
     for k in range(n_bodies):
         place = Placement(turn, np.array([0.0, 0.0, LENGTH if k else 0.0]))
@@ -47,8 +47,8 @@ def chain(n_bodies: int) -> RobotModel:
 CHAIN_SAMPLES = 2000
 """Largest number of samples per run of a chain."""
 
-DEFAULT = "graphdyn by default"
-FIRST_CALL = "graphdyn first call"
+DEFAULT_CURVE = "graphdyn by default"
+FIRST_CALL_CURVE = "graphdyn first call"
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def chain_lengths(
         for (name, threads), row in rows.items()
     )
     notes = long_notes(lengths)
-    call = Line(FIRST_CALL, 1, tuple(n for n, _ in first), tuple(times for _, times in first))
+    call = Line(FIRST_CALL_CURVE, 1, tuple(n for n, _ in first), tuple(times for _, times in first))
     return [
         ScalingCurve(
             "bodies", "all accelerations and multipliers: length of a chain", "bodies", "sample", lines, notes
@@ -152,7 +152,7 @@ def chain_lengths(
 def long_notes(lengths: Sequence[int]) -> tuple[str, ...]:
     """From where chains have other code."""
     long = chosen_backend() == "llvm" and is_long(chain(max(lengths)), REQUESTS["everything"])
-    return (f"beyond {UNROLLED} bodies, code for one body after the other",) if long else ()
+    return (f"beyond {MAX_UNROLLED_BODIES} bodies, code for one body after the other",) if long else ()
 
 
 def thread_counts(states: States, threads: Sequence[int], duration: float, repeats: int) -> ScalingCurve:
@@ -173,14 +173,14 @@ def _over_threads(name: str, entries: Sequence[Entry]) -> Line:
 
 
 def _forms(states: States, work: str, threads: Sequence[int]) -> list[Contender]:
-    return [*OURS[work](states, threads), *PINOCCHIO[work](states, threads)]
+    return [*GRAPHDYN_FORMS[work](states, threads), *PINOCCHIO_FORMS[work](states, threads)]
 
 
 def _by_default(states: States) -> Contender:
     def run(count: int) -> Array:
         return graphdyn.joint_torques(states.model, states.q[:count], states.v[:count], states.a[:count])
 
-    return Contender(DEFAULT, cores(), run, None, graphdyn_forms.MADE)
+    return Contender(DEFAULT_CURVE, cores(), run, None, graphdyn_forms.NEW_ARRAYS_NOTE)
 
 
 def _first_call(n_bodies: int) -> float:

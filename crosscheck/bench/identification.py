@@ -19,10 +19,10 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 
 OURS, THEIRS = "graphdyn streamed", "pinocchio loop and lstsq"
 
-COPIES = 3
+MEMORY_COPIES = 3
 """Free memory for lstsq, as a multiple of the regressor's: the matrix, its copy for LAPACK, and a reserve."""
 
-TESTED = 1000
+TEST_STATES = 1000
 """Number of other states at which the identified parameters predict torques."""
 
 
@@ -75,7 +75,7 @@ def identifications(
 
     most_loop: largest number of samples for Pinocchio's loop; fewer where its regressor does not fit into free memory
     """
-    test = random_states(model, TESTED, seed + 1)
+    test = random_states(model, TEST_STATES, seed + 1)
     with TemporaryDirectory(prefix="graphdyn-bench-") as name:
         whole, part = Path(name, "whole"), Path(name, "part")
         few = min(samples, most_loop, fitting_rows(model))
@@ -100,7 +100,7 @@ def identifications(
 
 def fitting_rows(model: RobotModel) -> int:
     """Number of samples whose stacked regressor fits into free memory with its copies."""
-    return max(1, free_memory() // (COPIES * 8 * BODY_PARAMETERS * model.n_bodies**2))
+    return max(1, free_memory() // (MEMORY_COPIES * 8 * BODY_PARAMETERS * model.n_bodies**2))
 
 
 def free_memory() -> int:

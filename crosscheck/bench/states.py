@@ -18,13 +18,13 @@ from graphdyn.arguments import Reference
 from graphdyn.compiler import aligned
 from graphdyn.layout import Array
 
-FEW = 200
+SINGLE_STATE_SAMPLES = 200
 """Number of samples that are judged where Pinocchio computes one state at a time."""
 
-REFERENCE: Reference = "local_world_aligned"
+JACOBIAN_REFERENCE: Reference = "local_world_aligned"
 """Point and axes of the frame Jacobian."""
 
-PORTION = 100_000
+ERROR_SAMPLES_AT_ONCE = 100_000
 """Number of samples whose errors are computed at once, to limit the memory."""
 
 
@@ -51,21 +51,23 @@ class States:
 
     @cached_property
     def values(self) -> RefereeValues:
-        """All reference values of Pinocchio for the first FEW samples."""
-        q, v, a, tau = (x[:FEW] for x in (self.q, self.v, self.a, self.tau))
+        """All reference values of Pinocchio for the first SINGLE_STATE_SAMPLES samples."""
+        q, v, a, tau = (x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a, self.tau))
         return self.referee.evaluate(q, v, a, tau, np.zeros((*q.shape, 6)))
 
     @cached_property
     def derived(self) -> dict[str, Array]:
-        """Pinocchio's derivatives, matrices and energies for the first FEW samples."""
-        q, v, a, tau = (x[:FEW] for x in (self.q, self.v, self.a, self.tau))
+        """Pinocchio's derivatives, matrices and energies for the first SINGLE_STATE_SAMPLES samples."""
+        q, v, a, tau = (x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a, self.tau))
         return self.referee.derive(q, v, a, tau, np.zeros((*q.shape, 6)))
 
     @cached_property
     def frame_jacobian(self) -> Array:
-        """Pinocchio's Jacobian of the tip (subject.tip) for the first FEW samples (N, 6, n)."""
+        """Pinocchio's Jacobian of the tip (subject.tip) for the first SINGLE_STATE_SAMPLES samples (N, 6, n)."""
         call = self.bare
-        return np.array([call.frame_jacobian(call.model, call.data, q, *call.tip) for q in self.q[:FEW]])
+        return np.array(
+            [call.frame_jacobian(call.model, call.data, q, *call.tip) for q in self.q[:SINGLE_STATE_SAMPLES]]
+        )
 
     @cached_property
     def torque(self) -> Array:
@@ -107,25 +109,25 @@ class States:
         return scales.ratio(scales.largest(a - self.acceleration[:count]), self.acceleration_size[:count])
 
     def multiplier_errors(self, multipliers: Array) -> Array:
-        """Errors of multipliers at tau (N, n, 5), relative to the sample's largest joint wrench; FEW at most."""
+        """Errors of at most SINGLE_STATE_SAMPLES multipliers at tau (N, n, 5), relative to the largest joint wrench."""
         wrenches = self.values.a_wrenches[: len(multipliers)]
         reference = multipliers_of(self.model, self.values.rotation[: len(wrenches)], wrenches)
         return scales.relative(multipliers[: len(reference)], reference, scales.largest(wrenches))
 
     def regressor_errors(self, w: Array) -> Array:
-        """Errors of regressors (N, n, 10n), relative to the largest entry of its parameter type; FEW at most."""
+        """Errors of at most SINGLE_STATE_SAMPLES regressors (N, n, 10n), relative to the largest entry of the type."""
         reference = self.values.torque_regressor[: len(w)]
         none = np.zeros(len(reference))
         return scales.by_parameter_type(w[: len(reference)], reference, none, none, none)
 
     def derived_errors(self, names: Sequence[str]) -> Callable[[Array], Array]:
-        """The largest error of the named quantities of the cross-check, on their scales there; FEW samples at most.
+        """The largest error of the named quantities, on the cross-check's scales; at most SINGLE_STATE_SAMPLES samples.
 
         Of answers stacked in this order (k, N, …) it gives one number per sample (N,).
         """
 
         def errors(answers: Array) -> Array:
-            rows = slice(min(FEW, answers.shape[1]))
+            rows = slice(min(SINGLE_STATE_SAMPLES, answers.shape[1]))
             given = {x: getattr(self, x)[rows] for x in ("q", "v", "a", "tau")}
             case = Case(RANDOM, self.model, Placement(), **given, external_wrenches=np.zeros((*given["q"].shape, 6)))
             values, derived = self.values.rows(rows), {name: x[rows] for name, x in self.derived.items()}
@@ -161,7 +163,7 @@ class States:
         return np.concatenate(parts)
 
     def _portions(self) -> list[slice]:
-        return [slice(first, first + PORTION) for first in range(0, len(self), PORTION)]
+        return [slice(first, first + ERROR_SAMPLES_AT_ONCE) for first in range(0, len(self), ERROR_SAMPLES_AT_ONCE)]
 
 
 def random_states(model: RobotModel, samples: int, seed: int) -> States:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from crosscheck.bench import calls
-from crosscheck.bench.calls import CALLS
+from crosscheck.bench.calls import CALL_WORKS
 from crosscheck.bench.contender import Contender, Forms, Work
 from crosscheck.bench.forms import (
     casadi_forms,
@@ -22,35 +22,35 @@ from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, FORWARD_WR
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 
-QUANTITIES = ("mass_matrix_inverse", "coriolis_matrix", "kinetic_energy", "frame_jacobian")
+SINGLE_ARRAY_WORKS = ("mass_matrix_inverse", "coriolis_matrix", "kinetic_energy", "frame_jacobian")
 """Works that are one verb with one array, and one function of Pinocchio that takes the same arguments."""
 
-OURS: Mapping[str, Forms] = {
+GRAPHDYN_FORMS: Mapping[str, Forms] = {
     "inverse_dynamics": graphdyn_forms.inverse,
     "forward_dynamics": graphdyn_forms.forward,
     "everything": graphdyn_forms.everything,
     "regressor": graphdyn_forms.regressor,
     "inverse_dynamics_derivatives": graphdyn_forms.verb("inverse_dynamics_derivatives", InverseDynamicsDerivatives),
     "forward_dynamics_derivatives": graphdyn_forms.verb("forward_dynamics_derivatives", ForwardDynamicsDerivatives),
-    **{name: graphdyn_forms.verb(name) for name in QUANTITIES},
+    **{name: graphdyn_forms.verb(name) for name in SINGLE_ARRAY_WORKS},
 }
-PINOCCHIO: Mapping[str, Forms] = {
+PINOCCHIO_FORMS: Mapping[str, Forms] = {
     "inverse_dynamics": pinocchio_forms.inverse,
     "forward_dynamics": pinocchio_forms.forward,
     "everything": pinocchio_forms.everything,
     "regressor": pinocchio_forms.regressor,
     "inverse_dynamics_derivatives": pinocchio_forms.inverse_derivatives,
     "forward_dynamics_derivatives": pinocchio_forms.forward_derivatives,
-    **{name: pinocchio_forms.quantity(name) for name in QUANTITIES},
+    **{name: pinocchio_forms.quantity(name) for name in SINGLE_ARRAY_WORKS},
 }
 
-TORQUE = "largest joint wrench of the sample"
-DERIVED = "the scales of `graphdyn crosscheck` (docs/notation.md), each derivative on its own"
-ACCELERATED = "cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
+TORQUE_ERROR_SCALE = "largest joint wrench of the sample"
+DERIVATIVE_SCALES = "the scales of `graphdyn crosscheck` (docs/notation.md), each derivative on its own"
+ACCELERATION_ERROR_SCALE = "cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"
 
-DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
-    "inverse_dynamics": ("inverse dynamics", TORQUE, AGREEMENT.bound),
-    "forward_dynamics": ("forward dynamics", ACCELERATED, ACCELERATION.bound),
+WORK_DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
+    "inverse_dynamics": ("inverse dynamics", TORQUE_ERROR_SCALE, AGREEMENT.bound),
+    "forward_dynamics": ("forward dynamics", ACCELERATION_ERROR_SCALE, ACCELERATION.bound),
     "everything": (
         "all accelerations and multipliers",
         "largest joint wrench; multipliers are judged",
@@ -61,19 +61,26 @@ DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
         "largest entry of the type of parameter, or lengths of columns",
         AGREEMENT.bound,
     ),
-    "inverse_dynamics_derivatives": ("derivatives of inverse dynamics", DERIVED, AGREEMENT.bound),
-    "forward_dynamics_derivatives": ("derivatives of forward dynamics", DERIVED, ACCELERATION.bound),
-    "mass_matrix_inverse": ("inverse of the mass matrix", DERIVED, ACCELERATION.bound),
-    "coriolis_matrix": ("Coriolis matrix", DERIVED, AGREEMENT.bound),
-    "kinetic_energy": ("kinetic energy", DERIVED, AGREEMENT.bound),
-    "frame_jacobian": ("frame Jacobian", DERIVED, AGREEMENT.bound),
-    simulations.NAME: (simulations.TITLE, simulations.ERROR, simulations.BOUND),
+    "inverse_dynamics_derivatives": ("derivatives of inverse dynamics", DERIVATIVE_SCALES, AGREEMENT.bound),
+    "forward_dynamics_derivatives": ("derivatives of forward dynamics", DERIVATIVE_SCALES, ACCELERATION.bound),
+    "mass_matrix_inverse": ("inverse of the mass matrix", DERIVATIVE_SCALES, ACCELERATION.bound),
+    "coriolis_matrix": ("Coriolis matrix", DERIVATIVE_SCALES, AGREEMENT.bound),
+    "kinetic_energy": ("kinetic energy", DERIVATIVE_SCALES, AGREEMENT.bound),
+    "frame_jacobian": ("frame Jacobian", DERIVATIVE_SCALES, AGREEMENT.bound),
+    simulations.NAME: (simulations.TITLE, simulations.ERROR_SCALE, simulations.ERROR_BOUND),
     **{
-        name: (call.title, *((ACCELERATED, ACCELERATION.bound) if call.forward else (TORQUE, AGREEMENT.bound)))
-        for name, call in CALLS.items()
+        name: (
+            call.title,
+            *(
+                (ACCELERATION_ERROR_SCALE, ACCELERATION.bound)
+                if call.forward
+                else (TORQUE_ERROR_SCALE, AGREEMENT.bound)
+            ),
+        )
+        for name, call in CALL_WORKS.items()
     },
-    "single_inverse": ("inverse dynamics, one state per call", TORQUE, AGREEMENT.bound),
-    "single_forward": ("forward dynamics, one state per call", ACCELERATED, ACCELERATION.bound),
+    "single_inverse": ("inverse dynamics, one state per call", TORQUE_ERROR_SCALE, AGREEMENT.bound),
+    "single_forward": ("forward dynamics, one state per call", ACCELERATION_ERROR_SCALE, ACCELERATION.bound),
 }
 """Title, what errors are relative to, and their bound, in the order of the report."""
 
@@ -107,7 +114,7 @@ class Peers:
 def works_of(states: States) -> list[str]:
     """Their names; couplings and loops are not simulated."""
     tree = not (states.model.couplings or states.model.chords)
-    return [name for name in DESCRIPTIONS if tree or name != simulations.NAME]
+    return [name for name in WORK_DESCRIPTIONS if tree or name != simulations.NAME]
 
 
 def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Work:
@@ -118,9 +125,13 @@ def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Wor
         contenders = single_states.forward(states)
     elif name == simulations.NAME:
         contenders = simulations.contenders(states, peers.mujoco)
-    elif name in CALLS:
-        contenders = calls.contenders(states, CALLS[name])
+    elif name in CALL_WORKS:
+        contenders = calls.contenders(states, CALL_WORKS[name])
     else:
-        contenders = [*OURS[name](states, threads), *PINOCCHIO[name](states, threads), *peers.contenders(name, threads)]
-    title, error, bound = DESCRIPTIONS[name]
+        contenders = [
+            *GRAPHDYN_FORMS[name](states, threads),
+            *PINOCCHIO_FORMS[name](states, threads),
+            *peers.contenders(name, threads),
+        ]
+    title, error, bound = WORK_DESCRIPTIONS[name]
     return Work(name, title, error, bound, tuple(contenders))

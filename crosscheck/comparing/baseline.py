@@ -23,7 +23,7 @@ STATES_PER_PARAMETER = 4
 """Number of random states per standard parameter: each gives n equations, so far more than the at most 10n unknowns."""
 
 
-SPEED = 10.0
+MAX_JOINT_SPEED = 10.0
 """Largest joint speed [rad/s or m/s]: beyond, the rounding of centrifugal torques hides the other torques."""
 
 
@@ -66,7 +66,7 @@ def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int
     """Simulate torques with Pinocchio, identify the base parameters with both regressors, compare."""
     rng = np.random.default_rng(seed)
     q, v = model.random_state(rng, STATES_PER_PARAMETER * BODY_PARAMETERS)
-    v = np.clip(v, -SPEED, SPEED)
+    v = np.clip(v, -MAX_JOINT_SPEED, MAX_JOINT_SPEED)
     a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
     torque = referee.rnea(q, v, a).reshape(-1)
     here = joint_torque_regressor(model, q, v, a).reshape(torque.size, -1)

@@ -18,7 +18,7 @@ from crosscheck.comparing.coupled import coupled_answers, coupled_case, coupled_
 from crosscheck.comparing.error_record import ErrorRecord
 from crosscheck.comparing.looped import looped_case, looped_errors, why_not_closed
 from crosscheck.quantities.answers import forward_answers, passive_answers
-from crosscheck.quantities.derived_answers import FEW, DerivedAnswers, derived_answers
+from crosscheck.quantities.derived_answers import SECOND_DERIVATIVE_STATES, DerivedAnswers, derived_answers
 from crosscheck.quantities.derived_errors import derived_errors, derived_forward_errors, second_errors
 from crosscheck.quantities.errors import (
     forward_errors,
@@ -40,7 +40,7 @@ from graphdyn.equations import singular
 from graphdyn.layout import Array
 from urdf import Reading, ReadingOptions
 
-CHUNK = 250
+CHUNK_STATES = 250
 """Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
 
 DERIVED_BY: tuple[Method, ...] = ("projected", "recursive")
@@ -151,8 +151,8 @@ def _reader_wrote(said: Iterable[str]) -> list[str]:
 
 def _chunks(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
     for case in cases(model, samples, seed):
-        for start in range(0, len(case.q), CHUNK):
-            yield case.rows(slice(start, start + CHUNK))
+        for start in range(0, len(case.q), CHUNK_STATES):
+            yield case.rows(slice(start, start + CHUNK_STATES))
 
 
 def _compare_chunk(
@@ -207,7 +207,7 @@ def _compare_derived(
     referee: PinocchioModel,
 ) -> None:
     """Record the errors of derivatives, energies and what belongs to them."""
-    at, few, tau = chunk.rows(regular), chunk.rows(FEW), chunk.tau
+    at, few, tau = chunk.rows(regular), chunk.rows(SECOND_DERIVATIVE_STATES), chunk.tau
     assert tau is not None
     theirs = referee.derive(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
     regularly = {name: value[regular] for name, value in theirs.items()}
@@ -215,7 +215,9 @@ def _compare_derived(
     for method, answers in ours.items():
         named = of_recursive if method == "recursive" else dict
         record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, theirs)))
-        record.add(route, few, named(second_errors(few, answers.second, reference.rows(FEW), twice)))
+        record.add(
+            route, few, named(second_errors(few, answers.second, reference.rows(SECOND_DERIVATIVE_STATES), twice))
+        )
         if regular.any():
             errors = derived_forward_errors(at, tau[regular], answers.forward, reference.rows(regular), regularly)
             record.add(route, at, named(errors))

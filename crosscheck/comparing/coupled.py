@@ -33,17 +33,17 @@ from graphdyn import (
 from graphdyn.arguments import Method
 from graphdyn.layout import Array
 
-MOST = 100
+MAX_COUPLED_STATES = 100
 """Largest number of states: the other quantities have looked at the rest of the robot."""
 
-METHODS: tuple[Method, ...] = ("dense", "projected", "recursive")
+COUPLED_METHODS: tuple[Method, ...] = ("dense", "projected", "recursive")
 """The error of a quantity is the largest of these."""
 
 
 def coupled_case(model: RobotModel, samples: int, seed: int) -> Case:
     """Random states of the free joints, with loads on the bodies."""
     rng = np.random.default_rng(seed)
-    q, v = model.random_state(rng, min(samples, MOST))
+    q, v = model.random_state(rng, min(samples, MAX_COUPLED_STATES))
     a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
     weight = sum(body.mass for body in model.bodies)
     wrenches = weight * rng.normal(size=(len(q), model.n_bodies, 6))
@@ -52,7 +52,7 @@ def coupled_case(model: RobotModel, samples: int, seed: int) -> Case:
 
 @dataclass(frozen=True, eq=False)
 class CoupledAnswers:
-    """What graphdyn answers at the states of a case, by each of METHODS."""
+    """What graphdyn answers at the states of a case, by each of COUPLED_METHODS."""
 
     inverse: list[InverseDynamics]
     mass_matrix: list[Array]
@@ -62,9 +62,9 @@ class CoupledAnswers:
 def coupled_answers(case: Case) -> CoupledAnswers:
     q, v, a = case.q, case.v, case.a
     return CoupledAnswers(
-        [inverse_dynamics(case.model, q, v, a, case.external_wrenches, method=method) for method in METHODS],
-        [mass_matrix(case.model, q, method=method) for method in METHODS],
-        [joint_torque_regressor(case.model, q, v, a, method=method) for method in METHODS],
+        [inverse_dynamics(case.model, q, v, a, case.external_wrenches, method=method) for method in COUPLED_METHODS],
+        [mass_matrix(case.model, q, method=method) for method in COUPLED_METHODS],
+        [joint_torque_regressor(case.model, q, v, a, method=method) for method in COUPLED_METHODS],
     )
 
 
@@ -94,6 +94,6 @@ def coupled_errors(
     regressor = np.swapaxes(np.swapaxes(ref.torque_regressor, -1, -2) @ k, -1, -2)
     yield "coupled_regressor", worst([by_parameter_type(x, regressor, *size.regressor_columns) for x in ours.regressor])
     if forward:
-        solved = [forward_dynamics(model, case.q, case.v, tau, loads, method=method).a for method in METHODS]
+        solved = [forward_dynamics(model, case.q, case.v, tau, loads, method=method).a for method in COUPLED_METHODS]
         scale = acceleration_scale(mass, case.a, tau, ref.joint_wrenches_external)
         yield "coupled_acceleration", worst([largest(a - case.a) / scale for a in solved])

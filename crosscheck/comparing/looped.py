@@ -10,12 +10,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from crosscheck.comparing.coupled import METHODS
+from crosscheck.comparing.coupled import COUPLED_METHODS
 from crosscheck.quantities.scales import acceleration_scale, largest
 from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD, Case
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from crosscheck.reference.pinocchio_model.closed import KINDS, closed_dynamics
+from crosscheck.reference.pinocchio_model.closed import POINT_CHORD_KINDS, closed_dynamics
 from graphdyn import (
     InvalidInput,
     Placement,
@@ -29,13 +29,13 @@ from graphdyn import (
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model import loop_spaces, rotation_about
 
-MOST = 20
+MAX_LOOPED_STATES = 20
 """Largest number of states: closing loops takes long, and the other quantities have looked at the tree."""
 
 
 def why_not_closed(model: RobotModel) -> str | None:
     """Why Pinocchio cannot be asked about these loops."""
-    unknown = sorted({chord.kind for chord in model.chords} - set(KINDS))
+    unknown = sorted({chord.kind for chord in model.chords} - set(POINT_CHORD_KINDS))
     if unknown:
         return f"Pinocchio has no constraint for a {' or '.join(unknown)} that keeps its digits"
     return None
@@ -44,7 +44,7 @@ def why_not_closed(model: RobotModel) -> str | None:
 def looped_case(model: RobotModel, samples: int, seed: int) -> Case:
     """Random closed states of a robot without couplings, with torques at all joints and loads on the bodies."""
     rng = np.random.default_rng(seed)
-    q, v = model.random_state(rng, min(samples, MOST))
+    q, v = model.random_state(rng, min(samples, MAX_LOOPED_STATES))
     _, v, a = assemble(model, q, v, rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape))
     weight = sum(body.mass for body in model.bodies) * np.linalg.norm(model.gravity)
     wrenches = LOAD * weight * rng.uniform(-1, 1, (len(q), model.n_bodies, 6))
@@ -60,7 +60,7 @@ def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Ar
         closed_dynamics(referee, model.chords, *state) for state in zip(case.q, case.v, case.tau, loads, strict=True)
     ]
     a, wrenches, missing = (np.array(column) for column in zip(*rows, strict=True))
-    ours = [forward_dynamics(model, case.q, case.v, case.tau, loads, method=method) for method in METHODS]
+    ours = [forward_dynamics(model, case.q, case.v, case.tau, loads, method=method) for method in COUPLED_METHODS]
     spaces = loop_spaces(model.loops.jacobian(model.loops.links(case.q)))
     condition = 1 / spaces.distance  # of the rows that hold something
     mass = mass_matrix(model, case.q)

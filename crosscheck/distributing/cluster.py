@@ -13,10 +13,10 @@ from crosscheck.distributing.workers import NoWorkers, differences, versions
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-PATIENCE = 10.0
+SCHEDULER_TIMEOUT = 10.0
 """Time in which a scheduler answers, and its first worker arrives [s]."""
 
-INSTALL = "pip install 'graphdyn[distributed]'"
+INSTALL_COMMAND = "pip install 'graphdyn[distributed]'"
 
 
 class Cluster:
@@ -27,7 +27,7 @@ class Cluster:
         self._client = _connected(address)
         self._known = set[str]()
         try:
-            self._client.wait_for_workers(1, timeout=PATIENCE)
+            self._client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)
         except TimeoutError:
             self._client.close()
             raise NoWorkers(
@@ -70,11 +70,11 @@ def _connected(address: str) -> Client:
         from distributed import Client
         from distributed.versions import VersionMismatchWarning
     except ImportError as error:
-        raise NoWorkers(f"Dask is not installed ({error}); {INSTALL}") from None
+        raise NoWorkers(f"Dask is not installed ({error}); {INSTALL_COMMAND}") from None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", VersionMismatchWarning)  # what matters here is examined for every worker
         try:
-            return Client(address, timeout=PATIENCE, set_as_default=False)
+            return Client(address, timeout=SCHEDULER_TIMEOUT, set_as_default=False)
         except (OSError, ValueError, ImportError) as error:
             reason = " ".join(str(error).split())
             raise NoWorkers(
@@ -88,7 +88,8 @@ def examine(worker: str, threads: int, found: dict[str, str] | Exception) -> Non
     here = versions()
     if isinstance(found, ImportError):
         raise NoWorkers(
-            f"the worker {worker} does not have graphdyn ({found}); install version {here['graphdyn']} there: {INSTALL}"
+            f"the worker {worker} does not have graphdyn ({found}); install version {here['graphdyn']} there: "
+            f"{INSTALL_COMMAND}"
         )
     if isinstance(found, Exception):
         return  # it has gone in the meantime

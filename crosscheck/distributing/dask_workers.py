@@ -23,13 +23,13 @@ from crosscheck.distributing.workers import Answer, Lost, NoWorkers, Task
 if TYPE_CHECKING:
     from distributed import Future
 
-AHEAD = 2
+TASKS_PER_WORKER = 2
 """Tasks per worker that are given out: one is done while the next one waits."""
 
-ASK = 5.0
+ANSWER_TIMEOUT = 5.0
 """After this time without an answer the scheduler is asked whether it has workers [s]."""
 
-WITHOUT = 12
+MAX_CHECKS_WITHOUT_WORKERS = 12
 """So often in a row it may have none: a lost one is replaced in the meantime."""
 
 
@@ -63,7 +63,9 @@ class DaskWorkers:
                 future.add_done_callback(lambda done: ended.put(done.key))
 
             while waiting or running:
-                room = max(1, AHEAD * cluster.n_workers()) if waiting else 0  # one waits for a new worker, if need be
+                room = (
+                    max(1, TASKS_PER_WORKER * cluster.n_workers()) if waiting else 0
+                )  # one waits for a new worker, if need be
                 while waiting and len(running) < room:
                     start(waiting.popleft())
                 future, k = running.pop(_next(ended, cluster))
@@ -83,10 +85,10 @@ class DaskWorkers:
 
 def _next(ended: SimpleQueue[str], cluster: Cluster) -> str:
     """Key of the next task that has ended. Raises NoWorkers where none is left for some time."""
-    for _ in range(WITHOUT):
+    for _ in range(MAX_CHECKS_WITHOUT_WORKERS):
         while True:
             try:
-                return ended.get(timeout=ASK)
+                return ended.get(timeout=ANSWER_TIMEOUT)
             except Empty:
                 if not cluster.n_workers():
                     break

@@ -20,13 +20,13 @@ class NoWorkers(GraphDynError):
     """A scheduler or workers that cannot be used; the message says why and what to do."""
 
 
-LIBRARIES = ("graphdyn", "numpy", "scipy")
+SHARED_LIBRARIES = ("graphdyn", "numpy", "scipy")
 
 
 def versions() -> dict[str, str]:
     """Of this process."""
     python = ".".join(platform.python_version_tuple()[:2])
-    return {"python": python, **{name: version(name) for name in LIBRARIES}}
+    return {"python": python, **{name: version(name) for name in SHARED_LIBRARIES}}
 
 
 def differences(here: Mapping[str, str], there: Mapping[str, str]) -> str:

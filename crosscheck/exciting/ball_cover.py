@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 from graphdyn.layout import Array
 
 CELLS_PER_EXCESS = 4
-SURFACE_CELLS = 20_000
+MAX_SURFACE_CELLS = 20_000
 """Cells are a quarter of the excess, or larger: the box around the link has so many on its surface."""
 
-CANDIDATES = 1500
+MAX_CANDIDATES = 1500
 """Points that may become centers, at most."""
 
-PIECE = 100
+CANDIDATES_AT_ONCE = 100
 """Candidates whose distances to all cells are in memory at once."""
 
-ROUNDING = 1e-9
+RADIUS_ALLOWANCE = 1e-9
 """Part of its radius by which a ball is larger than its triangles need."""
 
 
@@ -36,7 +36,7 @@ def ball_cover(triangles: Array, excess: float) -> tuple[Array, Array]:
     corners = triangles.reshape(-1, 3)
     sides = np.ptp(corners, axis=0)
     surface = 2 * (sides[0] * sides[1] + sides[1] * sides[2] + sides[2] * sides[0])
-    edge = max(excess / CELLS_PER_EXCESS, float(np.sqrt(surface / SURFACE_CELLS)))
+    edge = max(excess / CELLS_PER_EXCESS, float(np.sqrt(surface / MAX_SURFACE_CELLS)))
     pieces = _split(triangles, edge)
     origin = corners.min(axis=0) - 2 * edge
     middles, radii, group = _grouped(pieces, origin, edge)
@@ -46,7 +46,7 @@ def ball_cover(triangles: Array, excess: float) -> tuple[Array, Array]:
     needed = np.linalg.norm(pieces - chosen[own][:, None], axis=-1).max(axis=-1)
     sizes = np.zeros(len(chosen))
     np.maximum.at(sizes, own, needed)
-    return chosen, sizes * (1 + ROUNDING)
+    return chosen, sizes * (1 + RADIUS_ALLOWANCE)
 
 
 def _split(triangles: Array, longest: float) -> Array:
@@ -87,10 +87,10 @@ def _candidates(points: Array, origin: Array, edge: float) -> tuple[Array, Array
     depth = ndimage.distance_transform_edt(solid)
     deepest = np.argwhere(solid & (depth == ndimage.maximum_filter(depth, size=5)))
     inside = np.argwhere(solid)
-    stride = int(np.ceil((3 * len(inside) / CANDIDATES) ** (1 / 3)))
+    stride = int(np.ceil((3 * len(inside) / MAX_CANDIDATES) ** (1 / 3)))
     lattice = inside[np.all(inside % stride == 0, axis=1)]
     found = np.unique(np.concatenate([deepest, lattice]), axis=0)
-    found = found[np.unique(np.linspace(0, len(found) - 1, CANDIDATES).astype(int))]
+    found = found[np.unique(np.linspace(0, len(found) - 1, MAX_CANDIDATES).astype(int))]
     return origin + (found + 0.5) * edge, np.maximum(depth[tuple(found.T)] - 0.5, 0.0) * edge
 
 
@@ -100,8 +100,9 @@ def _greedy(
     """Centers of the balls that are taken (k, 3), and for every group the ball that contains it (g,)."""
     inside = np.concatenate(
         [
-            np.linalg.norm(centers[k : k + PIECE, None] - middles, axis=-1) + radii <= reaches[k : k + PIECE, None]
-            for k in range(0, len(centers), PIECE)
+            np.linalg.norm(centers[k : k + CANDIDATES_AT_ONCE, None] - middles, axis=-1) + radii
+            <= reaches[k : k + CANDIDATES_AT_ONCE, None]
+            for k in range(0, len(centers), CANDIDATES_AT_ONCE)
         ]
     )
     gain, left = inside.sum(axis=1), np.ones(len(middles), dtype=bool)

@@ -12,7 +12,7 @@ from graphdyn.excitation import (
     sample_times,
 )
 
-TRIES = 6
+MAX_SEARCHES = 6
 """Searches at most, each with more distance between the balls of links that collided in the one before."""
 
 
@@ -25,7 +25,7 @@ def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) 
     """
     times = sample_times(problem.basis.duration, CHECK_RATE)
     found = optimised(robot.with_limits(problem), seed)
-    for _ in range(TRIES - 1):
+    for _ in range(MAX_SEARCHES - 1):
         q = found.trajectory.motion(times).q
         hits = robot.hits(q)
         if not hits:
@@ -36,7 +36,7 @@ def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) 
     if not hits:
         return found
     raise NoFeasibleMotion(
-        f"no motion without collisions was found from seed {seed}: in {TRIES} searches with growing distances, "
+        f"no motion without collisions was found from seed {seed}: in {MAX_SEARCHES} searches with growing distances, "
         f"{', '.join(hit.name for hit in hits)} still collide; give limits of position that keep them apart"
     )
 

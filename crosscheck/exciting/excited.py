@@ -25,7 +25,7 @@ from graphdyn.identification import one_thread
 from graphdyn.layout import Array
 from urdf import Reading
 
-PIECE = 1000
+REGRESSOR_ROWS_AT_ONCE = 1000
 """Rows of a recording whose regressor is in memory at once."""
 
 
@@ -128,8 +128,8 @@ def recorded_information(problem: ExcitationProblem, recordings: Sequence[Record
     total, rows = np.zeros((len(problem.information.independent),) * 2), 0
     for recording in recordings:
         q, v, a = (recording.channel(name) for name in "qva")
-        for first in range(0, len(q), PIECE):
-            piece = slice(first, first + PIECE)
+        for first in range(0, len(q), REGRESSOR_ROWS_AT_ONCE):
+            piece = slice(first, first + REGRESSOR_ROWS_AT_ONCE)
             motion = JointMotion(q[piece], v[piece], a[piece], np.zeros_like(q[piece]))
             total += problem.information.matrix(motion, len(motion.q))
         rows += len(q)

@@ -22,16 +22,16 @@ from graphdyn import RobotModel
 from graphdyn.excitation import Ball, Clearance, ExcitationProblem, Poses, smallest_distances
 from graphdyn.layout import Array
 
-POSES = 1000
+PAIR_POSES = 1000
 """Random poses in which all pairs are looked at."""
 
-EXCESS = 0.015
+MAX_SPHERE_EXCESS = 0.015
 """Balls stand out of their link by this part of the length of the arm, at most."""
 
-SPARED = 0.1
+MAX_FORBIDDEN_SHARE = 0.1
 """Balls that forbid more than this part of the poses in which the meshes are free may overlap."""
 
-STEP = 0.002
+CLEARANCE_STEP = 0.002
 """[m] By so much more than at a collision of the meshes the balls must be apart in the next search."""
 
 
@@ -100,7 +100,7 @@ class SelfCollision:
         for k in np.flatnonzero(np.any(touching, axis=0)).tolist():
             clearance = self._clearance(self.pairs[k], self.margins[k])
             most = smallest_distances(clearance, poses)[touching[:, k]].max()
-            tighter[clearance.name] = replace(clearance, distance=min(float(most) + STEP, self.margins[k]))
+            tighter[clearance.name] = replace(clearance, distance=min(float(most) + CLEARANCE_STEP, self.margins[k]))
         return replace(self, clearances=tighter)
 
     def name(self, pair: Pair) -> str:
@@ -130,9 +130,9 @@ def self_collision(
     links = [mesh.link for mesh in meshes]
     disabled = [pair for pair in all_pairs if is_disabled(*(links[k] for k in pair))]
     pairs = [pair for pair in all_pairs if pair not in set(disabled)]
-    balls = tuple(_balls(mesh, EXCESS * _reach(model, meshes)) for mesh in meshes)
+    balls = tuple(_balls(mesh, MAX_SPHERE_EXCESS * _reach(model, meshes)) for mesh in meshes)
     start = SelfCollision(model, tuple(meshes), tuple(pairs), (), balls, {}, (), (), missing, margin)
-    q, _ = model.random_state(np.random.default_rng(0), POSES)
+    q, _ = model.random_state(np.random.default_rng(0), PAIR_POSES)
     poses = Poses(model, q)
     touching = start._contacts.touching(pairs, poses, [margin] * len(pairs))
     near = np.flatnonzero(np.all(touching, axis=0))
@@ -158,7 +158,7 @@ def self_collision(
 def _watched(clearance: Clearance, poses: Poses, touching: NDArray[np.bool_]) -> Clearance | None:
     """With the distance that the search keeps; None where no random pose collides and balls would forbid too many."""
     distances = smallest_distances(clearance, poses)
-    if np.mean(distances[~touching] < clearance.distance) <= SPARED:
+    if np.mean(distances[~touching] < clearance.distance) <= MAX_FORBIDDEN_SHARE:
         return clearance
     return replace(clearance, distance=float(distances[touching].max())) if touching.any() else None
 

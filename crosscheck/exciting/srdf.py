@@ -10,7 +10,7 @@ from lxml import etree
 
 from graphdyn import InvalidInput
 
-LARGEST_FILE = 10_000_000
+MAX_SRDF_BYTES = 10_000_000
 """[bytes]"""
 
 
@@ -38,8 +38,8 @@ def disabled_pairs(path: Path, links: Collection[str]) -> Callable[[str, str], b
 
 def _robot(path: Path) -> etree._Element:
     content = path.read_bytes()
-    if len(content) > LARGEST_FILE:
-        raise InvalidInput(f"{path}: is larger than {LARGEST_FILE // 1_000_000} MB; give an SRDF file")
+    if len(content) > MAX_SRDF_BYTES:
+        raise InvalidInput(f"{path}: is larger than {MAX_SRDF_BYTES // 1_000_000} MB; give an SRDF file")
     try:
         robot = etree.fromstring(content, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
     except etree.XMLSyntaxError as error:

@@ -3,7 +3,7 @@
 from crosscheck.identifying.identify import identify
 from crosscheck.identifying.long_recordings import identify_long
 from crosscheck.identifying.methods.candidate_models import CandidateModel
-from crosscheck.identifying.methods.methods import METHODS, STANDARD_METHODS, method_named, method_with
+from crosscheck.identifying.methods.methods import ESTIMATORS, STANDARD_METHODS, method_named, method_with
 from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
 from crosscheck.identifying.methods.torque_terms import TERMS, friction_terms, term_with
 from crosscheck.identifying.methods.wrench_method import FromWrenches
@@ -15,7 +15,7 @@ from crosscheck.identifying.results.result import Identified
 from crosscheck.identifying.virtual import VirtualRobot, virtual_robot
 
 __all__ = [
-    "METHODS",
+    "ESTIMATORS",
     "STANDARD_METHODS",
     "TERMS",
     "ByRows",

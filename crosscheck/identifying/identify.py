@@ -19,7 +19,7 @@ from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import Recording
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, refuse_chords, subject
 from graphdyn import InvalidInput
-from graphdyn.identification import POSES, ClosedLoop, Estimator
+from graphdyn.identification import CHECKED_POSES, ClosedLoop, Estimator
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
 from urdf import Reading, ReadingOptions
 
@@ -34,7 +34,7 @@ def identify(
     preparation: Preparation | None = None,
     held_out: HeldOut | None = None,
     loop: ClosedLoop | None = None,
-    poses: int = POSES,
+    poses: int = CHECKED_POSES,
     models: Sequence[CandidateModel] = (),
     progress: Callable[[str], None] | None = None,
     **reading: Unpack[ReadingOptions],

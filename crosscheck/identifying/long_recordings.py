@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from crosscheck.identifying.data_quality.data_quality import health
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
-from crosscheck.identifying.methods.loop_methods import IN_LOOP
+from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
 from crosscheck.identifying.methods.methods import method_named
 from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
@@ -25,7 +25,7 @@ from crosscheck.recordings import PartitionedRecording, Provenance, Recording, c
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import (
-    POSES,
+    CHECKED_POSES,
     Estimator,
     GeneralisedLeastSquares,
     MaximumLikelihood,
@@ -39,13 +39,13 @@ from graphdyn.identification import (
 )
 from urdf import Reading, ReadingOptions
 
-EXCERPT = 100_000
+EXCERPT_ROWS = 100_000
 """Rows from the beginnings of the logs that are in memory: for their health, and for the curves of a page."""
 
-HELD_OUT = 0.25
+HELD_OUT_SHARE = 0.25
 """Part of every log, its end, that is predicted unless other logs are."""
 
-NAMED = 3
+MAX_NAMED_LOGS = 3
 """Logs that are named where it is said what was predicted."""
 
 METHODS_OF_SUMS = ("ols", "wls", "ridge", "essential", "consistent", "entropic", "pullback", "log-cholesky", "tls")
@@ -54,17 +54,17 @@ METHODS_OF_SUMS = ("ols", "wls", "ridge", "essential", "consistent", "entropic",
 STANDARD_METHODS_OF_SUMS = ("ols", "wls", "ridge", "consistent", "entropic")
 """The default ones."""
 
-NOT_TESTED = "not tested: the test needs single rows, and recordings of any length are summed up"
+EXOGENEITY_NEEDS_ROWS = "not tested: the test needs single rows, and recordings of any length are summed up"
 """What is said of the exogeneity of the regressor."""
 
-OF_SAMPLES = (
+SAMPLE_METHODS = (
     GeneralisedLeastSquares,
     MaximumLikelihood,
     ReweightedLeastSquares,
     RobustConsistent,
     WithPinocchio,
     FromWrenches,
-    *IN_LOOP,
+    *CLOSED_LOOP_METHODS,
 )
 """Methods that look at the samples, some of them again and again."""
 
@@ -76,7 +76,7 @@ def identify_long(
     *,
     validate: PartitionedRecording | None = None,
     min_speed: ArrayLike = 0.0,
-    poses: int = POSES,
+    poses: int = CHECKED_POSES,
     progress: Callable[[str, int], None] | None = None,
     **reading: Unpack[ReadingOptions],
 ) -> Identified:
@@ -99,14 +99,14 @@ def identify_long(
     for candidate in candidates:
         _estimators(candidate)
         _refuse_terms_of_samples(candidate.of(compared.model))
-    fitted = data if validate is not None else replace(data, between=(0.0, 1 - HELD_OUT))
-    predicted = replace(data, between=(1 - HELD_OUT, 1.0)) if validate is None else validate
+    fitted = data if validate is not None else replace(data, between=(0.0, 1 - HELD_OUT_SHARE))
+    predicted = replace(data, between=(1 - HELD_OUT_SHARE, 1.0)) if validate is None else validate
     preparation = Preparation(cutoff=data.cutoff, min_speed=min_speed)
     begun, begun_ahead = (_beginnings(part) for part in (fitted, predicted))
     begin, ahead = _excerpt(fitted, begun, preparation), _excerpt(predicted, begun_ahead, preparation)
     first = candidates[0].of(compared.model)
     if validate is None:
-        division = Division(begin, [Fold("", begin, ahead)], f"the last {100 * HELD_OUT:g} % of every log")
+        division = Division(begin, [Fold("", begin, ahead)], f"the last {100 * HELD_OUT_SHARE:g} % of every log")
     else:
         _refuse_shared(fitted, predicted)
         names = _names(predicted)
@@ -137,7 +137,7 @@ def identify_long(
 def _estimators(candidate: CandidateModel) -> list[Estimator]:
     found = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
     for estimator in found:
-        if isinstance(estimator, OF_SAMPLES):
+        if isinstance(estimator, SAMPLE_METHODS):
             raise InvalidInput(
                 f"{estimator.name} looks at samples, of which only sums are kept here; use {', '.join(METHODS_OF_SUMS)}"
             )
@@ -184,7 +184,7 @@ def _fitted(
         fit=prediction(fit, division.fit, "training"),
         trials=(prediction(ahead, division.trials[0].test, "held_out"),),
         comparison=comparison,
-        exogeneity=NOT_TESTED,
+        exogeneity=EXOGENEITY_NEEDS_ROWS,
         name=candidate.name,
         cad_of=candidate.cad_of,
     )
@@ -200,8 +200,8 @@ def _refuse_shared(fitted: PartitionedRecording, predicted: PartitionedRecording
 def _beginnings(data: PartitionedRecording) -> list[Recording]:
     """As read, of every log, or of every second, third, … one where all of them would be too many rows."""
     shortest = max(source.shortest for source in data.logs)
-    some = data.logs[:: -(-len(data.logs) * shortest // EXCERPT)]
-    each = max(EXCERPT // len(some), shortest)
+    some = data.logs[:: -(-len(data.logs) * shortest // EXCERPT_ROWS)]
+    each = max(EXCERPT_ROWS // len(some), shortest)
     read = [source.read(source.begin, min(source.begin + each, source.end)) for source in some]
     return [replace(recording, findings=source.findings) for recording, source in zip(read, some, strict=True)]
 
@@ -217,5 +217,5 @@ def _excerpt(data: PartitionedRecording, begun: list[Recording], preparation: Pr
 
 def _names(data: PartitionedRecording) -> str:
     names = [str(source.log.path) for source in data.logs]
-    more = len(names) - NAMED
-    return ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
+    more = len(names) - MAX_NAMED_LOGS
+    return ", ".join(names[:MAX_NAMED_LOGS]) + (f" and {more} more" if more > 0 else "")

@@ -9,7 +9,7 @@ import numpy as np
 
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, PieceSquares, TorqueCurve
 from crosscheck.recordings import PartitionedRecording
-from graphdyn.identification import MOVING, Problem, own_rows
+from graphdyn.identification import MIN_MOVING_SPEED, Problem, own_rows
 from graphdyn.layout import Array
 
 
@@ -57,7 +57,7 @@ def _squares_of_part(x: Array, problem: Problem, own: slice) -> tuple[Array, Arr
     for rows in own_rows(problem, own):
         errors = rows.matrix @ x - rows.right[..., None]
         squares = np.concatenate([errors**2, rows.measured[..., None] ** 2], axis=-1)
-        moves = np.abs(rows.velocity) > MOVING
+        moves = np.abs(rows.velocity) > MIN_MOVING_SPEED
         sums[0] += squares.sum(axis=0).T
         sums[1] += np.sum(squares * moves[..., None], axis=0).T
         moving_rows += moves.sum(axis=0)

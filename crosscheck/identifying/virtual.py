@@ -24,19 +24,19 @@ from urdf import Reading, ReadingOptions
 FREQUENCY, HARMONICS = 0.1, 5
 """Fundamental frequency of the excitation [Hz], and number of its harmonics."""
 
-REACH = 0.9
+LIMIT_SHARE = 0.9
 """Part of the limits of position and speed that the motion uses."""
 
-LARGEST_SPEED = 3.0
+MAX_SPEED = 3.0
 """Speed limit where the robot's is missing or higher [rad/s or m/s], so that torques are those of an arm."""
 
-RATE = 250.0
+VIRTUAL_RATE = 250.0
 """[Hz]"""
 
 ENCODER, TORQUE_NOISE = 2e-5, 0.01
 """Standard deviation of positions [rad or m], and of torques and wrenches as a part of their root mean square."""
 
-DRIVES = 0.05
+DRIVE_TORQUE_SHARE = 0.05
 """Root mean square of the torque of each drive parameter, as a part of that of the joint's torque."""
 
 ENOUGH, PIECE = 2000, 512
@@ -109,25 +109,25 @@ def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Reco
     laws = []
     for j in range(model.n_bodies):
         lower, upper = corner[0][:, j].min(), corner[0][:, j].max()
-        speed = min(float(np.abs(corner[1][:, j]).max()), LARGEST_SPEED)
+        speed = min(float(np.abs(corner[1][:, j]).max()), MAX_SPEED)
         a, b = rng.normal(size=(2, HARMONICS))
         q, v, _ = FourierSeries(FREQUENCY, a, b)(dense)
-        scale = REACH * min((upper - lower) / np.ptp(q), speed / np.abs(v).max())
+        scale = LIMIT_SHARE * min((upper - lower) / np.ptp(q), speed / np.abs(v).max())
         middle = (upper + lower) / 2 - scale * (q.max() + q.min()) / 2
         laws.append(FourierSeries(FREQUENCY, scale * a, scale * b, middle))
-    times = np.arange(round(seconds * RATE)) / RATE
+    times = np.arange(round(seconds * VIRTUAL_RATE)) / VIRTUAL_RATE
     return recording_of(virtual_experiment(model, times, laws))
 
 
 def _truth(torque_model: TorqueModel, motion: Recording, rng: np.random.Generator) -> Array:
-    """The bodies of the model, and drive parameters whose torques have the size DRIVES, randomly ±50 %."""
+    """The bodies of the model, and drive parameters whose torques have the size DRIVE_TORQUE_SHARE, randomly ±50 %."""
     (samples,) = samples_of(motion.take(slice(None, None, -(-len(motion.t) // ENOUGH))))
     size = np.sqrt(np.mean(samples.tau**2, axis=0))
     columns = np.sqrt(np.mean(torque_model.rows(samples) ** 2, axis=0))
     x = torque_model.prior()
     for k in range(BODY_PARAMETERS * torque_model.model.n_bodies, len(x)):
         joint = int(np.argmax(columns[:, k] / size))
-        x[k] = DRIVES * rng.uniform(0.5, 1.5) * size[joint] / columns[joint, k]
+        x[k] = DRIVE_TORQUE_SHARE * rng.uniform(0.5, 1.5) * size[joint] / columns[joint, k]
     return x
 
 

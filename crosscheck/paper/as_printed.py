@@ -20,10 +20,10 @@ from graphdyn import MaximalState, kr500, maximal_state
 from graphdyn.equations import joint_axes
 from graphdyn.layout import ANGULAR, LINEAR, Array, body_rows, joint_rows
 
-DEPENDENT = 1e-9
+DEPENDENT_ROW_SHARE = 1e-9
 """Part of the largest singular value below which one is rounding; the smallest other one is 1e-2 of the largest."""
 
-TURNED = (2, 3, 5)
+TURNED_JOINTS = (2, 3, 5)
 """Joints whose fourth row is written with -e_2 instead of e_2, which changes the sign of λ_j4 (B9)."""
 
 INSTANT = 1.5
@@ -83,13 +83,13 @@ def _state(time: float) -> MaximalState:
 def _rows(state: MaximalState) -> Array:
     """φ_q (30, 36) as printed, Eq. (75)-(104)."""
     rows = world_axis_rows(state)
-    for j in TURNED:
+    for j in TURNED_JOINTS:
         rows[joint_rows(j).start + 3] *= -1
     return rows
 
 
 def _rank(rows: Array) -> int:
-    return int(np.linalg.matrix_rank(rows, tol=DEPENDENT * np.linalg.norm(rows, 2)))
+    return int(np.linalg.matrix_rank(rows, tol=DEPENDENT_ROW_SHARE * np.linalg.norm(rows, 2)))
 
 
 def _moment(state: MaximalState, j: int, direction: Array) -> Array:

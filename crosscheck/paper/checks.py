@@ -15,11 +15,11 @@ from crosscheck.paper.as_printed import PrintedMultipliers
 from crosscheck.paper.corrected import CorrectedMultipliers
 from crosscheck.paper.errata import Effect
 from crosscheck.paper.identification import PaperIdentification
-from crosscheck.paper.multipliers import DIGITS, Multiplier, printed_ratios
+from crosscheck.paper.multipliers import MIN_REPRODUCED_DIGITS, Multiplier, printed_ratios
 from crosscheck.paper.over_time import OverTime
 from crosscheck.paper.tables import GeometryTable
 
-EXPERIMENT = (
+EXPERIMENT_NOTE = (
     "From rest the carriage accelerates at 2 m/s² along world x, joint 1 at +30°/s² about the vertical, joint 2 at "
     "-30°/s² about its e_2; joints 3 to 6 are locked. The paper's 9.5493 rad/s² is 30/π, a misprint for "
     "0.523599 rad/s² (B4)."
@@ -39,25 +39,25 @@ WHY_ERRATA = (
 )
 
 
-EXACT = 1e-9
+EXACT_PARAMETER_BOUND = 1e-9
 """Bound on the relative error of a parameter identified from exact data."""
 
-REFEREE = 1e-12
+REFERENCE_BOUND = 1e-12
 """Bound on the relative difference from rnea."""
 
-QUOTIENT = 1e-6
+QUOTIENT_BOUND = 1e-6
 """Bound on the relative error of a quotient of two numbers of seven digits."""
 
-CORRECTED = 1e-11
+CORRECTED_FORM_BOUND = 1e-11
 """Bound on the relative error of the corrected forms of the errata."""
 
-RANKS = {0.0: 25, 1.5: 27}
+PRINTED_RANKS = {0.0: 25, 1.5: 27}
 """Rank of the 30 printed rows, by time [s] (A2)."""
 
-DETERMINED = 33
+N_DETERMINED = 33
 """Number of the 36 parameters of Table 3 that the data determine."""
 
-REPRODUCED = 10
+N_REPRODUCED = 10
 """Number of multipliers of Eq. (113)-(118) that the text determines: six λ_j3, λ_64, λ_65, λ_44, λ_45."""
 
 
@@ -96,7 +96,7 @@ def checks(
     reproduced = [number for number in numbers if number.kind == "reproduced"]
     weight = _largest(abs(number.ours) for number in reproduced)
     noise = _largest(abs(number.ours) for number in numbers if number.kind == "rounding")
-    ranks = _largest(abs(motion.ranks[time] - rank) for time, rank in RANKS.items())
+    ranks = _largest(abs(motion.ranks[time] - rank) for time, rank in PRINTED_RANKS.items())
     ratios = printed_ratios()
     ratio = _largest(abs(printed.ratios.get(joint, math.nan) / value - 1) for joint, value in ratios.items())
     repaired = [effect for effect in effects if effect.erratum != "A2"]
@@ -109,7 +109,7 @@ def checks(
             "Table 3",
             "parameters that the data determine and the paper prints",
             int(identification.compared.sum()),
-            DETERMINED,
+            N_DETERMINED,
             "all but m(e_2), J_22 and J_33 of B_1",
             at_least=True,
         ),
@@ -117,7 +117,7 @@ def checks(
             "Table 3",
             "exact data: largest relative error of a determined parameter",
             identification.exact_error,
-            EXACT,
+            EXACT_PARAMETER_BOUND,
             "rounding times the condition number, below 1e2, with a large margin",
         ),
         Check(
@@ -139,7 +139,7 @@ def checks(
             "Eq. (113)-(118)",
             "multipliers that the text determines",
             len(reproduced),
-            REPRODUCED,
+            N_REPRODUCED,
             "six λ_j3, λ_64, λ_65, λ_44, λ_45",
             at_least=True,
         ),
@@ -147,7 +147,7 @@ def checks(
             "Eq. (113)-(118)",
             "as printed: fewest agreeing significant digits of these",
             min((number.digits for number in reproduced), default=0),
-            DIGITS,
+            MIN_REPRODUCED_DIGITS,
             "the paper computes with seven digits",
             at_least=True,
         ),
@@ -155,35 +155,35 @@ def checks(
             "Eq. (113)-(118)",
             "as printed: largest λ_j1, λ_j2, relative to the largest weight",
             noise / weight,
-            REFEREE,
+            REFERENCE_BOUND,
             "they are zero; a few hundred roundings",
         ),
         Check(
             "Eq. (114), (116), (117)",
             "λ_j4 / λ_j5 of joints 2, 3, 5 against the null vector, relative",
             ratio,
-            QUOTIENT,
+            QUOTIENT_BOUND,
             "a quotient of two numbers of seven digits",
         ),
         Check(
             "section 3.2",
             "corrected: thirty multipliers against rnea at 1.5 s, relative",
             corrected.difference,
-            REFEREE,
+            REFERENCE_BOUND,
             "two algorithms, a few hundred roundings each",
         ),
         Check(
             "section 3",
             "the experiment against rnea at 101 times, relative",
             motion.difference,
-            REFEREE,
+            REFERENCE_BOUND,
             "two algorithms, a few hundred roundings each",
         ),
         Check(
             "errata",
             "corrected forms of A1, A3 … A6: largest relative error",
             _largest(effect.corrected for effect in repaired),
-            CORRECTED,
+            CORRECTED_FORM_BOUND,
             "condition numbers below 1e4, a thousandfold margin over rounding",
         ),
         Check(

@@ -78,13 +78,13 @@ ERRATA = {
     "A6": "Eq. (42): the row of the identification matrix is z̈ + g, as in (44), not z̈ - g.",
 }
 
-CLEAR_OF_LOCK = 0.05
+MIN_LOCK_COSINE = 0.05
 """Smallest |cos β| of the states at which A1 and A4 are measured, so that they do not include A3."""
 
 COSINES = (1e-2, 1e-3, 1e-4, 1e-6)
 """Values of |cos β| at which A3 is measured."""
 
-EFFECTS = 2 * (len(ERRATA) - 1 + len(COSINES))
+N_EFFECTS = 2 * (len(ERRATA) - 1 + len(COSINES))
 """Number of effects that `measure` returns: one per arm and erratum, for A3 one per value of |cos β|."""
 
 
@@ -229,7 +229,7 @@ def _masses(model: RobotModel) -> Array:
 def _draw(model: RobotModel, rng: np.random.Generator, size: int) -> Case:
     """Random states and torques, every body clear of gimbal lock."""
     q, v = model.random_state(rng, size)
-    while (locked := cos_beta(maximal_state(model, q).rotation).min(axis=-1) < CLEAR_OF_LOCK).any():
+    while (locked := cos_beta(maximal_state(model, q).rotation).min(axis=-1) < MIN_LOCK_COSINE).any():
         q[locked], v[locked] = model.random_state(rng, int(locked.sum()))
     return _case(model, Placement(), q, v, rng)
 
@@ -243,7 +243,7 @@ def _near_lock(model: RobotModel, rng: np.random.Generator, cosine: float) -> Ca
         tilt = Placement(rotation_about(np.array([0.0, 1.0, 0.0]), np.arcsin(cosine)))
         turn = tilt @ unit_turn(third)
         others = np.delete(cos_beta(maximal_state(turned(model, turn), q[0]).rotation), body)
-        if np.all(others > CLEAR_OF_LOCK):
+        if np.all(others > MIN_LOCK_COSINE):
             return _case(turned(model, turn), turn, q, v, rng)
 
 

@@ -16,19 +16,19 @@ from graphdyn import RobotModel, VirtualRecording, kr500, kr500_experiment
 from graphdyn.identification import EPS, identify_principal_parameters, identify_principal_parameters_together
 from graphdyn.layout import Array
 
-DIGITS = 7
+MEASURED_DIGITS = 7
 """Significant digits of the paper's measurements."""
 
-ROUNDING = 10.0 ** (1 - DIGITS)
+PRINTED_ROUNDING = 10.0 ** (1 - MEASURED_DIGITS)
 """Relative rounding of a number of seven digits; also the precision of the data that the solver assumes."""
 
-NOISE = ROUNDING / 10
+NOISE_SHARE = PRINTED_ROUNDING / 10
 """Standard deviation of the noise, as a part of a channel's root mean square: one unit of the seventh digit of a number
 that begins with 9, a tenth of one that begins with 1."""
 
 SEEDS = range(10)
 
-SAME_DIGIT = 1.5e-4
+TABLE_ROUNDING = 1.5e-4
 """Largest difference of Table 4 from Table 3 minus Table 2 by rounding: three numbers of four decimal places."""
 
 WHY_TABLE_3 = (
@@ -122,7 +122,7 @@ class PaperIdentification:
         """Entries of Table 4 that are not Table 3 as printed minus Table 2 (row, column)."""
         printed = np.array([[float(n.text) if n.text else np.nan for n in row] for row in TABLE_3.rows.values()])
         gap = np.abs(printed - _table_2() - TABLE_4.values)
-        return tuple((int(i), int(j)) for i, j in np.argwhere(gap > SAME_DIGIT))
+        return tuple((int(i), int(j)) for i, j in np.argwhere(gap > TABLE_ROUNDING))
 
 
 def identify() -> PaperIdentification:
@@ -130,12 +130,12 @@ def identify() -> PaperIdentification:
     model, data = kr500(), kr500_experiment(SAMPLE_TIMES)
     true = np.array([[body.mass] * 3 + list(np.diag(body.inertia)) for body in model.bodies]).T
     rounded = [
-        _trial("7 digits, to the nearest", model, data.rounded(DIGITS), true, ROUNDING),
-        _trial("7 digits, truncated", model, data.rounded(DIGITS, "truncated"), true, ROUNDING),
+        _trial("7 digits, to the nearest", model, data.rounded(MEASURED_DIGITS), true, PRINTED_ROUNDING),
+        _trial("7 digits, truncated", model, data.rounded(MEASURED_DIGITS, "truncated"), true, PRINTED_ROUNDING),
     ]
     for seed in SEEDS:
-        noisy = data.noisy(seed, relative=NOISE).rounded(DIGITS)
-        rounded.append(_trial(f"7 digits, noise seed {seed}", model, noisy, true, ROUNDING))
+        noisy = data.noisy(seed, relative=NOISE_SHARE).rounded(MEASURED_DIGITS)
+        rounded.append(_trial(f"7 digits, noise seed {seed}", model, noisy, true, PRINTED_ROUNDING))
     masses, length, radius = TABLE_3.values[:3, 0], TABLE_2.values[0, 0], TABLE_2.values[1, 0]
     return PaperIdentification(
         true,

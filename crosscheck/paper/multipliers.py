@@ -12,7 +12,7 @@ import numpy as np
 from crosscheck.paper.as_printed import PrintedMultipliers
 from crosscheck.paper.printed import MULTIPLIERS, Printed
 
-DIGITS = 6
+MIN_REPRODUCED_DIGITS = 6
 """Number of equal significant digits from which a multiplier is reproduced: the paper has seven, with rounding."""
 
 PRINTED_DIGITS = 7

@@ -13,7 +13,7 @@ from graphdyn import BaseMotion, VirtualRecording, inverse_dynamics, kr500, kr50
 from graphdyn.experiments import RAIL_ACCELERATION
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
-MOMENTS = slice(3, 5)
+REVOLUTE_MOMENTS = slice(3, 5)
 """The moments among the five multipliers of a revolute joint; LINEAR are the forces."""
 
 RANK_TIMES = (0.0, 0.02, INSTANT, 2.0)
@@ -58,7 +58,7 @@ def over_time() -> OverTime:
     )
     pairs = (
         (ours.multipliers[..., LINEAR], rnea[..., LINEAR]),
-        (ours.multipliers[..., MOMENTS], rnea[..., MOMENTS]),
+        (ours.multipliers[..., REVOLUTE_MOMENTS], rnea[..., REVOLUTE_MOMENTS]),
         (recording.joint_forces, forces),
         (recording.joint_moments, moments),
         (recording.tau, there.tau),

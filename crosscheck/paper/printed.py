@@ -113,5 +113,5 @@ MULTIPLIERS = PrintedTable(
 SAMPLE_TIMES = (0.3, 0.6, 0.9, 1.2, 1.5)
 """Times of the five sets of data of Tables 3 and 4 [s]."""
 
-POSES = {"Figure 2": 0.0, "Figure 11": 1.5, "Figure 10": 2.0}
+POSE_TIMES = {"Figure 2": 0.0, "Figure 11": 1.5, "Figure 10": 2.0}
 """Times at which the paper draws the arm [s]."""

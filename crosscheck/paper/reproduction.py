@@ -14,7 +14,13 @@ from crosscheck.paper.multipliers import Multiplier, multipliers
 from crosscheck.paper.over_time import OverTime, over_time
 from crosscheck.paper.tables import GeometryTable, geometry_table
 
-PARTS = ("Table 2", "Tables 3 and 4", "section 3.2 as printed", "section 3.2 corrected", "the experiment over time")
+PROGRESS_STEPS = (
+    "Table 2",
+    "Tables 3 and 4",
+    "section 3.2 as printed",
+    "section 3.2 corrected",
+    "the experiment over time",
+)
 """Steps that are computed before the errata."""
 
 
@@ -52,16 +58,16 @@ def reproduce(samples: int, seed: int = 0, progress: Callable[[str], None] | Non
             progress(what)
 
     geometry = geometry_table()
-    done(PARTS[0])
+    done(PROGRESS_STEPS[0])
     identification = identify()
-    done(PARTS[1])
+    done(PROGRESS_STEPS[1])
     printed = printed_multipliers()
     numbers = multipliers(printed)
-    done(PARTS[2])
+    done(PROGRESS_STEPS[2])
     corrected = corrected_multipliers()
-    done(PARTS[3])
+    done(PROGRESS_STEPS[3])
     motion = over_time()
-    done(PARTS[4])
+    done(PROGRESS_STEPS[4])
     effects = tuple(measure(samples, seed, lambda effect: done(f"{effect.erratum} on {effect.robot}")))
     return Reproduction(
         geometry,

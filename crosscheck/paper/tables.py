@@ -8,7 +8,7 @@ import numpy as np
 
 from crosscheck.paper.printed import TABLE_2, Printed
 from graphdyn import BaseMotion, kr500, kr500_experiment
-from graphdyn.experiments import LENGTHS, RADII, RAIL_ACCELERATION
+from graphdyn.experiments import BODY_LENGTHS, BODY_RADII, RAIL_ACCELERATION
 from graphdyn.layout import Array
 
 WHY_TABLE_2 = (
@@ -50,7 +50,7 @@ def geometry_table() -> GeometryTable:
     """Table 2 of graphdyn.kr500()."""
     bodies = kr500().bodies
     moments = np.array([np.diag(body.inertia) for body in bodies]).T
-    ours = np.vstack([LENGTHS, RADII, [body.mass for body in bodies], moments])
+    ours = np.vstack([BODY_LENGTHS, BODY_RADII, [body.mass for body in bodies], moments])
     return GeometryTable(tuple(TABLE_2.rows), tuple(TABLE_2.rows.values()), ours)
 
 

@@ -46,7 +46,7 @@ class DerivedAnswers:
     """What one method answers.
 
     forward: quantities that need a regular mass matrix, at the states that have one; empty where none has
-    second: second derivatives, at the first FEW states
+    second: second derivatives, at the first SECOND_DERIVATIVE_STATES states
     """
 
     passive: Answers
@@ -54,7 +54,7 @@ class DerivedAnswers:
     second: Answers
 
 
-FEW = slice(20)
+SECOND_DERIVATIVE_STATES = slice(20)
 """States at which second derivatives are compared: those of the plain form take 10 ms each."""
 
 
@@ -63,7 +63,7 @@ def derived_answers(case: Case, tau: Array, regular: NDArray[np.bool_], method: 
 
     tau: given torques (N, n); regular: states with a regular mass matrix (N,)
     """
-    few = case.rows(FEW)
+    few = case.rows(SECOND_DERIVATIVE_STATES)
     return DerivedAnswers(
         passive={
             **_of_dynamics(case, method),

@@ -21,7 +21,7 @@ from crosscheck.quantities.scales import (
     term_sizes,
 )
 from crosscheck.quantities.states import Case, has_mass
-from crosscheck.reference.frame_choices import REFERENCES, compared_frames
+from crosscheck.reference.frame_choices import FRAME_REFERENCES, compared_frames
 from crosscheck.reference.reference_values import RefereeValues
 from graphdyn import inverse_dynamics
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -85,7 +85,7 @@ def _frame_errors(case: Case, ours: Answers, ref: RefereeValues, theirs: Answers
     from_link = max(float(np.abs(model.frame(name).placement.translation).max()) for name in compared_frames(model))
     from_world = float(np.abs(model.base.translation).max())
     errors: dict[str, Array] = {}
-    for k, reference in enumerate(REFERENCES):
+    for k, reference in enumerate(FRAME_REFERENCES):
         there = size.farther(from_world if reference == "world" else from_link)
         scales = {
             "frame_jacobian": (there.arm, np.ones_like(there.arm)),

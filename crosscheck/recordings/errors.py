@@ -14,7 +14,7 @@ import numpy as np
 
 from graphdyn import InvalidInput
 
-SHOWN_SPANS = 5
+MAX_LISTED_SPANS = 5
 """Largest number of runs of rows that a message lists; RecordingFinding.rows has them all."""
 
 DROPPED_UNASKED = ("truncated-last-line", "blank-line")
@@ -32,14 +32,14 @@ DROPPABLE = (
 )
 """Codes of findings whose rows can be dropped."""
 
-LONGEST = 80
+MAX_QUOTED_CHARACTERS = 80
 """Largest number of characters of a name or cell that a message quotes."""
 
 
 def quoted(value: object) -> str:
     """A name or cell of a file in a message: as Python writes it, a long one without its middle."""
     shortened = Repr()
-    shortened.maxstring = shortened.maxother = LONGEST
+    shortened.maxstring = shortened.maxother = MAX_QUOTED_CHARACTERS
     return shortened.repr(value)
 
 
@@ -93,8 +93,8 @@ def spans(rows: Iterable[int]) -> str:
     """ "3, 7–9, 12" of increasing rows, the first few runs of them."""
     rows = np.fromiter(rows, dtype=int)
     runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
-    texts = [str(run[0]) if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:SHOWN_SPANS]]
-    return ", ".join(texts) + (f", … ({len(rows)} in all)" if len(runs) > SHOWN_SPANS else "")
+    texts = [str(run[0]) if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:MAX_LISTED_SPANS]]
+    return ", ".join(texts) + (f", … ({len(rows)} in all)" if len(runs) > MAX_LISTED_SPANS else "")
 
 
 class BadRecordingFile(InvalidInput):

@@ -32,7 +32,7 @@ from crosscheck.recordings.mapping.conversion import (
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.preparation.resampling import with_delays_undone
-from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
+from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.table import in_words
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
@@ -190,7 +190,9 @@ def reordered(recording: Recording, joints: Sequence[str]) -> Recording:
     if order == list(range(recording.n_joints)):
         return recording
     moved = {
-        name: getattr(recording, name)[:, order] for name in JOINT_CHANNELS if getattr(recording, name) is not None
+        name: getattr(recording, name)[:, order]
+        for name in RECORDED_JOINT_CHANNELS
+        if getattr(recording, name) is not None
     }
     slides = tuple(recording.prismatic[j] for j in order)
     step = f"joints in the order {', '.join(joints)}"

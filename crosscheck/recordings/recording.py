@@ -16,10 +16,10 @@ from graphdyn import InvalidInput, VirtualRecording
 from graphdyn.layout import Array
 
 MOTION_CHANNELS = ("q", "v", "a", "tau")
-JOINT_CHANNELS = (*MOTION_CHANNELS, "temperature")
+RECORDED_JOINT_CHANNELS = (*MOTION_CHANNELS, "temperature")
 OPTIONAL_CHANNELS = {"joint_wrenches": 6, "body_accelerations": 6}
 """Further channels, with their numbers per joint."""
-NOISE = ("q_noise", "v_noise")
+NOISE_CHANNELS = ("q_noise", "v_noise")
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,9 @@ class Recording:
         count = np.asarray(self.t).size
         if count == 0:
             raise InvalidInput("the recording has no rows; give at least one")
-        shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | dict.fromkeys((*JOINT_CHANNELS, *NOISE), (count, n))
+        shapes: dict[str, tuple[int, ...]] = {"t": (count,)} | dict.fromkeys(
+            (*RECORDED_JOINT_CHANNELS, *NOISE_CHANNELS), (count, n)
+        )
         shapes |= {name: (count, n, width) for name, width in OPTIONAL_CHANNELS.items()}
         for name, shape in shapes.items():
             if getattr(self, name) is not None:
@@ -136,7 +138,16 @@ class Recording:
 
     def take(self, rows: Any, step: str | None = None, **changed: Any) -> Recording:
         """The recording of these rows (mask, indices or slice), with other changes; step is added to its provenance."""
-        names = ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, *NOISE, "block", "rows", "file", "torque_cutoff")
+        names = (
+            "t",
+            *RECORDED_JOINT_CHANNELS,
+            *OPTIONAL_CHANNELS,
+            *NOISE_CHANNELS,
+            "block",
+            "rows",
+            "file",
+            "torque_cutoff",
+        )
         taken = {name: getattr(self, name)[rows] for name in names if getattr(self, name) is not None}
         return replace(self, **(taken | changed), provenance=self._after(step))
 
@@ -194,7 +205,7 @@ def concatenated(recordings: Sequence[Recording]) -> Recording:
                 "give recordings of the same joints"
             )
     joined: dict[str, Any] = {}
-    for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS, *NOISE, "rows", "torque_cutoff"):
+    for name in ("t", *RECORDED_JOINT_CHANNELS, *OPTIONAL_CHANNELS, *NOISE_CHANNELS, "rows", "torque_cutoff"):
         parts = [getattr(recording, name) for recording in recordings]
         joined[name] = np.concatenate(parts) if all(part is not None for part in parts) else None
     block: list[NDArray[np.intp]] = []

@@ -16,21 +16,21 @@ from numpy.typing import NDArray
 from crosscheck.recordings.errors import BadMapping, RecordingFinding, quoted
 from graphdyn.layout import Array
 
-NUMBER = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
-LONG_INTEGER = r"^-?\d{16,}$"
+NUMBER_PATTERN = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
+LONG_INTEGER_PATTERN = r"^-?\d{16,}$"
 """An integer with more digits than doubles hold."""
 
-LARGEST_EXACT = 2**53
+MAX_EXACT_INTEGER = 2**53
 """Size beyond which doubles do not hold every integer."""
 
-SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "D": 86400.0, "h": 3600.0, "m": 60.0}
+UNIT_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "D": 86400.0, "h": 3600.0, "m": 60.0}
 """Units of time as Arrow and NumPy write them."""
 
 NO_NUMBERS, TRUTH = "it holds no numbers", "it holds truth values, no numbers"
-COMPLEX = "it holds complex numbers; save their real parts"
+COMPLEX_NUMBERS_MESSAGE = "it holds complex numbers; save their real parts"
 
 
-DURATION = r"^-?(\d+\.?\d*|\.\d+)(e[-+]?\d+)? sec$"
+DURATION_PATTERN = r"^-?(\d+\.?\d*|\.\d+)(e[-+]?\d+)? sec$"
 """A duration as MATLAB's writetimetable writes it."""
 
 
@@ -38,7 +38,7 @@ class Cells(NamedTuple):
     """A column: start + values, NaN where a cell is not a number.
 
     values: differences from the start           (N,)
-    start: 0, or the first integer of a column with integers beyond LARGEST_EXACT
+    start: 0, or the first integer of a column with integers beyond MAX_EXACT_INTEGER
     seconds: per number, where the column holds times of a calendar, a clock or a stopwatch; else None
     """
 
@@ -64,7 +64,7 @@ def cells_of_column(column: Any) -> Cells | str:
         unit = "D" if pa.types.is_date32(kind) else getattr(kind, "unit", "ms")  # date64 counts milliseconds
         if kind.bit_width == 32:
             column = column.cast(pa.int32())
-        return _integers(column.cast(pa.int64()))._replace(seconds=SECONDS[unit])
+        return _integers(column.cast(pa.int64()))._replace(seconds=UNIT_SECONDS[unit])
     if pa.types.is_integer(kind):
         return _integers(column)
     if pa.types.is_floating(kind) or pa.types.is_decimal(kind):
@@ -75,11 +75,11 @@ def cells_of_column(column: Any) -> Cells | str:
         return TRUTH if pa.types.is_boolean(kind) else NO_NUMBERS
     text = compute.replace_substring_regex(compute.utf8_trim_whitespace(column), r"^\+", "")
     nothing = pa.scalar(None, text.type)
-    if compute.all(compute.match_substring_regex(text, DURATION)).as_py():
+    if compute.all(compute.match_substring_regex(text, DURATION_PATTERN)).as_py():
         text = compute.replace_substring(text, " sec", "")
         return Cells(np.array(text.cast(pa.float64()), dtype=float), seconds=1.0)
-    text = compute.if_else(compute.match_substring_regex(text, NUMBER), text, nothing)
-    if compute.any(compute.match_substring_regex(text, LONG_INTEGER)).as_py():
+    text = compute.if_else(compute.match_substring_regex(text, NUMBER_PATTERN), text, nothing)
+    if compute.any(compute.match_substring_regex(text, LONG_INTEGER_PATTERN)).as_py():
         for integer in (pa.int64(), pa.uint64()):
             try:
                 return _integers(text.cast(integer))
@@ -92,14 +92,14 @@ def cells_of_array(array: NDArray[Any]) -> Cells | str:
     """A NumPy array of numbers or times; or why it is not a column."""
     if array.dtype.kind in "mM":
         unit, count = np.datetime_data(array.dtype)
-        if unit not in SECONDS:
+        if unit not in UNIT_SECONDS:
             return f"it holds times in the unit {unit!r}; save them in seconds"
         ticks = array.astype(np.int64)
-        return _differences(ticks, np.isnat(array))._replace(seconds=count * SECONDS[unit])
+        return _differences(ticks, np.isnat(array))._replace(seconds=count * UNIT_SECONDS[unit])
     if array.dtype.kind in "iu":
         return _differences(array, np.zeros(array.shape, dtype=bool))
     if array.dtype.kind != "f":
-        return {"b": TRUTH, "c": COMPLEX}.get(array.dtype.kind, NO_NUMBERS)
+        return {"b": TRUTH, "c": COMPLEX_NUMBERS_MESSAGE}.get(array.dtype.kind, NO_NUMBERS)
     return Cells(array.astype(float))
 
 
@@ -113,7 +113,7 @@ def _differences(integers: NDArray[Any], missing: NDArray[np.bool_]) -> Cells:
     integers = np.asarray(integers)
     there = integers[~missing]
     lowest, highest = (int(there.min()), int(there.max())) if there.size else (0, 0)
-    start = int(there[0]) if max(-lowest, highest) > LARGEST_EXACT else 0
+    start = int(there[0]) if max(-lowest, highest) > MAX_EXACT_INTEGER else 0
     if start and highest - lowest < 2**63:
         modulo = integers.astype(np.uint64) - np.uint64(start % 2**64)
         values = modulo.view(np.int64).astype(float)
@@ -123,7 +123,7 @@ def _differences(integers: NDArray[Any], missing: NDArray[np.bool_]) -> Cells:
     return Cells(values, start)
 
 
-SHOWN_NAMES = 40
+MAX_LISTED_NAMES = 40
 """Largest number of names that a message lists."""
 
 
@@ -189,5 +189,5 @@ class RecordedTable:
 def in_words(names: Iterable[str]) -> str:
     """Names for a message: the first ones, control characters escaped."""
     names = list(names)
-    more = [f"… ({len(names)} in all)"] if len(names) > SHOWN_NAMES else []
-    return ", ".join([*(quoted(name)[1:-1] for name in names[:SHOWN_NAMES]), *more])
+    more = [f"… ({len(names)} in all)"] if len(names) > MAX_LISTED_NAMES else []
+    return ", ".join([*(quoted(name)[1:-1] for name in names[:MAX_LISTED_NAMES]), *more])

@@ -11,7 +11,7 @@ from graphdyn import RobotModel
 from graphdyn.arguments import Reference
 from graphdyn.layout import Array
 
-REFERENCES: tuple[Reference, ...] = get_args(Reference)
+FRAME_REFERENCES: tuple[Reference, ...] = get_args(Reference)
 """Where and in which axes a frame is described, in the words of graphdyn.frame_velocity."""
 
 
@@ -28,6 +28,6 @@ def of_frames(model: RobotModel, verb: Callable[..., Array], *arrays: Array, **k
     axis = arrays[0].ndim - 1
     per_reference = [
         [verb(model, *arrays, name, reference=reference, **keywords) for name in compared_frames(model)]
-        for reference in REFERENCES
+        for reference in FRAME_REFERENCES
     ]
     return np.stack([np.stack(answers, axis) for answers in per_reference], axis)

@@ -10,7 +10,7 @@ from os import PathLike
 import urdf
 from graphdyn import InvalidInput, RobotModel
 from urdf import Reading, Xacro
-from urdf.document import UNNAMED, content_of, locate, path_of
+from urdf.document import UNNAMED_SOURCES, content_of, locate, path_of
 from urdf.reading import Chain
 
 Robot = str | PathLike[str] | RobotModel
@@ -58,7 +58,7 @@ def subject(robot: Robot, reading: Reading) -> Subject:
         return Subject(robot.name, robot, None, None, reading)
     if not isinstance(robot, str | PathLike):
         raise InvalidInput(f"the robot is of type {type(robot).__name__}; give a name, a path or a RobotModel")
-    if path_of(robot) in UNNAMED:
+    if path_of(robot) in UNNAMED_SOURCES:
         raise InvalidInput("XML is given in place of a name or path; give the file, or urdf.load(…) of the XML")
     model = urdf.load(robot, reading=reading)
     return Subject(str(robot), model, str(locate(robot)[0].resolve()), content_sha256(robot, reading.xacro), reading)

@@ -13,10 +13,10 @@ from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.report import Panel, Picture, Plot, Series, Verdict
 from graphdyn.layout import Array
 
-ERROR: dict[str, Any] = {"kind": "number", "form": ".1e"}
+ERROR_FORMAT: dict[str, Any] = {"kind": "number", "form": ".1e"}
 """Of a column of errors or bounds."""
 
-SPREAD = (
+SPREAD_NOTE = (
     "All states; heights are relative to the fullest bin of the row. The upright line is the bound, ▲ the largest "
     "error; errors that are exactly zero stand at 0."
 )
@@ -42,7 +42,7 @@ def verdict_of(agrees: bool, decided: bool = True, reason: str = "") -> Verdict:
 
 def distribution(rows: Sequence[SpreadRow]) -> Picture:
     """How the errors of every row are distributed over the states."""
-    return Picture(partial(spread, rows=rows), SPREAD, title="How the errors are distributed", on=("page",))
+    return Picture(partial(spread, rows=rows), SPREAD_NOTE, title="How the errors are distributed", on=("page",))
 
 
 def over_states(

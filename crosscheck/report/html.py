@@ -19,7 +19,7 @@ from markupsafe import Markup
 from crosscheck.report.pictures.plot import plot_data, plot_picture, points_per_curve, samples_per_curve
 from crosscheck.report.plain_text import printable
 from crosscheck.report.report import (
-    SYMBOLS,
+    VERDICT_SYMBOLS,
     Block,
     Code,
     Column,
@@ -39,16 +39,16 @@ from crosscheck.report.report import Group as BlockGroup
 from crosscheck.viewing.page import page as stage_page
 from crosscheck.viewing.page import script_hashes
 
-LONG_NOTE = 240
+MAX_NOTE_LENGTH = 240
 """Characters from which a note is folded."""
 
-MANY_NOTES = 3
+MAX_NOTES_PER_CODE = 3
 """Notes of one code from which they are folded together."""
 
-LONG_TEXT = 90
+MAX_CELL_LENGTH = 90
 """Characters of a cell from which the rows of its table are stacked on narrow screens."""
 
-LONG_NAME = 28
+MAX_NAME_LENGTH = 28
 """Characters from which the name in a table is cut (style.css), so that hovering has to show the whole."""
 
 PAGE, VENDOR = Path(__file__).parent / "page", Path(__file__).parents[1] / "vendor"
@@ -116,7 +116,7 @@ def _note_groups(notes: Sequence[Note]) -> list[tuple[str, list[Note], bool]]:
     order = {code: k for k, code in reversed(list(enumerate(note.code for note in notes)))}
     groups = groupby(sorted(notes, key=lambda note: order[note.code]), lambda note: note.code)
     listed = [(code, list(group)) for code, group in groups]
-    return [(code, group, bool(code) and len(group) > MANY_NOTES) for code, group in listed]
+    return [(code, group, bool(code) and len(group) > MAX_NOTES_PER_CODE) for code, group in listed]
 
 
 def _hover(column: Column, value: object) -> str:
@@ -124,13 +124,13 @@ def _hover(column: Column, value: object) -> str:
     if isinstance(value, Hover):
         return value.more
     text = column.text(value)
-    return text if column.kind == "name" and len(text) > LONG_NAME else ""
+    return text if column.kind == "name" and len(text) > MAX_NAME_LENGTH else ""
 
 
 def _wordy(table: Table) -> bool:
     """Whether it has sentences in its cells, too wide for a narrow screen beside other columns."""
     return any(
-        len(column.text(value)) > LONG_TEXT
+        len(column.text(value)) > MAX_CELL_LENGTH
         for row in table.rows
         for column, value in zip(table.columns, row.cells, strict=True)
         if column.kind == "text"
@@ -180,12 +180,12 @@ def _environment() -> Environment:
     )
     environment.tests.update(verdict=_is_verdict)
     environment.globals.update(
-        SYMBOLS=SYMBOLS,
+        SYMBOLS=VERDICT_SYMBOLS,
         hover=_hover,
         wordy=_wordy,
         plot_data=plot_data,
         plot_picture=plot_picture,
         stage_page=_stage_page,
-        LONG_NOTE=LONG_NOTE,
+        MAX_NOTE_LENGTH=MAX_NOTE_LENGTH,
     )
     return environment

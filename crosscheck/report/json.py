@@ -11,13 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.report.plain_text import UNSEEN
+from crosscheck.report.plain_text import INVISIBLE_CHARACTERS
 
 
 def as_bytes(data: Any) -> bytes:
     """Plain data as the text of a JSON file; characters that cannot be seen are escaped, as \\u202e."""
     text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    return UNSEEN.sub(lambda found: found[0] if found[0] == "\n" else f"\\u{ord(found[0]):04x}", text).encode()
+    return INVISIBLE_CHARACTERS.sub(
+        lambda found: found[0] if found[0] == "\n" else f"\\u{ord(found[0]):04x}", text
+    ).encode()
 
 
 def plain(value: Any) -> Any:

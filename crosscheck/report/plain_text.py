@@ -13,10 +13,10 @@ import numpy as np
 CELL = 3
 """Characters of an entry of a 0/±1 matrix."""
 
-ROUNDING = 1e-12
+ZERO_COMPONENT_SHARE = 1e-12
 """What is smaller than this part of the largest component is written as 0."""
 
-UNSEEN = re.compile(
+INVISIBLE_CHARACTERS = re.compile(
     "[\x00-\x1f\x7f-\x9f\xad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ud800-\udfff]"
 )
 """Characters that move the cursor, change its direction or cannot be seen, and bytes of file names that are no text."""
@@ -30,7 +30,7 @@ def printable(text: str, keep: str = "") -> str:
 
     keep: characters that stay as they are, such as line breaks
     """
-    return UNSEEN.sub(lambda found: found[0] if found[0] in keep else _escape(found[0]), text)
+    return INVISIBLE_CHARACTERS.sub(lambda found: found[0] if found[0] in keep else _escape(found[0]), text)
 
 
 def _escape(character: str) -> str:
@@ -39,7 +39,7 @@ def _escape(character: str) -> str:
 
 def vector_text(values: Sequence[float]) -> str:
     """Components with four digits each."""
-    small = ROUNDING * np.abs(values).max(initial=0.0)
+    small = ZERO_COMPONENT_SHARE * np.abs(values).max(initial=0.0)
     return " ".join(f"{0.0 if abs(value) <= small else value:.4g}" for value in values)
 
 
@@ -55,10 +55,10 @@ def superscript(decade: int) -> str:
     return "10" + str(decade).translate(_SUPERSCRIPT)
 
 
-UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
+DURATION_UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs"), (1e-9, "ns"))
 
 
-ROUNDED = 0.9995
+UNIT_THRESHOLD = 0.9995
 """Part of a unit from which three digits are those of one whole unit: 1 s, not 1e+03 ms."""
 
 
@@ -89,4 +89,4 @@ def threads_text(count: int) -> str:
 
 
 def _unit_for(seconds: float) -> tuple[float, str]:
-    return next(((size, unit) for size, unit in UNITS if seconds >= ROUNDED * size), UNITS[-1])
+    return next(((size, unit) for size, unit in DURATION_UNITS if seconds >= UNIT_THRESHOLD * size), DURATION_UNITS[-1])

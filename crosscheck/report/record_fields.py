@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, fields
 from typing import Annotated, Any, TypeVar
 
-from crosscheck.report.versions import LIBRARIES
+from crosscheck.report.versions import REPORTED_LIBRARIES
 
 Record = TypeVar("Record")
 
@@ -42,7 +42,7 @@ Versions = Annotated[
     Mapping[str, str],
     Keywords(
         description="Versions of graphdyn and of the libraries that took part, by name.",
-        required=[*LIBRARIES, "pinocchio"],
+        required=[*REPORTED_LIBRARIES, "pinocchio"],
     ),
 ]
 

@@ -26,14 +26,14 @@ Kind = Literal["name", "text", "number", "vector", "verdict"]
 Recorder = Callable[[Sequence[str]], object]
 """Makes the record of the JSON file, a dataclass of crosscheck.report.records, from the arguments of the program."""
 
-SYMBOLS: dict[State, str] = {"agrees": "✓", "undecided": "?", "disagrees": "✗", "plain": ""}
+VERDICT_SYMBOLS: dict[State, str] = {"agrees": "✓", "undecided": "?", "disagrees": "✗", "plain": ""}
 """Before a verdict on the page: no reader depends on colour."""
 
-ROOMY = 120
+WIDE_LINE_CHARACTERS = 120
 """Characters of a line from which tables have room for columns that explain."""
 
 FAILURES_FIRST: dict[State, int] = {"disagrees": 0, "undecided": 1, "agrees": 2, "plain": 2}
-NOTHING = "–"
+NO_VALUE = "–"
 """A cell without a value."""
 
 
@@ -53,7 +53,7 @@ class Column:
     kind: "name" (cut on a page where it is long, whole on hover), "text", "number" (to the right), "vector"
         (several numbers), "verdict"
     unit: shown behind the title
-    form: how a value becomes text: a format such as ".1e", or a function; None and NaN are NOTHING in any case
+    form: how a value becomes text: a format such as ".1e", or a function; None and NaN are NO_VALUE in any case
     meaning: shown on hover
     from_width: left out on terminals narrower than this [characters]; the page has all columns
     """
@@ -75,7 +75,7 @@ class Column:
         if isinstance(value, Verdict):
             return value.words
         if value is None or (isinstance(value, float | np.floating) and value != value):
-            return NOTHING
+            return NO_VALUE
         if isinstance(value, float | np.floating) and np.isinf(value):
             return "∞" if value > 0 else "−∞"
         return self.form(value) if callable(self.form) else format(value, self.form)

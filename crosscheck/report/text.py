@@ -45,13 +45,13 @@ LONG_NAME, SHORT_NAME = 38, 20
 WORD = re.compile(r"[^ _]+[ _]*")
 """Of a heading; a name can be folded behind an underscore."""
 
-COMPACT: dict[str, Any] = {"box": box.SIMPLE_HEAD, "show_edge": False, "padding": 0}
+COMPACT_STYLE: dict[str, Any] = {"box": box.SIMPLE_HEAD, "show_edge": False, "padding": 0}
 """Style of compact tables."""
 
 MESSAGE_WIDTH = 140
 """Characters of a line in the messages of assertions."""
 
-COLOURS: dict[State, str] = {"agrees": "green", "undecided": "yellow", "disagrees": "red", "plain": ""}
+VERDICT_COLORS: dict[State, str] = {"agrees": "green", "undecided": "yellow", "disagrees": "red", "plain": ""}
 
 
 def renderables(report: Report, width: int) -> Iterator[RenderableType]:
@@ -77,7 +77,7 @@ def _text(*lines: str, style: str = "") -> Text:
 
 
 def _headline(title: str, verdict: Verdict) -> Text:
-    line = _text(f"{title}: ").append_text(_text(verdict.words, style=f"bold {COLOURS[verdict.state]}"))
+    line = _text(f"{title}: ").append_text(_text(verdict.words, style=f"bold {VERDICT_COLORS[verdict.state]}"))
     return line.append_text(_text("", verdict.reason)) if verdict.reason else line
 
 
@@ -138,7 +138,7 @@ def _title(block: Block) -> Iterator[Text]:
 def _note(note: Note) -> Text:
     where = f"{note.where}: " if note.where else ""
     code = f" [{note.code}]" if note.code else ""
-    return _text(f"{where}{note.text}{code}", style=COLOURS[note.state] if note.state != "agrees" else "")
+    return _text(f"{where}{note.text}{code}", style=VERDICT_COLORS[note.state] if note.state != "agrees" else "")
 
 
 def _facts(block: Facts) -> RichTable:
@@ -244,7 +244,7 @@ def _table(table: Table, columns: Sequence[_Column], width: int) -> RichTable:
     room = _room(len(columns), width, table.compact)
     narrow = sum(column.natural for column in columns) > room
     widths = _shared(columns, room) if narrow else [None] * len(columns)
-    rendered = RichTable(**(COMPACT if table.compact else {}))
+    rendered = RichTable(**(COMPACT_STYLE if table.compact else {}))
     for column, characters in zip(columns, widths, strict=True):
         rendered.add_column(
             _text(*(column.folded_heading() if narrow else [column.column.heading])),
@@ -274,5 +274,5 @@ def _shared(columns: Sequence[_Column], room: int) -> list[int | None]:
 
 def _cell(column: Column, row: Row, k: int) -> Text:
     value = row.cells[k]
-    style = COLOURS[value.state] if isinstance(value, Verdict) else ""
+    style = VERDICT_COLORS[value.state] if isinstance(value, Verdict) else ""
     return _text(*column.text(value).split("\n"), style=style)  # inside its frame a cell may have lines

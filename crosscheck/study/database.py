@@ -14,10 +14,10 @@ from graphdyn import InvalidInput
 Key = tuple[str, int]
 """Name of a scenario, and number of a run."""
 
-PATIENCE = 1.0
+LOCK_TIMEOUT = 1.0
 """Time to wait for another process to leave the file [s]."""
 
-TABLES = """
+TABLE_DEFINITIONS = """
 CREATE TABLE IF NOT EXISTS inputs (name TEXT PRIMARY KEY, value TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS tasks (
     scenario TEXT NOT NULL, run INTEGER NOT NULL, outcome TEXT NOT NULL, PRIMARY KEY (scenario, run)
@@ -58,11 +58,11 @@ def opened(file: Path) -> Iterator[Database]:
 
     Raises InvalidInput where one has, and for other files; OSError where it cannot be written, as on a full disk.
     """
-    with closing(sqlite3.connect(file, timeout=PATIENCE)) as connection:
+    with closing(sqlite3.connect(file, timeout=LOCK_TIMEOUT)) as connection:
         try:
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
             connection.execute("PRAGMA journal_mode = WAL")
-            connection.executescript(f"BEGIN IMMEDIATE; {TABLES} COMMIT;")
+            connection.executescript(f"BEGIN IMMEDIATE; {TABLE_DEFINITIONS} COMMIT;")
         except sqlite3.OperationalError as error:
             if "locked" not in str(error):
                 raise InvalidInput(f"{file} cannot be opened: {error}") from None

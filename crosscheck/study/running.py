@@ -25,7 +25,7 @@ from urdf.document import write_whole
 
 CONFIGURATION, DATABASE = "study.toml", "study.sqlite"
 
-DIED = "the process that worked on this method died, each time it was tried"
+PROCESS_DIED = "the process that worked on this method died, each time it was tried"
 
 
 @dataclass
@@ -155,7 +155,7 @@ def _one_by_one(study: Configuration, task: StudyTask, workers: Workers, tell: C
         for k, outcome in answers:
             if isinstance(outcome, Lost):
                 tell(f"{_name(task)}, {task.methods[k]}: {outcome.reason}")
-                outcome = failed(alone[k], DIED)
+                outcome = failed(alone[k], PROCESS_DIED)
             found[k] = outcome
     parts = [found[k] for k in range(len(alone))]
     return StudyOutcome(

@@ -23,7 +23,7 @@ RESULTS, SCENARIOS, TIMES = "results.parquet", "scenarios.parquet", "times.parqu
 
 _TYPES = {str: pa.string(), int: pa.int64(), float: pa.float64(), float | None: pa.float64()}
 
-OF_RESULTS = pa.schema(
+RESULTS_SCHEMA = pa.schema(
     [
         ("scenario", pa.string()),
         ("run", pa.int64()),
@@ -43,7 +43,7 @@ OF_RESULTS = pa.schema(
     ]
 )
 
-OF_SCENARIOS = pa.schema(
+SCENARIOS_SCHEMA = pa.schema(
     [
         ("scenario", pa.string()),
         *((name, _TYPES[kind]) for name, kind in get_type_hints(Scenario).items()),
@@ -53,7 +53,7 @@ OF_SCENARIOS = pa.schema(
     ]
 )
 
-OF_TIMES = pa.schema(
+TIMES_SCHEMA = pa.schema(
     [
         ("scenario", pa.string()),
         ("run", pa.int64()),
@@ -74,9 +74,9 @@ def write_tables(study: Configuration, outcomes: Iterable[tuple[Key, StudyOutcom
             times.append({**key, "processor_seconds": seconds})
     known = sorted((_scenario_row(study, scenario) for scenario in study.scenarios), key=lambda row: row["scenario"])
     for name, table, schema in (
-        (RESULTS, rows, OF_RESULTS),
-        (SCENARIOS, known, OF_SCENARIOS),
-        (TIMES, times, OF_TIMES),
+        (RESULTS, rows, RESULTS_SCHEMA),
+        (SCENARIOS, known, SCENARIOS_SCHEMA),
+        (TIMES, times, TIMES_SCHEMA),
     ):
         sink = pa.BufferOutputStream()
         parquet.write_table(pa.Table.from_pylist(table, schema), sink)

@@ -25,10 +25,10 @@ SECONDS, RATE = 10.0, 100.0
 LOOP_RATE = 1000.0
 """Of controller and steps of the simulated loop [Hz]."""
 
-AWAY = 100.0
+MAX_DISTANCE_RATIO = 100.0
 """A robot that is so many times as far from where it should be as it ever goes has run away."""
 
-NUMBER = 2**32 - 1
+HELD_OUT_SCENARIO = 2**32 - 1
 """Of the random motion that is held out: scenarios count theirs from zero."""
 
 
@@ -69,14 +69,14 @@ class Yardstick:
         q = _followed(self.plant, self.laws, robot.bodies[0], robot.friction, robot.rotors[0])
         spread = self.followed - self.followed.mean(axis=0)
         error = float(np.linalg.norm(q - self.followed) / np.linalg.norm(spread))
-        return error if error < AWAY else None
+        return error if error < MAX_DISTANCE_RATIO else None
 
 
 @lru_cache(maxsize=8)
 def yardstick(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> Yardstick:
     """seed: of the study. Raises InvalidInput where the controller does not hold the robot."""
     plant = plant_of(settings)
-    laws = reference(settings, seed, "random", NUMBER, SECONDS)
+    laws = reference(settings, seed, "random", HELD_OUT_SCENARIO, SECONDS)
     times = np.arange(round(SECONDS * RATE) + 1) / RATE
     q, v, a = np.moveaxis(np.array([law(times) for law in laws]), 0, -1)
     samples = Samples(q, v, a, np.zeros_like(q), time=times)

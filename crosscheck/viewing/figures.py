@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from graphdyn import Body, RobotModel
 from graphdyn.layout import Array
 
-ROUNDING = 1e-9
+SECOND_MOMENT_TOLERANCE = 1e-9
 """Part of the largest second moment below which a negative one is rounding."""
 
 
@@ -100,7 +100,7 @@ def inertia_ellipsoid(body: Body) -> tuple[Array, Array] | None:
     if body.mass == 0:
         return None
     moments, directions = np.linalg.eigh(np.trace(body.inertia) / 2 * np.eye(3) - body.inertia)
-    if moments[0] < -ROUNDING * np.abs(moments).max():
+    if moments[0] < -SECOND_MOMENT_TOLERANCE * np.abs(moments).max():
         return None
     directions[:, 0] *= np.sign(np.linalg.det(directions))
     return np.sqrt(5 * np.maximum(moments, 0.0) / body.mass), directions

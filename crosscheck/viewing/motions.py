@@ -11,10 +11,10 @@ from graphdyn import GraphDynError, RobotModel, Simulation, inverse_dynamics
 from graphdyn.excitation import FiniteMotion
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
-RATE = 50.0
+SHOWN_RATE = 50.0
 """Instants that are shown per second: what lies between two is a straight line [Hz]."""
 
-MOST_INSTANTS = 6000
+MAX_INSTANTS = 6000
 """Of a motion at most; a longer one is shown at a lower rate."""
 
 
@@ -42,7 +42,7 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[LoadedMoti
 
 def planned_motion(model: RobotModel, course: FiniteMotion) -> tuple[LoadedMotion, tuple[str, ...]]:
     """A motion that is not made yet, with the loads of the bodies, and notes on how it is shown."""
-    rate = min(RATE, MOST_INSTANTS / course.duration)
+    rate = min(SHOWN_RATE, MAX_INSTANTS / course.duration)
     times = np.linspace(0.0, course.duration, int(course.duration * rate) + 1)
     q, v, a, _ = course.motion(times)
     wrenches, source = _loads(model, q, v, a)
@@ -74,7 +74,7 @@ def simulated_motion(simulation: Simulation) -> tuple[LoadedMotion, tuple[str, .
 def shown_rows(time: Array) -> NDArray[np.intp]:
     """The rows (K,) of increasing times (N,) [s] that are shown: the nearest to even steps, and the last."""
     duration = float(time[-1] - time[0])
-    rate = min(RATE, MOST_INSTANTS / duration) if duration > 0 else RATE
+    rate = min(SHOWN_RATE, MAX_INSTANTS / duration) if duration > 0 else SHOWN_RATE
     even = time[0] + np.arange(int(duration * rate * (1 + 1e-9)) + 1) / rate
     nearest = np.searchsorted((time[1:] + time[:-1]) / 2, even)
     return np.unique(np.append(nearest, len(time) - 1))

@@ -22,12 +22,12 @@ from crosscheck.viewing.scene import NumberStore, compressed, scene
 PLAYER = Path(__file__).parent / "player"
 VENDOR = Path(__file__).parents[1] / "vendor"
 
-LIBRARIES = (VENDOR / "three.iife.min.js", VENDOR / "uPlot.iife.min.js")
-SCRIPTS = tuple(
+SCRIPT_LIBRARIES = (VENDOR / "three.iife.min.js", VENDOR / "uPlot.iife.min.js")
+PLAYER_SCRIPTS = tuple(
     PLAYER / f"{name}.js"
     for name in ("numbers", "libraries", "mechanics", "arrows", "figure", "stage", "curves", "panel", "player")
 )
-STYLES = (VENDOR / "uPlot.min.css", PLAYER / "player.css")
+STYLE_SHEETS = (VENDOR / "uPlot.min.css", PLAYER / "player.css")
 
 
 def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
@@ -37,8 +37,8 @@ def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
     """
     store = NumberStore()
     shown = scene(title, figures, store) | {"live": live}
-    scripts = [Markup(_text(path)) for path in SCRIPTS]
-    styles = [Markup(_text(path)) for path in STYLES]
+    scripts = [Markup(_text(path)) for path in PLAYER_SCRIPTS]
+    styles = [Markup(_text(path)) for path in STYLE_SHEETS]
     return (
         _environment()
         .get_template("page.html")
@@ -58,11 +58,11 @@ def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
 
 def script_hashes() -> list[str]:
     """Of all scripts of the page, as a content security policy names them: a page around it must allow them too."""
-    return [_hash(script) for script in (_libraries(), *map(_text, SCRIPTS))]
+    return [_hash(script) for script in (_libraries(), *map(_text, PLAYER_SCRIPTS))]
 
 
 def _libraries() -> str:
-    return "".join(map(_text, LIBRARIES))
+    return "".join(map(_text, SCRIPT_LIBRARIES))
 
 
 @cache

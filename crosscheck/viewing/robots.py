@@ -13,14 +13,14 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf import Reading
 
-COLOR = (0.55, 0.63, 0.71, 1.0)
+STAND_IN_COLOR = (0.55, 0.63, 0.71, 1.0)
 
 SIDES = 24
 
 THINNEST, THICKEST = 0.012, 0.06
 """Radius of a cylinder, as parts of the length of the longest arm."""
 
-SHORTEST = 1e-3
+MIN_LINK_SHARE = 1e-3
 """Joints nearer to each other than this part of that length are not linked."""
 
 
@@ -31,9 +31,9 @@ def stand_ins(model: RobotModel) -> tuple[BodyShape, ...]:
     """
     size = reach(model)
     return tuple(
-        BodyShape(body, *_cylinder(end, _radius(model, body, end, size)), COLOR)
+        BodyShape(body, *_cylinder(end, _radius(model, body, end, size)), STAND_IN_COLOR)
         for body, end in _edges(model)
-        if np.linalg.norm(end) > SHORTEST * size
+        if np.linalg.norm(end) > MIN_LINK_SHARE * size
     )
 
 

@@ -48,7 +48,7 @@ def compressed(content: bytes) -> str:
     return b64encode(gzip.compress(content, 9, mtime=0)).decode()
 
 
-STEPS = 65535
+VERTEX_STEPS = 65535
 """Of the position of a vertex along each edge of the box of its shape."""
 
 
@@ -131,14 +131,14 @@ def _ellipsoid_notes(model: RobotModel) -> list[str]:
 
 def _shape(shape: BodyShape, store: NumberStore) -> dict[str, Any]:
     low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
-    step = np.where(high > low, (high - low) / STEPS, 1.0)
+    step = np.where(high > low, (high - low) / VERTEX_STEPS, 1.0)
     return {
         "body": shape.body,
         "color": [round(float(part), 3) for part in shape.color],
         "low": low.tolist(),
         "step": step.tolist(),
         "vertices": store.add(np.rint((shape.vertices - low) / step), "u2"),
-        "faces": store.add(shape.faces, "u2" if len(shape.vertices) <= STEPS else "u4"),
+        "faces": store.add(shape.faces, "u2" if len(shape.vertices) <= VERTEX_STEPS else "u4"),
     }
 
 

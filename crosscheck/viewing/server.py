@@ -26,13 +26,13 @@ from graphdyn import GraphDynError, InvalidInput, RobotModel, assemble, simulate
 
 ADDRESS = "127.0.0.1"
 
-LARGEST_QUESTION = 1 << 16
+MAX_QUESTION_BYTES = 1 << 16
 """Bytes."""
 
-LONGEST = 60.0
+MAX_DURATION = 60.0
 """Duration that may be asked for [s]."""
 
-STEP = 1e-3
+SIMULATION_STEP = 1e-3
 """Of the simulation, fourth order Runge-Kutta [s]."""
 
 HEADERS = {
@@ -106,9 +106,9 @@ class PageServer(ThreadingHTTPServer):
 
     def _let_go(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[LoadedMotion, tuple[str, ...]]:
         """The motion from rest under gravity and the file's friction, without torques, for some seconds."""
-        seconds = min(float(asked["seconds"]), LONGEST)
+        seconds = min(float(asked["seconds"]), MAX_DURATION)
         rest = np.zeros(model.n_freedoms)
-        return simulated_motion(simulate(model, q, rest, seconds, method="rk4", step=STEP, friction="model"))
+        return simulated_motion(simulate(model, q, rest, seconds, method="rk4", step=SIMULATION_STEP, friction="model"))
 
     def _pose(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[LoadedMotion, tuple[str, ...]]:
         """The closed pose of a robot with loops near q, with one joint, hold, as it is."""
@@ -136,7 +136,7 @@ class _Answers(BaseHTTPRequestHandler):
             self._refuse(404, "nothing is here")
         elif self.headers.get("Origin") != f"http://{self.server.host}":
             self._refuse(403, "a page elsewhere asks")
-        elif not length.isdecimal() or int(length) > LARGEST_QUESTION:
+        elif not length.isdecimal() or int(length) > MAX_QUESTION_BYTES:
             self._refuse(413, "the question is too long, or its length is not stated")
         else:
             self._reply(name, self.rfile.read(int(length)))

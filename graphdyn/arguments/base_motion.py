@@ -13,7 +13,7 @@ from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import cross
 
-ORTHOGONAL = 1e-9
+BASE_ROTATION_TOLERANCE = 1e-9
 """Largest entry of RᵀR - E that counts as rounding."""
 
 _TRAILING = {"rotation": (3, 3), "translation": (3,), "velocity": (6,), "acceleration": (6,)}
@@ -52,7 +52,9 @@ class BaseMotion:
         except ValueError as error:
             raise InvalidInput(f"leading dimensions of the base motion do not broadcast: {batches}") from error
         product = np.swapaxes(self.rotation, -1, -2) @ self.rotation
-        if np.abs(product - np.eye(3)).max(initial=0.0) > ORTHOGONAL or np.any(np.linalg.det(self.rotation) < 0):
+        if np.abs(product - np.eye(3)).max(initial=0.0) > BASE_ROTATION_TOLERANCE or np.any(
+            np.linalg.det(self.rotation) < 0
+        ):
             raise InvalidInput("rotation of the base is not a rotation matrix: RᵀR = E and det R = 1 are needed")
 
     batch: tuple[int, ...] = field(init=False, repr=False, default=())

@@ -9,12 +9,12 @@ from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.llvm.vector_code import VectorCode
 from graphdyn.compiler.native import MachineCode, host_lanes
 from graphdyn.compiler.programs import Request, record
-from graphdyn.compiler.rolled.rolling import UNROLLED, is_long
-from graphdyn.compiler.running import CHOICE, chosen_backend, cores, in_threads, interpreted
+from graphdyn.compiler.rolled.rolling import MAX_UNROLLED_BODIES, is_long
+from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, in_threads, interpreted
 
 __all__ = [
-    "CHOICE",
-    "UNROLLED",
+    "BACKEND_VARIABLE",
+    "MAX_UNROLLED_BODIES",
     "MachineCode",
     "Request",
     "TorqueGram",

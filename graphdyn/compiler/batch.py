@@ -14,18 +14,18 @@ from graphdyn.arguments.arrays import refuse_non_finite
 from graphdyn.arguments.base_motion import BaseMotion, ground
 from graphdyn.arguments.choices import FrameChoice
 from graphdyn.compiler.llvm.memory import aligned
-from graphdyn.compiler.programs import GROUND, Request, request_for
+from graphdyn.compiler.programs import GROUND_SHAPES, Request, request_for
 from graphdyn.compiler.running import prepared, run
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.recursions import ARRAYS
+from graphdyn.recursions import ARRAY_SPECS
 
-SMALL_PIVOT = 1e-9
+MIN_PIVOT_SHARE = 1e-9
 """A pivot below this part of what the inertia about its joint can be: the mass matrix may be singular. Six digits more
 cautious than the test that decides (graphdyn.equations.projected.singular)."""
 
-NONE = np.empty(0, dtype=np.intp)
+NO_ROWS = np.empty(0, dtype=np.intp)
 
 
 @dataclass(frozen=True)
@@ -72,17 +72,17 @@ def evaluate(
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(ground_columns(model, base, batch), batch)
-    shapes = {name: (*batch, *ARRAYS[name].shape_for(model)) for name in outputs}
+    shapes = {name: (*batch, *ARRAY_SPECS[name].shape_for(model)) for name in outputs}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
     request = request_for(recursion, outputs, "external_wrenches" in x, base is not None, frame)
     if count == 0:
-        return Evaluation(arrays, NONE)
+        return Evaluation(arrays, NO_ROWS)
     rows = {name: _as_rows(array, batch) for name, array in arrays.items()}
     watched = run(model, request, inputs, rows, options.threads)
     if options.check and isnan(watched["finite"]):
         refuse_non_finite(model, x)
-    suspicious = watched.get("minimum", np.inf) < SMALL_PIVOT
-    return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else NONE)
+    suspicious = watched.get("minimum", np.inf) < MIN_PIVOT_SHARE
+    return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else NO_ROWS)
 
 
 def _plain(array: Array) -> Array:
@@ -102,11 +102,11 @@ def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], 
     of_pivots = replace(request, outputs=("pivots",))
     pivots = np.empty((len(inputs["q"]), len(prepared(model, of_pivots).program.outputs["pivots"])))
     run(model, of_pivots, inputs, {"pivots": pivots}, options.threads)
-    return np.flatnonzero((pivots < SMALL_PIVOT).any(axis=-1))
+    return np.flatnonzero((pivots < MIN_PIVOT_SHARE).any(axis=-1))
 
 
 def ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...]) -> Array:
-    """The columns of programs.GROUND, in their order."""
+    """The columns of programs.GROUND_SHAPES, in their order."""
     moving = ground(model, base, batch)
 
     def own_axes(vector: Array) -> Array:
@@ -121,7 +121,7 @@ def ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...]) 
         "alpha": own_axes(moving.acceleration[..., ANGULAR]),
         "compensated": own_axes(moving.acceleration[..., LINEAR] - model.gravity),
     }
-    return np.concatenate([columns[name] for name in GROUND], axis=-1)
+    return np.concatenate([columns[name] for name in GROUND_SHAPES], axis=-1)
 
 
 def _writable(

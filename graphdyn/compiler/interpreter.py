@@ -15,10 +15,10 @@ import numpy as np
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program, Watch, operands
 
-BLOCK = 2048
+BLOCK_SAMPLES = 2048
 """Samples at a time, at most: a few hundred live values of 16 kB each fit into the second-level cache."""
 
-LIVE = 1 << 20
+MAX_LIVE_NUMBERS = 1 << 20
 """Numbers alive at a time, which bounds the block of a program with many outputs: 8 MB."""
 
 _UFUNCS: dict[str, Callable[..., Any]] = {
@@ -45,7 +45,7 @@ class Interpreter:
         self._program = program
         self._last_uses = _last_uses(program)
         alive = accumulate(1 - len(finished) for finished in self._last_uses)
-        self._block_size = min(BLOCK, LIVE // max(alive, default=1) + 1)
+        self._block_size = min(BLOCK_SAMPLES, MAX_LIVE_NUMBERS // max(alive, default=1) + 1)
 
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """The program on arrays (N, width). Non-finite input gives NaN in its own row only."""

@@ -16,13 +16,13 @@ import numpy as np
 from graphdyn.compiler.interpreter import Run, merged
 from graphdyn.compiler.llvm.emitter import emit, scratch
 from graphdyn.compiler.llvm.memory import aligned, places
-from graphdyn.compiler.llvm.vector_code import WATCH_STARTS, WATCHES
+from graphdyn.compiler.llvm.vector_code import FINITE_CHECK_STARTS, FINITE_CHECKS
 from graphdyn.compiler.rolled.long_program import LongProgram
 from graphdyn.compiler.rolled.rolled_code import emit_long, long_scratch
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program, Watch
 
-CACHE = 1 << 20
+MAX_CACHED_RESULT_BYTES = 1 << 20
 """Bytes of results beyond which they bypass the caches: half of a usual second-level cache."""
 
 compiling = threading.RLock()
@@ -68,7 +68,7 @@ class CompiledProgram:
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """run(first, last) for C-contiguous arrays (N, width), as Interpreter.bind gives."""
         arrays = self._arrays(inputs, outputs)
-        bypass = sum(outputs[name].nbytes for name in self._program.outputs) > CACHE
+        bypass = sum(outputs[name].nbytes for name in self._program.outputs) > MAX_CACHED_RESULT_BYTES
 
         def run(first: int, last: int) -> dict[Watch, float]:
             if last - first < self.lanes:
@@ -123,13 +123,13 @@ def watch_memory(lanes: int) -> Array:
 
 @cache
 def _watch_starts(lanes: int) -> Array:
-    return np.repeat(np.array(WATCH_STARTS)[:, None], lanes, axis=1)
+    return np.repeat(np.array(FINITE_CHECK_STARTS)[:, None], lanes, axis=1)
 
 
 def watches(program: Program | LongProgram, watched: Array) -> dict[Watch, float]:
     """What compiled code has seen, all lanes together."""
     rows = watched.tolist()
-    return {kind: merged(kind, rows[WATCHES.index(kind)]) for kind in program.watches}
+    return {kind: merged(kind, rows[FINITE_CHECKS.index(kind)]) for kind in program.watches}
 
 
 class MachineCode:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from graphdyn.arguments.choices import FrameChoice
 from graphdyn.layout import BODY_FREEDOMS, Array
 from graphdyn.model.robot_model import RobotModel, total_mass
-from graphdyn.recursions import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.recursions.declarations import ArraySpec
 from graphdyn.recursions.frames import fixed_frame
 from graphdyn.recursions.inverse import Wrench, in_joint_axes
@@ -30,7 +30,7 @@ from graphdyn.recursions.mechanism.regrouping import regrouped
 from graphdyn.recursions.motion import Root
 from graphdyn.recursions.regressors import joint_torque_regressor
 from graphdyn.scalars.differentiation import gradient, substituted
-from graphdyn.scalars.expressions import COLUMNS, Expression, Program, Recorder, Watch
+from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Expression, Program, Recorder, Watch
 from graphdyn.scalars.vectors import Scalars, scalars, zeros
 
 
@@ -71,16 +71,23 @@ def _vouched(recorder: Recorder, inputs: Sequence[int]) -> list[int]:
     return finite
 
 
-GROUND = {"rotation": (3, 3), "position": (3,), "velocity": (3,), "omega": (3,), "alpha": (3,), "compensated": (3,)}
+GROUND_SHAPES = {
+    "rotation": (3, 3),
+    "position": (3,),
+    "velocity": (3,),
+    "omega": (3,),
+    "alpha": (3,),
+    "compensated": (3,),
+}
 """The input ground of a base that moves, column after column: the fields of motion.Root that are not constant."""
 
-GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND.values())
+GROUND_COLUMNS = sum(int(np.prod(shape)) for shape in GROUND_SHAPES.values())
 
 
 REDUCTIONS = (slid, turned, regrouped)
 """What makes a robot with the same answers for its joints from fewer constants. Its bodies have none of their own."""
 
-JOINT_ARRAYS = {"pivots", *(name for name, array in ARRAYS.items() if set(array.shape) == {"n"})}
+JOINT_ARRAYS = {"pivots", *(name for name, array in ARRAY_SPECS.items() if set(array.shape) == {"n"})}
 """Answers for the joints. A request for nothing else is recorded on the reduced robot."""
 
 
@@ -119,7 +126,7 @@ def record(model: RobotModel, request: Request) -> Program:
         outputs["coupling_multipliers"] = list(scalars(model.freedoms.reactions) @ np.array(needed, dtype=object))
         outputs.setdefault("chord_multipliers", [])
     if model.couplings:
-        outputs = sample.of_freedoms(outputs, shapes={} if compute is recursion.coupled else ARRAYS)
+        outputs = sample.of_freedoms(outputs, shapes={} if compute is recursion.coupled else ARRAY_SPECS)
     watches: dict[Watch, list[Any]] = {"squares": sample.turning}
     if "pivots" in outputs:
         scales = [1.0] * len(outputs["pivots"]) if compute is recursion.closed else pivot_scales(model)
@@ -147,7 +154,7 @@ def record_equations(
     for j, further in enumerate(extra.reshape(sample.n, n_extra)):
         equations += [x * weights[j] for x in (*matrix[j, used[j]], *further, tau[j])]
     watches: dict[Watch, list[Any]] = {"finite": sample.given, "squares": sample.turning}
-    return sample.recorder.program({COLUMNS: equations}, watches), used
+    return sample.recorder.program({MULTIPLIED_COLUMNS: equations}, watches), used
 
 
 def record_regressor_gradient(model: RobotModel, columns: Sequence[int]) -> Program:
@@ -167,8 +174,10 @@ def _chosen_columns(model: RobotModel, columns: Sequence[int]) -> tuple[Sample, 
     sample = Sample(model, Request("joint_torque_regressor", ("joint_torque_regressor",)))
     matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.of_joints("v"), sample.of_joints("a"))
     if model.couplings:
-        flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAYS)["joint_torque_regressor"]
-        matrix = np.array(flat, dtype=object).reshape(ARRAYS["joint_torque_regressor"].shape_for(model))
+        flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAY_SPECS)[
+            "joint_torque_regressor"
+        ]
+        matrix = np.array(flat, dtype=object).reshape(ARRAY_SPECS["joint_torque_regressor"].shape_for(model))
     return sample, matrix[:, list(columns)]
 
 
@@ -246,7 +255,7 @@ def reduced_links(model: RobotModel) -> tuple[Link, ...]:
 def moving_root(model: RobotModel, ground: Sequence[Any]) -> Root:
     """The ground of a base that moves. ground: the columns of GROUND"""
     fields, first = {}, 0
-    for name, shape in GROUND.items():
+    for name, shape in GROUND_SHAPES.items():
         last = first + int(np.prod(shape))
         fields[name] = np.array(ground[first:last], dtype=object).reshape(shape)
         first = last

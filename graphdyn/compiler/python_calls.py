@@ -15,14 +15,24 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.compiler.llvm.memory import DATA, DESCRIPTION, DIMENSIONS, HEAD, SHAPE, STRIDES, TYPE, address, is_known
+from graphdyn.compiler.llvm.memory import (
+    DATA,
+    DESCRIPTION,
+    DIMENSIONS,
+    OBJECT_HEAD_BYTES,
+    SHAPE,
+    STRIDES,
+    TYPE,
+    address,
+    is_known,
+)
 from graphdyn.compiler.native import MachineCode, RowCall
 from graphdyn.layout import Array
 
 FASTCALL = 0x80
 """METH_FASTCALL: arguments as a C array and their number."""
 
-OTHERWISE, SERVED = HEAD, HEAD + 8
+OTHERWISE, SERVED = OBJECT_HEAD_BYTES, OBJECT_HEAD_BYTES + 8
 """Offsets in a PythonCall: Python puts slots after the head of the object, in alphabetical order."""
 
 THREAD, RUN, TABLE, RESULT, PLACES = range(5)
@@ -46,7 +56,7 @@ def of_this_thread(row: RowCall, arguments: Sequence[Array], result: Array) -> T
     return memory
 
 
-NOBODY = np.array([-1], dtype=np.int64).view(ThreadMemory)
+NO_THREAD = np.array([-1], dtype=np.int64).view(ThreadMemory)
 """No thread has this number."""
 
 
@@ -60,7 +70,7 @@ class PythonCall:
     __slots__ = ("otherwise", "served")
 
     def __init__(self, otherwise: Callable[..., object]) -> None:
-        self.otherwise, self.served = otherwise, NOBODY
+        self.otherwise, self.served = otherwise, NO_THREAD
 
     def function(self, count: int, n: int) -> Callable[..., Array]:
         """function(*vectors) copies as many arguments (n,), runs the row and returns the result; function() runs it."""

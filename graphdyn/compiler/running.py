@@ -16,7 +16,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from graphdyn.compiler.interpreter import Interpreter, Run, merged
-from graphdyn.compiler.llvm.vector_code import FARTHEST
+from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
 from graphdyn.compiler.native import CompiledProgram, compiling, try_out
 from graphdyn.compiler.programs import Request, record
 from graphdyn.compiler.rolled.long_program import LongProgram
@@ -30,10 +30,10 @@ T = TypeVar("T")
 
 BACKENDS = ("llvm", "numpy")
 
-CHOICE = "GRAPHDYN_BACKEND"
+BACKEND_VARIABLE = "GRAPHDYN_BACKEND"
 """Environment variable that chooses one of BACKENDS."""
 
-LONGEST = 30_000
+MAX_COMPILED_LENGTH = 30_000
 """Length (graphdyn.scalars.expressions.Program.length) beyond which a program is interpreted: compiling would take more
 than two seconds. Measured, with 8 lanes: 55 to 70 µs for each unit up to there, more beyond."""
 
@@ -94,11 +94,11 @@ def run(
 
 def beyond_reduction(model: RobotModel, q: Array, seen: Mapping[Watch, float]) -> bool:
     """Whether an angle is beyond FARTHEST. What was seen of all, the sum of squares, mostly denies it."""
-    if seen.get("squares", 0.0) <= FARTHEST**2:
+    if seen.get("squares", 0.0) <= MAX_ANGLE**2:
         return False
     turning = [not joint.is_prismatic for joint in model.joints]
     positions = model.joint_positions(q) if model.couplings else q  # one that is NaN does not spoil those beside it
-    return bool(np.any(np.abs(positions[:, turning]) > FARTHEST))
+    return bool(np.any(np.abs(positions[:, turning]) > MAX_ANGLE))
 
 
 def turned_back(model: RobotModel, q: Array) -> Array:
@@ -108,11 +108,11 @@ def turned_back(model: RobotModel, q: Array) -> Array:
     """
     if model.couplings:
         raise InvalidInput(
-            f"a joint of robot '{model.name}' is beyond {FARTHEST:g} rad, and some joints drive others; give smaller "
+            f"a joint of robot '{model.name}' is beyond {MAX_ANGLE:g} rad, and some joints drive others; give smaller "
             "angles, or method='projected'"
         )
     turning = np.array([not joint.is_prismatic for joint in model.joints])
-    far = (np.abs(q) > FARTHEST) & turning
+    far = (np.abs(q) > MAX_ANGLE) & turning
     q = q.copy()
     with np.errstate(invalid="ignore"):  # infinity becomes NaN, in its sample
         q[far] = np.arctan2(np.sin(q[far]), np.cos(q[far]))
@@ -124,9 +124,11 @@ def chosen_backend() -> str:
 
     Raises InvalidInput for an unknown choice.
     """
-    choice = _forced.get() or os.environ.get(CHOICE) or "llvm"
+    choice = _forced.get() or os.environ.get(BACKEND_VARIABLE) or "llvm"
     if choice not in BACKENDS:
-        raise InvalidInput(f"the environment variable {CHOICE} is '{choice}'; use one of {', '.join(BACKENDS)}")
+        raise InvalidInput(
+            f"the environment variable {BACKEND_VARIABLE} is '{choice}'; use one of {', '.join(BACKENDS)}"
+        )
     if choice == "llvm":
         with compiling:
             return "llvm" if _can_compile() else "numpy"
@@ -155,7 +157,7 @@ def _can_compile() -> bool:
     except Exception as error:
         warnings.warn(
             f"no compiled dynamics ({str(error).splitlines()[0]}); the NumPy back end gives the same results, some "
-            f"fifty times slower. Install llvmlite 0.45 or newer, or set {CHOICE}=numpy to silence this",
+            f"fifty times slower. Install llvmlite 0.45 or newer, or set {BACKEND_VARIABLE}=numpy to silence this",
             RuntimeWarning,
             stacklevel=9,  # the caller of a verb
         )
@@ -164,7 +166,7 @@ def _can_compile() -> bool:
 
 
 def _backend(program: Program | LongProgram, choice: str, one_row: bool = False) -> Backend:
-    if isinstance(program, Program) and (choice == "numpy" or program.length > LONGEST):
+    if isinstance(program, Program) and (choice == "numpy" or program.length > MAX_COMPILED_LENGTH):
         return Interpreter(program)
     return CompiledProgram(program, one_row)
 

@@ -22,7 +22,7 @@ from graphdyn.scalars.expressions import Program
 
 Law = Literal["pd", "computed_torque"]
 
-TENSOR = ((0, 1, 3), (1, 2, 4), (3, 4, 5))
+TENSOR_INDEX = ((0, 1, 3), (1, 2, 4), (3, 4, 5))
 """Where the entries of the tensor are among I_xx, I_xy, I_yy, I_xz, I_yz, I_zz."""
 
 
@@ -92,7 +92,7 @@ def in_joint_axes(model: RobotModel, parameters: Array) -> Array:
     turned = bodies.copy()
     for i, link in enumerate(links(model)):
         axes = link.link_axes.astype(float)
-        tensor = axes.T @ bodies[..., i, 4:][..., np.array(TENSOR)] @ axes
+        tensor = axes.T @ bodies[..., i, 4:][..., np.array(TENSOR_INDEX)] @ axes
         turned[..., i, 1:4] = bodies[..., i, 1:4] @ axes
         turned[..., i, 4:] = tensor[..., [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
     return turned.reshape(parameters.shape)
@@ -101,5 +101,5 @@ def in_joint_axes(model: RobotModel, parameters: Array) -> Array:
 def _with_parameters(link: Link, columns: Sequence[Any]) -> Link:
     """The body with expressions as parameters. Its center of mass is not there: no acceleration of it is asked for."""
     moment = np.array(columns[1:4], dtype=object)
-    tensor = np.array([[columns[4 + k] for k in row] for row in TENSOR], dtype=object)
+    tensor = np.array([[columns[4 + k] for k in row] for row in TENSOR_INDEX], dtype=object)
     return replace(link, mass=columns[0], first_moment=moment, tensor=tensor)

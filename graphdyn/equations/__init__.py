@@ -1,6 +1,6 @@
 """The specification: the dynamics as the paper's equations read, one state or many, without a fast path."""
 
-from graphdyn.equations.complex_steps import STEP
+from graphdyn.equations.complex_steps import COMPLEX_STEP_SIZE
 from graphdyn.equations.joint_readings import project_accelerations
 from graphdyn.equations.kinematics import bias_acceleration, joint_axes, link_origins, null_space
 from graphdyn.equations.loops.dynamics import closed
@@ -10,7 +10,7 @@ from graphdyn.equations.system.constraints import constraints
 from graphdyn.equations.system.unconstrained import applied_terms, mass_terms
 
 __all__ = [
-    "STEP",
+    "COMPLEX_STEP_SIZE",
     "applied_terms",
     "bias_acceleration",
     "cardano_drift",

@@ -17,10 +17,10 @@ from graphdyn.equations.projected import Arguments, Specification
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
-STEP = 1e-100
+COMPLEX_STEP_SIZE = 1e-100
 """h: its square underflows beside any term, and h times any term does not."""
 
-AT_ONCE = 1000
+STATES_PER_CALL = 1000
 """States whose steps are taken in one call: enough for calls to cost little, few enough for their matrices."""
 
 
@@ -28,11 +28,12 @@ def derivatives(
     function: Specification, model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool, name: str
 ) -> Mapping[str, Array]:
     """∂/∂x[name] of all that a specification answers, by name: (…, *answer, n), a column per joint."""
-    steps = 1j * STEP * np.eye(model.n_freedoms)
-    count = max(1, model.n_freedoms * x[name][..., 0].size // AT_ONCE)
+    steps = 1j * COMPLEX_STEP_SIZE * np.eye(model.n_freedoms)
+    count = max(1, model.n_freedoms * x[name][..., 0].size // STATES_PER_CALL)
     found = [function(model, _moved(x, name, some), base, dense) for some in np.array_split(steps, count)]
     return {
-        answer: np.moveaxis(np.concatenate([part[answer].imag for part in found]), 0, -1) / STEP for answer in found[0]
+        answer: np.moveaxis(np.concatenate([part[answer].imag for part in found]), 0, -1) / COMPLEX_STEP_SIZE
+        for answer in found[0]
     }
 
 
@@ -123,8 +124,8 @@ def frame_jacobian_derivative(
     model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False, *, frame: FrameChoice
 ) -> dict[str, Array]:
     """dJ/dt = Σ ∂J/∂q_k v_k: one step along v."""
-    stepped = frame_motion.frame_jacobian(model, {"q": x["q"] + 1j * STEP * x["v"]}, base, frame=frame)
-    return {"frame_jacobian_derivative": stepped["frame_jacobian"].imag / STEP}
+    stepped = frame_motion.frame_jacobian(model, {"q": x["q"] + 1j * COMPLEX_STEP_SIZE * x["v"]}, base, frame=frame)
+    return {"frame_jacobian_derivative": stepped["frame_jacobian"].imag / COMPLEX_STEP_SIZE}
 
 
 def coriolis_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:

@@ -12,7 +12,7 @@ from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.model.spatial import cross
 
-CLOSURE = 1e-6
+MAX_CONSTRAINT_RESIDUAL = 1e-6
 """Largest constraint residual [m, rad] with which joint_state still reads joint angles off a maximal state.
 
 Far above rounding (1e-15 m for an arm of some meters), far below what a misplaced body would show."""
@@ -23,16 +23,16 @@ def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
 
     The motion of the base is that of the state.
     Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
-    (CLOSURE); InvalidInput for a state of another number of bodies.
+    (MAX_CONSTRAINT_RESIDUAL); InvalidInput for a state of another number of bodies.
     """
     check_model(model)
     state = replace(state, model=model)
     residual = np.abs(state.constraint_residual())
-    if residual.size and residual.max() > CLOSURE:
+    if residual.size and residual.max() > MAX_CONSTRAINT_RESIDUAL:
         *row, worst, _ = (int(k) for k in np.unravel_index(int(residual.argmax()), residual.shape))
         raise InconsistentState(
             f"joint '{model.joint_names[worst]}' is open by {residual.max():.2g} (m or rad){in_row(row)}; "
-            f"a state of robot '{model.name}' closes every joint to {CLOSURE:g}"
+            f"a state of robot '{model.name}' closes every joint to {MAX_CONSTRAINT_RESIDUAL:g}"
         )
     return read_joints(state)
 
@@ -74,11 +74,12 @@ def _refuse_uncoupled(model: RobotModel, q: Array, v: Array) -> None:
     turns = 2 * np.pi * np.array([not joint.is_prismatic for joint in driven])
     gap = gap - turns * np.round(gap / np.where(turns == 0, 1.0, turns))
     for what, unit, error in (("position", "rad or m", gap), ("velocity", "rad/s or m/s", v @ rows.T)):
-        if error.size and (largest := float(np.abs(error).max())) > CLOSURE:
+        if error.size and (largest := float(np.abs(error).max())) > MAX_CONSTRAINT_RESIDUAL:
             *row, worst = (int(k) for k in np.unravel_index(int(np.abs(error).argmax()), error.shape))
             raise InconsistentState(
                 f"the {what} of joint '{driven[worst].name}' is off its coupling by "
-                f"{largest:.2g} {unit}{in_row(row)}; a state of robot '{model.name}' holds couplings to {CLOSURE:g}"
+                f"{largest:.2g} {unit}{in_row(row)}; a state of robot '{model.name}' holds couplings to "
+                f"{MAX_CONSTRAINT_RESIDUAL:g}"
             )
 
 

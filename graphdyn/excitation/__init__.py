@@ -6,7 +6,7 @@ Public are the names in `__all__`.
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
 from graphdyn.excitation.clearances import smallest_distances
 from graphdyn.excitation.criteria import ConditionNumber, Criterion, log_det, mean_sigma
-from graphdyn.excitation.limits import KINDS, Clearance, MotionLimits, Plane
+from graphdyn.excitation.limits import LIMIT_KINDS, Clearance, MotionLimits, Plane
 from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
@@ -15,7 +15,7 @@ from graphdyn.excitation.watched_points import Ball, Poses, frame_origins
 
 __all__ = [
     "CHECK_RATE",
-    "KINDS",
+    "LIMIT_KINDS",
     "Ball",
     "Basis",
     "Clearance",

@@ -15,27 +15,27 @@ from graphdyn.excitation.trajectory import Signal
 from graphdyn.excitation.watched_points import Ball, Numbers, Poses
 from graphdyn.layout import Array
 
-SCALE = 0.01
-"""[m] In which distances are measured: the smooth maximum is sharp to some SCALE / ρ, and what is by SCALE farther
+DISTANCE_SCALE = 0.01
+"""[m] Unit of distances: the smooth maximum is sharp to some DISTANCE_SCALE / ρ, and what is by DISTANCE_SCALE farther
 away than the nearest has the weight exp(-ρ)."""
 
-FIRST = 5
+NEAREST_SPHERES = 5
 """Balls that are nearest to the ball around all others: the nearest two are looked for there first."""
 
 
 def clearance_signal(clearance: Clearance, poses: Poses) -> Signal:
-    """1 - (|c_i - c_j| - r_i - r_j - distance) / SCALE of the balls i of one body and j of the other."""
+    """1 - (|c_i - c_j| - r_i - r_j - distance) / DISTANCE_SCALE of the balls i of one body and j of the other."""
     row, i, j, distance = _near(clearance, poses)
 
     def slopes(weights: Array) -> dict[int, Array]:
         one, other = poses.centers(clearance.one)[row, i], poses.centers(clearance.other)[row, j]
         apart = one - other
         length = np.linalg.norm(apart, axis=-1, keepdims=True)
-        pull = -weights[:, None] / SCALE * apart / np.where(length > 0, length, 1.0)
+        pull = -weights[:, None] / DISTANCE_SCALE * apart / np.where(length > 0, length, 1.0)
         ends = [np.full(len(row), balls[0].body) for balls in (clearance.one, clearance.other)]
         return {0: poses.joint_forces(row, ends[0], one, pull) + poses.joint_forces(row, ends[1], other, -pull)}
 
-    return Signal("clearance", clearance.name, 1 - (distance - clearance.distance) / SCALE, slopes)
+    return Signal("clearance", clearance.name, 1 - (distance - clearance.distance) / DISTANCE_SCALE, slopes)
 
 
 def smallest_distances(clearance: Clearance, poses: Poses) -> Array:
@@ -46,19 +46,19 @@ def smallest_distances(clearance: Clearance, poses: Poses) -> Array:
 
 
 def _near(clearance: Clearance, poses: Poses) -> tuple[Numbers, Numbers, Numbers, Array]:
-    """Pose, ball of one, ball of the other, distance (K,) of all that are less than SCALE farther than the nearest.
+    """Pose, ball of one, ball of the other, distance (K,) of all less than DISTANCE_SCALE farther than the nearest.
 
     What each ball of the other keeps farther away from the ball around all of one is passed over.
     """
     local = _in_frame_of_one(clearance, poses)
     around, radius = clearance.around, _radii(clearance.other)
     bound = np.linalg.norm(local - around[0].center, axis=-1) - around[0].radius - radius
-    first = np.argpartition(bound.ravel(), min(FIRST, bound.size - 1))[:FIRST]
+    first = np.argpartition(bound.ravel(), min(NEAREST_SPHERES, bound.size - 1))[:NEAREST_SPHERES]
     row, j = np.unravel_index(first, bound.shape)
-    limit = SCALE + _distances(clearance, local[row, j], j).min()
+    limit = DISTANCE_SCALE + _distances(clearance, local[row, j], j).min()
     row, j = np.nonzero(bound <= limit)
     distances = _distances(clearance, local[row, j], j)
-    k, i = np.nonzero(distances <= distances.min() + SCALE)
+    k, i = np.nonzero(distances <= distances.min() + DISTANCE_SCALE)
     return row[k], i, j[k], distances[k, i]
 
 

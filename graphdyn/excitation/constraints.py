@@ -16,10 +16,10 @@ from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.derivatives import inverse_dynamics_derivatives
 from graphdyn.verbs.dynamics import joint_torques
 
-ENDLESS = 1.0
+UNBOUNDED_SCALE = 1.0
 """Positions with one limit alone are measured in this [rad or m]; speeds of planes likewise in m."""
 
-NEGLIGIBLE = 1e-15
+NEGLIGIBLE_WEIGHT = 1e-15
 """Weight in a smooth maximum below which a point does not change its slope."""
 
 
@@ -50,7 +50,7 @@ def _of_positions(model: RobotModel, limits: MotionLimits, motion: JointMotion) 
     found = []
     matrix, offset = model.freedoms.matrix, model.freedoms.offset
     for j, (lower, upper) in enumerate(zip(limits.lower, limits.upper, strict=True)):
-        half = (upper - lower) / 2 if np.isfinite(upper - lower) else ENDLESS
+        half = (upper - lower) / 2 if np.isfinite(upper - lower) else UNBOUNDED_SCALE
         position = motion.q @ matrix[j] + offset[j]
         sides = [(1.0, upper), (-1.0, -lower)]
         bounded = [(sign, limit) for sign, limit in sides if np.isfinite(limit)]
@@ -102,10 +102,10 @@ def _of_planes(limits: MotionLimits, balls: Sequence[Ball], poses: Poses) -> lis
         height = centers @ normal - radii - plane.distance
 
         def slopes(share: Array) -> dict[int, Array]:
-            row, ball = np.nonzero(share > NEGLIGIBLE)
-            forces = -share[row, ball, None] / ENDLESS * normal
+            row, ball = np.nonzero(share > NEGLIGIBLE_WEIGHT)
+            forces = -share[row, ball, None] / UNBOUNDED_SCALE * normal
             return {0: poses.joint_forces(row, bodies[ball], centers[row, ball], forces)}
 
-        return Signal("plane", f"plane {number}", 1 - height / ENDLESS, slopes)
+        return Signal("plane", f"plane {number}", 1 - height / UNBOUNDED_SCALE, slopes)
 
     return [signal(number, plane) for number, plane in enumerate(limits.planes, start=1)]

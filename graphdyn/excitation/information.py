@@ -27,7 +27,7 @@ from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import Array
 from graphdyn.verbs.matrices import joint_torque_regressor
 
-STEP = 1e-6
+DIFFERENCE_STEP = 1e-6
 """Of central differences [rad or m, …/s, …/s²]: truncation and rounding are both near 1e-10 of the slope of a smooth
 sign that is a tenth of a unit wide."""
 
@@ -102,9 +102,9 @@ class Information:
             for group in groups:
                 moved = [list(motion[:3]) for _ in range(2)]
                 for sign, arrays in zip((1, -1), moved, strict=True):
-                    arrays[kind] = arrays[kind] + sign * STEP * group
+                    arrays[kind] = arrays[kind] + sign * DIFFERENCE_STEP * group
                 more, less = (self._other_rows(*arrays) for arrays in moved)
-                change = (by_rows * (more - less)).sum(axis=-1) / (2 * STEP)
+                change = (by_rows * (more - less)).sum(axis=-1) / (2 * DIFFERENCE_STEP)
                 slopes[kind] += change if len(groups) == 1 else change.sum(axis=1, keepdims=True) * group
         return slopes
 

@@ -14,7 +14,7 @@ from graphdyn.excitation.watched_points import Ball, ball_around
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
-KINDS = ("position", "velocity", "acceleration", "jerk", "torque")
+LIMIT_KINDS = ("position", "velocity", "acceleration", "jerk", "torque")
 
 
 @dataclass(frozen=True, eq=False)

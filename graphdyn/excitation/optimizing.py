@@ -16,7 +16,7 @@ import numpy as np
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.clearances import SCALE
+from graphdyn.excitation.clearances import DISTANCE_SCALE
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.criteria import Criterion, log_det
 from graphdyn.excitation.information import Information
@@ -38,44 +38,44 @@ from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
-GRID = 240
+GRID_POINTS = 240
 """Points of time of the search: 48 for the period of the fifth harmonic, 12 of its acceleration's square."""
 
 CHECK_RATE = 1000.0
 """[Hz] Rate at which limits are checked."""
 
-WIDTH = 0.05
+FRICTION_WIDTH = 0.05
 """Part of the limit of velocity over which the sign of friction changes smoothly during the search."""
 
-SHARPNESS = (30.0, 200.0, 1000.0)
+SHARPNESSES = (30.0, 200.0, 1000.0)
 """ρ of the smooth maximum in one search after the other: at 1000, a maximum that is reached by ten points of time is
 taken for 0.2 % too large."""
 
-ITERATIONS, PRECISION = 200, 1e-5
+MAX_SEARCH_ITERATIONS, MOTION_TOLERANCE = 200, 1e-5
 """Of one search: at most so many; it ends where the logarithm of the criterion changes by less."""
 
-MARGIN = 1e-4
+TIGHTENING_MARGIN = 1e-4
 """By so much more than it was violated a limit is tightened."""
 
 CLEARANCE_MARGIN = 0.1
 """The same of clearances: a millimetre."""
 
-HOPELESS = 1.3
+MAX_LIMIT_VIOLATION = 1.3
 """A search that ends with more than this part of a limit will not come within it by tightening."""
 
-HOPELESS_CLEARANCE = 3.0
+MAX_CLEARANCE_VIOLATION = 3.0
 """The same of clearances: two centimetres."""
 
-SLACK = 1e-3
+LIMIT_SLACK = 1e-3
 """Part of a limit by which a motion on the way may violate it, to be one from which the next search goes on."""
 
-TIGHTENINGS = 6
+MAX_TIGHTENINGS = 6
 """Searches with tightened limits at most, before a start is given up."""
 
-STARTS = 2
+MAX_STARTS = 2
 """Random motions from which a seed searches at most, one after the other until a motion is found."""
 
-STILL = 0.2
+MIN_START_SHARE = 0.2
 """Part of what its joints' own limits allow up to which a random motion is no start: the search stays near it."""
 
 
@@ -182,16 +182,16 @@ def optimised(
     """The best motion that is found from the first start from which a better one is found.
 
     progress: called with the criterion after every iteration
-    start: up to STARTS random motions of this seed if left out
+    start: up to MAX_STARTS random motions of this seed if left out
 
     Raises NoFeasibleMotion where no limit-keeping motion is found.
     """
     rng = np.random.default_rng([seed, 1])
     best: OptimisedMotion | None = None
     with one_thread():
-        for _ in range(1 if start else STARTS):
+        for _ in range(1 if start else MAX_STARTS):
             trajectory = start or random_trajectory(
-                problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng, STILL
+                problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng, MIN_START_SHARE
             )
             found = _searched(problem, trajectory, seed, progress or (lambda value: None))
             if not isinstance(found, OptimisedMotion):
@@ -211,13 +211,13 @@ def _searched(
 ) -> OptimisedMotion | Usage:
     """The motion that is found from one start, or the worst of the limits that the last one violates."""
     search = _Search(problem, progress)
-    for number in range(len(SHARPNESS) + TIGHTENINGS):
-        trajectory = search.run(trajectory, SHARPNESS[min(number, len(SHARPNESS) - 1)])
+    for number in range(len(SHARPNESSES) + MAX_TIGHTENINGS):
+        trajectory = search.run(trajectory, SHARPNESSES[min(number, len(SHARPNESSES) - 1)])
         used = problem.usages(trajectory.motion(sample_times(trajectory.duration, CHECK_RATE)))
         worst = max(used, key=lambda one: one.used)
-        if worst.used > (HOPELESS_CLEARANCE if worst.kind == "clearance" else HOPELESS):
+        if worst.used > (MAX_CLEARANCE_VIOLATION if worst.kind == "clearance" else MAX_LIMIT_VIOLATION):
             break
-        if number >= len(SHARPNESS) - 1:
+        if number >= len(SHARPNESSES) - 1:
             if worst.used <= 1:
                 return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
             search.tighten(used)
@@ -227,7 +227,7 @@ def _searched(
 def _violation(worst: Usage) -> str:
     """What is violated, and what helps."""
     if worst.kind == "clearance":
-        nearer = 1000 * SCALE * (worst.used - 1)
+        nearer = 1000 * DISTANCE_SCALE * (worst.used - 1)
         return (
             f"the balls around {worst.name} come {nearer:.2g} mm nearer to each other than they may; give limits of "
             "position that keep them apart"
@@ -243,10 +243,10 @@ class _Search:
     def __init__(self, problem: ExcitationProblem, progress: Callable[[float], None]) -> None:
         self._problem, self._progress = problem, progress
         basis, limits = problem.basis, problem.limits
-        self._times = np.linspace(0.0, basis.duration, GRID)
+        self._times = np.linspace(0.0, basis.duration, GRID_POINTS)
         self._phi = [basis.rows(self._times, order) for order in range(4)]
         speed = float(np.min(limits.velocity[np.isfinite(limits.velocity)]))
-        self._information = Information(problem.torque_model, problem.noise, WIDTH * speed)
+        self._information = Information(problem.torque_model, problem.noise, FRICTION_WIDTH * speed)
         self._known = np.zeros((len(self._information.independent),) * 2) if problem.known is None else problem.known
         self._allowed: Array | None = None
         self.iterations = 0
@@ -254,7 +254,7 @@ class _Search:
     def tighten(self, used: list[Usage]) -> None:
         """Allow less of every limit that was violated."""
         over = np.array([max(one.used, 1.0) for one in used])
-        margin = np.array([CLEARANCE_MARGIN if one.kind == "clearance" else MARGIN for one in used])
+        margin = np.array([CLEARANCE_MARGIN if one.kind == "clearance" else TIGHTENING_MARGIN for one in used])
         allowed = np.ones(len(used)) if self._allowed is None else self._allowed
         self._allowed = np.where(over > 1, allowed - (over - 1) - margin, allowed)
 
@@ -277,7 +277,7 @@ class _Search:
             return self._room([smooth_maximum(signal, sharpness) for signal in signals_at(x)])
 
         def violation(x: Array) -> float:
-            return max(-float(room(x).min()) - SLACK, 0.0)
+            return max(-float(room(x).min()) - LIMIT_SLACK, 0.0)
 
         def slopes(x: Array) -> Array:
             return -np.array([smooth_slope(signal, self._phi, sharpness).ravel() for signal in signals_at(x)])
@@ -296,7 +296,7 @@ class _Search:
             jac=True,
             method="SLSQP",
             constraints={"type": "ineq", "fun": room, "jac": slopes},
-            options={"maxiter": ITERATIONS, "ftol": PRECISION},
+            options={"maxiter": MAX_SEARCH_ITERATIONS, "ftol": MOTION_TOLERANCE},
         )
         self.iterations += int(answer.nit)
         best = answer.x if violation(answer.x) == 0 else kept[1]

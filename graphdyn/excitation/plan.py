@@ -19,7 +19,7 @@ DRIVE_SHARE = 0.1
 """Before the experiment, a parameter of friction or drive may be as large as to make this part of the torque that the
 joint's bodies take over random states."""
 
-ROUNDING = 1e-12
+ZERO_PARAMETER_SHARE = 1e-12
 """Values of the model below this part of the prior spread are sums that cancel."""
 
 WELL, ROUGHLY = 0.1, 0.5
@@ -101,7 +101,7 @@ def excitation_plan(torque_model: TorqueModel, information: Array) -> Excitation
         raise InvalidInput(f"the information matrix has shape {information.shape}; {(base.rank,) * 2} needed")
     spread = prior_spread(torque_model)
     prior = base.values(torque_model.prior())
-    prior[np.abs(prior) < ROUNDING * spread] = 0.0
+    prior[np.abs(prior) < ZERO_PARAMETER_SHARE * spread] = 0.0
     return ExcitationPlan(torque_model, base, prior, spread, information)
 
 

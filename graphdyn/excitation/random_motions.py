@@ -14,16 +14,16 @@ from graphdyn.excitation.watched_points import Ball
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
-POINTS = 240
+LIMIT_CHECK_POINTS = 240
 """Of time at which limits are looked at: a random motion for comparison may violate them in between, by a little."""
 
-HALVINGS = 12
+SCALE_HALVINGS = 12
 """Of the interval in which the scale is sought that just keeps all limits: to a part in 4000."""
 
-ROUNDING = 1e-9
+LIMIT_TOLERANCE = 1e-9
 """Parts of a limit by which rounding may exceed it."""
 
-TRIALS = 20
+MAX_DRAWS = 20
 """Positions drawn at most: some robots cannot hold themselves in every pose, or hardly move there."""
 
 
@@ -41,10 +41,10 @@ def random_trajectory(
     where there is room; then all together until torques, planes and clearances are kept. Where even standing still in
     that pose is too much, or the scale is not above least, another is drawn; the largest of all is returned.
     """
-    times = np.linspace(0.0, basis.duration, POINTS)
+    times = np.linspace(0.0, basis.duration, LIMIT_CHECK_POINTS)
     phi = [basis.rows(times, order) for order in range(4)]
     largest = -1.0
-    for _ in range(TRIALS):
+    for _ in range(MAX_DRAWS):
         moving, middle = _within_own_limits(model, limits, basis, phi, rng)
         scale = _largest_scale(model, limits, balls, basis, times, moving, middle)
         if scale > largest:
@@ -93,19 +93,19 @@ def _largest_scale(
     moving: Array,
     middle: Array,
 ) -> float:
-    """In 0 … 1, to a part in 2^HALVINGS; zero where the robot cannot stand still there."""
+    """In 0 … 1, to a part in 2^SCALE_HALVINGS; zero where the robot cannot stand still there."""
 
     def kept(scale: float) -> bool:
         instants = times if scale else times[:1]
         motion = Trajectory(basis, scale * moving + middle[:, None] * basis.middle).motion(instants)
-        return all(usage(one).used <= 1 + ROUNDING for one in signals(model, limits, balls, motion))
+        return all(usage(one).used <= 1 + LIMIT_TOLERANCE for one in signals(model, limits, balls, motion))
 
     if kept(1.0):
         return 1.0
     if not kept(0.0):
         return 0.0
     low, high = 0.0, 1.0
-    for _ in range(HALVINGS):
+    for _ in range(SCALE_HALVINGS):
         scale = (low + high) / 2
         low, high = (scale, high) if kept(scale) else (low, scale)
     return low

@@ -10,12 +10,12 @@ from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import Placement
 from graphdyn.motion_laws import ConstantAcceleration, Rail
 
-DENSITY = 7801.0
+STEEL_DENSITY = 7801.0
 """Steel [kg/m³]: with it the cylinder formula gives Table 2 to every printed digit."""
 
 GRAVITY = (0.0, 0.0, -9.80665)
-LENGTHS = (1.045, 1.245, 1.21, 0.315, 0.29, 0.3)
-RADII = (0.5, 0.3, 0.2, 0.2, 0.2, 0.3)
+BODY_LENGTHS = (1.045, 1.245, 1.21, 0.315, 0.29, 0.3)
+BODY_RADII = (0.5, 0.3, 0.2, 0.2, 0.2, 0.3)
 
 RAIL_ACCELERATION = 2.0
 """Of the carriage along e_1^(0) [m/s²]."""
@@ -29,7 +29,7 @@ _UPRIGHT = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """Columns e_1 = z, e_2 = y, e_3 = -x: bodies 1 and 2 stand at q = 0, bodies 3 to 6 lie along the world x axis."""
 
 
-def cylinder(name: str, length: float, radius: float, density: float = DENSITY) -> Body:
+def cylinder(name: str, length: float, radius: float, density: float = STEEL_DENSITY) -> Body:
     """Homogeneous cylinder along e_1 with its inside joint at one end, Eq. (21). [m, m, kg/m³]"""
     mass = density * np.pi * radius**2 * length
     along, across = mass * radius**2 / 2, mass * (3 * radius**2 + length**2) / 12
@@ -39,10 +39,11 @@ def cylinder(name: str, length: float, radius: float, density: float = DENSITY) 
 def kr500() -> RobotModel:
     """The KR500 of the paper, gravity 9.80665 m/s² along -z; q = 0 is the initial pose of Figure 2."""
     bodies = [
-        cylinder(f"B{i}", length, radius) for i, (length, radius) in enumerate(zip(LENGTHS, RADII, strict=True), 1)
+        cylinder(f"B{i}", length, radius)
+        for i, (length, radius) in enumerate(zip(BODY_LENGTHS, BODY_RADII, strict=True), 1)
     ]
     rotations = (_UPRIGHT, np.eye(3), _UPRIGHT.T, np.eye(3), np.eye(3), np.eye(3))
-    ends = (0.0, *LENGTHS[:-1])
+    ends = (0.0, *BODY_LENGTHS[:-1])
     joints = [
         Joint(f"O{j}", "continuous", j - 1, Placement(rotation, np.array([end, 0.0, 0.0])), np.array(axis))
         for j, (rotation, end, axis) in enumerate(zip(rotations, ends, _AXES, strict=True), start=1)

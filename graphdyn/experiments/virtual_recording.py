@@ -32,7 +32,7 @@ BODY_CHANNELS = (
 )
 CHANNELS = (*JOINT_CHANNELS, *BODY_CHANNELS)
 
-SAME_TIME = 1e-9
+TIME_TOLERANCE = 1e-9
 """Two times are the same if they differ by less than this, relative to the largest: sums of steps round."""
 
 Convention = Literal["half even", "truncated"]
@@ -184,7 +184,7 @@ class VirtualRecording:
         right = np.minimum(np.searchsorted(self.time, times), len(self.time) - 1)
         left = np.maximum(right - 1, 0)
         rows = np.where(np.abs(self.time[left] - times) <= np.abs(self.time[right] - times), left, right)
-        apart = ~(np.abs(self.time[rows] - times) <= SAME_TIME * np.abs(self.time).max())
+        apart = ~(np.abs(self.time[rows] - times) <= TIME_TOLERANCE * np.abs(self.time).max())
         if apart.any():
             raise InvalidInput(
                 f"time {times[apart][0]:g} s was not recorded (nearest: {self.time[rows[apart][0]]:g} s, "
@@ -204,7 +204,7 @@ class VirtualRecording:
         if not (rate > 0 and np.isfinite(rate)):
             raise InvalidInput(f"rate is {rate!r} Hz; give one above zero")
         duration = self.time[-1] - self.time[0]
-        return self.at(self.time[0] + np.arange(int(duration * rate * (1 + SAME_TIME)) + 1) / rate)
+        return self.at(self.time[0] + np.arange(int(duration * rate * (1 + TIME_TOLERANCE)) + 1) / rate)
 
     def _rows(self, rows: NDArray[np.intp]) -> VirtualRecording:
         return replace(self, **{name: getattr(self, name)[rows] for name in ("time", *CHANNELS)})

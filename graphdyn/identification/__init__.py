@@ -14,9 +14,14 @@ from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.data.partitions import Partitioned
 from graphdyn.identification.data.samples import RowFilter, Samples
-from graphdyn.identification.estimation.comparison import ENOUGH, MethodComparison, MethodResult, compare_methods
+from graphdyn.identification.estimation.comparison import (
+    MIN_CORRELATION_TIMES,
+    MethodComparison,
+    MethodResult,
+    compare_methods,
+)
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
-from graphdyn.identification.estimation.plausibility import POSES, Plausibility, plausibility
+from graphdyn.identification.estimation.plausibility import CHECKED_POSES, Plausibility, plausibility
 from graphdyn.identification.estimators import *  # noqa: F403
 from graphdyn.identification.estimators.tuning import Tunable, Tuned, tuned
 from graphdyn.identification.estimators.weighted import joint_noise, weighted_solution
@@ -27,7 +32,7 @@ from graphdyn.identification.problem.problem import Problem, own_rows
 from graphdyn.identification.problem.structure import structure
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.statistics.residual_statistics import (
-    MOVING,
+    MIN_MOVING_SPEED,
     ResidualSizes,
     ResidualStatistics,
     residual_statistics,
@@ -51,10 +56,10 @@ from graphdyn.identification.wrenches.principal_parameters import (
 )
 
 __all__ = [
-    "ENOUGH",
+    "CHECKED_POSES",
     "EPS",
-    "MOVING",
-    "POSES",
+    "MIN_CORRELATION_TIMES",
+    "MIN_MOVING_SPEED",
     "PRINCIPAL_PARAMETER_NAMES",
     "Accumulator",
     "BaseParameters",

@@ -3,25 +3,25 @@
 from graphdyn.model.assembly import assembled
 from graphdyn.model.chord import FORCES, MOMENTS, ChordKind
 from graphdyn.model.inertia import (
-    CONSISTENCY,
     PARAMETER_NAMES,
+    TRIANGLE_TOLERANCE_SHARE,
     consistency_problems,
     parallel_axis,
     parameters_from_inertia,
     pseudo_inertia_from_parameters,
 )
-from graphdyn.model.loops import CLOSED, RANK, loop_spaces
+from graphdyn.model.loops import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, loop_spaces
 from graphdyn.model.robot_model import STANDARD_GRAVITY, check_model
 from graphdyn.model.spatial import apply, cos_beta, cross, rotation_about, skew, solve
 
 __all__ = [
-    "CLOSED",
-    "CONSISTENCY",
+    "CLOSED_TOLERANCE",
     "FORCES",
+    "LOOP_RANK_TOLERANCE",
     "MOMENTS",
     "PARAMETER_NAMES",
-    "RANK",
     "STANDARD_GRAVITY",
+    "TRIANGLE_TOLERANCE_SHARE",
     "ChordKind",
     "apply",
     "assembled",

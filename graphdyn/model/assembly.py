@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import InconsistentState, in_row
 from graphdyn.layout import Array
-from graphdyn.model.loops import CLOSED, Loops, loop_spaces
+from graphdyn.model.loops import CLOSED_TOLERANCE, Loops, loop_spaces
 from graphdyn.model.spatial import apply
 
-STEPS = 200
+MAX_ASSEMBLY_STEPS = 200
 """Newton steps before an assembly gives up; those that succeed need 5 to 40."""
 
-WALK = 12
+WALK_STEPS = 12
 """Steps of a walk from one closed pose to another: a turn by π in steps of 15°."""
 
-ROUNDING = 1e-13
+GAP_ROUNDING = 1e-13
 """Gaps [m, rad] at which steps no longer help an arm of a few meters."""
 
 
@@ -34,8 +34,8 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
         moving[held] = 0.0
     gaps, damping = loops.gaps(x), np.full(len(x), 1.0)
     best = np.linalg.norm(gaps, axis=-1)
-    for _ in range(STEPS):
-        todo = np.flatnonzero((np.abs(gaps).max(axis=-1, initial=0.0) > ROUNDING) & (damping < 1e12))
+    for _ in range(MAX_ASSEMBLY_STEPS):
+        todo = np.flatnonzero((np.abs(gaps).max(axis=-1, initial=0.0) > GAP_ROUNDING) & (damping < 1e12))
         if not todo.size:
             break
         jacobian = loops.jacobian(loops.links(x[todo])) * moving
@@ -52,13 +52,13 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
         accepted = todo[better]
         x[accepted], gaps[accepted], best[accepted] = tried[better], new[better], size[better]
         damping[todo] = np.where(better, np.maximum(damping[todo] / 4, 1e-8), damping[todo] * 8)
-        damping[todo[~better & (size < CLOSED)]] = np.inf  # rounding
+        damping[todo[~better & (size < CLOSED_TOLERANCE)]] = np.inf  # rounding
     return x.reshape(q.shape), gaps.reshape(*batch, loops.n_rows)
 
 
 def refuse_open(who: str, loops: Loops, gaps: Array, remedy: str) -> None:
     """Raises InconsistentState, naming the loop, its gap and the row, where gaps (…, m) exceed CLOSED."""
-    if np.nanmax(np.abs(gaps), initial=0.0) > CLOSED:
+    if np.nanmax(np.abs(gaps), initial=0.0) > CLOSED_TOLERANCE:
         raise open_loop(who, loops, gaps, remedy)
 
 
@@ -66,18 +66,20 @@ def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentS
     """The error that names the widest of gaps (…, m)."""
     gap, chord, where = _worst(loops, np.abs(gaps))
     return InconsistentState(
-        f"{who}: the loop of chord '{chord}' is open by {gap:.2g} m or rad{where}; closed is {CLOSED:g}. {remedy}"
+        f"{who}: the loop of chord '{chord}' is open by {gap:.2g} m or rad{where}; "
+        f"closed is {CLOSED_TOLERANCE:g}. {remedy}"
     )
 
 
 def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wanted: Array, what: str) -> None:
     """Raises InconsistentState where J rate (…, m) is not as wanted: loops would open. what: "velocity", …"""
     relative = moving_apart(jacobian, rate, wanted)
-    if not relative.size or np.nanmax(relative) <= CLOSED:
+    if not relative.size or np.nanmax(relative) <= CLOSED_TOLERANCE:
         return
     part, chord, where = _worst(loops, relative)
     raise InconsistentState(
-        f"{who}: the {what} opens the loop of chord '{chord}'{where} (by {part:.2g} of its terms, at most {CLOSED:g}); "
+        f"{who}: the {what} opens the loop of chord '{chord}'{where} "
+        f"(by {part:.2g} of its terms, at most {CLOSED_TOLERANCE:g}); "
         "graphdyn.assemble(model, q, v, a) gives the nearest that does not"
     )
 
@@ -107,11 +109,11 @@ def _worst(loops: Loops, errors: Array) -> tuple[float, str, str]:
 
 
 def walked(loops: Loops, start: Array, target: Array) -> tuple[Array, Array]:
-    """From a closed pose (n,) in WALK steps towards poses (…, n), closing the loops at each: positions and gaps.
+    """From a closed pose (n,) in WALK_STEPS steps towards poses (…, n), closing the loops at each: positions and gaps.
 
     So linkages stay in the branch of the start, as a moved one does.
     """
     x, gaps = np.broadcast_to(start, target.shape), np.zeros((*target.shape[:-1], loops.n_rows))
-    for _ in range(WALK):
-        x, gaps = assembled(loops, x + (target - start) / WALK)
+    for _ in range(WALK_STEPS):
+        x, gaps = assembled(loops, x + (target - start) / WALK_STEPS)
     return x, gaps

@@ -6,7 +6,7 @@ import numpy as np
 
 from graphdyn.layout import Array
 
-CONSISTENCY = 1e-12
+TRIANGLE_TOLERANCE_SHARE = 1e-12
 """A triangle inequality violated by less than this part of the trace is rounding, not a finding."""
 
 PARAMETER_NAMES = ("m", "mc_x", "mc_y", "mc_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
@@ -92,10 +92,10 @@ def consistency_problems(mass: float, inertia: Array) -> tuple[str, ...]:
         problems.append("mass is zero" if size == 0 else "mass is zero but the inertia tensor is not")
     if size == 0 and mass > 0:
         problems.append("inertia tensor is zero: a point mass")
-    elif moments[0] <= CONSISTENCY * size and size > 0:
+    elif moments[0] <= TRIANGLE_TOLERANCE_SHARE * size and size > 0:
         problems.append(f"inertia tensor is not positive definite (smallest principal moment {moments[0]:.3g} kg m²)")
     excess = moments[2] - moments[0] - moments[1]
-    if size > 0 and excess > CONSISTENCY * size:
+    if size > 0 and excess > TRIANGLE_TOLERANCE_SHARE * size:
         problems.append(
             f"triangle inequality violated: principal moment {moments[2]:.3g} exceeds the sum "
             f"{moments[0] + moments[1]:.3g} kg m² of the others"

@@ -21,18 +21,18 @@ from graphdyn.model.graph import Graph
 from graphdyn.model.parts import Joint
 from graphdyn.model.spatial import apply, cross, rotation_about
 
-CLOSED = 1e-8
+CLOSED_TOLERANCE = 1e-8
 """Largest gap of a closed loop [m, rad], and largest relative velocity or acceleration along a row, relative to the
 terms that are summed. Assembled states reach 1e-14; angles written to a file with nine digits still pass."""
 
-RANK = 1e-6
-"""Singular values of J below this part of the largest count as zero: far above what a gap of CLOSED makes of a zero,
-far below those of a mechanism that works."""
+LOOP_RANK_TOLERANCE = 1e-6
+"""Singular values of J below this part of the largest count as zero: far above what a gap of CLOSED_TOLERANCE makes of
+a zero, far below those of a mechanism that works."""
 
 
-SELF_STRESS = 1e-6
+SELF_STRESS_SHARE = 1e-6
 """A reaction takes part in a self-stress if its entry reaches this part of the largest: far above rounding and the gaps
-that count as CLOSED, which leave entries of their size."""
+that count as CLOSED_TOLERANCE, which leave entries of their size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,13 +255,13 @@ def _length(vector: Array) -> Array:
     return length
 
 
-PREFERRED = 0.05
+PREFERRED_COLUMN_SHARE = 0.05
 """A preferred column becomes dependent only where all others are shorter than this part of the longest of J."""
 
 
 @dataclass(frozen=True, eq=False)
 class LoopSpaces:
-    """J = U Σ Vᵀ with singular values below RANK taken as zero.
+    """J = U Σ Vᵀ with singular values below LOOP_RANK_TOLERANCE taken as zero.
 
     left: U (…, m, m); right: V (…, n, n)
     inverse: 1/σ, and 0 where σ counts as zero              (…, min(m, n))
@@ -313,7 +313,7 @@ class LoopSpaces:
 def loop_spaces(jacobian: Array) -> LoopSpaces:
     """Of J (…, m, n)."""
     left, values, right = np.linalg.svd(jacobian)
-    kept = values > RANK * values.max(axis=-1, keepdims=True, initial=0.0)
+    kept = values > LOOP_RANK_TOLERANCE * values.max(axis=-1, keepdims=True, initial=0.0)
     return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))
 
 
@@ -321,14 +321,14 @@ def pivoted_columns(matrix: Array, count: int, last: Sequence[int] = ()) -> list
     """Independent columns: each the longest once what the chosen ones span is taken away.
 
     Golub and Van Loan, Matrix Computations, section 5.4 (QR with column pivoting).
-    last: columns that are chosen only where all others are short (PREFERRED)
+    last: columns that are chosen only where all others are short (PREFERRED_COLUMN_SHARE)
     """
     rest, chosen = matrix.copy(), list[int]()
     for _ in range(count):
         length = np.linalg.norm(rest, axis=0)
         length[chosen] = 0.0
         others = np.delete(length, last)
-        if others.size and others.max() > PREFERRED * np.linalg.norm(matrix, axis=0).max():
+        if others.size and others.max() > PREFERRED_COLUMN_SHARE * np.linalg.norm(matrix, axis=0).max():
             length[list(last)] = 0.0
         longest = int(length.argmax())
         direction = rest[:, longest] / np.linalg.norm(rest[:, longest])

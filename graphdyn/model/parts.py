@@ -20,10 +20,10 @@ JointKind = Literal["revolute", "continuous", "prismatic"]
 
 JOINT_KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic")
 
-SYMMETRY = 1e-9
+SYMMETRY_TOLERANCE = 1e-9
 """Largest |J - Jᵀ| relative to the largest entry that counts as rounding (and is symmetrised)."""
 
-TIE = 1e-9
+AXIS_TIE_TOLERANCE = 1e-9
 """Two coordinate axes are equally far from p if their components differ by less than this; the first is taken."""
 
 
@@ -50,7 +50,7 @@ class Body:
         if self.mass < 0:
             raise InvalidModel(f"{who}: mass {self.mass} kg is negative")
         asymmetry = np.abs(self.inertia - self.inertia.T).max()
-        if asymmetry > SYMMETRY * np.abs(self.inertia).max():
+        if asymmetry > SYMMETRY_TOLERANCE * np.abs(self.inertia).max():
             raise InvalidModel(f"{who}: inertia tensor is not symmetric (largest difference {asymmetry:.3g} kg m²)")
         object.__setattr__(self, "inertia", read_only((self.inertia + self.inertia.T) / 2))
 
@@ -198,7 +198,7 @@ def axis_normals(axis: Array) -> Array:
     t_1 is the normalised p × e with e the coordinate axis least aligned with p, t_2 = p × t_1.
     """
     alignment = np.abs(axis)
-    least = int(np.argmax(alignment <= alignment.min() + TIE))
+    least = int(np.argmax(alignment <= alignment.min() + AXIS_TIE_TOLERANCE))
     t_1 = np.cross(axis, np.eye(3)[least])
     t_1 /= np.linalg.norm(t_1)
     return read_only(np.stack([t_1, np.cross(axis, t_1)]))

@@ -9,7 +9,7 @@ import numpy as np
 from graphdyn.errors import InconsistentState
 from graphdyn.layout import Array
 from graphdyn.model.assembly import assembled, completed_rate, moving_apart, open_loop, walked
-from graphdyn.model.loops import CLOSED, Loops, loop_spaces
+from graphdyn.model.loops import CLOSED_TOLERANCE, Loops, loop_spaces
 from graphdyn.model.parts import Joint
 
 ANGLE_RANGE = np.pi
@@ -17,13 +17,13 @@ ANGLE_RANGE = np.pi
 SLIDE_RANGE = 0.5
 """Ranges taken where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
 
-ABSURD = 1e6
+MAX_LIMIT = 1e6
 """A limit beyond this [rad, m, …/s] is treated as no limit."""
 
 CLOSING_STARTS = 100
 """Random poses from which the loops are closed before that counts as impossible."""
 
-TOGETHER = 20
+POSES_ASSEMBLED_AT_ONCE = 20
 """Of these as many at once as keep an assembly of many loops short where one of the first closes."""
 
 REGULAR_CANDIDATES = 20
@@ -47,11 +47,11 @@ def closed_pose(who: str, loops: Loops) -> Array:
     starts, _ = drawn(loops.free_joints, np.random.default_rng(0), (CLOSING_STARTS,))
     starts[0] = 0.0
     nearest = np.full(loops.n_rows, np.inf)
-    for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // TOGETHER)):
+    for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // POSES_ASSEMBLED_AT_ONCE)):
         found, gaps = assembled(loops, some)
         widest = np.abs(gaps).max(axis=-1)
-        if widest.min() <= CLOSED:
-            return np.asarray(found[np.flatnonzero(widest <= CLOSED)[0]])
+        if widest.min() <= CLOSED_TOLERANCE:
+            return np.asarray(found[np.flatnonzero(widest <= CLOSED_TOLERANCE)[0]])
         nearest = min(nearest, gaps[widest.argmin()], key=lambda gap: float(np.abs(gap).max()))
     remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
     raise open_loop(who, loops, nearest, remedy)
@@ -83,7 +83,7 @@ def closed_states(
         still = np.zeros_like(gaps)
         rates[todo] = completed_rate(jacobian, rates[todo], still, None)
         apart = moving_apart(jacobian, rates[todo], still)
-        todo = todo[np.maximum(np.abs(gaps), apart).max(axis=-1) > CLOSED]
+        todo = todo[np.maximum(np.abs(gaps), apart).max(axis=-1) > CLOSED_TOLERANCE]
         if not todo.size:
             return q, v
         rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape)
@@ -97,7 +97,7 @@ def _sampling_range(joint: Joint) -> tuple[float, float, float]:
     """lower, upper and speed."""
     reach = SLIDE_RANGE if joint.is_prismatic else ANGLE_RANGE
     lower, upper, speed = (
-        None if limit is None or abs(limit) > ABSURD else limit
+        None if limit is None or abs(limit) > MAX_LIMIT else limit
         for limit in (joint.limits.lower, joint.limits.upper, joint.limits.velocity)
     )
     speed = abs(speed or 0.0) or reach

@@ -124,7 +124,7 @@ def _matrix(rows: list[list[Array]]) -> Array:
     return entries.reshape(*entries.shape[:-1], 3, 3)
 
 
-ORTHONORMALITY = 1e-9
+ROTATION_TOLERANCE = 1e-9
 """Largest entry of RᵀR - E that still counts as a rotation. A product of some hundred rotations stays below 1e-13."""
 
 
@@ -154,7 +154,7 @@ class Placement:
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         defect = np.abs(self.rotation.T @ self.rotation - np.eye(3)).max()
-        if defect > ORTHONORMALITY or np.linalg.det(self.rotation) < 0:
+        if defect > ROTATION_TOLERANCE or np.linalg.det(self.rotation) < 0:
             raise InvalidModel(f"rotation is not a proper rotation matrix (|RᵀR - E| = {defect:.1e})")
 
     def __matmul__(self, other: Placement) -> Placement:

@@ -4,7 +4,7 @@ Each is declared beside its function (declarations); they are in the table when 
 """
 
 from graphdyn.recursions import derivatives, forward, frames, inertia, inverse, momentum, motion, regressors
-from graphdyn.recursions.declarations import ARRAYS, CLOSED, RECURSIONS
+from graphdyn.recursions.declarations import ARRAY_SPECS, CLOSED, RECURSIONS
 from graphdyn.recursions.loops import couplings, loops
 
 FILES = (inverse, forward, inertia, momentum, derivatives, frames, regressors, motion, couplings, loops)
@@ -12,4 +12,4 @@ FILES = (inverse, forward, inertia, momentum, derivatives, frames, regressors, m
 
 CLOSED.update({name: loops.at_motors(each) for name, each in RECURSIONS.items() if each.of_torques})
 
-__all__ = ["ARRAYS", "RECURSIONS"]
+__all__ = ["ARRAY_SPECS", "RECURSIONS"]

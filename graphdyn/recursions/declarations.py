@@ -26,10 +26,10 @@ class ArraySpec:
     unit: str
 
     def shape_for(self, model: RobotModel) -> tuple[int, ...]:
-        return tuple([size if isinstance(size, int) else SIZES[size](model) for size in self.shape])
+        return tuple([size if isinstance(size, int) else MODEL_SIZES[size](model) for size in self.shape])
 
 
-SIZES: dict[str, Callable[[RobotModel], int]] = {
+MODEL_SIZES: dict[str, Callable[[RobotModel], int]] = {
     "n": lambda model: model.n_freedoms,
     "bodies": lambda model: model.n_bodies,
     "10 bodies": lambda model: BODY_PARAMETERS * model.n_bodies,
@@ -48,7 +48,7 @@ INPUTS = {
 }
 """The joint arrays that recursions take."""
 
-ARRAYS = {**INPUTS}
+ARRAY_SPECS = {**INPUTS}
 """All inputs and outputs by name."""
 
 
@@ -108,7 +108,7 @@ def _declare(outputs: dict[str, ArraySpec], of_torques: bool, function: Function
     inputs = tuple(each for each in parameters if each in INPUTS)
     moving, of_frame = "root" in parameters, "frame" in parameters
     RECURSIONS[name] = Recursion(name, inputs, tuple(outputs), compute, moving, of_frame, of_torques)
-    ARRAYS.update(outputs)
+    ARRAY_SPECS.update(outputs)
     return with_couplings(function) if "freedoms" in parameters else function
 
 

@@ -17,7 +17,7 @@ Operation = Literal["constant", "input", "+", "-", "*", "/", "negate", "sine", "
 Recorded = tuple[Any, ...]
 """An operation and its operands: numbers of earlier operations, a value, or the name and column of an input."""
 
-COLUMNS = "columns"
+MULTIPLIED_COLUMNS = "columns"
 """The output of a program whose columns are not stored but multiplied with each other (graphdyn.compiler.gram.gram)."""
 
 Watch = Literal["finite", "squares", "minimum"]

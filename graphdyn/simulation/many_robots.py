@@ -22,7 +22,7 @@ from graphdyn.simulation.integration.compiled import can_compile
 from graphdyn.simulation.integration.steps import FIXED_STEPS
 from graphdyn.simulation.plant import make_plant
 from graphdyn.simulation.runs import MeasurementNoise, Runs
-from graphdyn.simulation.torques import FOREVER, GAINS, check_controller, whole_steps
+from graphdyn.simulation.torques import CONSTANT_TORQUE_STEPS, GAIN_NAMES, check_controller, whole_steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +150,7 @@ def _controls(model: RobotModel, controls: ArrayLike | Controller | None) -> Arr
 def _runs(q: Array, torques: Array | None, controls: ArrayLike | Controller | None) -> int:
     counts = {"q and v": len(q) if q.ndim == 2 else 1, "controls": 1 if torques is None else len(torques)}
     if isinstance(controls, Controller):
-        gains = [as_floats(name, getattr(controls, name)) for name in GAINS]
+        gains = [as_floats(name, getattr(controls, name)) for name in GAIN_NAMES]
         counts["the gains"] = max(len(gain) if gain.ndim == 2 else 1 for gain in gains)
     several = {name: count for name, count in counts.items() if count != 1}
     if len(set(several.values())) > 1:
@@ -178,4 +178,6 @@ def _times(
         return hold, hold * torques.shape[1]
     if duration is None or not (duration > 0 and np.isfinite(duration)):
         raise InvalidInput(f"duration is {duration!r}; give seconds above zero")
-    return (hold if isinstance(controls, Controller) else FOREVER), whole_steps("the duration", duration, step)
+    return (hold if isinstance(controls, Controller) else CONSTANT_TORQUE_STEPS), whole_steps(
+        "the duration", duration, step
+    )

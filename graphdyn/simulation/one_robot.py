@@ -27,7 +27,7 @@ from graphdyn.simulation.integration.maximal import Stabilisation, maximal
 from graphdyn.simulation.integration.steps import FIXED_STEPS
 from graphdyn.simulation.plant import PlantConstants, Wrenches, make_plant
 from graphdyn.simulation.result import Simulation
-from graphdyn.simulation.torques import DIVIDES, TorqueFunction, Torques, torques
+from graphdyn.simulation.torques import QUOTIENT_TOLERANCE, TorqueFunction, Torques, torques
 from graphdyn.verbs.matrices import mass_matrix
 
 Method = Literal["dop853", "rk8", "rk4", "euler"]
@@ -214,7 +214,7 @@ def _times(at: ArrayLike | None, duration: float) -> Array | None:
         return None
     times = np.atleast_1d(as_floats("at", at))
     increasing = times.ndim == 1 and times.size > 0 and bool(np.all(np.diff(times) > 0))
-    if not increasing or not times[0] >= 0 or not times[-1] <= duration * (1 + DIVIDES):
+    if not increasing or not times[0] >= 0 or not times[-1] <= duration * (1 + QUOTIENT_TOLERANCE):
         raise InvalidInput(f"at must be increasing times (N,) between 0 and the duration, {duration:g} s")
     return np.minimum(times, duration)
 

@@ -22,10 +22,10 @@ from graphdyn.simulation.integration.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.integration.course import COLUMNS
+from graphdyn.simulation.integration.course import COURSE_COLUMNS
 from graphdyn.simulation.integration.steps import python_steps, tableau
 from graphdyn.simulation.plant import PlantConstants
-from graphdyn.simulation.torques import GAINS, Torques
+from graphdyn.simulation.torques import GAIN_NAMES, Torques
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,14 +96,14 @@ class Runs:
     def in_python(self) -> dict[str, Array]:
         """The same run by run, without compiled steps."""
         found = [self._python_run(run) for run in range(self.runs)]
-        return {name: np.stack([rows[name] for rows in found]) for name in COLUMNS}
+        return {name: np.stack([rows[name] for rows in found]) for name in COURSE_COLUMNS}
 
     def _python_run(self, run: int) -> dict[str, Array]:
         model, period = self.plant.model, self.stretch.hold * self.stretch.h
         noise = self._noise(run) if self.noise is not None else np.zeros((1, 2 * model.n_freedoms))
         source = None
         if self.controller is not None:
-            own: Any = dict(zip(GAINS, np.split(self._gains()[run], 2), strict=True))
+            own: Any = dict(zip(GAIN_NAMES, np.split(self._gains()[run], 2), strict=True))
             if isinstance(self.controller, ComputedTorqueControl):
                 own["nominal"] = self.controller.nominal or model
             source = Torques(model, self.end, controller=replace(self.controller, **own))
@@ -119,7 +119,7 @@ class Runs:
         equations = Equations(self.plant.of_run(run))
         with np.errstate(over="ignore", invalid="ignore"):
             rows = python_steps(equations, tableau(self.method), self.stretch, state, _no_torque, held)
-        return {name: np.array(rows[name]).reshape(self.stretch.records, -1) for name in COLUMNS}
+        return {name: np.array(rows[name]).reshape(self.stretch.records, -1) for name in COURSE_COLUMNS}
 
     def _columns(self, first: int, last: int) -> Array:
         """Torques or references of the ticks, (runs or 1, ticks, width); the last torque stays."""
@@ -136,7 +136,9 @@ class Runs:
         """K_p and K_d of every run (runs, 2 n)."""
         assert self.controller is not None
         model, runs = self.plant.model, self.runs
-        return np.concatenate([per_joint(name, getattr(self.controller, name), model, runs) for name in GAINS], axis=-1)
+        return np.concatenate(
+            [per_joint(name, getattr(self.controller, name), model, runs) for name in GAIN_NAMES], axis=-1
+        )
 
     def _noise(self, run: int) -> Array:
         """On q and v at every tick (ticks, 2 n), of a generator that depends on the seed and the run."""

@@ -21,12 +21,12 @@ from graphdyn.verbs.single_state import OfMotion, SingleState
 
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
 
-SMALLER = "take smaller steps, or smaller torques"
+SMALLER_STEPS_REMEDY = "take smaller steps, or smaller torques"
 
-DIVIDES = 1e-9
+QUOTIENT_TOLERANCE = 1e-9
 """A step divides a time if the quotient is this close to a whole number, relative to it."""
 
-FOREVER = 1 << 62
+CONSTANT_TORQUE_STEPS = 1 << 62
 """Steps for which a constant torque is held."""
 
 
@@ -51,7 +51,7 @@ class Torques:
         """For how many fixed steps a torque is held. Raises InvalidInput where it is no whole number."""
         if self.values is not None:
             if len(self.values) == 1:
-                return FOREVER
+                return CONSTANT_TORQUE_STEPS
             if steps % len(self.values):
                 raise InvalidInput(
                     f"{len(self.values)} torques for {steps} steps; give a number of rows that divides the steps"
@@ -63,7 +63,7 @@ class Torques:
         """The torque at an instant (n,), where it is not held for a while."""
         t = min(t, self.duration)
         if not (np.all(np.isfinite(q)) and np.all(np.isfinite(v))):
-            raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER}")
+            raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER_STEPS_REMEDY}")
         if self.function is not None:
             return answer("torque", self.function(t, q.copy(), v.copy()), (self.model.n_freedoms,), t)
         return self.values[0] if self.values is not None else self._law(t, q, v)
@@ -71,7 +71,7 @@ class Torques:
     def tau_from(self, time: float, q: Array, v: Array) -> Array:
         """The torque that is held from a time on (n,), of the state then."""
         if self.values is not None:
-            row = int(time / self.duration * len(self.values) + DIVIDES)
+            row = int(time / self.duration * len(self.values) + QUOTIENT_TOLERANCE)
             return np.asarray(self.values[min(row, len(self.values) - 1)])
         return self._law(time, q, v)
 
@@ -88,7 +88,7 @@ class Torques:
         """K_p and K_d of the controller (2 n,)."""
         if self.controller is None:
             return None
-        return np.concatenate([per_joint(name, getattr(self.controller, name), self.model) for name in GAINS])
+        return np.concatenate([per_joint(name, getattr(self.controller, name), self.model) for name in GAIN_NAMES])
 
     @cached_property
     def _believed(self) -> SingleState[OfMotion]:
@@ -106,7 +106,7 @@ class Torques:
         return self._believed(q, v, sought).copy()
 
 
-GAINS = ("position_gain", "velocity_gain")
+GAIN_NAMES = ("position_gain", "velocity_gain")
 
 
 def torques(torque: TorqueFunction | Controller | ArrayLike | None, model: RobotModel, duration: float) -> Torques:
@@ -129,7 +129,7 @@ def torques(torque: TorqueFunction | Controller | ArrayLike | None, model: Robot
 
 def check_controller(controller: Controller, model: RobotModel) -> None:
     """Raises InvalidInput for gains, a target, a period or a model that do not fit."""
-    for name in GAINS:
+    for name in GAIN_NAMES:
         finite(name, getattr(controller, name))
     if controller.period is not None and not (controller.period > 0 and np.isfinite(controller.period)):
         raise InvalidInput(f"period is {controller.period!r}; give seconds above zero, or None for every step")
@@ -149,6 +149,6 @@ def check_controller(controller: Controller, model: RobotModel) -> None:
 def whole_steps(what: str, time: float, step: float) -> int:
     """How many steps a time lasts. Raises InvalidInput where that is no whole number."""
     steps = round(time / step)
-    if steps < 1 or abs(time / step - steps) > DIVIDES * steps:
+    if steps < 1 or abs(time / step - steps) > QUOTIENT_TOLERANCE * steps:
         raise InvalidInput(f"{what}, {time:g} s, is no multiple of the step, {step:g} s; choose a step that divides it")
     return steps

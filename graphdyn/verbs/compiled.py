@@ -33,22 +33,22 @@ class CompiledModel(DynamicsCalls, MatrixCalls, EnergyCalls, MomentumCalls, Deri
     if not TYPE_CHECKING:  # the declared attributes are all that there are
 
         def __getattr__(self, name: str) -> SingleState[Any]:
-            if name not in SINGLE:
+            if name not in ARRAY_VERBS:
                 raise AttributeError(_unknown(name))
             return self.__dict__.setdefault(name, SingleState(self.model, name))  # found there from now on
 
     def __reduce__(self) -> tuple[Callable[..., CompiledModel], tuple[RobotModel | str, ...]]:
-        return compile, (self.model, *(name for name in self.__dict__ if name in SINGLE))
+        return compile, (self.model, *(name for name in self.__dict__ if name in ARRAY_VERBS))
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *SINGLE})
+        return sorted({*super().__dir__(), *ARRAY_VERBS})
 
 
-SINGLE = {name: VERBS[name] for calls in CompiledModel.__bases__ for name in calls.__annotations__}
+ARRAY_VERBS = {name: VERBS[name] for calls in CompiledModel.__bases__ for name in calls.__annotations__}
 """The verbs that answer one array, and need no choice of a frame."""
 
 if CompiledModel.__doc__:  # python -OO strips docstrings
-    CompiledModel.__doc__ += "\n".join(["", *(f"    {verb}" for verb in SINGLE.values())])
+    CompiledModel.__doc__ += "\n".join(["", *(f"    {verb}" for verb in ARRAY_VERBS.values())])
 
 
 def compile(model: RobotModel, *verbs: str) -> CompiledModel:
@@ -61,7 +61,7 @@ def compile(model: RobotModel, *verbs: str) -> CompiledModel:
     """
     compiled = CompiledModel(model)
     for verb in verbs:
-        if verb not in SINGLE:
+        if verb not in ARRAY_VERBS:
             raise InvalidInput(_unknown(verb))
         getattr(compiled, verb)
     return compiled
@@ -70,5 +70,7 @@ def compile(model: RobotModel, *verbs: str) -> CompiledModel:
 def _unknown(name: str) -> str:
     from difflib import get_close_matches  # not needed to import graphdyn
 
-    near = get_close_matches(name, SINGLE, n=1)
-    return f"there is no single-state call '{name}'; use {f'{near[0]!r}' if near else 'some of ' + ', '.join(SINGLE)}"
+    near = get_close_matches(name, ARRAY_VERBS, n=1)
+    return (
+        f"there is no single-state call '{name}'; use {f'{near[0]!r}' if near else 'some of ' + ', '.join(ARRAY_VERBS)}"
+    )

@@ -18,7 +18,7 @@ from graphdyn.compiler.running import Backend, prepared
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.recursions import ARRAYS
+from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs.verb import VERBS, Verb
 
 
@@ -97,7 +97,7 @@ class SingleState(threading.local, Generic[Form]):  # __init__ runs again in eve
     def __init__(self, model: RobotModel, name: str) -> None:
         verb, lanes = VERBS[name], self._backend.lanes
         (output,) = verb.outputs
-        shape = ARRAYS[output].shape_for(model)
+        shape = ARRAY_SPECS[output].shape_for(model)
         memory = {name: np.zeros((lanes, model.n_freedoms)) for name in verb.inputs}
         answer = np.zeros((lanes, int(np.prod(shape))))
         self.model, self._name = model, name

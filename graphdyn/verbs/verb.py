@@ -26,7 +26,7 @@ from graphdyn.equations.projected import Arguments, Specification, refuse_singul
 from graphdyn.errors import GraphDynError, InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.recursions import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 
 Answer = TypeVar("Answer")
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -67,7 +67,7 @@ class Verb:
 
     def __str__(self) -> str:
         """Such as "mass_matrix(q) → mass_matrix (n, n) [kg m², kg m, kg]"."""
-        answers = (f"{name} ({_listed(ARRAYS[name].shape)}) [{ARRAYS[name].unit}]" for name in self.outputs)
+        answers = (f"{name} ({_listed(ARRAY_SPECS[name].shape)}) [{ARRAY_SPECS[name].unit}]" for name in self.outputs)
         return f"{self.name}({_listed(self.inputs)}) → {', '.join(answers)}"
 
     def refuse_loops(self, model: RobotModel) -> None:

@@ -155,7 +155,7 @@ class Outcome:
 
 def _through_main(monkeypatch, capture):
     def run(*arguments):
-        monkeypatch.setattr(console, "INTERVAL", math.inf)  # however slow the machine, no line of progress
+        monkeypatch.setattr(console, "PROGRESS_INTERVAL", math.inf)  # however slow the machine, no line of progress
         monkeypatch.setattr(sys, "argv", ["graphdyn", *map(str, arguments)])
         monkeypatch.setattr(sys.modules["__main__"], "__package__", None)  # not the one that pytest was started from
         with pytest.raises(SystemExit) as caught:

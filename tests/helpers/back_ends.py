@@ -24,7 +24,9 @@ def on(back_end):
     Programs recorded before are forgotten meanwhile: they belong to another back end.
     """
     with ExitStack() as stack:
-        stack.enter_context(mock.patch.dict(os.environ, {running.CHOICE: "numpy" if back_end == "numpy" else "llvm"}))
+        stack.enter_context(
+            mock.patch.dict(os.environ, {running.BACKEND_VARIABLE: "numpy" if back_end == "numpy" else "llvm"})
+        )
         stack.enter_context(mock.patch.object(running, "_prepared", type(running._prepared)()))
         if back_end in ("2 lanes", "4 lanes"):
             for module in (native, gram):

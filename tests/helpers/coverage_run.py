@@ -22,7 +22,7 @@ from graphdyn.identification import (
     TorqueModel,
     WeightedLeastSquares,
 )
-from graphdyn.identification.estimation.comparison import ENOUGH
+from graphdyn.identification.estimation.comparison import MIN_CORRELATION_TIMES
 from graphdyn.identification.statistics.residual_statistics import residual_statistics
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
@@ -153,7 +153,7 @@ def main() -> None:
         found = coverage(case, runs)
         true = case.seconds / case.correlated if case.correlated else np.inf
         parts = " ".join(f"{100 * part:6.1f}" for part in found.block.values())
-        low = "" if found.correlation_times >= ENOUGH else "  lower bound"
+        low = "" if found.correlation_times >= MIN_CORRELATION_TIMES else "  lower bound"
         print(
             f"{case!s:34} {true:10.0f} {found.correlation_times:9.0f} {parts} {100 * found.white['WLS']:8.1f}{low}",
             flush=True,

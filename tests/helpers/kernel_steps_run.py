@@ -130,7 +130,7 @@ def sums(model: graphdyn.RobotModel) -> Callable[[], object]:
 
 def long_robots() -> None:
     chain = random_tree(1, list(range(CHAIN)), ["revolute"] * CHAIN)
-    for unrolled in (body_by_body.UNROLLED, CHAIN):
+    for unrolled in (body_by_body.MAX_UNROLLED_BODIES, CHAIN):
         with without(((body_by_body, "UNROLLED", unrolled), (running, "LONGEST", 10**9))):
             for what in ("torques", "accelerations", "multipliers"):
                 if unrolled == CHAIN and what == "multipliers":

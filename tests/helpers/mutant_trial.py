@@ -20,7 +20,7 @@ from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.quantities.scales import SHORTEST_LEVER, relative
 from crosscheck.quantities.states import Case
 from crosscheck.quantities.tolerances import AGREEMENT
-from crosscheck.reference.pinocchio_model import GROUND, PinocchioModel, PinocchioRefuses
+from crosscheck.reference.pinocchio_model import UNIVERSE, PinocchioModel, PinocchioRefuses
 from graphdyn import Placement, RobotModel, kr500
 from graphdyn.layout import Array
 
@@ -106,7 +106,7 @@ def _is_built(path: Path) -> bool:
         try:
             PinocchioModel.from_urdf(path, KR500)
         except PinocchioRefuses as refusal:
-            return "other joints" in str(refusal) or GROUND in str(refusal)
+            return "other joints" in str(refusal) or UNIVERSE in str(refusal)
     return True
 
 
@@ -132,7 +132,7 @@ def _compared(path: Path, model: RobotModel, report: urdf.Inspection) -> Trial:
     if content is not None:
         path = path.with_suffix(".mended")
         path.write_bytes(content)
-        joints = (replace(j, name=NEW_NAME) if j.name == GROUND else j for j in model.joints)
+        joints = (replace(j, name=NEW_NAME) if j.name == UNIVERSE else j for j in model.joints)
         model = replace(model, joints=tuple(joints))
     still = different if content is None else _difference(path, model)
     digits = [code for code in report.codes if code in LOSES_DIGITS]

@@ -8,7 +8,7 @@ from crosscheck.judging.functions.table import FUNCTIONS
 from graphdyn.arguments.choices import frame_choice
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.compiler.programs import Request, record
-from graphdyn.recursions import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 
 RECURSION = {
     "inverse_dynamics": ("inverse_dynamics", "tau"),
@@ -36,7 +36,7 @@ def single_precision(model: graphdyn.RobotModel, name: str, frame: str | None = 
     choice = frame_choice(model, frame, "local") if known.needs_frame else None
     loaded = LOADS in known.arguments
     run = Interpreter(record(model, Request(recursion, (output,), loaded, frame=choice)))
-    shape = ARRAYS[output].shape_for(model)
+    shape = ARRAY_SPECS[output].shape_for(model)
 
     def function(*arguments):
         count = len(arguments[0])

@@ -6,8 +6,8 @@ from dataclasses import replace
 import pytest
 
 from crosscheck.bench import benchmark
-from crosscheck.bench.benchmark import PARTS, Effort
-from crosscheck.bench.calls import CALLS
+from crosscheck.bench.benchmark import N_PROGRESS_STEPS, Effort
+from crosscheck.bench.calls import CALL_WORKS
 from crosscheck.bench.machine.load import Load
 from crosscheck.bench.machine.timing import Times
 from graphdyn import kr500
@@ -34,7 +34,7 @@ WORKS = (
     "regressor",
     *DERIVED,
     "simulation",
-    *CALLS,
+    *CALL_WORKS,
     "single_inverse",
     "single_forward",
 )
@@ -45,10 +45,10 @@ def measured():
     """A benchmark of one arm, whose steps of progress are as many as it promises."""
     steps = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(benchmark, "QUICK", SMALL)
-        patch.setattr("crosscheck.bench.contender.STEADY", SMALL.duration)
+        patch.setattr(benchmark, "QUICK_EFFORT", SMALL)
+        patch.setattr("crosscheck.bench.contender.MIN_STEADY_TIME", SMALL.duration)
         result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
-    assert sum(steps) == PARTS
+    assert sum(steps) == N_PROGRESS_STEPS
     return result
 
 

@@ -1,13 +1,13 @@
 """A URDF file before it is a robot: sources, xacro, the XML tree, its elements and numbers."""
 
 from urdf.document.catalogue import locate
-from urdf.document.document import UNNAMED
+from urdf.document.document import UNNAMED_SOURCES
 from urdf.document.files import write_whole
 from urdf.document.numbers import rpy_from_rotation
 from urdf.document.opening import content_of, path_of
 
 __all__ = [
-    "UNNAMED",
+    "UNNAMED_SOURCES",
     "content_of",
     "locate",
     "path_of",

@@ -16,7 +16,7 @@ from graphdyn.model import STANDARD_GRAVITY
 from urdf.errors import RobotNotFound, shortened
 
 DISTRIBUTION = "example-robot-data"
-SUFFIX = "_robot"
+ROBOT_SUFFIX = "_robot"
 """Ending of file names that is not part of a robot's name: ur5_robot.urdf is "ur5", as in example_robot_data."""
 
 
@@ -112,10 +112,10 @@ def _names(files: list[metadata.PackagePath]) -> dict[str, metadata.PackagePath]
     """
     claims = defaultdict(list)
     for file in files:
-        claims[file.stem.removesuffix(SUFFIX)].append(file)
+        claims[file.stem.removesuffix(ROBOT_SUFFIX)].append(file)
     names = {}
     for name, claimants in claims.items():
-        preferred = [file for file in claimants if len(claimants) == 1 or file.stem.endswith(SUFFIX)]
+        preferred = [file for file in claimants if len(claimants) == 1 or file.stem.endswith(ROBOT_SUFFIX)]
         for file in claimants:
             names[name if preferred == [file] else f"{_folder(file)}/{file.stem}"] = file
     return names

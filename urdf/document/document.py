@@ -16,15 +16,15 @@ from urdf.errors import MalformedXML, TooLarge
 TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
 """Path in messages about a source that has none."""
 
-UNNAMED = (TEXT, BYTES, STREAM)
+UNNAMED_SOURCES = (TEXT, BYTES, STREAM)
 
-LARGEST_FILE = 10_000_000
+MAX_URDF_BYTES = 10_000_000
 """Largest size of a file [bytes]; a robot of 2000 links with long names takes 2 MB."""
 
-MOST_TAGS = 150_000
+MAX_TAGS = 150_000
 """Largest number of start and end tags of a document, counted as characters "<"."""
 
-MOST_ATTRIBUTES = 100
+MAX_ATTRIBUTES = 100
 """Largest number of attributes of one element; the time to read them grows with the square of their number."""
 
 _EMPTY, _VERSION, _LIMIT = (
@@ -59,8 +59,8 @@ def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bo
     except etree.XMLSyntaxError as error:
         raise _syntax_error(path, content, error) from error
     _check_document_type(path, robot)
-    if robot.xpath(f"boolean(//*[@*[{MOST_ATTRIBUTES + 1}]])"):
-        raise TooLarge(f"an element has more than {MOST_ATTRIBUTES} attributes", "remove what is not URDF", path=path)
+    if robot.xpath(f"boolean(//*[@*[{MAX_ATTRIBUTES + 1}]])"):
+        raise TooLarge(f"an element has more than {MAX_ATTRIBUTES} attributes", "remove what is not URDF", path=path)
     if not lines:
         for element in robot.iter():
             element.sourceline = 0  # lxml's value for an unknown line
@@ -79,15 +79,15 @@ def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bo
 
 def check_size(content: bytes, path: Path) -> None:
     """Raise TooLarge for a document that would take long to parse."""
-    if len(content) > LARGEST_FILE:
+    if len(content) > MAX_URDF_BYTES:
         raise TooLarge(
-            f"the file is larger than {LARGEST_FILE // 1_000_000} MB",
+            f"the file is larger than {MAX_URDF_BYTES // 1_000_000} MB",
             "give a URDF file; put meshes into separate files",
             path=path,
         )
     tags = content.count(b"<")
-    if tags > MOST_TAGS:
-        raise TooLarge(f"the file has {tags} tags, more than {MOST_TAGS}", "give a smaller file", path=path)
+    if tags > MAX_TAGS:
+        raise TooLarge(f"the file has {tags} tags, more than {MAX_TAGS}", "give a smaller file", path=path)
 
 
 def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> MalformedXML:

@@ -12,7 +12,15 @@ from lxml import etree
 from urdf.document.connections.loop_elements import read
 from urdf.document.connections.loops import Closure, Motor, SourceLocation
 from urdf.document.elements import describe, line_of, name_of, tag_of, written_tag
-from urdf.document.vocabulary import ATTRIBUTES, CHANGES, CLOSES, HARMLESS, LOOPS, READ, RIGID
+from urdf.document.vocabulary import (
+    ATTRIBUTES,
+    CLOSING_CHILDREN,
+    FIXED_JOINT_CHILDREN,
+    HARMLESS_CHILDREN,
+    LOOPS,
+    READ_CHILDREN,
+    UNREAD_CHANGES,
+)
 from urdf.errors import shortened
 
 
@@ -44,7 +52,7 @@ def extensions(robot: etree._Element, path: Path) -> Extensions:
 def _closures(robot: etree._Element, path: Path) -> Iterator[Closure]:
     links = frozenset(name_of(link) for link in robot if tag_of(link) == "link")
     for parent in (robot, *robot):
-        meanings = CLOSES.get(tag_of(parent), {})
+        meanings = CLOSING_CHILDREN.get(tag_of(parent), {})
         for element in parent.iterchildren(etree.Element):
             meaning = meanings.get(written_tag(element))
             if meaning is not None:
@@ -88,8 +96,8 @@ def _unread(robot: etree._Element) -> Iterator[Unread]:
 
 
 _ON_THE_WAY = {
-    **READ,
-    "robot": (*READ["robot"], *LOOPS, "gazebo", "mujoco", "transmission"),
+    **READ_CHILDREN,
+    "robot": (*READ_CHILDREN["robot"], *LOOPS, "gazebo", "mujoco", "transmission"),
     "transmission": ("actuator",),
 }
 """Per element, its children whose children are looked at."""
@@ -104,17 +112,17 @@ def _places(parent: etree._Element) -> Iterator[tuple[str, str, etree._Element]]
     fixed = kind == "joint" and parent.get("type") == "fixed"
     for element in parent.iterchildren(etree.Element):
         tag = written_tag(element)
-        meaning, applies = CHANGES.get(kind, {}).get(tag, ("", None))
+        meaning, applies = UNREAD_CHANGES.get(kind, {}).get(tag, ("", None))
         if applies is not None and applies(element):
             yield "unread-dynamics", f"<{tag}> in <{kind}> {meaning}", element
-        elif kind in READ and not _is_known(kind, tag, element):
+        elif kind in READ_CHILDREN and not _is_known(kind, tag, element):
             yield "unknown-element", f"URDF knows no <{shortened(tag)}> in <{kind}>", element
-        if tag in (RIGID if fixed else _ON_THE_WAY.get(kind, ())):
+        if tag in (FIXED_JOINT_CHILDREN if fixed else _ON_THE_WAY.get(kind, ())):
             yield from _places(element)
 
 
 def _is_known(kind: str, tag: str, element: etree._Element) -> bool:
     """Elements of xacro have findings of their own."""
     namespace = etree.QName(element).namespace or ""
-    known = (*READ[kind], *HARMLESS.get(kind, ()), *CLOSES.get(kind, ()))
+    known = (*READ_CHILDREN[kind], *HARMLESS_CHILDREN.get(kind, ()), *CLOSING_CHILDREN.get(kind, ()))
     return tag in known or namespace.rstrip("/").endswith("xacro")

@@ -25,17 +25,17 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _BLANKS = re.compile(r"[ \t\r\n]+")
 """White space of XML; str.split splits at many more characters, which no other reader of URDF accepts."""
 
-UNIT_LENGTH = 1e-9
+UNIT_LENGTH_TOLERANCE = 1e-9
 """Largest difference from 1 of the length of an axis that is used as a unit vector."""
 
-LARGEST = 1e60
+MAX_NUMBER = 1e60
 """Largest mass, tensor entry, length or angle [SI units]: products of several stay far below 1.8e308, the largest
 double."""
 
-SHORTEST_AXIS = 1e-60
+MIN_AXIS_LENGTH = 1e-60
 """Length of an axis below which it is refused as zero: readers that square the length of a far shorter one get zero."""
 
-UNEXPANDED = re.compile(r"\$[{(]")
+UNEXPANDED_EXPRESSION = re.compile(r"\$[{(]")
 """Expressions that xacro would have replaced: ${…} and $(…)."""
 
 
@@ -50,7 +50,7 @@ class BadNumber:
 
 def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:
     """The numbers of a text, which should be count, or what is wrong with it. said: the text as messages give it."""
-    if UNEXPANDED.search(text):
+    if UNEXPANDED_EXPRESSION.search(text):
         return BadNumber("unexpanded-number", f"{said} is not expanded", "expand the file with xacro")
     words = [word for word in _BLANKS.split(text) if word]
     if len(words) != count:

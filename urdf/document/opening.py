@@ -11,7 +11,7 @@ from typing import IO
 
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.catalogue import locate
-from urdf.document.document import BYTES, LARGEST_FILE, STREAM, TEXT, Document, check_size, parsed
+from urdf.document.document import BYTES, MAX_URDF_BYTES, STREAM, TEXT, Document, check_size, parsed
 from urdf.document.xacro.files import expand
 from urdf.errors import InvalidXacro, MalformedXML, RobotNotFound
 
@@ -99,12 +99,12 @@ def _read(given: Given) -> tuple[Path, str | bytes, tuple[float, float, float]]:
     if isinstance(given, str | PathLike):
         path, gravity = locate(given)
         with path.open("rb") as file:
-            return path, file.read(LARGEST_FILE + 1), gravity
+            return path, file.read(MAX_URDF_BYTES + 1), gravity
     if not hasattr(given, "read"):
         raise RobotNotFound(
             f"a {type(given).__name__} is not a robot", "give a name, a path, XML as text or bytes, or an open file"
         )
-    content = given.read(LARGEST_FILE + 1)
+    content = given.read(MAX_URDF_BYTES + 1)
     if not isinstance(content, str | bytes):
         raise RobotNotFound(f"read() of the file returns {type(content).__name__}", "open it as text or binary")
     return path, content, STANDARD_GRAVITY

@@ -10,10 +10,10 @@ from lxml import etree
 from urdf.document.document import Document
 from urdf.document.elements import Drawings, describe, drawings, line_of, tag_of
 from urdf.document.extensions import Extensions, extensions
-from urdf.document.vocabulary import READ, RIGID
+from urdf.document.vocabulary import FIXED_JOINT_CHILDREN, READ_CHILDREN
 from urdf.errors import TooLarge, URDFError
 
-MOST_LINKS = 2000
+MAX_LINKS = 2000
 """Largest number of links, and of joints: dense matrices of more bodies fill gigabytes; the largest published robots
 have some 200 links."""
 
@@ -51,9 +51,9 @@ def reduced(document: Document) -> Source:
     etree.cleanup_namespaces(robot)
     source = Source(document.path, robot, beside, drawn)
     for what, number in (("links", len(source.links)), ("joints", len(source.joints))):
-        if number > MOST_LINKS:
+        if number > MAX_LINKS:
             raise TooLarge(
-                f"the robot has {number} {what}, more than {MOST_LINKS}", "give a smaller robot", path=document.path
+                f"the robot has {number} {what}, more than {MAX_LINKS}", "give a smaller robot", path=document.path
             )
     return source
 
@@ -62,7 +62,7 @@ def _reduce(element: etree._Element) -> None:
     """Drop the children that are not read and the namespaces of the others."""
     element.tag = tag_of(element)
     fixed = element.tag == "joint" and element.get("type") == "fixed"
-    kept = RIGID if fixed else READ.get(element.tag, ())
+    kept = FIXED_JOINT_CHILDREN if fixed else READ_CHILDREN.get(element.tag, ())
     for child in list(element):
         if tag_of(child) in kept:
             _reduce(child)

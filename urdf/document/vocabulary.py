@@ -19,14 +19,14 @@ from collections.abc import Callable, Mapping
 
 from lxml import etree
 
-RIGID = ("origin", "parent", "child")
+FIXED_JOINT_CHILDREN = ("origin", "parent", "child")
 """Children of a fixed joint that are read."""
 
-READ: Mapping[str, tuple[str, ...]] = {
+READ_CHILDREN: Mapping[str, tuple[str, ...]] = {
     "robot": ("link", "joint"),
     "link": ("inertial",),
     "inertial": ("origin", "mass", "inertia"),
-    "joint": (*RIGID, "axis", "limit", "dynamics", "mimic"),
+    "joint": (*FIXED_JOINT_CHILDREN, "axis", "limit", "dynamics", "mimic"),
     "origin": (),
     "mass": (),
     "inertia": (),
@@ -69,7 +69,7 @@ ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
 }
 """Per element that dynamics are computed from, the attributes that URDF knows."""
 
-CLOSES: Mapping[str, Mapping[str, str]] = {
+CLOSING_CHILDREN: Mapping[str, Mapping[str, str]] = {
     "robot": {
         "loop": "closes a kinematic loop (URDF+)",
         "coupling": "couples joints (URDF+)",
@@ -125,7 +125,7 @@ def _always(element: etree._Element) -> bool:
     return True
 
 
-CHANGES: Mapping[str, Mapping[str, tuple[str, Callable[[etree._Element], bool]]]] = {
+UNREAD_CHANGES: Mapping[str, Mapping[str, tuple[str, Callable[[etree._Element], bool]]]] = {
     "link": {
         "gravity": ("turns gravity off for the link", _is_false),
         "kinematic": ("holds the link still", _is_true),
@@ -162,7 +162,7 @@ CHANGES: Mapping[str, Mapping[str, tuple[str, Callable[[etree._Element], bool]]]
 }
 """Per element, the children that change the dynamics elsewhere and are not read: what they do there, and when."""
 
-HARMLESS: Mapping[str, tuple[str, ...]] = {
+HARMLESS_CHILDREN: Mapping[str, tuple[str, ...]] = {
     "robot": (
         *("material", "transmission", "gazebo", "ros2_control", "mujoco", "sensor", "frame", "plugin"),
         *("group", "group_state", "end_effector", "virtual_joint", "disable_collisions", "author", "license"),
@@ -172,6 +172,6 @@ HARMLESS: Mapping[str, tuple[str, ...]] = {
         *("visual", "collision", "contact", "surface", "sensor", "origin", "material"),
         *("self_filter", "self_collision_checking", "collision_checking", "gravity", "kinematic"),
     ),
-    "joint": (*READ["joint"], "calibration", "safety_controller", "joint_properties", "hardwareInterface"),
+    "joint": (*READ_CHILDREN["joint"], "calibration", "safety_controller", "joint_properties", "hardwareInterface"),
 }
 """Per element, other children that do not affect dynamics."""

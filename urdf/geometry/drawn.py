@@ -12,11 +12,11 @@ from graphdyn import Placement
 from urdf.document.elements import Drawing, children, name_of, tag_of
 from urdf.document.numbers import BadNumber, numbers, rotation_from_rpy
 from urdf.errors import shortened
-from urdf.geometry.meshes.mesh_files import LONGEST
-from urdf.geometry.meshes.primitives import SIZES
+from urdf.geometry.meshes.mesh_files import MAX_COORDINATE
+from urdf.geometry.meshes.primitives import PRIMITIVE_SIZES
 from urdf.geometry.shape import Color, UnreadableMesh
 
-MESH = "mesh"
+MESH_KIND = "mesh"
 
 
 @dataclass(frozen=True)
@@ -48,14 +48,16 @@ def read_drawing(drawing: Drawing, materials: Mapping[str, etree._Element]) -> D
     (element,) = inside
     kind = tag_of(element)
     placement, color = _placement(drawing.element), _color(drawing.element, materials)
-    if kind == MESH:
+    if kind == MESH_KIND:
         scale = _numbers(element, "scale", 3, (1.0, 1.0, 1.0))
         if not np.all(scale):
             raise UnreadableMesh(f'scale="{shortened(element.get("scale", ""))}": a scale of zero')
         return Drawn(kind, scale, placement, color, element.get("filename", ""))
-    if kind not in SIZES:
-        raise UnreadableMesh(f"<{shortened(kind)}> is none of {', '.join(f'<{name}>' for name in (*SIZES, MESH))}")
-    sizes = tuple(x for name, count in SIZES[kind].items() for x in _numbers(element, name, count))
+    if kind not in PRIMITIVE_SIZES:
+        raise UnreadableMesh(
+            f"<{shortened(kind)}> is none of {', '.join(f'<{name}>' for name in (*PRIMITIVE_SIZES, MESH_KIND))}"
+        )
+    sizes = tuple(x for name, count in PRIMITIVE_SIZES[kind].items() for x in _numbers(element, name, count))
     if min(sizes) <= 0:
         raise UnreadableMesh(f"<{kind}>: a size that is not positive")
     return Drawn(kind, sizes, placement, color)
@@ -72,8 +74,10 @@ def _numbers(
     found = numbers(text, count, f'{name}="{shortened(text)}"')
     if isinstance(found, BadNumber):
         raise UnreadableMesh(f"<{tag_of(element)}>: {found.problem}; {found.remedy}")
-    if max(map(abs, found)) > LONGEST:
-        raise UnreadableMesh(f'<{tag_of(element)}>: {name}="{shortened(text)}" is larger than {LONGEST:g}; give metres')
+    if max(map(abs, found)) > MAX_COORDINATE:
+        raise UnreadableMesh(
+            f'<{tag_of(element)}>: {name}="{shortened(text)}" is larger than {MAX_COORDINATE:g}; give metres'
+        )
     return tuple(found)
 
 

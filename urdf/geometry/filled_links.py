@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from urdf.document.elements import GEOMETRIES, Geometry
 from urdf.document.source import Source
-from urdf.geometry.drawn import MESH
+from urdf.geometry.drawn import MESH_KIND
 from urdf.geometry.mass_properties import Filled, filled, together
 from urdf.geometry.reading import Solid, read_solids
 from urdf.geometry.shape import UnreadableMesh
@@ -42,7 +42,7 @@ def filled_links(
         for link in {each.link for each in missing}:
             by_link.pop(link, None)
         for link, own in by_link.items():
-            mesh = any(solid.drawn.kind == MESH for solid in own)
+            mesh = any(solid.drawn.kind == MESH_KIND for solid in own)
             if only_meshes and not mesh:
                 continue
             try:

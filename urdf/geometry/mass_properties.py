@@ -11,17 +11,17 @@ import numpy as np
 from graphdyn import Placement
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
-from urdf.geometry.drawn import MESH, Drawn
+from urdf.geometry.drawn import MESH_KIND, Drawn
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
 from urdf.geometry.shape import UnreadableMesh
 
 if TYPE_CHECKING:
     import trimesh
 
-ROUNDING = 1e-6
+VOLUME_TOLERANCE = 1e-6
 """Part of the volume of its convex hull by which a closed mesh may be larger than it, and which it must have."""
 
-FLAT = 1e-9
+FLAT_VOLUME_SHARE = 1e-9
 """Volume of a convex hull, as a part of the cube of its longest side, below which it is rounding."""
 
 
@@ -53,7 +53,7 @@ class Filled:
 def filled(drawn: Drawn, parts: Sequence[Triangles]) -> Filled:
     """A drawing filled uniformly, in the frame of its link. Raises Unreadable for a mesh without volume."""
     whole = joined(parts)
-    own = _mesh(welded(whole)) if drawn.kind == MESH else _primitive(drawn, whole)
+    own = _mesh(welded(whole)) if drawn.kind == MESH_KIND else _primitive(drawn, whole)
     return own.seen_from(drawn.placement, whole.vertices)
 
 
@@ -97,7 +97,7 @@ def _mesh(triangles: Triangles) -> Filled:
     closed = bool(surface.is_watertight and surface.is_winding_consistent)
     if closed and surface.volume < 0:
         surface.invert()
-    fits = closed and ROUNDING * largest < surface.volume <= (1 + ROUNDING) * largest
+    fits = closed and VOLUME_TOLERANCE * largest < surface.volume <= (1 + VOLUME_TOLERANCE) * largest
     solid = surface if fits else hull
     low, high = surface.bounds
     return Filled(float(solid.volume), np.array(solid.center_mass), np.array(solid.moment_inertia), low, high, not fits)
@@ -112,7 +112,7 @@ def _hull(vertices: Array) -> trimesh.Trimesh:
         hull = ConvexHull(vertices)
     except QhullError:
         hull = None
-    if hull is None or hull.volume < FLAT * np.ptp(vertices, axis=0).max() ** 3:
+    if hull is None or hull.volume < FLAT_VOLUME_SHARE * np.ptp(vertices, axis=0).max() ** 3:
         raise UnreadableMesh("the mesh is flat: it has no volume")
     a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
     inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0

@@ -11,15 +11,15 @@ import numpy as np
 from graphdyn import Placement
 from urdf.document.elements import Drawing, Geometry
 from urdf.document.source import Source
-from urdf.geometry.drawn import MESH, Drawn, read_drawing
+from urdf.geometry.drawn import MESH_KIND, Drawn, read_drawing
 from urdf.geometry.meshes.decimation import decimated, shared_out
 from urdf.geometry.meshes.mesh_files import read_mesh
 from urdf.geometry.meshes.mesh_paths import find_mesh
 from urdf.geometry.meshes.primitives import primitive
-from urdf.geometry.meshes.triangles import MOST_TRIANGLES, Triangles
-from urdf.geometry.shape import GREY, MissingShape, Shape, Shapes, UnreadableMesh
+from urdf.geometry.meshes.triangles import MAX_TRIANGLES, Triangles
+from urdf.geometry.shape import DEFAULT_COLOR, MissingShape, Shape, Shapes, UnreadableMesh
 
-MOST_BYTES = 500_000_000
+MAX_MESH_FILES_BYTES = 500_000_000
 """Largest size of all mesh files of a robot; those of the largest published robots have some 100 MB."""
 
 
@@ -44,7 +44,7 @@ def placed_shapes(
         body, place = places[solid.link]
         key = id(part), size
         less = fewer[key] if key in fewer else fewer.setdefault(key, decimated(part, size))
-        color = part.color or solid.drawn.color or GREY  # a mesh file's own colors come first, as in RViz
+        color = part.color or solid.drawn.color or DEFAULT_COLOR  # a mesh file's own colors come first, as in RViz
         placement = place @ solid.drawn.placement
         meshes.append(Shape(body, solid.link, placement, less.vertices, less.faces, color, solid.drawn.file))
     return Shapes(tuple(meshes), tuple(missing))
@@ -79,13 +79,13 @@ class _MeshReader:
 
     def parts(self, drawn: Drawn) -> tuple[Triangles, ...]:
         """Raises Unreadable."""
-        if drawn.kind != MESH or drawn.file is None:
+        if drawn.kind != MESH_KIND or drawn.file is None:
             parts: tuple[Triangles, ...] = (primitive(drawn.kind, *drawn.sizes),)
         else:
             parts = self._file(drawn.file)
         number = sum(len(part.faces) for part in parts)
-        if self.triangles + number > MOST_TRIANGLES:
-            raise UnreadableMesh(f"with it, the robot has more than {MOST_TRIANGLES} triangles; reduce the meshes")
+        if self.triangles + number > MAX_TRIANGLES:
+            raise UnreadableMesh(f"with it, the robot has more than {MAX_TRIANGLES} triangles; reduce the meshes")
         self.triangles += number
         if drawn.file is None:
             return parts
@@ -99,9 +99,9 @@ class _MeshReader:
             try:
                 path = find_mesh(name, self.document)
                 self.bytes += os.path.getsize(path)
-                if self.bytes > MOST_BYTES:
+                if self.bytes > MAX_MESH_FILES_BYTES:
                     raise UnreadableMesh(
-                        f"with it, the meshes have more than {MOST_BYTES // 1_000_000} MB; reduce them"
+                        f"with it, the meshes have more than {MAX_MESH_FILES_BYTES // 1_000_000} MB; reduce them"
                     )
                 self.files[name] = read_mesh(path)
             except UnreadableMesh as error:

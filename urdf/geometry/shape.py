@@ -25,7 +25,7 @@ Faces = NDArray[np.int64]
 Color = tuple[float, float, float, float]
 """Red, green, blue and opacity, 0 to 1."""
 
-GREY: Color = (0.72, 0.74, 0.78, 1.0)
+DEFAULT_COLOR: Color = (0.72, 0.74, 0.78, 1.0)
 """Color of a shape for which neither the URDF file nor the mesh file has one."""
 
 
@@ -49,7 +49,7 @@ class Shape:
     placement: Placement
     vertices: Array
     faces: Faces
-    color: Color = GREY
+    color: Color = DEFAULT_COLOR
     file: str | None = None
 
 

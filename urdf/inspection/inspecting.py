@@ -32,7 +32,7 @@ from urdf.reading.parsing import build, parse
 from urdf.reading.reading import Reading, ReadingOptions
 from urdf.reading.repairing import repair
 
-MOST_FINDINGS = 1000
+MAX_FINDINGS = 1000
 """Largest number of findings that a stage reports."""
 
 
@@ -82,7 +82,7 @@ def _findings(opened: Opened, meshes: Meshes, reading: Reading) -> Iterator[Find
         yield from around
         yield refusal(error)
         return
-    refusals = [refusal(error) for error in islice(_refusals(source, beside, reading), MOST_FINDINGS + 1)]
+    refusals = [refusal(error) for error in islice(_refusals(source, beside, reading), MAX_FINDINGS + 1)]
     structure = Structure.of(source)
     found = [*_limited(iter(refusals))]
     for rules in (unread_findings, name_findings, link_findings, joint_findings):
@@ -133,13 +133,13 @@ def _of_the_model(source: Source, beside: CompanionFiles, structure: Structure, 
 
 
 def _limited(findings: Iterator[Finding]) -> Iterator[Finding]:
-    """The first MOST_FINDINGS findings, and a note if there are more."""
-    yield from islice(findings, MOST_FINDINGS)
+    """The first MAX_FINDINGS findings, and a note if there are more."""
+    yield from islice(findings, MAX_FINDINGS)
     if next(findings, None) is not None:
         yield of_file(
             "more-findings",
             "note",
             None,
-            f"only the first {MOST_FINDINGS} findings of a kind are listed",
+            f"only the first {MAX_FINDINGS} findings of a kind are listed",
             "correct these first",
         )

@@ -13,7 +13,7 @@ _BOTH_REFUSE = "Pinocchio and yourdfpy refuse the file"
 _UNREADABLE = "Pinocchio gives a link with such a number mass 0 or a tensor of zero and refuses such a joint"
 _PINOCCHIO_REFUSES = "Pinocchio refuses the file, yourdfpy loads it"
 
-ELSEWHERE = {
+OTHER_READERS = {
     "axis-not-normalised": "Pinocchio normalises it, yourdfpy does not",
     "continuous-joint": "In Pinocchio such a joint has two coordinates (cosine, sine), so that nq is not nv",
     "cycle": "Pinocchio leaves these links out, yourdfpy loads them",
@@ -93,4 +93,4 @@ def refusal(error: URDFError) -> Finding:
 def told(code: str, problem: str) -> str:
     """The problem on one line, and what Pinocchio and yourdfpy do."""
     problem = one_line(problem)
-    return f"{problem}. {ELSEWHERE[code]}" if code in ELSEWHERE else problem
+    return f"{problem}. {OTHER_READERS[code]}" if code in OTHER_READERS else problem

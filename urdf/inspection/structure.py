@@ -15,7 +15,7 @@ from urdf.document.numbers import values
 from urdf.document.source import Source
 from urdf.document.tree import carriers, joint_into, joints_by, root_links
 
-ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+TENSOR_ATTRIBUTES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ def inertials(source: Source) -> Iterator[LinkInertial]:
             continue
         inertia = element.find("inertia")
         mass = values(element.find("mass"), "value", 1)
-        entries = [values(inertia, name, 1) for name in ENTRIES]
+        entries = [values(inertia, name, 1) for name in TENSOR_ATTRIBUTES]
         if mass is None or mass[0] < 0 or None in entries:
             continue
         xx, xy, xz, yy, yz, zz = (entry[0] for entry in entries if entry is not None)

@@ -14,7 +14,7 @@ from urdf.document.source import Source
 from urdf.document.tree import joint_into, path_up
 from urdf.errors import InvalidLoop, listed, shortened
 
-INDEPENDENT = {"true": True, "1": True, "false": False, "0": False}
+INDEPENDENT_VALUES = {"true": True, "1": True, "false": False, "0": False}
 """By the lower-case text of the attribute independent= of a joint."""
 
 
@@ -72,10 +72,10 @@ def _driven(sums: CoupledSums, place: SourceLocation, free: list[etree._Element]
     marks = {}
     for joint in joints:
         text = joint.get("independent")
-        if text is not None and text.lower() not in INDEPENDENT:
+        if text is not None and text.lower() not in INDEPENDENT_VALUES:
             problem = f"joint '{shortened(name_of(joint))}' has independent=\"{shortened(text)}\""
             raise place.error(InvalidLoop, problem, 'write "true" or "false"')
-        marks[joint] = None if text is None else INDEPENDENT[text.lower()]
+        marks[joint] = None if text is None else INDEPENDENT_VALUES[text.lower()]
     for wanted in (False, None):
         for joint in free:
             if marks[joint] is wanted:

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from lxml import etree
 
 from urdf.document.elements import line_of, name_of
-from urdf.document.numbers import LARGEST, SHORTEST_AXIS, BadNumber, numbers
+from urdf.document.numbers import MAX_NUMBER, MIN_AXIS_LENGTH, BadNumber, numbers
 from urdf.document.source import Source
 from urdf.errors import (
     DuplicateEntry,
@@ -153,13 +153,13 @@ def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFE
             continue
         if isinstance(found, BadNumber):
             yield source.error(InvalidNumber, found.code, element, found.problem, found.remedy)
-        elif element.tag in _COMPUTED and max(map(abs, found)) > LARGEST:
+        elif element.tag in _COMPUTED and max(map(abs, found)) > MAX_NUMBER:
             problem = f'{name}="{shortened(text or "")}" is too large for a robot: results would overflow'
             yield source.error(InvalidNumber, "number-too-large", element, problem, "give kg, m and rad")
         elif element.tag == "mass" and found[0] < 0:
             problem = f"mass {found[0]} kg is negative"
             yield source.error(InvalidNumber, "negative-mass", element, problem, "give a mass of at least 0")
-        elif element.tag == "axis" and math.hypot(*found) < SHORTEST_AXIS:
+        elif element.tag == "axis" and math.hypot(*found) < MIN_AXIS_LENGTH:
             problem = f"the axis has length {math.hypot(*found):.3g}, too short to normalise"
             problem = problem if any(found) else "the axis is zero"
             yield source.error(InvalidNumber, "zero-axis", element, problem, "give a direction")

@@ -30,7 +30,7 @@ class Cut:
     before: tuple[etree._Element, ...]
 
 
-NOTHING = Cut((), (), ())
+NO_CUT = Cut((), (), ())
 
 
 def cut(source: Source, chain: Chain) -> Cut:
@@ -43,7 +43,7 @@ def cut(source: Source, chain: Chain) -> Cut:
     a path without a movable joint.
     """
     if chain is None:
-        return NOTHING
+        return NO_CUT
     base, tip = _two_names(source, chain)
     into = joint_into(source)
     path = _path(source, into, base, tip)

@@ -41,7 +41,7 @@ class Inertial:
         )
 
 
-NOTHING = Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
+ZERO_INERTIAL = Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
 def fuse(parts: Sequence[Inertial]) -> Inertial:
@@ -50,7 +50,7 @@ def fuse(parts: Sequence[Inertial]) -> Inertial:
     The tensor is summed about the common center of mass, from parallel-axis terms that are all ≥ 0: no cancellation.
     """
     if not parts:
-        return NOTHING
+        return ZERO_INERTIAL
     if len(parts) == 1:
         return parts[0]
     mass = sum(part.mass for part in parts)

@@ -18,7 +18,7 @@ The URDF schema demands both attributes in every <limit>, and <limit> for revolu
 would mean that the joint cannot move.
 """
 
-ENDLESS = 1.79769e308
+MIN_UNLIMITED = 1.79769e308
 """Magnitude from which a limit counts as none: SDFormat and others print the largest double with six digits."""
 
 
@@ -36,7 +36,7 @@ def from_urdf(joint: yourdfpy.urdf.Joint) -> JointLimits:
 
 
 def _stated(limit: float | None) -> float | None:
-    return None if limit is None or abs(limit) >= ENDLESS else limit
+    return None if limit is None or abs(limit) >= MIN_UNLIMITED else limit
 
 
 def to_attributes(joint: Joint) -> dict[str, float]:

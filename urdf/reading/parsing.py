@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import yourdfpy
 
 
-NOTHING_BESIDE = CompanionFiles()
+NO_COMPANION_FILES = CompanionFiles()
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def parsed_source(given: Given, reading: Reading) -> tuple[Opened, Source, Parse
 
 def parse(
     source: Source,
-    beside: CompanionFiles = NOTHING_BESIDE,
+    beside: CompanionFiles = NO_COMPANION_FILES,
     reading: Reading = AS_IT_STANDS,
 ) -> Parsed:
     """The stages between the document and the model; the source is modified. Raises as load does.

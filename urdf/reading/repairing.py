@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterable, Iterator
 from lxml import etree
 
 from urdf.document.elements import describe, line_of
-from urdf.document.numbers import UNIT_LENGTH, values
+from urdf.document.numbers import UNIT_LENGTH_TOLERANCE, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair
-from urdf.reading.limits import ENDLESS
+from urdf.reading.limits import MIN_UNLIMITED
 from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_meshes
 
-ROUNDED = 1e-3
+AXIS_LENGTH_TOLERANCE = 1e-3
 """Difference from 1 below which the length of an axis is 1, written with few digits."""
 
 
@@ -29,7 +29,7 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     """Repair the elements of the source; return every change, in words. Raises InvalidRepair for unknown names.
 
     InertialsFromMeshes: links get inertials that are computed from their shapes
-    "axis": axes whose length differs from 1 by less than ROUNDED get unit length
+    "axis": axes whose length differs from 1 by less than AXIS_LENGTH_TOLERANCE get unit length
     "limits": lower and upper limits of position that are reversed are exchanged
     """
     if isinstance(wanted, Repair):
@@ -60,7 +60,7 @@ def crossed_limits(joint: etree._Element) -> tuple[float, float] | None:
     lower, upper = values(limit, "lower", 1), values(limit, "upper", 1)
     if joint.get("type") not in ("revolute", "prismatic") or lower is None or upper is None:
         return None
-    finite = abs(lower[0]) < ENDLESS and abs(upper[0]) < ENDLESS
+    finite = abs(lower[0]) < MIN_UNLIMITED and abs(upper[0]) < MIN_UNLIMITED
     return (lower[0], upper[0]) if finite and lower[0] > upper[0] else None
 
 
@@ -71,7 +71,7 @@ def _axes(source: Source) -> Iterator[str]:
         if element is None or axis is None:
             continue
         length = math.hypot(*axis)
-        if UNIT_LENGTH < abs(length - 1) < ROUNDED:
+        if UNIT_LENGTH_TOLERANCE < abs(length - 1) < AXIS_LENGTH_TOLERANCE:
             element.set("xyz", " ".join(repr(x / length) for x in axis))
             yield f"line {line_of(element)}: {describe(element)}: length {length:.9g} made 1"
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from graphdyn.layout import Array
 from urdf.document.extensions import Unread
-from urdf.document.numbers import UNIT_LENGTH, rotation_from_rpy, values
+from urdf.document.numbers import UNIT_LENGTH_TOLERANCE, rotation_from_rpy, values
 from urdf.errors import (
-    MOST,
+    MAX_QUOTED_NAMES,
     AxisNotNormalizedWarning,
     ChainWarning,
     MimicJointWarning,
@@ -26,7 +26,7 @@ from urdf.errors import (
 from urdf.reading.cutting import Cut
 from urdf.reading.parsing import Parsed
 
-TILTED = 1e-9
+GRAVITY_TILT_TOLERANCE = 1e-9
 """Relative difference of gravity between the axes of the base link and of the root beyond which the base is tilted."""
 
 
@@ -36,8 +36,8 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     gravity: of the model, None where the caller gave it (3,) [m/s²]; complaints: warnings of the expander of .xacro
     """
     _tell(XacroWarning, parsed, "expanding the file: ", complaints)
-    unread = [_at(unread) for unread in parsed.unread[:MOST]]
-    more = f" and {len(parsed.unread) - MOST} more" if len(parsed.unread) > MOST else ""
+    unread = [_at(unread) for unread in parsed.unread[:MAX_QUOTED_NAMES]]
+    more = f" and {len(parsed.unread) - MAX_QUOTED_NAMES} more" if len(parsed.unread) > MAX_QUOTED_NAMES else ""
     _tell(UnreadWarning, parsed, "not read: ", unread, more)
     joints, cut, assembly = parsed.robot.joints, parsed.cut, parsed.assembly
     _tell(RepairWarning, parsed, "repaired: ", parsed.changes)
@@ -50,7 +50,9 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     if gravity is not None:
         _tell(ChainWarning, parsed, "", _tilt(cut, parsed.root, gravity))
     lengths = {joint.name: math.hypot(*joint.axis) for joint in joints if joint.type != "fixed"}
-    odd = [f"joint '{name}' ({length:.9g})" for name, length in lengths.items() if abs(length - 1) > UNIT_LENGTH]
+    odd = [
+        f"joint '{name}' ({length:.9g})" for name, length in lengths.items() if abs(length - 1) > UNIT_LENGTH_TOLERANCE
+    ]
     _tell(AxisNotNormalizedWarning, parsed, "axis not of unit length, normalised: ", odd)
     aside = {*parsed.locked, *(coupling.joint for coupling in parsed.couplings)}
     mimics = [f"'{joint.name}'" for joint in joints if joint.mimic is not None and joint.name not in aside]
@@ -70,7 +72,7 @@ def _tilt(cut: Cut, base: str, gravity: Array) -> list[str]:
     for joint in cut.before:
         rotation = rotation_from_rpy(*(values(joint.find("origin"), "rpy", 3) or (0.0, 0.0, 0.0))) @ rotation
     there = rotation.T @ gravity
-    if np.abs(there - gravity).max() <= TILTED * np.abs(gravity).max():
+    if np.abs(there - gravity).max() <= GRAVITY_TILT_TOLERANCE * np.abs(gravity).max():
         return []
     said = ", ".join(f"{x:.9g}" for x in there + 0.0)
     return [

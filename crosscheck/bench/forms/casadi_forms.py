@@ -11,16 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.bench.contender import AMORTISED, Contender
+from crosscheck.bench.contender import AMORTIZED_SAMPLES, Contender
 from crosscheck.bench.states import States
 from graphdyn import GraphDynError
 from graphdyn.compiler import Request, record
 from graphdyn.layout import Array
 from graphdyn.scalars import Program
 
-NAME = "casadi code generation"
-FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")
-INCLUDED = f"C code of one state, cc {' '.join(FLAGS[:2])}, mapped over the samples by CasADi in given memory"
+CASADI_NAME = "casadi code generation"
+COMPILER_FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")
+CASADI_NOTE = (
+    f"C code of one state, cc {' '.join(COMPILER_FLAGS[:2])}, mapped over the samples by CasADi in given memory"
+)
 
 
 class CasadiRefuses(GraphDynError):
@@ -30,13 +32,13 @@ class CasadiRefuses(GraphDynError):
 def inverse(states: States, folder: Path) -> list[Contender]:
     program = record(states.model, Request("inverse_dynamics", ("tau",)))
     run = _compiled(program, "tau", {"q": states.q, "v": states.v, "a": states.a}, folder)
-    return [Contender(NAME, 1, run, states.torque_errors, INCLUDED, least=AMORTISED)]
+    return [Contender(CASADI_NAME, 1, run, states.torque_errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
 
 
 def forward(states: States, folder: Path) -> list[Contender]:
     program = record(states.model, Request("forward_dynamics", ("a",)))
     run = _compiled(program, "a", {"q": states.q, "v": states.v, "tau": states.tau}, folder)
-    return [Contender(NAME, 1, run, states.acceleration_errors, INCLUDED, least=AMORTISED)]
+    return [Contender(CASADI_NAME, 1, run, states.acceleration_errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
 
 
 def _compiled(program: Program, output: str, arrays: dict[str, Array], folder: Path) -> Callable[[int], Array]:
@@ -55,7 +57,7 @@ def _compiled(program: Program, output: str, arrays: dict[str, Array], folder: P
     source, library = folder / f"{name}.c", folder / f"{name}.so"
     source.write_text(generator.dump(), encoding="utf-8")
     done = subprocess.run(
-        [compiler, *FLAGS, str(source), "-o", str(library), "-lm"], capture_output=True, text=True, check=False
+        [compiler, *COMPILER_FLAGS, str(source), "-o", str(library), "-lm"], capture_output=True, text=True, check=False
     )
     if done.returncode:
         raise CasadiRefuses(f"the C compiler fails on CasADi's code: {' '.join(done.stderr.split())}")

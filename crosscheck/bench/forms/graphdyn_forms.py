@@ -12,40 +12,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 import graphdyn
-from crosscheck.bench.contender import ALL, AMORTISED, Contender, Forms
-from crosscheck.bench.states import REFERENCE, States
+from crosscheck.bench.contender import AMORTIZED_SAMPLES, UNLIMITED_SAMPLES, Contender, Forms
+from crosscheck.bench.states import JACOBIAN_REFERENCE, States
 from crosscheck.quantities import scales
 from crosscheck.reference.subject import tip
 from graphdyn import RobotModel
 from graphdyn.arguments import Method
-from graphdyn.compiler import CHOICE, TorqueGram, aligned, chosen_backend, torque_gram
+from graphdyn.compiler import BACKEND_VARIABLE, TorqueGram, aligned, chosen_backend, torque_gram
 from graphdyn.identification import TorqueModel, structure
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
-from graphdyn.recursions import ARRAYS
+from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs import VERBS
 
 COMPILED, RECURSIVE, PROJECTED, DENSE = "graphdyn compiled", "graphdyn NumPy", "graphdyn projected", "dense NumPy"
 
-LARGEST_OUTPUT = 100_000
+MAX_REGRESSOR_SAMPLES = 100_000
 """Largest number of samples of a regressor that is written out: 300 MB for a six-axis arm."""
 
-WRITTEN = "arguments checked, results written to given memory"
-MADE = "arguments checked, results in new arrays"
+RESULTS_WRITTEN_NOTE = "arguments checked, results written to given memory"
+NEW_ARRAYS_NOTE = "arguments checked, results in new arrays"
 
 
 @contextmanager
 def backend(name: str) -> Iterator[None]:
     """graphdyn uses this back end within the context."""
-    before = os.environ.get(CHOICE)
-    os.environ[CHOICE] = name
+    before = os.environ.get(BACKEND_VARIABLE)
+    os.environ[BACKEND_VARIABLE] = name
     try:
         yield
     finally:
         if before is None:
-            del os.environ[CHOICE]
+            del os.environ[BACKEND_VARIABLE]
         else:
-            os.environ[CHOICE] = before
+            os.environ[BACKEND_VARIABLE] = before
 
 
 def our_name() -> str:
@@ -83,17 +83,17 @@ def everything(states: States, threads: Sequence[int]) -> list[Contender]:
     return [
         *_recursive(into, threads, states.multiplier_errors),
         _projected(lambda count: run(count, "projected"), states.multiplier_errors),
-        Contender(DENSE, 1, lambda count: run(count, "dense"), states.multiplier_errors, f"{dense}; {MADE}"),
+        Contender(DENSE, 1, lambda count: run(count, "dense"), states.multiplier_errors, f"{dense}; {NEW_ARRAYS_NOTE}"),
     ]
 
 
 def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
     n = states.model.n_bodies
     inputs = states.q, states.v, states.a
-    out = aligned((min(len(states), LARGEST_OUTPUT), n, BODY_PARAMETERS * n))
+    out = aligned((min(len(states), MAX_REGRESSOR_SAMPLES), n, BODY_PARAMETERS * n))
     into, projected = _calls(graphdyn.joint_torque_regressor, states.model, inputs, out)
     return [
-        *_recursive(into, threads, states.regressor_errors, LARGEST_OUTPUT, ", written out"),
+        *_recursive(into, threads, states.regressor_errors, MAX_REGRESSOR_SAMPLES, ", written out"),
         *_streamed(states, threads),
         _projected(projected, states.regressor_errors),
     ]
@@ -108,9 +108,9 @@ def verb(name: str, answer: Callable[..., Any] | None = None) -> Forms:
     def forms(states: States, threads: Sequence[int]) -> list[Contender]:
         function, outputs = getattr(graphdyn, name), VERBS[name].outputs
         if VERBS[name].of_frame:
-            function = partial(function, frame=tip(states.model), reference=REFERENCE)
+            function = partial(function, frame=tip(states.model), reference=JACOBIAN_REFERENCE)
         inputs = [getattr(states, array) for array in VERBS[name].inputs]
-        out = aligned((len(outputs), len(states), *ARRAYS[outputs[0]].shape_for(states.model)))
+        out = aligned((len(outputs), len(states), *ARRAY_SPECS[outputs[0]].shape_for(states.model)))
 
         def into(count: int, used: int) -> Array:
             written = out[:, :count]
@@ -141,7 +141,7 @@ def _recursive(
     run: Callable[..., Array],
     threads: Sequence[int],
     errors: Callable[[Array], Array],
-    most: int = ALL,
+    most: int = UNLIMITED_SAMPLES,
     form: str = "",
 ) -> list[Contender]:
     """The recursive method, compiled with each number of threads, and on NumPy arrays."""
@@ -151,16 +151,20 @@ def _recursive(
             return run(count, used=1)
 
     compiled = [
-        Contender(COMPILED + form, used, partial(run, used=used), errors, WRITTEN, True, ALL, most)
+        Contender(
+            COMPILED + form, used, partial(run, used=used), errors, RESULTS_WRITTEN_NOTE, True, UNLIMITED_SAMPLES, most
+        )
         for used in threads
         if our_name() == COMPILED
     ]
-    arrays = Contender(RECURSIVE + form, 1, on_arrays, errors, WRITTEN, not compiled, AMORTISED, most)
+    arrays = Contender(
+        RECURSIVE + form, 1, on_arrays, errors, RESULTS_WRITTEN_NOTE, not compiled, AMORTIZED_SAMPLES, most
+    )
     return [*compiled, arrays]
 
 
 def _projected(run: Callable[[int], Array], errors: Callable[[Array], Array]) -> Contender:
-    return Contender(PROJECTED, 1, run, errors, MADE)
+    return Contender(PROJECTED, 1, run, errors, NEW_ARRAYS_NOTE)
 
 
 def _streamed(states: States, threads: Sequence[int]) -> list[Contender]:
@@ -183,7 +187,9 @@ def _streamed(states: States, threads: Sequence[int]) -> list[Contender]:
 
     name = f"{our_name()}, streamed"
     included = f"products of the {len(columns)} independent columns summed up per joint instead of writing columns"
-    return [Contender(name, used, partial(run, used=used), errors, included, True, ALL) for used in threads]
+    return [
+        Contender(name, used, partial(run, used=used), errors, included, True, UNLIMITED_SAMPLES) for used in threads
+    ]
 
 
 def independent_columns(model: RobotModel) -> NDArray[np.int64]:

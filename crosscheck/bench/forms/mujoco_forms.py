@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crosscheck.bench.contender import AMORTISED, Contender
+from crosscheck.bench.contender import AMORTIZED_SAMPLES, Contender
 from crosscheck.bench.states import States
 from crosscheck.reference.mujoco_model import MujocoModel
 
@@ -34,7 +34,7 @@ def forward(states: States, native: MujocoModel, threads: Sequence[int]) -> list
             native.rollout(states.q, states.v, states.tau, used),
             states.acceleration_errors,
             "one step of mujoco.rollout per state: forward dynamics and the integration of the state",
-            least=AMORTISED,
+            least=AMORTIZED_SAMPLES,
         )
         for used in threads
     ]

@@ -6,18 +6,18 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from crosscheck.bench.contender import ALL, Contender, Forms
+from crosscheck.bench.contender import UNLIMITED_SAMPLES, Contender, Forms
 from crosscheck.bench.states import States
 from graphdyn.compiler import aligned
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.recursions import ARRAYS
+from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs import VERBS
 
 LOOP, PARALLEL = "pinocchio loop", "pinocchio InParallel"
-IN_LOOP = "a Python loop, results copied to given memory"
-IN_PARALLEL = "results written to given memory, pool of models made before"
+PYTHON_LOOP_NOTE = "a Python loop, results copied to given memory"
+POOL_NOTE = "results written to given memory, pool of models made before"
 
-LOOPED = 20_000
+MAX_LOOPED_SAMPLES = 20_000
 """Largest number of samples of matrices that a loop writes."""
 
 
@@ -40,7 +40,7 @@ def inverse(states: States, threads: Sequence[int]) -> list[Contender]:
         return out[:count]
 
     return [
-        Contender(LOOP, 1, loop, states.torque_errors, IN_LOOP),
+        Contender(LOOP, 1, loop, states.torque_errors, PYTHON_LOOP_NOTE),
         *_in_parallel(bare.rnea_in_parallel, bare.pool, (states.q, states.v, states.a), threads, states.torque_errors),
     ]
 
@@ -55,7 +55,7 @@ def forward(states: States, threads: Sequence[int]) -> list[Contender]:
         return out[:count]
 
     return [
-        Contender(LOOP, 1, loop, states.acceleration_errors, IN_LOOP),
+        Contender(LOOP, 1, loop, states.acceleration_errors, PYTHON_LOOP_NOTE),
         *_in_parallel(
             bare.aba_in_parallel, bare.pool, (states.q, states.v, states.tau), threads, states.acceleration_errors
         ),
@@ -91,7 +91,7 @@ def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
             out[k] = regressor(model, data, q, v, a)
         return out[:count]
 
-    return [Contender(LOOP, 1, loop, states.regressor_errors, IN_LOOP, most=LOOPED)]
+    return [Contender(LOOP, 1, loop, states.regressor_errors, PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
 
 
 def inverse_derivatives(states: States, threads: Sequence[int]) -> list[Contender]:
@@ -109,7 +109,7 @@ def _derivatives(
 ) -> list[Contender]:
     """given: the accelerations or torques at which the function differentiates"""
     n, model, data = states.model.n_bodies, states.bare.model, states.bare.data
-    out = np.empty((len(names), min(len(states), LOOPED), n, n))
+    out = np.empty((len(names), min(len(states), MAX_LOOPED_SAMPLES), n, n))
     by_q, by_v, by_given = out
 
     def loop(count: int) -> Array:
@@ -117,7 +117,7 @@ def _derivatives(
             by_q[k], by_v[k], by_given[k] = function(model, data, q, v, x)
         return out[:, :count]
 
-    return [Contender(LOOP, 1, loop, states.derived_errors(names), IN_LOOP, most=LOOPED)]
+    return [Contender(LOOP, 1, loop, states.derived_errors(names), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
 
 
 def quantity(name: str) -> Forms:
@@ -128,14 +128,14 @@ def quantity(name: str) -> Forms:
         further = states.bare.tip if VERBS[name].of_frame else ()
         inputs = [getattr(states, array) for array in VERBS[name].inputs]
         (output,) = VERBS[name].outputs
-        out = np.empty((min(len(states), LOOPED), *ARRAYS[output].shape_for(states.model)))
+        out = np.empty((min(len(states), MAX_LOOPED_SAMPLES), *ARRAY_SPECS[output].shape_for(states.model)))
 
         def loop(count: int) -> Array:
             for k, row in enumerate(zip(*(x[:count] for x in inputs), strict=True)):
                 out[k] = function(model, data, *row, *further)
             return out[None, :count]
 
-        return [Contender(LOOP, 1, loop, states.derived_errors([output]), IN_LOOP, most=LOOPED)]
+        return [Contender(LOOP, 1, loop, states.derived_errors([output]), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
 
     return forms
 
@@ -156,6 +156,6 @@ def _in_parallel(
             function(used, models, *(x[:count].T for x in arrays), out[:count].T)
             return out[:count]
 
-        return Contender(PARALLEL, used, run, errors, IN_PARALLEL, least=ALL)
+        return Contender(PARALLEL, used, run, errors, POOL_NOTE, least=UNLIMITED_SAMPLES)
 
     return [contender(used) for used in threads]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from crosscheck.bench.contender import Contender
-from crosscheck.bench.states import FEW, States
+from crosscheck.bench.states import SINGLE_STATE_SAMPLES, States
 from crosscheck.reference.mujoco_model import MujocoModel
 from graphdyn import rollout
 from graphdyn.compiler import chosen_backend
@@ -17,8 +17,8 @@ NAME, TITLE = "simulation", "simulated steps, Runge-Kutta of order 4"
 STEPS, WIDTH = 100, 1e-3
 """Steps of each motion, fewer if there are fewer samples, and their width [s]. A sample is one step."""
 
-ERROR = "largest position and velocity of the motion"
-BOUND = 1e-11
+ERROR_SCALE = "largest position and velocity of the motion"
+ERROR_BOUND = 1e-11
 """Accelerations agree to rounding times the condition number of M, up to 1e4 in an arm, and a light wrist that turns
 fast spreads the difference from step to step. Measured 2e-15 over a hundred steps of two arms."""
 
@@ -37,7 +37,7 @@ def contenders(states: States, native: MujocoModel | None) -> list[Contender]:
     theirs = pinocchio_loop(states)
 
     def errors(answers: Array) -> Array:
-        judged = min(FEW, len(answers))
+        judged = min(SINGLE_STATE_SAMPLES, len(answers))
         reference = theirs(judged * steps)
         size = np.abs(reference).max(axis=-1)
         found: Array = np.abs(answers[:judged] - reference).max(axis=-1) / size

@@ -15,7 +15,7 @@ from crosscheck.reference.reference_values import BareCalls
 from graphdyn.layout import Array
 from graphdyn.verbs import SingleState
 
-CALLS = 1000
+CALLS_PER_RUN = 1000
 """Number of calls of a run, each with another state."""
 
 COPIED, IN_PLACE = "graphdyn.compile", "graphdyn.compile, in place"
@@ -41,7 +41,9 @@ def _contenders(
     arguments: tuple[Array, ...],
     errors: Callable[[Array], Array],
 ) -> list[Contender]:
-    rows = [tuple(np.array(x) for x in row) for row in zip(*(array[:CALLS] for array in arguments), strict=True)]
+    rows = [
+        tuple(np.array(x) for x in row) for row in zip(*(array[:CALLS_PER_RUN] for array in arguments), strict=True)
+    ]
     model, data = bare.model, bare.data
 
     def copied(count: int) -> Array:
@@ -64,7 +66,7 @@ def _contenders(
         return lambda _: errors(np.array([np.array(call(*row)) for row in rows]))
 
     def contender(name: str, run: Callable[[int], Array], call: Callable[..., Array], included: str) -> Contender:
-        return Contender(name, 1, run, judged(call), included, call is single, least=CALLS, most=CALLS)
+        return Contender(name, 1, run, judged(call), included, call is single, least=CALLS_PER_RUN, most=CALLS_PER_RUN)
 
     return [
         contender(COPIED, copied, single, "arguments copied after checking their lengths"),

@@ -10,26 +10,26 @@ from functools import cache
 from typing import Any
 
 from crosscheck.bench.machine.instructions import floating_point_operations, fused_instructions
-from crosscheck.bench.states import REFERENCE
+from crosscheck.bench.states import JACOBIAN_REFERENCE
 from crosscheck.reference.subject import tip
 from graphdyn import RobotModel
 from graphdyn.arguments import frame_choice
 from graphdyn.compiler import MachineCode, Request, VectorCode, aligned, chosen_backend, host_lanes, in_threads, record
 from graphdyn.recursions import RECURSIONS
 
-CHAINS = 12
+N_INDEPENDENT_SUMS = 12
 """Number of independent sums: enough to keep every pipeline of a processor busy, fewer than AVX2 has registers."""
 
-MIXED = {8: (12, 12), 4: (7, 7), 2: (7, 7)}
+MIXED_SUMS = {8: (12, 12), 4: (7, 7), 2: (7, 7)}
 """Sums of products and plain sums that go on together, by lanes: some processors have pipelines for both."""
 
-STEPS = 1_000_000
+STEPS_PER_MEASUREMENT = 1_000_000
 """Additions to each sum in one measurement, which takes some milliseconds."""
 
-STREAM = 4_000_000
+STREAM_DOUBLES = 4_000_000
 """Doubles that are copied in one measurement, 32 MB: more than second-level caches hold."""
 
-TRIES = 5
+N_MEASUREMENTS = 5
 """Number of measurements, of which the fastest counts, because a limit is measured."""
 
 REQUESTS = {
@@ -95,10 +95,12 @@ def machine(threads: int) -> Machine | None:
         return None
     loops = [FloorLoops() for _ in range(threads)]
     lanes = host_lanes()
-    work = lanes * STEPS * threads
-    operations = 2 * CHAINS * work / _best(lambda k, _: loops[k].multiply(STEPS), threads)
-    instructions = max(operations / 2, sum(MIXED[lanes]) * work / _best(lambda k, _: loops[k].mix(STEPS), threads))
-    copied = 2 * 8 * STREAM * threads / _best(lambda k, _: loops[k].copy(STREAM), threads)
+    work = lanes * STEPS_PER_MEASUREMENT * threads
+    operations = 2 * N_INDEPENDENT_SUMS * work / _best(lambda k, _: loops[k].multiply(STEPS_PER_MEASUREMENT), threads)
+    instructions = max(
+        operations / 2, sum(MIXED_SUMS[lanes]) * work / _best(lambda k, _: loops[k].mix(STEPS_PER_MEASUREMENT), threads)
+    )
+    copied = 2 * 8 * STREAM_DOUBLES * threads / _best(lambda k, _: loops[k].copy(STREAM_DOUBLES), threads)
     return Machine(lanes, threads, operations, instructions, copied)
 
 
@@ -108,7 +110,7 @@ def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
         return None
     request = REQUESTS[work]
     if RECURSIONS[request.recursion].of_frame:
-        request = replace(request, frame=frame_choice(model, tip(model), REFERENCE))
+        request = replace(request, frame=frame_choice(model, tip(model), JACOBIAN_REFERENCE))
     program = record(model, request)
     instructions, products = fused_instructions(program)
     size = 8 * (sum(program.inputs.values()) + sum(map(len, program.outputs.values())))
@@ -131,11 +133,11 @@ def limit(floor: Floor, on: Machine) -> Callable[[int], None]:
     needed = _needed(floor.instructions, floor.products, floor.bytes, on)
     longest = max(needed, key=lambda name: needed[name])
     if longest == "mix" and on.operations / 2 >= on.instructions:  # one kind of pipeline for all
-        return lambda samples: loops.multiply(round(floor.instructions * samples / (CHAINS * on.lanes)))
+        return lambda samples: loops.multiply(round(floor.instructions * samples / (N_INDEPENDENT_SUMS * on.lanes)))
     if longest == "mix":
-        return lambda samples: loops.mix(round(floor.instructions * samples / (sum(MIXED[on.lanes]) * on.lanes)))
+        return lambda samples: loops.mix(round(floor.instructions * samples / (sum(MIXED_SUMS[on.lanes]) * on.lanes)))
     if longest == "multiply":
-        return lambda samples: loops.multiply(round(floor.products * samples / (CHAINS * on.lanes)))
+        return lambda samples: loops.multiply(round(floor.products * samples / (N_INDEPENDENT_SUMS * on.lanes)))
     return lambda samples: loops.copy(round(floor.bytes * samples / (2 * 8)))
 
 
@@ -148,24 +150,24 @@ class FloorLoops:
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, pointer)
         self._add, self._mixed = (self._code.function(name, prototype) for name in ("add", "mixed"))
         self._copy = self._code.function("copy", ctypes.CFUNCTYPE(None, ctypes.c_int64, pointer, pointer))
-        self._sums = aligned((sum(MIXED[lanes]), lanes))
-        self._streams = aligned((STREAM,)), aligned((STREAM,))
+        self._sums = aligned((sum(MIXED_SUMS[lanes]), lanes))
+        self._streams = aligned((STREAM_DOUBLES,)), aligned((STREAM_DOUBLES,))
         for array in self._streams:
             array.fill(1.0)  # memory pages are allocated before the clock starts
 
     def multiply(self, steps: int) -> None:
-        """So many products with sums, times CHAINS and lanes."""
+        """So many products with sums, times N_INDEPENDENT_SUMS and lanes."""
         self._add(steps, self._sums.ctypes.data)
 
     def mix(self, steps: int) -> None:
-        """So many products with sums and plain sums, times MIXED and lanes."""
+        """So many products with sums and plain sums, times MIXED_SUMS and lanes."""
         self._mixed(steps, self._sums.ctypes.data)
 
     def copy(self, count: int) -> None:
-        """So many doubles, up to STREAM at a time."""
+        """So many doubles, up to STREAM_DOUBLES at a time."""
         source, target = (array.ctypes.data for array in self._streams)
-        for first in range(0, count, STREAM):
-            self._copy(min(STREAM, count - first), source, target)
+        for first in range(0, count, STREAM_DOUBLES):
+            self._copy(min(STREAM_DOUBLES, count - first), source, target)
 
 
 @cache
@@ -176,7 +178,7 @@ def _machine_code(lanes: int) -> MachineCode:
 def _best(work: Callable[[int, int], Any], threads: int) -> float:
     ranges: Sequence[tuple[int, int]] = [(k, k + 1) for k in range(threads)]
     seconds = []
-    for _ in range(TRIES + 1):
+    for _ in range(N_MEASUREMENTS + 1):
         start = time.perf_counter()
         in_threads(work, ranges, threads)
         seconds.append(time.perf_counter() - start)
@@ -190,8 +192,8 @@ def _code(lanes: int) -> str:
     return "\n".join(
         [
             *VectorCode(lanes).declarations,
-            *_sums("add", CHAINS, 0, lanes),
-            *_sums("mixed", *MIXED[lanes], lanes),
+            *_sums("add", N_INDEPENDENT_SUMS, 0, lanes),
+            *_sums("mixed", *MIXED_SUMS[lanes], lanes),
             "define void @copy(i64 %count, ptr noalias %from, ptr noalias %to) {",
             "entry:",
             "  br label %loop",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-BUSY = 0.5
+MAX_LOAD = 0.5
 """Programs per core of the machine, over the last minute, beyond which a benchmark is disturbed."""
 
 
@@ -22,7 +22,7 @@ class Load:
 
     @property
     def busy(self) -> bool:
-        return self.programs is not None and self.programs > BUSY * self.cores
+        return self.programs is not None and self.programs > MAX_LOAD * self.cores
 
 
 def load() -> Load:

@@ -12,18 +12,18 @@ from typing import Any
 
 import numpy as np
 
-FIRST = 16
+FIRST_RUN_SAMPLES = 16
 """Number of samples of the first run, from which the number for a given duration is estimated."""
 
-SHORTEST = 2e-3
+MIN_RUN_TIME = 2e-3
 """Time below which a run is repeated without a pause [s], to reduce the weight of the clock and of the first call."""
 
-STEADY = 5e-2
+MIN_STEADY_TIME = 5e-2
 """The same where throughput is measured [s]. A processor takes some ten milliseconds to reach full speed with wide
 vectors; in the evaluation of millions of samples this does not matter."""
 
 
-SCATTERED = 1.5
+MAX_QUARTILE_RATIO = 1.5
 """Upper over lower quartile of a ratio from which it is not to be trusted; on a quiet machine they are within 1.1."""
 
 
@@ -69,7 +69,7 @@ class Ratio:
     def steady(self) -> bool:
         """Whether its quartiles are close together."""
         low, high = self.quartiles
-        return high <= SCATTERED * low
+        return high <= MAX_QUARTILE_RATIO * low
 
 
 def ratio(ours: Times, theirs: Times) -> Ratio:
@@ -96,7 +96,7 @@ class CoreShare:
 
 def fitting_count(run: Callable[[int], object], least: int, most: int, duration: float) -> int:
     """The number of samples, between least and most, that run takes about the duration for [s]."""
-    count = max(least, min(FIRST, most))
+    count = max(least, min(FIRST_RUN_SAMPLES, most))
     while True:
         seconds = min(_seconds(partial(run, count)) for _ in range(2))  # the first run is slower
         if count == most or seconds > duration / 4:
@@ -108,7 +108,7 @@ def in_turns(
     runs: Sequence[Callable[[], object]],
     threads: Sequence[int],
     repeats: int,
-    shortest: float = SHORTEST,
+    shortest: float = MIN_RUN_TIME,
     share: CoreShare | None = None,
 ) -> list[list[float]]:
     """Seconds per call of each run, for every repeat.

@@ -49,12 +49,12 @@ def run(
     (pip install 'graphdyn[peers]').
     """
     import urdf
-    from crosscheck.bench.benchmark import PARTS, benchmark
+    from crosscheck.bench.benchmark import N_PROGRESS_STEPS, benchmark
     from crosscheck.commands.bench.report import bench_report
 
     with warnings_shown():
         model = urdf.load(robot)
-        with progress("bench", PARTS) as advance:
+        with progress("bench", N_PROGRESS_STEPS) as advance:
             found = benchmark(robot, model, samples, seed, threads, quick, advance)
     deliver(bench_report(found), html_file, json_file)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

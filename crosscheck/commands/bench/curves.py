@@ -12,7 +12,7 @@ from crosscheck.report.plain_text import span_text, threads_text, time_text
 from crosscheck.report.report import Block, Column, Panel, Plot, Prose, Row, Section, Series, Table
 from graphdyn.layout import Array
 
-HEIGHT = 1.7
+CURVE_HEIGHT = 1.7
 """Of a plot, relative to others."""
 
 
@@ -38,7 +38,7 @@ def _plot(curve: ScalingCurve) -> Plot:
     return Plot(
         x=np.array(xs, dtype=float),
         x_title=curve.x,
-        panels=(Panel(f"time per {curve.seconds_of}", lines, "s", log=True, height=HEIGHT, prefixes=True),),
+        panels=(Panel(f"time per {curve.seconds_of}", lines, "s", log=True, height=CURVE_HEIGHT, prefixes=True),),
         label=f"{curve.title}, logarithmic axes. " + "; ".join(map(_reach, curve.lines)),
         caption=caption.strip(),
         log_x=True,

@@ -11,7 +11,7 @@ from crosscheck.bench.curves import Line, ScalingCurve
 from crosscheck.bench.identification import IdentificationRun, Identifications
 from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.timing import Ratio, Times
-from crosscheck.bench.works import DESCRIPTIONS
+from crosscheck.bench.works import WORK_DESCRIPTIONS
 from crosscheck.report.record import Record, attribute, written
 from crosscheck.report.record_fields import Command, Keywords, Versions
 from crosscheck.report.versions import versions
@@ -67,7 +67,7 @@ class WorkRecord(Record, of=MeasuredWork, leave_out=("limit",)):
     ratios: our forms against every other with the same number of threads
     """
 
-    name: Annotated[str, Keywords(enum=list(DESCRIPTIONS))]
+    name: Annotated[str, Keywords(enum=list(WORK_DESCRIPTIONS))]
     agrees = attribute()
     floor: FloorRecord | None
     ratios: Sequence[BenchRatioRecord] = attribute("comparisons")

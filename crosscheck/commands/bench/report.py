@@ -11,13 +11,13 @@ from crosscheck.bench.contender import MeasuredWork, SpeedRatio
 from crosscheck.bench.identification import OURS, THEIRS, IdentificationRun, Identifications
 from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.load import Load
-from crosscheck.bench.machine.timing import SCATTERED, Times
+from crosscheck.bench.machine.timing import MAX_QUARTILE_RATIO, Times
 from crosscheck.commands.bench.curves import curve_section
 from crosscheck.commands.bench.ratio_bars import ratio_bars
 from crosscheck.commands.bench.record import record
 from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, threads_text, time_text
 from crosscheck.report.report import (
-    ROOMY,
+    WIDE_LINE_CHARACTERS,
     Block,
     Column,
     Facts,
@@ -32,14 +32,14 @@ from crosscheck.report.report import (
     Verdict,
 )
 
-MORE = 100
+ALL_COLUMNS_CHARACTERS = 100
 """Characters of a line from which times have all their columns."""
 
-WHICH_WAY = (
+RATIO_NOTE = (
     "How many times as long others take as graphdyn's form of the same number of threads. Above 1× graphdyn is faster, "
     "as in {faster} of {all} comparisons."
 )
-HOW = (
+ORDER_NOTE = (
     "All contenders of a work took turns in one run. Median and quartiles are those of the quotients of repeats that "
     "followed each other."
 )
@@ -113,7 +113,9 @@ def _distrust(found: Benchmark, every: Sequence[SpeedRatio]) -> Iterator[Block]:
     ]
     scattered = sum(not c.ratio.steady for c in every)
     if scattered:
-        reasons.append(f"{scattered} ratios have an upper quartile of more than {SCATTERED} times the lower one")
+        reasons.append(
+            f"{scattered} ratios have an upper quartile of more than {MAX_QUARTILE_RATIO} times the lower one"
+        )
     if reasons:
         yield Notes(
             tuple(map(Note, reasons)),
@@ -137,14 +139,16 @@ def _ratios(found: Benchmark) -> tuple[Block, ...]:
             Column("threads", "number"),
             Column("median", "number", meaning="times as long as graphdyn; ?: not to be trusted"),
             Column("quartiles", "number", form=ratio_span_text, meaning="of repeats that followed each other"),
-            Column("fastest", "number", form=ratio_text, meaning="of the fastest repeats", from_width=ROOMY),
+            Column(
+                "fastest", "number", form=ratio_text, meaning="of the fastest repeats", from_width=WIDE_LINE_CHARACTERS
+            ),
         ),
         tuple(row for title, comparisons in groups for row in _ratio_rows(title, comparisons)),
         caption="Times as long as graphdyn: median and quartiles over the repeats, and of the fastest repeats",
         compact=True,
     )
-    which_way = Prose(WHICH_WAY.format(faster=faster, all=len(every)))
-    return which_way, *_distrust(found, every), table, Prose(HOW, soft=True)
+    which_way = Prose(RATIO_NOTE.format(faster=faster, all=len(every)))
+    return which_way, *_distrust(found, every), table, Prose(ORDER_NOTE, soft=True)
 
 
 def _ratio_rows(title: str, comparisons: Sequence[SpeedRatio]) -> Iterator[Row]:
@@ -169,8 +173,8 @@ def _work(measured: MeasuredWork, floor: Floor | None) -> Section:
             Column("threads", "number"),
             Column("median", "number", form=time_text),
             Column("quartiles", "number", form=span_text),
-            Column("fastest", "number", form=time_text, from_width=MORE),
-            Column("samples", "number", from_width=MORE),
+            Column("fastest", "number", form=time_text, from_width=ALL_COLUMNS_CHARACTERS),
+            Column("samples", "number", from_width=ALL_COLUMNS_CHARACTERS),
             Column("error", "number", form=".1e"),
         ),
         tuple(

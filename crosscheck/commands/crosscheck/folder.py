@@ -28,7 +28,7 @@ def compare_folder(
 ) -> int:
     """Compare all robots and files below folders, report, and return the exit code."""
     from crosscheck.commands.crosscheck.folder_file import SweepFile, taken_over
-    from crosscheck.commands.crosscheck.folder_report import FEW, folder_report
+    from crosscheck.commands.crosscheck.folder_report import MAX_DETAILED_ROBOTS, folder_report
     from crosscheck.commands.crosscheck.summary import DISAGREES, compared_row, failed_row
     from crosscheck.commands.crosscheck.worker import ComparisonTask, Details, examine
 
@@ -44,7 +44,7 @@ def compare_folder(
     if resume and json_file is not None:
         file.records.update(taken_over(json_file.path, robots, samples, seed))
         say(f"{len(file.records)} of {len(robots)} robots taken over from {json_file.path}")
-    details: Details = "none" if html_file is None else "all" if len(robots) <= FEW else "disagreeing"
+    details: Details = "none" if html_file is None else "all" if len(robots) <= MAX_DETAILED_ROBOTS else "disagreeing"
     tasks = [ComparisonTask(robot, samples, seed, details) for robot in robots if robot not in file.records]
     comparisons = {}
     try:

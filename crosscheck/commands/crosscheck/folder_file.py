@@ -16,7 +16,7 @@ from crosscheck.report.versions import versions
 from graphdyn import InvalidInput
 from urdf import InvalidXacro
 
-SHARE = 0.1
+MAX_WRITING_SHARE = 0.1
 """Largest part of the time spent on writing: the file is always written whole, which takes long for many robots."""
 
 
@@ -51,7 +51,7 @@ class SweepFile:
         record = sweep_record(records, list(self.failures.values()), unfinished, self._command)
         self._file.write(as_bytes(plain(record)))
         end = time.monotonic()
-        self._not_before = end + (end - start) * (1 / SHARE - 1)
+        self._not_before = end + (end - start) * (1 / MAX_WRITING_SHARE - 1)
 
 
 def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> dict[str, dict[str, Any]]:

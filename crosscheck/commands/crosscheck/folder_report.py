@@ -16,13 +16,13 @@ from crosscheck.commands.crosscheck.summary import (
     short_names,
 )
 from crosscheck.comparing.comparison import Comparison
-from crosscheck.report.error_tables import ERROR
+from crosscheck.report.error_tables import ERROR_FORMAT
 from crosscheck.report.report import Block, Column, Prose, Report, Row, Section, State, Table, Verdict
 
-FEW = 12
+MAX_DETAILED_ROBOTS = 12
 """Robots of which a page shows all details, some 400 kB each; of more robots, only of those that disagree, as many."""
 
-STATES: dict[str, State] = {
+FOLDER_STATES: dict[str, State] = {
     DISAGREES: "disagrees",
     REFUSED: "disagrees",
     KINEMATICS_ONLY: "undecided",
@@ -32,12 +32,13 @@ STATES: dict[str, State] = {
 
 
 def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison]) -> Report:
-    """comparisons: those to be shown in detail, of which the page has the FEW worst, the worst first"""
-    comparisons = sorted(comparisons, key=_part_of_bound, reverse=True)[:FEW]
+    """comparisons: those to be shown in detail, of which the page has the MAX_DETAILED_ROBOTS worst, the worst first"""
+    comparisons = sorted(comparisons, key=_part_of_bound, reverse=True)[:MAX_DETAILED_ROBOTS]
     keys = {comparison.robot: f"robot-{k}" for k, comparison in enumerate(comparisons, start=1)}
     named = list(zip(short_names(rows), rows, strict=True))
     by_verdict = [
-        _table([(name, row) for name, row in named if row.verdict == verdict], keys, verdict) for verdict in STATES
+        _table([(name, row) for name, row in named if row.verdict == verdict], keys, verdict)
+        for verdict in FOLDER_STATES
     ]
     compared = sum(row.verdict != REFUSED for row in rows)
     blocks: list[Block] = [_terminal_table(named, keys), Prose(counts(rows), on=("text",)), *by_verdict]
@@ -57,7 +58,9 @@ def _part_of_bound(comparison: Comparison) -> float:
 
 def _verdict(rows: Sequence[RobotSummary]) -> Verdict:
     found = {row.verdict for row in rows}
-    words, state = next(((words, state) for words, state in STATES.items() if words in found), (AGREES, "agrees"))
+    words, state = next(
+        ((words, state) for words, state in FOLDER_STATES.items() if words in found), (AGREES, "agrees")
+    )
     meaning = (
         "“kinematics only”: all that was compared agrees, but forward dynamics could not be compared; “refused”: "
         "there was nothing to compare."
@@ -67,11 +70,11 @@ def _verdict(rows: Sequence[RobotSummary]) -> Verdict:
 
 
 def _why_not_all(rows: Sequence[RobotSummary]) -> str:
-    if len(rows) <= FEW:
+    if len(rows) <= MAX_DETAILED_ROBOTS:
         return "Robots taken over from an earlier run have no details here; a run without --resume shows them."
     return (
-        f"Details are shown of robots that disagree and were compared in this run, the {FEW} worst; the JSON file has "
-        "the numbers of all."
+        f"Details are shown of robots that disagree and were compared in this run, the {MAX_DETAILED_ROBOTS} worst; "
+        "the JSON file has the numbers of all."
     )
 
 
@@ -89,7 +92,7 @@ def _table(named: Sequence[tuple[str, RobotSummary]], keys: dict[str, str], verd
         title=f"{verdict}: {len(named)}",
         caption="Each with the quantity whose error takes the largest part of its bound",
         on=("page",),
-        folded=verdict == AGREES and len(named) > FEW,
+        folded=verdict == AGREES and len(named) > MAX_DETAILED_ROBOTS,
     )
 
 
@@ -98,14 +101,14 @@ def _columns() -> tuple[Column, ...]:
         Column("verdict", "verdict"),
         Column("routes"),
         Column("nearest its bound"),
-        Column("error", **ERROR),
-        Column("bound", **ERROR),
+        Column("error", **ERROR_FORMAT),
+        Column("bound", **ERROR_FORMAT),
         Column("reason"),
     )
 
 
 def _row(name: str, row: RobotSummary, keys: dict[str, str]) -> Row:
-    verdict = Verdict(STATES[row.verdict], row.verdict)
+    verdict = Verdict(FOLDER_STATES[row.verdict], row.verdict)
     routes = "both" if len(row.routes) > 1 else "".join(row.routes) or None
     cells = (name, verdict, routes, row.nearest, row.error, row.bound, row.reason)
     return Row(cells, verdict.state, link=keys.get(row.robot))

@@ -10,19 +10,8 @@ from crosscheck.commands.crosscheck.record import record
 from crosscheck.commands.crosscheck.robot_report import robot_section
 from crosscheck.comparing.comparison import Comparison, QuantityResult
 from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED
-from crosscheck.report.error_tables import ERROR, error_text, verdict_of
-from crosscheck.report.report import (
-    Column,
-    Facts,
-    Note,
-    Notes,
-    Prose,
-    Report,
-    Row,
-    Section,
-    Table,
-    Verdict,
-)
+from crosscheck.report.error_tables import ERROR_FORMAT, error_text, verdict_of
+from crosscheck.report.report import Column, Facts, Note, Notes, Prose, Report, Row, Section, Table, Verdict
 
 TITLE = "graphdyn against Pinocchio"
 
@@ -81,8 +70,8 @@ def _verdicts(comparisons: Sequence[Comparison], keys: Sequence[str]) -> Table:
             Column("joints", "number"),
             Column("within bound", "number"),
             Column("nearest to, or beyond, its bound"),
-            Column("error", **ERROR),
-            Column("bound", **ERROR),
+            Column("error", **ERROR_FORMAT),
+            Column("bound", **ERROR_FORMAT),
         ),
         tuple(rows),
         caption="The verdict on every robot",

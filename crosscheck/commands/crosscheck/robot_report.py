@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from crosscheck.comparing.comparison import Comparison, QuantityResult
-from crosscheck.report.error_tables import ERROR, distribution, error_text, over_states, span_text, verdict_of
+from crosscheck.report.error_tables import ERROR_FORMAT, distribution, error_text, over_states, span_text, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
 from crosscheck.report.report import (
-    ROOMY,
+    WIDE_LINE_CHARACTERS,
     Block,
     Code,
     Column,
@@ -32,7 +32,7 @@ ROUTES = {"urdf": "urdf: Pinocchio builds the same file", "model": "model: Pinoc
 PLOTTED, SWITCHED_ON = 8, 3
 """Quantities whose errors are plotted, those nearest to their bounds, and how many of them before a reader asks."""
 
-READER = "Pinocchio's reader wrote: "
+READER_NOTE = "Pinocchio's reader wrote: "
 """Begins the notes of what Pinocchio printed while it read the file."""
 
 
@@ -135,7 +135,7 @@ def _not_compared(comparison: Comparison) -> list[Note]:
 
 
 def _note(text: str) -> Note:
-    return Note(text, "pinocchio-reader" if text.startswith(READER) else "")
+    return Note(text, "pinocchio-reader" if text.startswith(READER_NOTE) else "")
 
 
 def quantities_table(comparison: Comparison, *, terminal: bool) -> Table:
@@ -151,11 +151,13 @@ def quantities_table(comparison: Comparison, *, terminal: bool) -> Table:
         (
             Column("quantity", "name"),
             Column("verdict", "verdict"),
-            Column("error", **ERROR),
-            Column("bound", **ERROR),
-            Column("against Pinocchio's", from_width=ROOMY),
-            Column("worst at", from_width=ROOMY),
-            Column("scale", from_width=2 * ROOMY, meaning="its terms are explained at the end of the page"),
+            Column("error", **ERROR_FORMAT),
+            Column("bound", **ERROR_FORMAT),
+            Column("against Pinocchio's", from_width=WIDE_LINE_CHARACTERS),
+            Column("worst at", from_width=WIDE_LINE_CHARACTERS),
+            Column(
+                "scale", from_width=2 * WIDE_LINE_CHARACTERS, meaning="its terms are explained at the end of the page"
+            ),
         ),
         tuple(rows),
         title="" if terminal else "Every quantity",

@@ -25,8 +25,8 @@ def run(
     Each is put back alone into the correct model of two arms, and the result compared with Pinocchio.
     """
     from crosscheck.commands.errata.report import errata_report
-    from crosscheck.paper.errata import EFFECTS, measure
+    from crosscheck.paper.errata import N_EFFECTS, measure
 
-    with progress("errata", EFFECTS) as advance:
+    with progress("errata", N_EFFECTS) as advance:
         effects = measure(samples, seed, lambda effect: advance(f"{effect.erratum} on {effect.robot}", 1))
     deliver(errata_report(effects, samples, seed), json_file=json_file)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.paper.checks import CORRECTED
+from crosscheck.paper.checks import CORRECTED_FORM_BOUND
 from crosscheck.paper.errata import COSINES, Effect
 from crosscheck.report.pictures.colors import CURVES, FAINT, INK
 from crosscheck.report.pictures.spread import SpreadRow, spread
@@ -23,17 +23,17 @@ WIDTH, HEIGHT = 7.6, 3.6
 RANK_HEIGHT = 1.7
 """Of the picture of A2 [inches]."""
 
-SMALLEST = 1e-17
+MIN_DRAWN_ERROR = 1e-17
 """Where an error of zero is drawn."""
 
 PRINTED, RIGHT = CURVES[1], CURVES[0]
-MARKERS = {"kr500": "o", "ur5": "^"}
+ROBOT_MARKERS = {"kr500": "o", "ur5": "^"}
 
 
 def distributions(key: str, effects: Sequence[Effect]) -> Markup:
     """A1, A4, A5, A6: histograms of the printed and the corrected form, arm by arm."""
     rows = [
-        SpreadRow(f"{effect.erratum} {effect.robot}, {form}", errors, CORRECTED)
+        SpreadRow(f"{effect.erratum} {effect.robot}, {form}", errors, CORRECTED_FORM_BOUND)
         for effect in sorted(effects, key=lambda effect: effect.erratum)
         if effect.erratum not in ("A2", "A3")
         for form, errors in (("printed", effect.errors), ("corrected", effect.corrected_errors))
@@ -72,7 +72,7 @@ def _draw_lock(axes: Axes, effects: Sequence[Effect]) -> None:
     axes.hlines(list(ticks), -6.45, -1.55, color=FAINT, linewidth=0.5, zorder=0)
     axes.set_xlabel("|cos β|", fontsize=9, color=INK)
     axes.set_ylabel("relative error of a", fontsize=9, color=INK)
-    for k, robot in enumerate(MARKERS):
+    for k, robot in enumerate(ROBOT_MARKERS):
         near = [effect for effect in effects if effect.robot == robot]
         _draw_form(axes, k, f"{robot}, printed (Cardano)", [effect.errors for effect in near], PRINTED, filled=True)
         right = [effect.corrected_errors for effect in near]
@@ -89,15 +89,15 @@ def _draw_lock(axes: Axes, effects: Sequence[Effect]) -> None:
 
 def _draw_form(axes: Axes, k: int, name: str, errors: Sequence[Array], color: str, *, filled: bool) -> None:
     """The errors (N,) at each |cos β| side by side around it, those of arm k beside those of the other; medians."""
-    medians = [np.log10(max(float(np.quantile(at, 0.5)), SMALLEST)) for at in errors]
+    medians = [np.log10(max(float(np.quantile(at, 0.5)), MIN_DRAWN_ERROR)) for at in errors]
     axes.plot(np.log10(COSINES), medians, color=color, linewidth=1, linestyle=("-", "--")[k], zorder=1)
     places = [
         np.log10(cosine) + 0.16 * (k - 0.5) + np.linspace(-0.07, 0.07, len(at))
         for cosine, at in zip(COSINES, errors, strict=True)
     ]
     axes.plot(
-        np.concatenate(places), np.log10(np.maximum(np.concatenate(errors), SMALLEST)), label=name,
-        linestyle="", marker=list(MARKERS.values())[k], markersize=3,
+        np.concatenate(places), np.log10(np.maximum(np.concatenate(errors), MIN_DRAWN_ERROR)), label=name,
+        linestyle="", marker=list(ROBOT_MARKERS.values())[k], markersize=3,
         mfc=color if filled else "none", mec=color, mew=0.6, alpha=0.8,
     )  # fmt: skip
 

@@ -202,10 +202,10 @@ def axis_settings(signs: str, zeros: str) -> AxisSettings:
 
 def check_out(out: OutputFile) -> None:
     """Raises typer.BadParameter for a name that no format belongs to."""
-    from crosscheck.exciting.motion_formats.motion_file import WRITTEN
+    from crosscheck.exciting.motion_formats.motion_file import WRITTEN_SUFFIXES
 
-    if out.is_standard_output or out.path.suffix.lower() not in WRITTEN:
-        raise typer.BadParameter(f"--out {out.name}: name a file that ends with {', '.join(WRITTEN)}")
+    if out.is_standard_output or out.path.suffix.lower() not in WRITTEN_SUFFIXES:
+        raise typer.BadParameter(f"--out {out.name}: name a file that ends with {', '.join(WRITTEN_SUFFIXES)}")
 
 
 def _one_or_all(option: str, text: str) -> Array | float:

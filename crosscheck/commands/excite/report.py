@@ -35,9 +35,9 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.robot_parts import locked_text, robot_picture
 from graphdyn import joint_torques
-from graphdyn.excitation import CHECK_RATE, KINDS, ExcitationPlan, FourierBasis, sample_times
+from graphdyn.excitation import CHECK_RATE, LIMIT_KINDS, ExcitationPlan, FourierBasis, sample_times
 
-MOST = 3
+MAX_NAMED_LINKS = 3
 """Links without shapes that are named, of either kind."""
 
 
@@ -84,16 +84,16 @@ def collision_sections(found: Excited) -> tuple[Section, ...]:
 
 
 def _some(told: Sequence[str], between: str) -> str:
-    others = [f"and {len(told) - MOST} others"] if len(told) > MOST else []
-    return between.join([*told[:MOST], *others])
+    others = [f"and {len(told) - MAX_NAMED_LINKS} others"] if len(told) > MAX_NAMED_LINKS else []
+    return between.join([*told[:MAX_NAMED_LINKS], *others])
 
 
 CURVE_RATE = 100.0
 """[Hz] Of the curves."""
 
-STATES: dict[str, State] = {"well": "agrees", "roughly": "undecided", "not": "disagrees"}
+DETERMINATION_VERDICTS: dict[str, State] = {"well": "agrees", "roughly": "undecided", "not": "disagrees"}
 
-GAINS = (
+GAINS_NOTE = (
     "Where torques are measured as motor currents, a common factor on all torques of a joint, its drive gain, is in "
     "all its parameters; no motion shows it, but a known payload on the last link does."
 )
@@ -181,7 +181,7 @@ def _conditions(found: Excited) -> str:
 def _limits(motion: PlannedMotion) -> Table:
     """Joints by rows, kinds of limits by columns."""
     used = {(usage.name, usage.kind): 100 * usage.used for usage in motion.usages if usage.kind != "plane"}
-    kinds = [kind for kind in KINDS if any(kind == key[1] for key in used)]
+    kinds = [kind for kind in LIMIT_KINDS if any(kind == key[1] for key in used)]
     rows = [
         Row((name, *(used.get((name, kind)) for kind in kinds)), _state([used.get((name, kind)) for kind in kinds]))
         for name in dict.fromkeys(key[0] for key in used)
@@ -230,7 +230,7 @@ def _parameters(found: Excited) -> Section:
     plan = found.plan
     bars = Picture(partial(sigma_bars, found=found), on=("page",))
     sums = len(plan.only_in_sums)
-    notes = [Note(GAINS)]
+    notes = [Note(GAINS_NOTE)]
     if "not" in plan.verdicts:
         notes.insert(0, Note("Parameters that are not determined need another motion, a longer one, or less noise."))
     if random_is_better(found):
@@ -262,7 +262,7 @@ def _table(found: Excited) -> Table:
         rows.append(
             Row(
                 (name, plan.units[k], known, plan.sigma[k], 100 * plan.relative[k],
-                 Verdict(STATES[verdict], verdict), *ratios)
+                 Verdict(DETERMINATION_VERDICTS[verdict], verdict), *ratios)
             )
         )  # fmt: skip
     return Table(

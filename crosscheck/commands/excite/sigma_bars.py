@@ -15,7 +15,7 @@ from crosscheck.report.pictures.svg import picture
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FARTHEST = 1e4
+MAX_AXIS_PERCENT = 1e4
 """[%] Where the axis ends at most: beyond, nothing is determined."""
 
 
@@ -40,7 +40,7 @@ def _draw(axes: Axes, found: Excited) -> None:
     ]
     there = np.concatenate([own, *(values for _, values, _, _ in others)])
     there = there[np.isfinite(there)]
-    reach = (there.min() / 2, min(2 * there.max(), FARTHEST)) if there.size else (1.0, FARTHEST)
+    reach = (there.min() / 2, min(2 * there.max(), MAX_AXIS_PERCENT)) if there.size else (1.0, MAX_AXIS_PERCENT)
     axes.set(xscale="log", xlim=reach)
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     put_rows(axes, plan.names)

@@ -8,13 +8,13 @@ from typing import Any
 from crosscheck.commands.export.conventions import head
 from crosscheck.commands.export.record import ExportRecord
 
-NUMBERING = "Bodies and joints: 0 ... N - 1, parents first; joint j carries body j; body -1 is the ground."
+C_NUMBERING = "Bodies and joints: 0 ... N - 1, parents first; joint j carries body j; body -1 is the ground."
 
 
 def c_text(record: ExportRecord) -> str:
     """Constants with internal linkage, to be included where they are used."""
     bodies, frames = record.bodies, record.frames
-    comment = "\n".join(f" * {line}".rstrip() for line in head(record, NUMBERING))
+    comment = "\n".join(f" * {line}".rstrip() for line in head(record, C_NUMBERING))
     comment = comment.replace("*/", "* /").replace("/*", "/ *")
     constants = [
         _constant("double", "gravity[3]", record.gravity),

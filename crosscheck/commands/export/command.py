@@ -17,7 +17,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn export ur5 --to ur5.c
   graphdyn export arm.urdf --chain base_link tool0 --to arm.json
 """
 
-ENDINGS = (".json", ".c", ".h", ".m")
+EXPORT_SUFFIXES = (".json", ".c", ".h", ".m")
 
 ToOption = Annotated[
     OutputFile,
@@ -44,8 +44,10 @@ def run(
     joints like others, as in `graphdyn judge`; of a robot with loops only the tree is written.
     """
     ending = ".json" if to.is_standard_output else to.path.suffix.lower()
-    if ending not in ENDINGS:
-        raise typer.BadParameter(f"--to {to.name}: end the name in {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]}")
+    if ending not in EXPORT_SUFFIXES:
+        raise typer.BadParameter(
+            f"--to {to.name}: end the name in {', '.join(EXPORT_SUFFIXES[:-1])} or {EXPORT_SUFFIXES[-1]}"
+        )
     if ending == ".m" and not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", to.path.stem):
         raise typer.BadParameter(
             f"--to {to.name}: a function of MATLAB has the name of its file; use letters, digits and _ alone"

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from crosscheck.commands.export.conventions import head
 from crosscheck.commands.export.record import ExportRecord
 
-NUMBERING = "Bodies and joints: 1 ... n, parents first; joint j carries body j; body 0 is the ground."
+MATLAB_NUMBERING = "Bodies and joints: 1 ... n, parents first; joint j carries body j; body 0 is the ground."
 
 Rows = Sequence[Sequence[float]]
 
@@ -17,7 +17,7 @@ def matlab_text(record: ExportRecord, function: str) -> str:
     bodies, frames = record.bodies, record.frames
     lines = [
         f"function model = {function}()",
-        *(f"% {line}".rstrip() for line in head(record, NUMBERING)),
+        *(f"% {line}".rstrip() for line in head(record, MATLAB_NUMBERING)),
         f"model.n = {record.n};",
         f"model.gravity = {_column(record.gravity)};",
         f"model.base_rotation = {_matrix(record.base_rotation)};",

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 WIDTH, ROW, AXIS = 7.6, 0.3, 0.85
 """Of the picture, of one row, of axis and key [inches]."""
 
-MARKERS = "os^Dv*Px<>ph"
+METHOD_MARKERS = "os^Dv*Px<>ph"
 MEAN, JOINT = CURVES[0], MIDDLE
 
-SINGULAR_HEIGHT = 2.6
+SINGULAR_VALUES_HEIGHT = 2.6
 """[inches]"""
 
 
@@ -48,7 +48,7 @@ def _draw(axes: Axes, methods: Sequence[str], joints: Sequence[str], errors: Arr
     y = np.arange(len(methods)) + 0.5
     axes.hlines(y, *axes.get_xlim(), color=FAINT, linewidth=0.6, zorder=0)
     for j, name in enumerate(joints):
-        marker = MARKERS[j % len(MARKERS)]
+        marker = METHOD_MARKERS[j % len(METHOD_MARKERS)]
         axes.plot(errors[:, j], y, linestyle="", marker=marker, markersize=4.5, color=JOINT, alpha=0.8, label=name)
     axes.plot(np.nanmean(errors, axis=1), y, linestyle="", marker="|", markersize=13, color=MEAN, mew=2.2, label="mean")
     axes.legend(
@@ -60,7 +60,7 @@ def _draw(axes: Axes, methods: Sequence[str], joints: Sequence[str], errors: Arr
 def singular_values(key: str, values: Array) -> Markup:
     """values: of the regressor with columns at unit length, falling (r,)."""
     label = f"{len(values)} singular values from {values[0]:.3g} to {values[-1]:.3g}"
-    return picture(key, label, (WIDTH, SINGULAR_HEIGHT), lambda axes: _draw_singular(axes, values))
+    return picture(key, label, (WIDTH, SINGULAR_VALUES_HEIGHT), lambda axes: _draw_singular(axes, values))
 
 
 def _draw_singular(axes: Axes, values: Array) -> None:

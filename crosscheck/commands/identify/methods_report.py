@@ -11,9 +11,9 @@ from markupsafe import Markup
 
 from crosscheck.commands.identify.method_errors import method_errors
 from crosscheck.identifying import Candidate, Identified
-from crosscheck.identifying.methods.candidate_models import CAD
+from crosscheck.identifying.methods.candidate_models import CAD_NAME
 from crosscheck.identifying.results.recommending import joint_errors, mean_error, real
-from crosscheck.report.report import NOTHING, Column, Note, Notes, Picture, Row, Section, Table, Verdict
+from crosscheck.report.report import NO_VALUE, Column, Note, Notes, Picture, Row, Section, Table, Verdict
 from graphdyn.identification import ResidualStatistics
 
 
@@ -63,7 +63,7 @@ def _methods(found: Identified) -> Table:
 
 def _words_of_cad(found: Identified) -> str:
     known = any(model.cad_of is not None for model in found.models)
-    return f"; {CAD}: as in the file, drives fitted" if known else ""
+    return f"; {CAD_NAME}: as in the file, drives fitted" if known else ""
 
 
 def _method(found: Identified, candidate: Candidate) -> Row:
@@ -123,7 +123,7 @@ def _errors(found: Identified, which: str, statistics: Mapping[str, ResidualStat
 def _error_text(errors: Sequence[float]) -> str:
     """A root mean square, then relative errors as percentages."""
     rms, *relative = errors
-    return " / ".join([f"{rms:.3g}", *(NOTHING if np.isnan(x) else f"{100 * x:.1f}" for x in relative)])
+    return " / ".join([f"{rms:.3g}", *(NO_VALUE if np.isnan(x) else f"{100 * x:.1f}" for x in relative)])
 
 
 def _trial_errors(found: Identified) -> Table:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from graphdyn.identification import Estimator
     from graphdyn.identification.terms import KnownTerm, Term
 
-KEYS = ("terms", "methods", "known_torques", "scaled_torques", "known_bodies", "expected", "noise")
+MODEL_FILE_KEYS = ("terms", "methods", "known_torques", "scaled_torques", "known_bodies", "expected", "noise")
 
 
 def models_of(
@@ -69,9 +69,9 @@ def models_of(
 def _check(where: str, table: object) -> None:
     if not isinstance(table, dict):
         raise typer.BadParameter(f"{where} is no table; give one per torque model, such as [gears]")
-    unknown = [key for key in table if key not in KEYS]
+    unknown = [key for key in table if key not in MODEL_FILE_KEYS]
     if unknown:
-        raise typer.BadParameter(f"{where} {unknown[0]}: unknown; a torque model has {', '.join(KEYS)}")
+        raise typer.BadParameter(f"{where} {unknown[0]}: unknown; a torque model has {', '.join(MODEL_FILE_KEYS)}")
     if "terms" not in table:
         raise typer.BadParameter(f"{where}: terms are missing; give a list, which may be empty")
 

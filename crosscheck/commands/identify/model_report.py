@@ -10,7 +10,18 @@ import numpy as np
 from crosscheck.commands.identify.parameter_bars import parameter_bars
 from crosscheck.identifying import Identified, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.results.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
-from crosscheck.report.report import NOTHING, ROOMY, Column, Panel, Picture, Plot, Row, Section, Series, Table
+from crosscheck.report.report import (
+    NO_VALUE,
+    WIDE_LINE_CHARACTERS,
+    Column,
+    Panel,
+    Picture,
+    Plot,
+    Row,
+    Section,
+    Series,
+    Table,
+)
 from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
 
@@ -20,8 +31,8 @@ BLUE, RED, GREY = 0, 1, 7
 TORQUE_HEIGHT, RESIDUAL_HEIGHT = 0.8, 0.45
 """Of the panels of a joint."""
 
-NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
-DEVIATION: dict[str, Any] = {"kind": "number", "form": ".2g"}
+VALUE_FORMAT: dict[str, Any] = {"kind": "number", "form": ".4g"}
+DEVIATION_FORMAT: dict[str, Any] = {"kind": "number", "form": ".2g"}
 
 
 def torques_section(found: Identified, shown: MethodResult) -> Section:
@@ -114,15 +125,15 @@ def _base_parameters(rows: Sequence[BaseRow], source: str, *, virtual: bool) -> 
     """virtual: the truth is known."""
     columns = {
         "name": Column("base parameter", "name"),
-        "cad": Column("CAD", **NUMBER),
-        **({"truth": Column("truth", **NUMBER)} if virtual else {}),
-        "value": Column("identified", **NUMBER),
-        **({"error": Column("error", **NUMBER)} if virtual else {}),
-        "deviation": Column("σ white", **DEVIATION, from_width=ROOMY),
-        "block_deviation": Column("σ blocks", **DEVIATION),
-        "relative_deviation": Column("%σ blocks", **DEVIATION),
+        "cad": Column("CAD", **VALUE_FORMAT),
+        **({"truth": Column("truth", **VALUE_FORMAT)} if virtual else {}),
+        "value": Column("identified", **VALUE_FORMAT),
+        **({"error": Column("error", **VALUE_FORMAT)} if virtual else {}),
+        "deviation": Column("σ white", **DEVIATION_FORMAT, from_width=WIDE_LINE_CHARACTERS),
+        "block_deviation": Column("σ blocks", **DEVIATION_FORMAT),
+        "relative_deviation": Column("%σ blocks", **DEVIATION_FORMAT),
         "unit": Column("unit"),
-        "symbol": Column("symbol", from_width=ROOMY),
+        "symbol": Column("symbol", from_width=WIDE_LINE_CHARACTERS),
     }
     return Table(
         tuple(columns.values()),
@@ -147,11 +158,11 @@ def _links(found: Identified, shown: MethodResult) -> Table:
     return Table(
         (
             Column("link", "name"),
-            Column("mass CAD", unit="kg", **NUMBER),
-            Column("mass", unit="kg", **NUMBER),
+            Column("mass CAD", unit="kg", **VALUE_FORMAT),
+            Column("mass", unit="kg", **VALUE_FORMAT),
             Column("center of mass CAD", "vector", "m", _position_text),
             Column("center of mass", "vector", "m", _position_text),
-            Column("smallest pseudo-inertia eigenvalue", **DEVIATION),
+            Column("smallest pseudo-inertia eigenvalue", **DEVIATION_FORMAT),
         ),
         tuple(
             Row((row.name, row.cad_mass, row.mass, row.cad_center, row.center, row.eigenvalue))
@@ -163,7 +174,7 @@ def _links(found: Identified, shown: MethodResult) -> Table:
 
 
 def _position_text(position: Array) -> str:
-    return " ".join(f"{x:.4f}" for x in position) if np.all(np.isfinite(position)) else NOTHING
+    return " ".join(f"{x:.4f}" for x in position) if np.all(np.isfinite(position)) else NO_VALUE
 
 
 def _torque_sizes(model: IdentifiedModel) -> Array:

@@ -138,19 +138,19 @@ def scaled_torques(texts: Sequence[str] | None) -> list[Term]:
 
 def method_shown(text: str) -> str:
     """--choose: the name in the table of a method that may be named as in --methods."""
-    from crosscheck.identifying import METHODS, method_named
+    from crosscheck.identifying import ESTIMATORS, method_named
 
-    return method_named(text).name if text in METHODS else text
+    return method_named(text).name if text in ESTIMATORS else text
 
 
 def methods_of(text: str | None) -> list[str | Estimator]:
     """--methods. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME."""
-    from crosscheck.identifying import METHODS, STANDARD_METHODS, method_named
+    from crosscheck.identifying import ESTIMATORS, STANDARD_METHODS, method_named
 
     if text is None:
         return list(STANDARD_METHODS)
     if text == "all":
-        return list(METHODS)
+        return list(ESTIMATORS)
     names = [name.strip() for name in text.split(",")]
     return [made("--methods", name, *OF_A_METHOD) if ":" in name else method_named(name) for name in names]
 

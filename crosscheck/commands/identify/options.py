@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from crosscheck.recordings import ColumnMapping, Recording
     from crosscheck.recordings.preparation.derivatives import Cutoff
 
-FUNCTION = "FILE.py:NAME"
+FUNCTION_FORM = "FILE.py:NAME"
 
 LogsArgument = Annotated[
     list[Path] | None,
@@ -76,15 +76,17 @@ StribeckExponentOption = Annotated[
 ]
 TermOption = Annotated[
     list[str] | None,
-    typer.Option(metavar=FUNCTION, help="A further term: a function without arguments that returns one. Repeatable."),
+    typer.Option(
+        metavar=FUNCTION_FORM, help="A further term: a function without arguments that returns one. Repeatable."
+    ),
 ]
 KnownTorqueOption = Annotated[
     list[str] | None,
-    typer.Option(metavar=FUNCTION, help="(q, v, a) → known torque (N, n), subtracted. Repeatable."),
+    typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → known torque (N, n), subtracted. Repeatable."),
 ]
 ScaledTorqueOption = Annotated[
     list[str] | None,
-    typer.Option(metavar=FUNCTION, help="The same, with an unknown factor: springs, counterbalances. Repeatable."),
+    typer.Option(metavar=FUNCTION_FORM, help="The same, with an unknown factor: springs, counterbalances. Repeatable."),
 ]
 KnownBodiesOption = Annotated[
     bool, typer.Option("--known-bodies", help="Take the links as in the URDF; identify drives and payload only.")
@@ -103,7 +105,7 @@ MethodsOption = Annotated[
         metavar="NAME,…|all",
         help="ols, wls, wls-pinocchio, gls, huber, tukey, ridge, essential, consistent, entropic, pullback, "
         "consistent-huber, entropic-huber, pullback-huber, log-cholesky, graph, tls, ml, iv, didim, cloe, clie, or "
-        f"{FUNCTION} of your own. Without it: one of each kind.",
+        f"{FUNCTION_FORM} of your own. Without it: one of each kind.",
     ),
 ]
 ValidateOption = Annotated[

@@ -18,7 +18,7 @@ from graphdyn.layout import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SMALLEST = 1e-4
+LINEAR_AXIS_SHARE = 1e-4
 """Part of the largest torque below which the axis is linear."""
 
 FOUND, CAD, TRUE = CURVES[:3]
@@ -34,9 +34,9 @@ def _draw(axes: Axes, rows: Sequence[BaseRow], sizes: Array) -> None:
     found, cad, true = (sizes * np.array([getattr(row, name) for row in rows]) for name in ("value", "cad", "truth"))
     reach = float(np.nanmax(np.abs([*found, *cad]), initial=0.0)) or 1.0
     bar = np.nan_to_num(2 * sizes * [row.block_deviation for row in rows], posinf=4 * reach)
-    axes.set_xscale("symlog", linthresh=SMALLEST * reach, linscale=0.5)
+    axes.set_xscale("symlog", linthresh=LINEAR_AXIS_SHARE * reach, linscale=0.5)
     axes.set(xlim=(-2 * reach, 2 * reach))
-    decades = range(int(np.ceil(np.log10(SMALLEST * reach))), int(np.floor(np.log10(2 * reach))) + 1, 2)
+    decades = range(int(np.ceil(np.log10(LINEAR_AXIS_SHARE * reach))), int(np.floor(np.log10(2 * reach))) + 1, 2)
     ticks = [*(-(10.0**k) for k in reversed(decades)), 0.0, *(10.0**k for k in decades)]
     names = [*(f"−{superscript(k)}" for k in reversed(decades)), "0", *map(superscript, decades)]
     axes.set_xticks(ticks, names, fontsize=9, color=INK)

@@ -9,15 +9,15 @@ from crosscheck.identifying.data_quality.data_quality import CLEAR, Health
 from crosscheck.report.report import Block, Code, Column, Note, Notes, Prose, Row, Section, Table
 from graphdyn.identification.data_quality import RecordingHealth, excitation
 
-OVER = "Lines of the file of --mapping, over those that are there"
-TOO_SHORT = "The recording is too short to tell whether signs, columns, units and delays are right."
+QUALITY_NOTE = "Lines of the file of --mapping, over those that are there"
+TOO_SHORT_NOTE = "The recording is too short to tell whether signs, columns, units and delays are right."
 
 
 def health_section(found: Identified) -> Section:
     """Empty blocks are not shown, so that a recording without findings has tables alone."""
     health = found.health
     if health is None:
-        blocks: tuple[Block, ...] = (Prose(TOO_SHORT),)
+        blocks: tuple[Block, ...] = (Prose(TOO_SHORT_NOTE),)
     else:
         blocks = (_joints(health.measures), *_findings(health), *_of_predicted(found), _unseen(health))
     return Section("health", "Health of the recording", blocks)
@@ -81,7 +81,7 @@ def _findings(health: Health) -> list[Block]:
         note = Note(f"{finding.severity}: {finding.message}; {finding.remedy}", finding.code, state=state)  # type: ignore[arg-type]
         blocks.append(Notes((note,)))
         if finding.lines:
-            blocks.append(Code("\n".join(finding.lines), title=OVER))
+            blocks.append(Code("\n".join(finding.lines), title=QUALITY_NOTE))
     return blocks
 
 

@@ -16,10 +16,10 @@ from crosscheck.commands.identify.record.record import record
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
 from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict
-from graphdyn.identification import ENOUGH, MethodResult
+from graphdyn.identification import MIN_CORRELATION_TIMES, MethodResult
 from graphdyn.layout import Array
 
-MOST_NAMES = 6
+MAX_PARAMETER_NAMES = 6
 """Parameters that a terminal names of a long list; the page and --json have all."""
 
 
@@ -117,7 +117,7 @@ def _correlation(found: Identified, shown: MethodResult | None) -> tuple[tuple[s
         f"{correlation.times:.0f} times as long"
     )
     if correlation.lower_bound:
-        words += f", fewer than {ENOUGH}: σ is a lower bound"
+        words += f", fewer than {MIN_CORRELATION_TIMES}: σ is a lower bound"
     return (("residuals", words),)
 
 
@@ -144,9 +144,9 @@ def _listed(title: str, names: Sequence[str], *, folded: bool) -> tuple[Block, .
     """A list of parameters: its beginning on the terminal, all of it on the page."""
     if not names:
         return ()
-    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    more = f" and {len(names) - MAX_PARAMETER_NAMES} more" if len(names) > MAX_PARAMETER_NAMES else ""
     return (
-        Prose(f"{title}: {'; '.join(names[:MOST_NAMES])}{more}", on=("text",)),
+        Prose(f"{title}: {'; '.join(names[:MAX_PARAMETER_NAMES])}{more}", on=("text",)),
         Prose("; ".join(names), title=title, on=("page",), folded=folded),
     )
 

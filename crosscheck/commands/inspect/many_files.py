@@ -9,7 +9,7 @@ from crosscheck.distributing import LocalProcesses, Lost
 from graphdyn.compiler import cores
 from urdf import Finding, Inspection, inspect
 
-FEW = 16
+MIN_PARALLEL_FILES = 16
 """So many files take less time than starting processes, a second each."""
 
 Examine = Callable[[str], Inspection]
@@ -21,7 +21,9 @@ def inspect_files(
     """One report per robot, in their order. done: called with what was just inspected, and 1."""
     work = partial(_examined, examine)
     reports: dict[int, Inspection] = {}
-    answers = LocalProcesses(cores()).each(work, robots) if len(robots) > FEW else enumerate(map(work, robots))
+    answers = (
+        LocalProcesses(cores()).each(work, robots) if len(robots) > MIN_PARALLEL_FILES else enumerate(map(work, robots))
+    )
     for k, answer in answers:
         if isinstance(answer, Lost):
             answer = _failed(robots[k], f"the inspection was lost: {answer.reason}")

@@ -27,21 +27,21 @@ from crosscheck.report.report import (
     Verdict,
 )
 
-PLACES = 3
+MAX_NAMED_ELEMENTS = 3
 """Elements named per kind of finding; the page has all below the table."""
 
-REASONS = 3
+MAX_REASONS = 3
 """Kinds of findings told as reasons of a verdict; the table has all."""
 
-WORST = 4
+MAX_LISTED_CODES = 4
 """Codes told per file in the table of several."""
 
-MANY_FILES = 20
+MAX_UNFOLDED_FILES = 20
 """Files good for dynamics from which their table is folded."""
 
-SEVERITIES: dict[str, State] = {"error": "disagrees", "warning": "undecided", "note": "plain"}
+SEVERITY_VERDICTS: dict[str, State] = {"error": "disagrees", "warning": "undecided", "note": "plain"}
 
-VERDICTS: dict[str, tuple[State, str, str]] = {
+FILE_VERDICTS: dict[str, tuple[State, str, str]] = {
     "refused": ("disagrees", "refused", "Cannot be loaded"),
     "kinematics only": ("undecided", "good for kinematics only", "Torques do not determine accelerations"),
     "dynamics": ("agrees", "good for dynamics", "Dynamics can be computed"),
@@ -73,12 +73,12 @@ def worst(file: urdf.Inspection) -> list[str]:
     codes = [
         dict.fromkeys(f.code for f in file.findings if f.severity == severity) for severity in ("error", "warning")
     ]
-    return list(next((found for found in codes if found), {}))[:WORST]
+    return list(next((found for found in codes if found), {}))[:MAX_LISTED_CODES]
 
 
 def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
-    state, words, meaning = VERDICTS[file.verdict]
-    told = [kind[0].text for kind in _kinds(file.findings) if kind[0].text in file.reasons][:REASONS]
+    state, words, meaning = FILE_VERDICTS[file.verdict]
+    told = [kind[0].text for kind in _kinds(file.findings) if kind[0].text in file.reasons][:MAX_REASONS]
     more = [f"and {len(file.reasons) - len(told)} more"] if len(file.reasons) > len(told) else []
     reason = f"{_counts(file)}: {'; '.join([*told, *more])}" if told else f"{meaning} ({_counts(file)})"
     verdict = Verdict(state, words, reason)
@@ -95,11 +95,13 @@ def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
 def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recorder) -> Report:
     folder = _common_folder([file.robot for file in inspected])
     by_verdict = {
-        verdict: files for verdict in VERDICTS if (files := [file for file in inspected if file.verdict == verdict])
+        verdict: files
+        for verdict in FILE_VERDICTS
+        if (files := [file for file in inspected if file.verdict == verdict])
     }
-    number = [f"{len(files)} {VERDICTS[verdict][1]}" for verdict, files in by_verdict.items()]
+    number = [f"{len(files)} {FILE_VERDICTS[verdict][1]}" for verdict, files in by_verdict.items()]
     number += [f"{len(missing.notes)} could not be inspected"] if missing.notes else []
-    state = "disagrees" if missing.notes else VERDICTS[next(iter(by_verdict))][0]
+    state = "disagrees" if missing.notes else FILE_VERDICTS[next(iter(by_verdict))][0]
     often = Table(
         (Column("finding", "name"), Column("files", "number")),
         tuple(Row((code, count)) for code, count in occurrences(inspected).items()),
@@ -120,18 +122,18 @@ def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recor
 
 def _of_verdict(verdict: str, files: Sequence[urdf.Inspection], folder: str) -> Section:
     """The files of one verdict in a table, and the findings of each of them."""
-    state, words, meaning = VERDICTS[verdict]
+    state, words, meaning = FILE_VERDICTS[verdict]
     key = verdict.replace(" ", "-")
     names = [os.path.relpath(file.robot, folder) if folder else file.robot for file in files]
-    many = verdict == "dynamics" and len(files) > MANY_FILES
+    many = verdict == "dynamics" and len(files) > MAX_UNFOLDED_FILES
     table = Table(
         (
             Column("file", "name"),
-            *(Column(f"{severity}s", "number") for severity in SEVERITIES),
+            *(Column(f"{severity}s", "number") for severity in SEVERITY_VERDICTS),
             Column("worst findings", meaning="codes of the worst severity, notes left out"),
         ),
         tuple(
-            Row((name, *map(file.count, SEVERITIES), ", ".join(worst(file))), link=f"{key}-{k}")  # type: ignore[arg-type]
+            Row((name, *map(file.count, SEVERITY_VERDICTS), ", ".join(worst(file))), link=f"{key}-{k}")  # type: ignore[arg-type]
             for k, (name, file) in enumerate(zip(names, files, strict=True), start=1)
         ),
         title="The files" if many else "",
@@ -160,7 +162,7 @@ def _findings(file: urdf.Inspection) -> tuple[Block, ...]:
     )
     every = Notes(
         tuple(
-            Note(f"{one.message} → {one.remedy}", one.code, _place(one), SEVERITIES[one.severity])
+            Note(f"{one.message} → {one.remedy}", one.code, _place(one), SEVERITY_VERDICTS[one.severity])
             for kind in kinds
             if len(kind) > 1
             for one in kind
@@ -180,10 +182,10 @@ def _kinds(findings: Sequence[urdf.Finding]) -> list[list[urdf.Finding]]:
 
 
 def _kind_row(kind: Sequence[urdf.Finding]) -> Row:
-    first, state = kind[0], SEVERITIES[kind[0].severity]
+    first, state = kind[0], SEVERITY_VERDICTS[kind[0].severity]
     number = f" {len(kind)}×" if len(kind) > 1 else ""
-    more = [f"and {len(kind) - PLACES} more"] if len(kind) > PLACES else []
-    places = "\n".join([*map(_place, kind[:PLACES]), *more])
+    more = [f"and {len(kind) - MAX_NAMED_ELEMENTS} more"] if len(kind) > MAX_NAMED_ELEMENTS else []
+    places = "\n".join([*map(_place, kind[:MAX_NAMED_ELEMENTS]), *more])
     said = f"{first.message}\n→ {first.remedy}"
     return Row((Verdict(state, first.severity), f"{first.code}{number}", places, said), state)
 
@@ -195,7 +197,7 @@ def _place(finding: urdf.Finding) -> str:
 
 
 def _counts(file: urdf.Inspection) -> str:
-    numbers = {severity: file.count(severity) for severity in SEVERITIES}  # type: ignore[arg-type]
+    numbers = {severity: file.count(severity) for severity in SEVERITY_VERDICTS}  # type: ignore[arg-type]
     return ", ".join(f"{number} {severity}{'s' if number != 1 else ''}" for severity, number in numbers.items())
 
 

@@ -9,14 +9,14 @@ import numpy as np
 
 from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judgment import JudgedFunction, Judgement
-from crosscheck.report.error_tables import ERROR, distribution, over_states, verdict_of
+from crosscheck.report.error_tables import ERROR_FORMAT, distribution, over_states, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
 from crosscheck.report.report import Code, Column, Row, Section, Table
 from crosscheck.report.snippets import worst_call
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
-MOST_ENTRIES = 12
+MAX_SHOWN_ENTRIES = 12
 """Of a matrix, the entries shown at most, those that differ most; the code to reproduce them has all."""
 
 
@@ -80,7 +80,7 @@ def _contests(contests: Sequence[SpreadRow], caption: str) -> Table:
         (
             Column("comparison", "name"),
             Column("verdict", "verdict"),
-            *(Column(title, **ERROR) for title in ("median", "largest", "bound")),
+            *(Column(title, **ERROR_FORMAT) for title in ("median", "largest", "bound")),
         ),
         tuple(
             Row((contest.name, verdict, _median(contest.errors), contest.largest, contest.bound), verdict.state)
@@ -98,7 +98,7 @@ def _median(errors: Array) -> float:
 
 
 def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
-    """All entries of a vector in their order, or the MOST_ENTRIES of an array that differ most, worst first."""
+    """All entries of a vector in their order, or the MAX_SHOWN_ENTRIES of an array that differ most, worst first."""
     shape = FUNCTIONS[function.name].shape
     expected, answer = function.worst.expected, function.worst.answer
     sizes = [size or -1 for size in FUNCTIONS[function.name].shape_for(model.n_bodies)]
@@ -106,7 +106,7 @@ def _worst_call(model: RobotModel, function: JudgedFunction) -> Table:
     chosen = list(range(min(len(expected), len(answer))))
     if len(shape) > 1:
         difference = [math.inf if math.isnan(y) else abs(x - y) for x, y in zip(expected, answer, strict=False)]
-        chosen = sorted(chosen, key=lambda k: difference[k], reverse=True)[:MOST_ENTRIES]
+        chosen = sorted(chosen, key=lambda k: difference[k], reverse=True)[:MAX_SHOWN_ENTRIES]
     differ = "Both answers where they differ most"
     of_joints = shape[:1] == ("n",)
     axes = [Column("joint" if of_joints else "row", "name"), *[Column("column", "number")] * (len(shape) - 1)]

@@ -58,13 +58,13 @@ def foreign_programs(
     """
     from crosscheck.judging.exchange.library import library_function
     from crosscheck.judging.exchange.program import ProgramFunction
-    from crosscheck.judging.exchange.protocols import PROTOCOLS
+    from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME
     from crosscheck.judging.functions.table import FUNCTIONS
 
     found: dict[str, ProgramFunction] = {}
     for name, text in pairs("--command", commands, "NAME='PROGRAM …'"):
         what, words = f"--command {name}={text}", _words(name, text)
-        found[name] = ProgramFunction(words, what, PROTOCOLS[protocol], time_limit, restart_after)
+        found[name] = ProgramFunction(words, what, PROTOCOLS_BY_NAME[protocol], time_limit, restart_after)
     for name, text in pairs("--library", libraries, "NAME=FILE:SYMBOL"):
         if name in found:
             raise typer.BadParameter(f"{name} is named by --command and by --library; name it once")

@@ -10,9 +10,9 @@ from pathlib import Path
 from crosscheck.commands.judge.function_report import counted, function_section
 from crosscheck.commands.judge.record import record
 from crosscheck.judging.judgment import Diagnosis, Judgement
-from crosscheck.report.error_tables import ERROR, verdict_of
+from crosscheck.report.error_tables import ERROR_FORMAT, verdict_of
 from crosscheck.report.report import (
-    ROOMY,
+    WIDE_LINE_CHARACTERS,
     Block,
     Column,
     Facts,
@@ -27,7 +27,7 @@ from crosscheck.report.report import (
 from crosscheck.report.robot_parts import joints_table, locked_text, robot_picture
 from graphdyn.layout import Array
 
-MOST_STATES = 20
+MAX_LISTED_STATES = 20
 """Numbers of states without an answer that are listed at most; the page and the JSON file have all."""
 
 
@@ -129,9 +129,9 @@ def _errors(judgement: Judgement) -> Table:
         (
             Column("function", "name"),
             Column("verdict", "verdict"),
-            *(Column(referee, **ERROR) for referee in judgement.referees),
-            Column("bound", **ERROR),
-            Column("relative to", from_width=ROOMY),
+            *(Column(referee, **ERROR_FORMAT) for referee in judgement.referees),
+            Column("bound", **ERROR_FORMAT),
+            Column("relative to", from_width=WIDE_LINE_CHARACTERS),
         ),
         tuple(
             Row(
@@ -173,8 +173,8 @@ def _read(judgement: Judgement) -> tuple[Block, ...]:
 
 def _states(numbers: list[int]) -> str:
     """state 3; states 3, 7, 8"""
-    rest = len(numbers) - MOST_STATES
-    listed = ", ".join(map(str, numbers[:MOST_STATES])) + (f" and {rest} more" if rest > 0 else "")
+    rest = len(numbers) - MAX_LISTED_STATES
+    listed = ", ".join(map(str, numbers[:MAX_LISTED_STATES])) + (f" and {rest} more" if rest > 0 else "")
     return f"state{'s' if len(numbers) > 1 else ''} {listed}"
 
 

@@ -13,25 +13,25 @@ from crosscheck.report.pictures.stick_figure import AZIMUTH, ELEVATION, FAINT, G
 from crosscheck.report.pictures.svg import picture
 from graphdyn import MaximalState, kr500, maximal_state
 from graphdyn.equations import joint_axes, link_origins
-from graphdyn.experiments import LENGTHS, RADII
+from graphdyn.experiments import BODY_LENGTHS, BODY_RADII
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SIZE = 3.7
+POSE_PICTURE_SIZE = 3.7
 """Width and height of a picture [inches]."""
 
-ROOM = ((-2.3, 2.1), (-0.9, 3.5))
+PICTURE_RANGE = ((-2.3, 2.1), (-0.9, 3.5))
 """Of the picture's plane, around the base: the arm in all three poses [m]."""
 
 FRAME, AXIS, RAIL = 0.36, 0.75, 2.4
 """Lengths of the body axes, half lengths of the joint axes and of the drawn part of the rail [m]."""
 
-LABEL = 11.0
+LABEL_DISTANCE_POINTS = 11.0
 """Of a joint's name from its origin, against e_3 of its body [points]."""
 
-CIRCLE = np.linspace(0.0, 2 * np.pi, 33)
+CIRCLE_ANGLES = np.linspace(0.0, 2 * np.pi, 33)
 
 FRAME_STYLES = ((CURVES[0], "-", "e_1"), (CURVES[1], (0, (3, 1.2)), "e_2"), (CURVES[2], (0, (1, 1)), "e_3"))
 """Colour and line of e_1, e_2, e_3."""
@@ -47,17 +47,17 @@ def arm_pose(key: str, title: str, q: Array, travel: float) -> Markup:
     state = maximal_state(kr500(), q)
     turned = ", ".join(f"joint {j} at {np.rad2deg(x):.5g}°" for j, x in enumerate(q, start=1) if x)
     label = f"{title}: the KR500 as six cylinders on a rail, {turned or 'all joints at 0°'}, carriage at {travel:.3g} m"
-    return picture(key, label, (SIZE, SIZE), lambda axes: _draw(axes, state, travel))
+    return picture(key, label, (POSE_PICTURE_SIZE, POSE_PICTURE_SIZE), lambda axes: _draw(axes, state, travel))
 
 
 def _draw(axes: Axes, state: MaximalState, travel: float) -> None:
     axes.set_axis_off()
-    axes.set(xlim=ROOM[0], ylim=ROOM[1])
+    axes.set(xlim=PICTURE_RANGE[0], ylim=PICTURE_RANGE[1])
     _draw_rail(axes, travel)
     origins, directions = link_origins(state), joint_axes(state)
-    middle = origins + state.rotation[:, :, 0] * np.array(LENGTHS)[:, None] / 2
+    middle = origins + state.rotation[:, :, 0] * np.array(BODY_LENGTHS)[:, None] / 2
     for i in np.argsort(middle @ _TOWARD):  # the nearest last
-        _draw_cylinder(axes, origins[i], state.rotation[i], LENGTHS[i], RADII[i])
+        _draw_cylinder(axes, origins[i], state.rotation[i], BODY_LENGTHS[i], BODY_RADII[i])
     for origin, direction, rotation in zip(origins, directions, state.rotation, strict=True):
         ends = origin + AXIS * np.array([[-1.0], [1.0]]) * direction
         axes.plot(*_flat(ends), color=JOINT, linewidth=1, linestyle=(0, (7, 2, 1.5, 2)), zorder=20)
@@ -70,8 +70,8 @@ def _draw(axes: Axes, state: MaximalState, travel: float) -> None:
         axes.plot(*place, marker="o", markersize=4.5, color="white", mec=JOINT, mew=1.2, zorder=22)
         away = -_flat(state.rotation[j - 1, None, :, 2])[:, 0]
         axes.annotate(
-            f"O{j}", tuple(place), xytext=tuple(LABEL * away / np.linalg.norm(away)), textcoords="offset points",
-            fontsize=7.5, color=INK, ha="center", va="center", zorder=23,
+            f"O{j}", tuple(place), xytext=tuple(LABEL_DISTANCE_POINTS * away / np.linalg.norm(away)),
+            textcoords="offset points", fontsize=7.5, color=INK, ha="center", va="center", zorder=23,
         )  # fmt: skip
 
 
@@ -93,7 +93,7 @@ def _draw_cylinder(axes: Axes, origin: Array, rotation: Array, length: float, ra
     """Its outline, and the outer end where the viewer sees it."""
     from scipy.spatial import ConvexHull
 
-    ring = radius * (np.cos(CIRCLE)[:, None] * rotation[:, 1] + np.sin(CIRCLE)[:, None] * rotation[:, 2])
+    ring = radius * (np.cos(CIRCLE_ANGLES)[:, None] * rotation[:, 1] + np.sin(CIRCLE_ANGLES)[:, None] * rotation[:, 2])
     near = origin if rotation[:, 0] @ _TOWARD < 0 else origin + length * rotation[:, 0]
     far = 2 * origin + length * rotation[:, 0] - near
     points = np.hstack([_flat(near + ring), _flat(far + ring)]).T

@@ -29,10 +29,10 @@ def run(
     where they differ; then what the printed errors do. Pinocchio is the judge.
     """
     from crosscheck.commands.paper.report import paper_report
-    from crosscheck.paper.errata import EFFECTS
-    from crosscheck.paper.reproduction import PARTS, reproduce
+    from crosscheck.paper.errata import N_EFFECTS
+    from crosscheck.paper.reproduction import PROGRESS_STEPS, reproduce
 
-    with progress("paper", len(PARTS) + EFFECTS) as advance:
+    with progress("paper", len(PROGRESS_STEPS) + N_EFFECTS) as advance:
         found = reproduce(samples, seed, lambda what: advance(what, 1))
     deliver(paper_report(found), html_file, json_file)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

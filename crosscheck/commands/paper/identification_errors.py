@@ -26,7 +26,7 @@ LOWEST, HIGHEST = -14.5, -1.0
 BREAK, COMPRESSED = -8.0, 0.3
 """Below this decade, where only exact data come, a decade has this part of its width."""
 
-HIDDEN = 5e-5
+MAX_HIDDEN_NUMBER = 5e-5
 """A printed 0.0000 is smaller than this."""
 
 OURS, PRINTED = CURVES[0], CURVES[1]
@@ -82,7 +82,15 @@ def _draw_row(axes: Axes, found: PaperIdentification, trials: Array, entry: tupl
         axes.plot([_place(exact)], [y], marker="s", markersize=3.5, mfc="none", mec=OURS, mew=0.9, clip_on=False)
     if np.isfinite(printed):
         marker, size = ("x", 5) if printed else ("<", 4)
-        axes.plot([_place(printed or HIDDEN)], [y], marker=marker, markersize=size, mfc="none", mec=PRINTED, mew=1.2)
+        axes.plot(
+            [_place(printed or MAX_HIDDEN_NUMBER)],
+            [y],
+            marker=marker,
+            markersize=size,
+            mfc="none",
+            mec=PRINTED,
+            mew=1.2,
+        )
 
 
 def _place(error: float) -> float:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import partial
 
 from crosscheck.commands.paper.identification_errors import identification_errors
-from crosscheck.commands.paper.texts import BODY_COLUMNS, error_text, misprints, printed_text, value_text
+from crosscheck.commands.paper.texts import BODY_TABLE_COLUMNS, error_text, misprints, printed_text, value_text
 from crosscheck.paper.identification import WHY_TABLE_3, PaperIdentification
 from crosscheck.paper.printed import TABLE_3, TABLE_4
-from crosscheck.report.report import ROOMY, Column, Picture, Prose, Row, Section, Table
+from crosscheck.report.report import WIDE_LINE_CHARACTERS, Column, Picture, Prose, Row, Section, Table
 
-PARAMETER = (Column("parameter", "name"), Column("source", "name"), *BODY_COLUMNS)
+PARAMETER = (Column("parameter", "name"), Column("source", "name"), *BODY_TABLE_COLUMNS)
 
 
 def identification_section(found: PaperIdentification) -> Section:
@@ -79,8 +79,8 @@ def _trials(found: PaperIdentification) -> Table:
             Column("largest error", "number"),
             Column("rms", "number"),
             Column("rank of 36", "number"),
-            Column("condition number", "number", form=".3g", from_width=ROOMY),
-            Column("not determined", from_width=ROOMY),
+            Column("condition number", "number", form=".3g", from_width=WIDE_LINE_CHARACTERS),
+            Column("not determined", from_width=WIDE_LINE_CHARACTERS),
         ),
         (paper, *rows),
         title="All trials",

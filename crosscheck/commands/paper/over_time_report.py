@@ -9,13 +9,13 @@ from crosscheck.paper.over_time import OverTime
 from crosscheck.report.report import Panel, Plot, Prose, Section, Series
 from graphdyn.layout import Array
 
-MARKED = 10
-"""Every MARKED-th sample of rnea is marked."""
+MARKED_SAMPLE_INTERVAL = 10
+"""Every MARKED_SAMPLE_INTERVAL-th sample of rnea is marked."""
 
-HEIGHT = 0.62
+PANEL_HEIGHT = 0.62
 """Of a panel, relative to others."""
 
-KILO = 1e-3
+KILO_FACTOR = 1e-3
 
 
 def over_time_section(motion: OverTime) -> Section:
@@ -53,12 +53,13 @@ def _plot(motion: OverTime, joint: int) -> Plot:
 
 def _panel(title: str, unit: str, names: tuple[str, ...], ours: Array, rnea: Array) -> Panel:
     """ours, rnea: curves side by side (N, 3) [N or N m]"""
-    marked = np.arange(len(rnea)) % MARKED == 0
-    lines = (Series(name, KILO * ours[:, k], color=k) for k, name in enumerate(names))
+    marked = np.arange(len(rnea)) % MARKED_SAMPLE_INTERVAL == 0
+    lines = (Series(name, KILO_FACTOR * ours[:, k], color=k) for k, name in enumerate(names))
     marks = (
-        Series(f"{name}, rnea", np.where(marked, KILO * rnea[:, k], np.nan), "marks", k) for k, name in enumerate(names)
+        Series(f"{name}, rnea", np.where(marked, KILO_FACTOR * rnea[:, k], np.nan), "marks", k)
+        for k, name in enumerate(names)
     )
-    return Panel(title, (*lines, *marks), unit, height=HEIGHT)
+    return Panel(title, (*lines, *marks), unit, height=PANEL_HEIGHT)
 
 
 def _reach(panel: Panel) -> str:

@@ -11,15 +11,26 @@ from crosscheck.commands.paper.identification_report import identification_secti
 from crosscheck.commands.paper.multipliers_report import corrected_section, printed_section
 from crosscheck.commands.paper.over_time_report import over_time_section
 from crosscheck.commands.paper.record import record
-from crosscheck.commands.paper.texts import BODY_COLUMNS
-from crosscheck.paper.checks import EXPERIMENT, WHY_ERRATA, Check
-from crosscheck.paper.printed import POSES
+from crosscheck.commands.paper.texts import BODY_TABLE_COLUMNS
+from crosscheck.paper.checks import EXPERIMENT_NOTE, WHY_ERRATA, Check
+from crosscheck.paper.printed import POSE_TIMES
 from crosscheck.paper.reproduction import Reproduction
 from crosscheck.paper.tables import WHY_TABLE_2, GeometryTable, joint_motion, rail
-from crosscheck.report.report import ROOMY, Block, Column, Picture, Prose, Report, Row, Section, Table, Verdict
+from crosscheck.report.report import (
+    WIDE_LINE_CHARACTERS,
+    Block,
+    Column,
+    Picture,
+    Prose,
+    Report,
+    Row,
+    Section,
+    Table,
+    Verdict,
+)
 
-JUDGE = "Pinocchio is the judge. Labels such as B5 are the numbers of docs/deviations.md."
-AXES = (
+REFERENCE_NOTE = "Pinocchio is the judge. Labels such as B5 are the numbers of docs/deviations.md."
+BODY_AXES_NOTE = (
     "At every joint ○ O1 … O6: the body axes e_1 (full), e_2 (dashed), e_3 (dotted), and the joint axis (dash-dotted)."
 )
 
@@ -31,7 +42,7 @@ def paper_report(found: Reproduction) -> Report:
         (
             Section("holds", "What holds", (_checks(found.checks),)),
             Section("table-2", "Table 2: geometry and density", (Prose(WHY_TABLE_2), _geometry(found.geometry))),
-            Section("experiment", "The experiment of section 3.1", (Prose(EXPERIMENT), *_poses())),
+            Section("experiment", "The experiment of section 3.1", (Prose(EXPERIMENT_NOTE), *_poses())),
             identification_section(found.identification),
             printed_section(found),
             corrected_section(found.corrected),
@@ -46,9 +57,9 @@ def _verdict(checks: tuple[Check, ...]) -> Verdict:
     wrong = sum(not check.agrees for check in checks)
     if not wrong:
         words = "Every number that the text determines is reproduced within its bound."
-        return Verdict("agrees", "every check holds", f"{words} {JUDGE}")
+        return Verdict("agrees", "every check holds", f"{words} {REFERENCE_NOTE}")
     words = "Not every number is within its bound: see What holds."
-    return Verdict("disagrees", f"{wrong} of {len(checks)} checks DO NOT HOLD", f"{words} {JUDGE}")
+    return Verdict("disagrees", f"{wrong} of {len(checks)} checks DO NOT HOLD", f"{words} {REFERENCE_NOTE}")
 
 
 def _checks(checks: tuple[Check, ...]) -> Table:
@@ -60,7 +71,7 @@ def _checks(checks: tuple[Check, ...]) -> Table:
             Column("what"),
             Column("measured", "number", form=".2g"),
             Column("bound", "number"),
-            Column("why this bound", from_width=ROOMY),
+            Column("why this bound", from_width=WIDE_LINE_CHARACTERS),
         ),
         tuple(
             Row(
@@ -88,7 +99,7 @@ def _geometry(found: GeometryTable) -> Table:
             Row(("", "graphdyn", *ours)),
         ]
     return Table(
-        (Column("parameter", "name"), Column("source", "name"), *BODY_COLUMNS),
+        (Column("parameter", "name"), Column("source", "name"), *BODY_TABLE_COLUMNS),
         tuple(rows),
         caption="As printed, and from 7801 kg/m³ with the cylinder formula",
         repeated=2,
@@ -106,9 +117,9 @@ def _poses() -> tuple[Block, ...]:
             wide=False,
             on=("page",),
         )
-        for title, time in POSES.items()
+        for title, time in POSE_TIMES.items()
     )
-    return *pictures, Prose(AXES, soft=True, on=("page",))
+    return *pictures, Prose(BODY_AXES_NOTE, soft=True, on=("page",))
 
 
 def _errata(found: Reproduction) -> Section:

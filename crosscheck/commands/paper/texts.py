@@ -7,15 +7,15 @@ from collections.abc import Iterable
 
 from crosscheck.paper.multipliers import Multiplier
 from crosscheck.paper.printed import Printed
-from crosscheck.report.report import NOTHING, Column
+from crosscheck.report.report import NO_VALUE, Column
 
-BODY_COLUMNS = tuple(Column(f"B_{i}", "number") for i in range(1, 7))
+BODY_TABLE_COLUMNS = tuple(Column(f"B_{i}", "number") for i in range(1, 7))
 
 
 def printed_text(number: Printed) -> str:
     """As printed, with the number of its erratum."""
     if number.text is None:
-        return NOTHING
+        return NO_VALUE
     return f"{number.text} {number.erratum or ''}".strip()
 
 
@@ -28,18 +28,18 @@ def misprints(numbers: Iterable[Printed]) -> str:
 
 def value_text(value: float) -> str:
     """With the four decimal places of the paper; no minus before a zero."""
-    return NOTHING if math.isnan(value) else f"{round(value, 4) + 0.0:.4f}"
+    return NO_VALUE if math.isnan(value) else f"{round(value, 4) + 0.0:.4f}"
 
 
 def error_text(error: float) -> str:
     """An error far below the places of the paper."""
     if math.isnan(error):
-        return NOTHING
+        return NO_VALUE
     return f"{error:.0e}" if error else "0"
 
 
 def multiplier_text(number: Multiplier) -> str:
     """With the seven digits of the paper; zero for what is rounding of zero."""
     if math.isnan(number.ours):
-        return NOTHING
+        return NO_VALUE
     return "0" if number.kind == "rounding" else f"{number.ours:.6e}"

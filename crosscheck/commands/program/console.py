@@ -16,16 +16,16 @@ from rich.text import Text
 
 from crosscheck.report.plain_text import printable
 
-WIDTH = 120
+LINE_CHARACTERS = 120
 """Characters per line where the output is not a terminal (a file, a pipe)."""
 
-SHOWN = 40
+MAX_STEP_CHARACTERS = 40
 """Largest number of characters of the step shown beside a progress bar; of a long path, the end is shown."""
 
-INTERVAL = 10.0
+PROGRESS_INTERVAL = 10.0
 """Time from one line of progress to the next where nobody watches a bar [s]."""
 
-REMEDIES = {
+SYSTEM_ERROR_REMEDIES = {
     ENOENT: "check the name and the folder",
     EACCES: "check who may read and write it",
     EISDIR: "name a file",
@@ -45,7 +45,7 @@ class PipeConsole(Console):
 
 
 err = PipeConsole(stderr=True, markup=False, highlight=False)
-out = PipeConsole(markup=False, highlight=False, width=None if stdout.isatty() else WIDTH)
+out = PipeConsole(markup=False, highlight=False, width=None if stdout.isatty() else LINE_CHARACTERS)
 
 
 def say(text: str, style: str | None = None) -> None:
@@ -63,7 +63,7 @@ def in_words(error: Exception) -> str:
     """The message; of an error of the system the file, the reason and the remedy, without its number."""
     if not isinstance(error, OSError) or error.filename is None or not error.strerror:
         return str(error)
-    remedy = f"; {REMEDIES[error.errno]}" if error.errno in REMEDIES else ""
+    remedy = f"; {SYSTEM_ERROR_REMEDIES[error.errno]}" if error.errno in SYSTEM_ERROR_REMEDIES else ""
     return f"{error.filename}: {error.strerror.lower()}{remedy}"
 
 
@@ -107,21 +107,21 @@ def progress(title: str, total: int | None = None) -> Iterator[Advance]:
         task = bar.add_task("", total=total, title=printable(title))
 
         def advance(what: str, steps: int) -> None:
-            tail = what if len(what) <= SHOWN else f"…{what[1 - SHOWN :]}"
+            tail = what if len(what) <= MAX_STEP_CHARACTERS else f"…{what[1 - MAX_STEP_CHARACTERS :]}"
             bar.update(task, advance=steps, description=printable(tail))
 
         yield advance
 
 
 def _lines(title: str, total: int | None) -> Advance:
-    """Such as "crosscheck: 12 of 340 after 80 s, arms/ur5.urdf", at most one in each INTERVAL."""
+    """Such as "crosscheck: 12 of 340 after 80 s, arms/ur5.urdf", at most one in each PROGRESS_INTERVAL."""
     start = last = time.monotonic()
     done = 0
 
     def advance(what: str, steps: int) -> None:
         nonlocal last, done
         now, done = time.monotonic(), done + steps
-        if now - last >= INTERVAL:
+        if now - last >= PROGRESS_INTERVAL:
             last = now
             of = "" if total is None else f" of {total}"
             say(f"{title}: {done}{of} after {now - start:.0f} s{', ' if what else ''}{what}")

@@ -7,7 +7,7 @@ import io
 import sys
 import unicodedata
 
-SPELLED = str.maketrans(
+ASCII_SPELLING = str.maketrans(
     {
         **dict.fromkeys("–—−‒‐", "-"), **dict.fromkeys("·•×", "*"), **dict.fromkeys("“”", '"'),
         **dict.fromkeys("‘’", "'"),
@@ -28,7 +28,7 @@ def accept_all_characters() -> None:
 
 def spelled(text: str) -> str:
     """In ASCII: τ as tau, ẍ as x, 10⁻³ as 10-3; other characters as Python writes them, as \\u4e2d."""
-    return "".join(map(_letter, text.translate(SPELLED)))
+    return "".join(map(_letter, text.translate(ASCII_SPELLING)))
 
 
 def _letter(character: str) -> str:

@@ -24,19 +24,19 @@ Functions, after their arguments:
 """
 """Shapes and units are in docs/judge.md. Written out, because the help must not import what computes."""
 
-FUNCTION = "FILE.py:NAME"
+FUNCTION_FORM = "FILE.py:NAME"
 
-InverseOption = Annotated[str | None, typer.Option(metavar=FUNCTION, help="(q, v, a) → τ, arrays of shape (n,).")]
-ForwardOption = Annotated[str | None, typer.Option(metavar=FUNCTION, help="(q, v, τ) → a.")]
-MassOption = Annotated[str | None, typer.Option(metavar=FUNCTION, help="q → M, shape (n, n).")]
-RegressorOption = Annotated[str | None, typer.Option(metavar=FUNCTION, help="(q, v, a) → W, shape (n, 10n).")]
+InverseOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → τ, arrays of shape (n,).")]
+ForwardOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, τ) → a.")]
+MassOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="q → M, shape (n, n).")]
+RegressorOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → W, shape (n, 10n).")]
 JointsOption = Annotated[
     str | None,
     typer.Option(metavar="NAME,NAME,…", help="Order of the joints in the functions; the file's if left out."),
 ]
 FunctionOption = Annotated[
     list[str] | None,
-    typer.Option(metavar=f"NAME={FUNCTION}", help="Any function of the list below, by its name. Repeatable."),
+    typer.Option(metavar=f"NAME={FUNCTION_FORM}", help="Any function of the list below, by its name. Repeatable."),
 ]
 FrameOption = Annotated[str | None, typer.Option(metavar="LINK", help="Frame of the functions that belong to one.")]
 ConventionOption = Annotated[

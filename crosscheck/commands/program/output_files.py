@@ -22,9 +22,9 @@ from urdf.document import write_whole
 
 STANDARD_OUTPUT = ("-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
 
-ROBOTS = (".urdf", ".xacro", ".xml", ".sdf")
-MESHES = (".stl", ".dae", ".obj", ".mtl", ".ply", ".glb")
-OTHERS = (".yaml", ".yml", ".toml", ".py", ".pyi", ".so", ".pyd")
+ROBOT_SUFFIXES = (".urdf", ".xacro", ".xml", ".sdf")
+MESH_SUFFIXES = (".stl", ".dae", ".obj", ".mtl", ".ply", ".glb")
+OTHER_SUFFIXES = (".yaml", ".yml", ".toml", ".py", ".pyi", ".so", ".pyd")
 PLAIN = (".txt", ".dat", ".log")
 """Endings of recordings that any other text may have too."""
 
@@ -35,7 +35,7 @@ def sources() -> frozenset[str]:
     from crosscheck.recordings.formats.table import formats
 
     recordings = {"." + suffix.rpartition(".")[2] for suffix in formats()}
-    return frozenset((*ROBOTS, *MESHES, *recordings, ".npy", *OTHERS)).difference(PLAIN)
+    return frozenset((*ROBOT_SUFFIXES, *MESH_SUFFIXES, *recordings, ".npy", *OTHER_SUFFIXES)).difference(PLAIN)
 
 
 @dataclass(frozen=True)

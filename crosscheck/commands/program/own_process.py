@@ -22,7 +22,7 @@ from crosscheck.distributing.processes import end_with_parent
 from crosscheck.judging.exchange.line_process import end_in_words
 from graphdyn import GraphDynError
 
-PATIENCE = 5.0
+UNWINDING_TIME = 5.0
 """Time that the process has to unwind before it is killed [s]."""
 
 program: Callable[[], None] | None = None
@@ -81,7 +81,7 @@ def _told(process: BaseProcess, ours: Connection) -> tuple[list[str], int | None
 
 def _end(process: BaseProcess) -> None:
     process.terminate()
-    process.join(PATIENCE)
+    process.join(UNWINDING_TIME)
     if process.exitcode is None:
         process.kill()
         process.join()

@@ -94,9 +94,9 @@ def run(
 
 def ending_of(option: str, to: OutputFile) -> str:
     """The ending of the file's name. Raises typer.BadParameter for one of no known form."""
-    from crosscheck.judging.exchange.questions import FORMS
+    from crosscheck.judging.exchange.questions import QUESTION_WRITERS
 
-    endings = (".json", *FORMS)
+    endings = (".json", *QUESTION_WRITERS)
     ending = ".csv" if to.is_standard_output else Path(to.name).suffix.lower()
     if ending not in endings:
         raise typer.BadParameter(f"{option} {to.name}: end the name in {', '.join(endings[:-1])} or {endings[-1]}")
@@ -106,9 +106,9 @@ def ending_of(option: str, to: OutputFile) -> str:
 def content(ending: str, robot: str, joint_names: Sequence[str], frame: str | None, asked: Sequence[Question]) -> bytes:
     """Questions in the form of an ending."""
     from crosscheck.commands.questions.record import record
-    from crosscheck.judging.exchange.questions import FORMS
+    from crosscheck.judging.exchange.questions import QUESTION_WRITERS
     from crosscheck.report.json import as_bytes, plain
 
     if ending == ".json":
         return as_bytes(plain(record(robot, joint_names, frame, asked)))
-    return FORMS[ending](asked)
+    return QUESTION_WRITERS[ending](asked)

@@ -12,7 +12,7 @@ from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
 
 Pattern = NDArray[np.bool_]
 
-_LABEL = "joint 99 "
+_JOINT_LABEL = "joint 99 "
 _BRAILLE_BITS = np.array([[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]])
 """Bit of the dot in each row and column of a Braille character."""
 
@@ -59,12 +59,12 @@ def _framed(pattern: Pattern, n: int, raster: Raster, chords: Sequence[int]) -> 
     split = BODY_FREEDOMS * n
     parts = slice(0, split), slice(split, None)
     (a, phi_t), (phi, zero) = ([raster.lines(pattern[rows, columns]) for columns in parts] for rows in parts)
-    margin = " " * len(_LABEL)
+    margin = " " * len(_JOINT_LABEL)
     bodies = _labels("body", n, BODY_FREEDOMS, raster, len(a))
     joints = _labels("joint", n, JOINT_CONSTRAINTS, raster, len(phi))
     first = len(pattern) - split - sum(chords)
     for number, rows in enumerate(chords, start=1):
-        joints[first // raster.rows] = f"chord {number}".ljust(len(_LABEL))
+        joints[first // raster.rows] = f"chord {number}".ljust(len(_JOINT_LABEL))
         first += rows
     numbers = (
         _numbers(n, BODY_FREEDOMS, raster, len(a[0])),
@@ -87,9 +87,9 @@ def _rows(labels: Sequence[str], left: Sequence[str], right: Sequence[str]) -> l
 
 def _labels(what: str, n: int, size: int, raster: Raster, height: int) -> list[str]:
     """A label at the line that holds the first row of each body or joint."""
-    labels = [" " * len(_LABEL)] * height
+    labels = [" " * len(_JOINT_LABEL)] * height
     for k in range(n):
-        labels[size * k // raster.rows] = f"{what} {k + 1}".ljust(len(_LABEL))
+        labels[size * k // raster.rows] = f"{what} {k + 1}".ljust(len(_JOINT_LABEL))
     return labels
 
 

@@ -133,7 +133,7 @@ def _reactions(model: RobotModel, found: LoopAnalysis, q: Array) -> tuple[list[R
 SEED = 0
 """Seed of the random state at which the matrix of Eq. (111) is shown."""
 
-ROUNDING = 1e-14
+ZERO_ENTRY_SHARE = 1e-14
 """Part of the largest entry of its block (body, joint, coupling or chord by another) below which an entry is zero."""
 
 
@@ -236,5 +236,5 @@ def _pattern(matrix: Array, model: RobotModel) -> NDArray[np.bool_]:
     block = np.repeat(np.arange(len(sizes)), sizes)
     largest = np.zeros((len(sizes), len(sizes)))
     np.maximum.at(largest, (block[:, None], block), np.abs(matrix))
-    pattern: NDArray[np.bool_] = np.abs(matrix) > ROUNDING * largest[block[:, None], block]
+    pattern: NDArray[np.bool_] = np.abs(matrix) > ZERO_ENTRY_SHARE * largest[block[:, None], block]
     return pattern

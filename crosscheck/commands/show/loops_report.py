@@ -7,14 +7,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from crosscheck.commands.show.record import LoopsRecord, ReactionRecord, ShowRecord
-from crosscheck.report.plain_text import ROUNDING, matrix_lines, vector_text
-from crosscheck.report.report import NOTHING, Block, Column, Facts, Group, Lines, Row, Section, Table
+from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, matrix_lines, vector_text
+from crosscheck.report.report import NO_VALUE, Block, Column, Facts, Group, Lines, Row, Section, Table
 from graphdyn.model import FORCES, MOMENTS
 
-SHOWN_STRESSES = 20
+MAX_SHOWN_STRESSES = 20
 """Self-stresses on terminal and page; of a linkage of 42 loops there are 138."""
 
-SHOWN_PARTS = 8
+MAX_SHOWN_PARTS = 8
 """Of one self-stress, the largest first."""
 
 DIRECTIONS = (*FORCES, *MOMENTS)
@@ -119,8 +119,8 @@ def _cells(reaction: ReactionRecord, known: bool) -> list[str]:
     """A cell for each direction: the number, or that it is determined; empty where it is not."""
     names = ["force p" if name == "tension" else name for name in reaction.directions]
     values = np.array(reaction.values, dtype=float)
-    negligible = ROUNDING * np.nanmax(np.abs(values), initial=0.0)
-    cells = dict.fromkeys(DIRECTIONS, NOTHING)
+    negligible = ZERO_COMPONENT_SHARE * np.nanmax(np.abs(values), initial=0.0)
+    cells = dict.fromkeys(DIRECTIONS, NO_VALUE)
     for name, determined, value in zip(names, reaction.determined, values, strict=True):
         number = 0.0 if abs(value) <= negligible else value
         cells[name] = "" if not determined else f"{number:.4g}" if known else "determined"
@@ -128,7 +128,7 @@ def _cells(reaction: ReactionRecord, known: bool) -> list[str]:
 
 
 def _self_stresses(loops: LoopsRecord) -> Table:
-    shown = loops.self_stresses[:SHOWN_STRESSES]
+    shown = loops.self_stresses[:MAX_SHOWN_STRESSES]
     left = len(loops.self_stresses) - len(shown)
     return Table(
         (Column("no.", "number"), Column("reactions that hold each other without any load, relative to the largest")),
@@ -140,5 +140,5 @@ def _self_stresses(loops: LoopsRecord) -> Table:
 
 def _combination(stress: Mapping[str, float]) -> str:
     order = sorted(stress, key=lambda name: -abs(stress[name]))
-    text = ", ".join(f"{name} {stress[name]:.3g}" for name in order[:SHOWN_PARTS])
-    return text if len(order) <= SHOWN_PARTS else f"{text}, {len(order) - SHOWN_PARTS} more"
+    text = ", ".join(f"{name} {stress[name]:.3g}" for name in order[:MAX_SHOWN_PARTS])
+    return text if len(order) <= MAX_SHOWN_PARTS else f"{text}, {len(order) - MAX_SHOWN_PARTS} more"

@@ -17,16 +17,16 @@ from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SIZE = 6.5
+PATTERN_SIZE = 6.5
 """Width and height of the pattern [inches]."""
 
-MARGIN = 0.07
+LABEL_MARGIN = 0.07
 """Room for the labels, as a part of the picture."""
 
-FILL = 0.6
+LABEL_FILL = 0.6
 """Height of a label, as a part of the rows of its joint, where 9 points do not fit."""
 
-POINTS = 72
+POINTS_PER_INCH = 72
 """Of an inch."""
 
 
@@ -34,7 +34,7 @@ def matrix_pattern(key: str, pattern: NDArray[np.bool_], n: int, chords: Sequenc
     """pattern: where the matrix of n bodies has entries; chords: numbers of rows of the chords, which are the last."""
     size = len(pattern)
     label = f"Pattern of the {size}×{size} matrix"
-    return picture(key, label, (SIZE, SIZE), lambda axes: _draw(axes, pattern, n, chords))
+    return picture(key, label, (PATTERN_SIZE, PATTERN_SIZE), lambda axes: _draw(axes, pattern, n, chords))
 
 
 def _draw(axes: Axes, pattern: NDArray[np.bool_], n: int, chords: Sequence[int]) -> None:
@@ -42,8 +42,8 @@ def _draw(axes: Axes, pattern: NDArray[np.bool_], n: int, chords: Sequence[int])
     from matplotlib.collections import PolyCollection
 
     size = len(pattern)
-    margin = MARGIN * size
-    fontsize = min(9.0, FILL * SIZE * POINTS * JOINT_CONSTRAINTS / (size + margin))
+    margin = LABEL_MARGIN * size
+    fontsize = min(9.0, LABEL_FILL * PATTERN_SIZE * POINTS_PER_INCH * JOINT_CONSTRAINTS / (size + margin))
     axes.set_axis_off()
     axes.set(xlim=(-margin, size + 1), ylim=(size + 1, -margin))
     corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])

@@ -37,8 +37,8 @@ from graphdyn import RobotModel
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-VECTOR: dict[str, Any] = {"kind": "vector", "form": vector_text}
-NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
+VECTOR_FORMAT: dict[str, Any] = {"kind": "vector", "form": vector_text}
+NUMBER_FORMAT: dict[str, Any] = {"kind": "number", "form": ".4g"}
 
 
 def show_report(robot: ShowRecord, model: RobotModel) -> Report:
@@ -90,9 +90,9 @@ def _bodies(robot: ShowRecord) -> Table:
         (
             Column("no.", "number"),
             Column("body", "name"),
-            Column("mass", unit="kg", **NUMBER),
-            Column("center of mass", unit="m", meaning="in link axes", **VECTOR),
-            Column("principal moments", unit="kg m²", meaning="about the center of mass, ascending", **VECTOR),
+            Column("mass", unit="kg", **NUMBER_FORMAT),
+            Column("center of mass", unit="m", meaning="in link axes", **VECTOR_FORMAT),
+            Column("principal moments", unit="kg m²", meaning="about the center of mass, ascending", **VECTOR_FORMAT),
         ),
         tuple(
             Row(
@@ -113,9 +113,11 @@ def _joints(robot: ShowRecord, model: RobotModel) -> Table:
             Column("joint", "name"),
             Column("kind"),
             Column("bodies", meaning="from body → to body, 0 is the ground"),
-            Column("axis", **VECTOR),
-            Column("xyz", unit="m", meaning="the joint frame in the link frame of the body it starts from", **VECTOR),
-            Column("rpy", unit="°", **VECTOR),
+            Column("axis", **VECTOR_FORMAT),
+            Column(
+                "xyz", unit="m", meaning="the joint frame in the link frame of the body it starts from", **VECTOR_FORMAT
+            ),
+            Column("rpy", unit="°", **VECTOR_FORMAT),
         ),
         tuple(
             Row((j.number, j.name, j.kind, f"{edge.inside} → {j.number}", j.axis, j.xyz, j.rpy))
@@ -132,14 +134,14 @@ def _couplings(robot: ShowRecord) -> list[Block]:
         Row((c.joint, " + ".join(f"{ratio:.6g} {name}" for name, ratio in c.ratios.items()), c.offset))
         for c in robot.couplings
     ]
-    columns = (Column("joint", "name"), Column("driven as", "name"), Column("offset", **NUMBER))
+    columns = (Column("joint", "name"), Column("driven as", "name"), Column("offset", **NUMBER_FORMAT))
     return [Table(columns, tuple(rows), title="Couplings", caption="rad or m; q, v and τ have no entries for them")]
 
 
 def _limits(robot: ShowRecord) -> Table:
     names = ("lower", "upper", "velocity", "effort", "damping", "friction")
     return Table(
-        (Column("no.", "number"), Column("joint", "name"), *(Column(name, **NUMBER) for name in names)),
+        (Column("no.", "number"), Column("joint", "name"), *(Column(name, **NUMBER_FORMAT) for name in names)),
         tuple(Row((joint.number, joint.name, *(getattr(joint, name) for name in names))) for joint in robot.joints),
         title="Limits, damping and friction",
         caption="rad or m, …/s, N m or N",
@@ -155,8 +157,8 @@ def _frames(robot: ShowRecord) -> Block:
             Column("frame", "name"),
             Column("also called"),
             Column("in body"),
-            Column("xyz", unit="m", **VECTOR),
-            Column("rpy", unit="°", **VECTOR),
+            Column("xyz", unit="m", **VECTOR_FORMAT),
+            Column("rpy", unit="°", **VECTOR_FORMAT),
         ),
         tuple(Row((frame.name, ", ".join(frame.aliases), frame.body, frame.xyz, frame.rpy)) for frame in robot.frames),
         title="Frames",
@@ -183,7 +185,7 @@ def _graph(robot: ShowRecord) -> tuple[Block, ...]:
             Column("j", "number"),
             Column("joint", "name"),
             Column("S_ij", "number", form="+d"),
-            Column("C_ij", unit="m", **VECTOR),
+            Column("C_ij", unit="m", **VECTOR_FORMAT),
         ),
         tuple(rows),
         title="Body-joint vectors C",

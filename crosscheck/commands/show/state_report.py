@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crosscheck.commands.show.record import FrameStateRecord, MassMotionRecord, StateRecord
-from crosscheck.report.plain_text import ROUNDING, vector_text
+from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, vector_text
 from crosscheck.report.report import Column, Facts, Group, Row, Section, Table
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
-ROWS = ("v_x", "v_y", "v_z", "ω_x", "ω_y", "ω_z")
+JACOBIAN_ROWS = ("v_x", "v_y", "v_z", "ω_x", "ω_y", "ω_z")
 """Of a frame Jacobian."""
 
 
@@ -78,7 +78,9 @@ def _frame(frame: FrameStateRecord) -> Group:
         ),
         title=f"Frame '{frame.name}'",
     )
-    return Group((facts, _matrix(frame.jacobian, f"Jacobian, {frame.reference}", "m; 1 of revolute joints", ROWS)))
+    return Group(
+        (facts, _matrix(frame.jacobian, f"Jacobian, {frame.reference}", "m; 1 of revolute joints", JACOBIAN_ROWS))
+    )
 
 
 def _mass(state: StateRecord) -> Table:
@@ -101,4 +103,4 @@ def _matrix(matrix: Sequence[Sequence[float]], title: str, units: str, rows: Seq
 def _without_rounding(values: Sequence[float | None] | Sequence[Sequence[float]]) -> Array:
     """What is smaller than ROUNDING of the largest entry is 0; None is NaN."""
     array = np.array(values, dtype=float)
-    return np.where(np.abs(array) <= ROUNDING * np.abs(array).max(initial=0.0), 0.0, array)
+    return np.where(np.abs(array) <= ZERO_COMPONENT_SHARE * np.abs(array).max(initial=0.0), 0.0, array)

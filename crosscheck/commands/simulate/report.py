@@ -17,7 +17,7 @@ from graphdyn import RobotModel, Simulation
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from urdf import Reading
 
-SHOWN_ROWS = 2000
+MAX_SHOWN_ROWS = 2000
 """Rows of a curve at most: more would be invisible."""
 
 
@@ -153,7 +153,7 @@ def _of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:
 
 
 def _curves(motion: Simulation) -> Plot:
-    rows = np.unique(np.linspace(0, len(motion.time) - 1, min(SHOWN_ROWS, len(motion.time))).astype(int))
+    rows = np.unique(np.linspace(0, len(motion.time) - 1, min(MAX_SHOWN_ROWS, len(motion.time))).astype(int))
     energy, (q, v, tau) = motion.energy, _of_all_joints(motion)
 
     def series(values: Array) -> tuple[Series, ...]:

@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 WIDTH, PANEL, TITLE, LEFT = 7.6, 1.25, 0.26, 0.5
 """Of the picture, height of a panel, of what is above it, room for the numbers on the left [inches]."""
 
-ACROSS = 5
+ERROR_PANELS_PER_ROW = 5
 """Panels beside each other."""
 
 KEY, BELOW = 0.3, 0.55
 """Room above for the key, and below for the axis [inches]."""
 
-BEST = (0, (3, 2))
+BEST_DASHES = (0, (3, 2))
 """Dashes of the smallest median."""
 
-APART = 0.6
+RUN_SPREAD = 0.6
 """Part of the distance of two places over which the runs at one are spread."""
 
 
@@ -63,7 +63,7 @@ def study_errors(
     hovers: Mapping[str, str],
 ) -> Markup:
     """methods: of the columns; places: of the axis in words, title: of the axis; hovers: of the links."""
-    rows = -(-len(methods) // ACROSS)
+    rows = -(-len(methods) // ERROR_PANELS_PER_ROW)
     height = KEY + rows * (PANEL + TITLE) + BELOW
     return picture(key, label, (WIDTH, height), lambda axes: _draw(axes, methods, places, title, lines, height), hovers)
 
@@ -72,17 +72,17 @@ def _draw(
     axes: Axes, methods: Sequence[str], places: Sequence[str], title: str, lines: Sequence[ErrorLine], height: float
 ) -> None:
     axes.set_axis_off()
-    across = min(ACROSS, len(methods))
-    width = (WIDTH - LEFT) / ACROSS
+    across = min(ERROR_PANELS_PER_ROW, len(methods))
+    width = (WIDTH - LEFT) / ERROR_PANELS_PER_ROW
     there = np.concatenate([part.ravel() for line in lines for part in line.errors])
     there = there[np.isfinite(there) & (there > 0)]
     reach = (there.min() / 1.5, there.max() * 1.5) if there.size else (0.1, 1.0)
     for k, name in enumerate(methods):
-        row, column = divmod(k, ACROSS)
+        row, column = divmod(k, ERROR_PANELS_PER_ROW)
         bottom = height - KEY - row * (PANEL + TITLE) - TITLE - PANEL
         place = ((LEFT + column * width) / WIDTH, bottom / height, 0.93 * width / WIDTH, PANEL / height)
         panel = axes.inset_axes(place)
-        lowest = k + ACROSS >= len(methods)
+        lowest = k + ERROR_PANELS_PER_ROW >= len(methods)
         _frame(panel, name, places, reach, numbers=column == 0, named=lowest)
         for color, line in enumerate(lines):
             _draw_line(panel, line, k, (color - (len(lines) - 1) / 2) / max(1, len(lines)), color, reach[1])
@@ -117,9 +117,9 @@ def _long(places: Sequence[str]) -> bool:
 def _draw_line(panel: Axes, line: ErrorLine, method: int, aside: float, color: int, top: float) -> None:
     """aside: of the middle of the places, so that lines do not cover each other."""
     shade = CURVES[color % len(CURVES)]
-    x = np.array(line.places) + APART * aside
+    x = np.array(line.places) + RUN_SPREAD * aside
     best = np.where(np.isfinite(line.middle), line.middle, np.inf).min(axis=1)
-    _draw_medians(panel, x, best, line.joined, color=MIDDLE, linewidth=0.7, linestyle=BEST)
+    _draw_medians(panel, x, best, line.joined, color=MIDDLE, linewidth=0.7, linestyle=BEST_DASHES)
     low, middle, high = (part[:, method] for part in (line.low, line.middle, line.high))
     _draw_medians(panel, x, middle, line.joined, color=shade, linewidth=1.2)
     panel.vlines(x, low, np.minimum(high, 10 * top), color=shade, linewidth=3, alpha=0.3)
@@ -132,13 +132,13 @@ def _draw_medians(panel: Axes, x: Array, y: Array, joined: bool, **style: Any) -
     if joined:
         panel.plot(x, y, **style)
     else:
-        panel.hlines(y, x - APART / 2, x + APART / 2, **style)
+        panel.hlines(y, x - RUN_SPREAD / 2, x + RUN_SPREAD / 2, **style)
 
 
 def _draw_runs(panel: Axes, at: float, errors: Array, links: Sequence[str], color: str, top: float) -> None:
     """Dots, crosses at the top for what is infinite; each leads to its run."""
     count = len(errors)
-    x = at + APART * 0.5 * (np.arange(count) - (count - 1) / 2) / max(1, count)
+    x = at + RUN_SPREAD * 0.5 * (np.arange(count) - (count - 1) / 2) / max(1, count)
     for which, marker, size, shade in (
         (np.isfinite(errors), "o", 5, color),
         (~np.isfinite(errors), "x", 9, INK),

@@ -10,17 +10,17 @@ import numpy as np
 
 from crosscheck.commands.study.error_pictures import ErrorLine, study_errors
 from crosscheck.commands.study.scenarios_report import ShownRuns
-from crosscheck.commands.study.words import CLASSES, ERRORS_IN_WORDS, HEADLINE, percent_text
+from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
 from crosscheck.report.report import Block, Column, Picture, Prose, Row, Section, Table
 from crosscheck.study.statistics.grid import Grid, View
-from crosscheck.study.statistics.intervals import LEVEL
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL
 from crosscheck.study.statistics.outcomes import ERRORS, Measures
 from crosscheck.study.statistics.summary import StudySummary
 
-MOST_LINES = 4
+MAX_LINES_PER_PICTURE = 4
 """Lines of one picture; more make a picture each."""
 
-HOW_DRAWN = (
+ERRORS_NOTE = (
     "One panel per method, all on the same axes. Dots: runs; click one for what all methods made of its record. Lines: "
     "medians, with failures as infinite; pale bars: {level:.0%} intervals of the median."
 )
@@ -29,13 +29,13 @@ HOW_DRAWN = (
 def errors_section(found: StudySummary, grid: Grid, measures: Measures, on_page: ShownRuns) -> Section:
     """Of the methods that measure this."""
     columns = found.methods(measures)
-    blocks: list[Block] = [Prose(HOW_DRAWN.format(level=LEVEL), soft=True, on=("page",))]
+    blocks: list[Block] = [Prose(ERRORS_NOTE.format(level=CONFIDENCE_LEVEL), soft=True, on=("page",))]
     for error in ERRORS:
         if any(np.isfinite(one.errors[error][:, columns]).any() for one in found.outcomes.scenarios):
             for view in grid.views():
                 blocks += _pictures(found, grid, view, columns, error, on_page)
             blocks.append(_medians(found, grid, columns, error))
-    return Section(f"errors-{measures}", f"Errors ({CLASSES[measures][1]} measured)", tuple(blocks))
+    return Section(f"errors-{measures}", f"Errors ({METHOD_CLASSES[measures][1]} measured)", tuple(blocks))
 
 
 def _pictures(
@@ -51,7 +51,7 @@ def _pictures(
     lines = [line for line in lines if line.places]
     if len(lines) == 1:
         lines = [replace(lines[0], name="")]
-    parts = [lines[k : k + MOST_LINES] for k in range(0, len(lines), MOST_LINES)]
+    parts = [lines[k : k + MAX_LINES_PER_PICTURE] for k in range(0, len(lines), MAX_LINES_PER_PICTURE)]
     label = f"{title}, in percent on a logarithmic axis, of {len(methods)} methods"
     return [
         Picture(
@@ -106,8 +106,8 @@ def _medians(found: StudySummary, grid: Grid, columns: Sequence[int], error: str
         (Column("method", "name"), *(Column(grid.words(one.outcomes), "number", "%") for one in ordered)),
         tuple(rows),
         title=f"{ERRORS_IN_WORDS[error].capitalize()}, medians",
-        caption=f"with {LEVEL:.0%} intervals; failures count as infinite",
+        caption=f"with {CONFIDENCE_LEVEL:.0%} intervals; failures count as infinite",
         failures_first=False,
         folded=True,
-        on=("text", "page") if error == HEADLINE else ("page",),
+        on=("text", "page") if error == HEADLINE_ERROR else ("page",),
     )

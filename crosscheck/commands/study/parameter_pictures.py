@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 WIDTH, PANEL, TITLE, LEFT, EDGE = 7.6, 1.0, 0.3, 0.5, 0.4
 """Of the picture, height of a panel, of what is above it, room on the left and below [inches]."""
 
-ACROSS = 4
+PARAMETER_PANELS_PER_ROW = 4
 """Panels beside each other."""
 
-LINEAR = 1.0
+MAX_LINEAR_VALUE = 1.0
 """Up to here the axis is linear, beyond logarithmic."""
 
 
@@ -31,22 +31,22 @@ def study_parameters(key: str, methods: Sequence[MethodSummary], scale: Array, u
     label = "Bias and spread of the base parameters: " + ", ".join(
         f"{one.method.name} {one.parameters.biased} biased" for one in methods
     )
-    height = -(-len(methods) // ACROSS) * (PANEL + TITLE) + EDGE
+    height = -(-len(methods) // PARAMETER_PANELS_PER_ROW) * (PANEL + TITLE) + EDGE
     return picture(key, label, (WIDTH, height), lambda axes: _draw(axes, methods, scale, unit, height))
 
 
 def _draw(axes: Axes, methods: Sequence[MethodSummary], scale: Array, unit: str, height: float) -> None:
     axes.set_axis_off()
-    width = (WIDTH - LEFT) / ACROSS
+    width = (WIDTH - LEFT) / PARAMETER_PANELS_PER_ROW
     drawn = [part / scale for one in methods for part in (one.parameters.bias, one.parameters.spread)]
     finite = np.concatenate(drawn)
-    reach = 1.3 * max(LINEAR, float(np.abs(finite[np.isfinite(finite)]).max(initial=0.0)))
+    reach = 1.3 * max(MAX_LINEAR_VALUE, float(np.abs(finite[np.isfinite(finite)]).max(initial=0.0)))
     for k, one in enumerate(methods):
-        row, column = divmod(k, ACROSS)
+        row, column = divmod(k, PARAMETER_PANELS_PER_ROW)
         bottom = height - (row + 1) * (PANEL + TITLE)
         place = ((LEFT + column * width) / WIDTH, bottom / height, 0.94 * width / WIDTH, PANEL / height)
         panel = axes.inset_axes(place)
-        _frame(panel, one, len(scale), reach, numbers=column == 0, named=k + ACROSS >= len(methods))
+        _frame(panel, one, len(scale), reach, numbers=column == 0, named=k + PARAMETER_PANELS_PER_ROW >= len(methods))
         _draw_method(panel, one, scale, reach)
     axes.text(0, 1 - (TITLE + PANEL / 2) / height, unit, fontsize=7.5, color=INK, rotation=90, va="center", ha="left")
 
@@ -57,7 +57,7 @@ def _frame(panel: Axes, one: MethodSummary, count: int, reach: float, *, numbers
     panel.set_facecolor("none")
     panel.spines[["top", "right", "bottom"]].set_visible(False)
     panel.spines["left"].set_color(MIDDLE)
-    panel.set_yscale("symlog", linthresh=LINEAR, linscale=1.0)
+    panel.set_yscale("symlog", linthresh=MAX_LINEAR_VALUE, linscale=1.0)
     panel.set(xlim=(0, count + 1), ylim=(-reach, reach))
     title = f"{one.method.name}: {one.parameters.biased} biased"
     panel.set_title(title, fontsize=8, color=INK, loc="left", pad=3)

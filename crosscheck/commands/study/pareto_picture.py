@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 7.6, 4.2
 """[inches]"""
 
-ABOVE = 0.032
+MIN_NAME_DISTANCE = 0.032
 """Least distance of two names, as a part of the height."""
 
 
@@ -88,11 +88,11 @@ def _name(axes: Axes, trades: Sequence[Trade], line: Sequence[Trade]) -> None:
         x, y = at[trade.name]
         wide = 0.0125 * len(trade.name)
         beside = [other for other in placed if other[0] < x + 0.015 + wide and x < other[0] + other[2]]
-        height = y + 0.6 * ABOVE
-        while any(abs(other[1] - height) < ABOVE for other in beside):
-            height += ABOVE / 4
+        height = y + 0.6 * MIN_NAME_DISTANCE
+        while any(abs(other[1] - height) < MIN_NAME_DISTANCE for other in beside):
+            height += MIN_NAME_DISTANCE / 4
         placed.append((x, height, 0.015 + wide))
         style: dict[str, Any] = {"color": INK if trade in line else MIDDLE, "transform": axes.transAxes}
-        if height - y > ABOVE:
+        if height - y > MIN_NAME_DISTANCE:
             axes.plot([x, x + 0.006], [y, height], **style | {"color": MIDDLE}, linewidth=0.5, zorder=0)
         axes.text(x + 0.008, height, trade.name, fontsize=7.5, va="center", **style)

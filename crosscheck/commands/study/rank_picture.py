@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 WIDTH, ROW, AXIS = 4.1, 0.175, 0.75
 """Of the picture, of one row, of axis and distance [inches]."""
 
-GROUP = 0.07
+GROUP_DISTANCE = 0.07
 """Distance of the bars of two groups [inches]."""
 
 
@@ -36,7 +36,7 @@ def study_ranks(key: str, ranking: Ranking, what: str) -> Markup:
 def _draw(axes: Axes, ranking: Ranking, height: float) -> None:
     count = len(ranking.methods)
     columns = bar_columns(ranking.alike)
-    right = 0.12 + GROUP * (1 + max(columns, default=0))
+    right = 0.12 + GROUP_DISTANCE * (1 + max(columns, default=0))
     axes.set_position((0.34, 0.36 / height, 1 - 0.34 - right / WIDTH, ROW * count / height))
     axes.set_facecolor("none")
     axes.spines[["top", "right", "left"]].set_visible(False)
@@ -51,7 +51,7 @@ def _draw(axes: Axes, ranking: Ranking, height: float) -> None:
     axes.scatter(ranking.mean, y, s=16, color=colors, zorder=3, linewidths=0)
     axes.set_xlabel("mean rank, 1 is best", fontsize=8, color=INK, labelpad=1)
     for (first, last), column in zip(ranking.alike, columns, strict=True):
-        x = 1 + (0.08 + GROUP * column) / (WIDTH * axes.get_position().width)
+        x = 1 + (0.08 + GROUP_DISTANCE * column) / (WIDTH * axes.get_position().width)
         ends = (1 - (first + 0.2) / count, 1 - (last + 0.8) / count)
         axes.plot([x, x], ends, color=INK, linewidth=2.2, transform=axes.transAxes, clip_on=False)
     if ranking.differ:

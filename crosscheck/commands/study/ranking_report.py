@@ -9,13 +9,13 @@ import numpy as np
 
 from crosscheck.commands.study.pareto_picture import Trade, study_pareto
 from crosscheck.commands.study.rank_picture import study_ranks
-from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE, interval_text
+from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, interval_text
 from crosscheck.report.report import Block, Column, Picture, Prose, Row, Table
-from crosscheck.study.statistics.intervals import LEVEL, median
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median
 from crosscheck.study.statistics.ranking import Ranking
 from crosscheck.study.statistics.summary import StudySummary
 
-HOW_RANKED = (
+RANKING_NOTE = (
     "On every record the method with the smallest error has rank 1; errors that are equal up to rounding share a rank, "
     "and methods that failed, or whose error is not finite, share the last one; records on which all did are left out. "
     "Bars: {level:.0%} intervals of the mean rank by bootstrap over runs. Thick lines join methods that are not told "
@@ -23,7 +23,7 @@ HOW_RANKED = (
     "all. Blue: none is better than these. Every scenario weighs the same, and failures count, so that the order by "
     "ranks can differ from that by mean errors, which are those of records that both methods have an answer for."
 )
-HOW_TRADED = (
+TRADE_OFF_NOTE = (
     "Geometric mean of the error relative to the first of the ranking, over the records that both have an answer for, "
     "with its {level:.0%} interval; median processor time of all runs. Hollow: failed on some records, which are "
     "not in this mean. The line joins methods than which no other is faster and more accurate."
@@ -35,7 +35,7 @@ def ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
     for error, ranking in rankings.items():
         what = ERRORS_IN_WORDS[error]
         yield Picture(partial(study_ranks, ranking=ranking, what=what), title=f"By {what}", wide=False, on=("page",))
-    yield Prose(HOW_RANKED.format(level=LEVEL), soft=True, on=("page",))
+    yield Prose(RANKING_NOTE.format(level=CONFIDENCE_LEVEL), soft=True, on=("page",))
     first = next(iter(rankings.values()))
     of = {error: {name: k for k, name in enumerate(ranking.methods)} for error, ranking in rankings.items()}
     rows = []
@@ -59,7 +59,7 @@ def ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
     yield Table(
         (Column("method", "name"), *columns, Column("failed", "number", meaning="records on which it ranks last")),
         tuple(rows),
-        caption=f"Over all scenarios, with {LEVEL:.0%} intervals by bootstrap over runs",
+        caption=f"Over all scenarios, with {CONFIDENCE_LEVEL:.0%} intervals by bootstrap over runs",
         failures_first=False,
     )
 
@@ -82,5 +82,5 @@ def trades(found: StudySummary, rankings: dict[str, Ranking]) -> Iterator[Block]
         if drawn:
             what, best = ERRORS_IN_WORDS[error], ranking.methods[0]
             draw = partial(study_pareto, trades=drawn, what=what, best=best)
-            yield Picture(draw, title=f"By {what}", on=("page",), folded=error != HEADLINE)
-    yield Prose(HOW_TRADED.format(level=LEVEL), soft=True, on=("page",))
+            yield Picture(draw, title=f"By {what}", on=("page",), folded=error != HEADLINE_ERROR)
+    yield Prose(TRADE_OFF_NOTE.format(level=CONFIDENCE_LEVEL), soft=True, on=("page",))

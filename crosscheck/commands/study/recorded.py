@@ -16,7 +16,7 @@ from crosscheck.commands.study.record import (
     StudyResultRecord,
     StudyScenarioRecord,
 )
-from crosscheck.study.statistics.intervals import LEVEL, Interval
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Interval
 from crosscheck.study.statistics.outcomes import Measures
 from crosscheck.study.statistics.ranking import Ranking
 from crosscheck.study.statistics.summary import MethodSummary, ParameterSpread, ScenarioSummary, StudySummary
@@ -25,7 +25,7 @@ from crosscheck.study.statistics.summary import MethodSummary, ParameterSpread, 
 def study_record(found: StudySummary, facts: Sequence[tuple[str, str]], command: Sequence[str]) -> StudyRecord:
     return StudyRecord(
         command=command,
-        confidence=LEVEL,
+        confidence=CONFIDENCE_LEVEL,
         facts=dict(facts),
         methods=[StudyMethodRecord(name=one.name, measures=one.measures) for one in found.outcomes.methods],
         rankings=_rankings(found.rankings),

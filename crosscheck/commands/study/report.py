@@ -14,29 +14,18 @@ from crosscheck.commands.study.errors_report import errors_section
 from crosscheck.commands.study.ranking_report import ranks, trades
 from crosscheck.commands.study.recorded import study_record
 from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_sections, shown_runs
-from crosscheck.commands.study.words import CLASSES, ERRORS_IN_WORDS, HEADLINE, percent_text
+from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
 from crosscheck.report.plain_text import time_text
-from crosscheck.report.report import (
-    Block,
-    Column,
-    Facts,
-    Note,
-    Notes,
-    Report,
-    Row,
-    Section,
-    Table,
-    Verdict,
-)
+from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict
 from crosscheck.study.statistics.grid import Grid, grid_of
-from crosscheck.study.statistics.intervals import LEVEL, median, order_of_median, share
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median, order_of_median, share
 from crosscheck.study.statistics.outcomes import Measures, read_outcomes
 from crosscheck.study.statistics.summary import StudySummary, summarised
 
-NUMBER = re.compile(r"\d[\d.e+-]*")
+NUMBER_IN_REASON = re.compile(r"\d[\d.e+-]*")
 """In a reason."""
 
-HOUR = 3600.0
+SECONDS_PER_HOUR = 3600.0
 """[s]"""
 
 Repeat = Callable[[str, int], Sequence[str]]
@@ -56,7 +45,7 @@ def study_report(folder: Path, facts: Sequence[tuple[str, str]], repeat: Repeat)
     on_page = shown_runs(found)
     sections = (
         Section("study", "", (*_overview(found, grid, facts), *_leaders(found))),
-        *(section for measures in CLASSES for section in _class_sections(found, grid, measures, on_page)),
+        *(section for measures in METHOD_CLASSES for section in _class_sections(found, grid, measures, on_page)),
         *_failures(found, grid, on_page),
         *scenario_sections(found, grid, on_page, repeat),
     )
@@ -68,10 +57,10 @@ def study_report(folder: Path, facts: Sequence[tuple[str, str]], repeat: Repeat)
 def _verdict(found: StudySummary) -> Verdict:
     records = sum(len(scenario.runs) for scenario in found.outcomes.scenarios)
     words = f"{_counted(len(found.outcomes.methods), 'method')} on {_counted(records, 'record')}"
-    ranking = found.rankings.get(("torques", HEADLINE))
+    ranking = found.rankings.get(("torques", HEADLINE_ERROR))
     if ranking is None:
         return Verdict("plain", words)
-    what = f"by {ERRORS_IN_WORDS[HEADLINE]}, of methods that measure torques"
+    what = f"by {ERRORS_IN_WORDS[HEADLINE_ERROR]}, of methods that measure torques"
     leaders = ", ".join(ranking.leaders)
     if len(ranking.leaders) == len(ranking.methods):
         return Verdict("plain", words, f"None is better than the first, {ranking.methods[0]}, or worse: {what}.")
@@ -92,14 +81,14 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
             f"{count}{f' of {differing}' if differing else ''}; {_range(runs)} run{'' if runs == [1] else 's'} of each",
         ),
         *([("usual setting", grid.usual)] if grid.usual else []),
-        ("confidence", f"{LEVEL:.0%} intervals and tests"),
+        ("confidence", f"{CONFIDENCE_LEVEL:.0%} intervals and tests"),
         ("methods' time", f"{_long(seconds)} of processor time"),
     ]
     yield Facts(tuple(items))
     few, reached = min(runs), order_of_median(min(runs))[1]
     if few == 1:
         yield Notes((Note("one run of a scenario says nothing of its scatter: there are no intervals"),))
-    elif reached < LEVEL:
+    elif reached < CONFIDENCE_LEVEL:
         said = f"intervals of medians reach from the smallest to the largest of {few} runs, which has {reached:.1%}"
         yield Notes((Note(said),))
 
@@ -109,7 +98,7 @@ def _counted(count: int, what: str) -> str:
 
 
 def _long(seconds: float) -> str:
-    return f"{seconds / HOUR:.1f} h" if seconds > HOUR else time_text(seconds)
+    return f"{seconds / SECONDS_PER_HOUR:.1f} h" if seconds > SECONDS_PER_HOUR else time_text(seconds)
 
 
 def _range(numbers: Sequence[int]) -> str:
@@ -119,7 +108,7 @@ def _range(numbers: Sequence[int]) -> str:
 def _leaders(found: StudySummary) -> Iterator[Block]:
     """Who is ahead by each error."""
     rows = [
-        Row((ERRORS_IN_WORDS[error], CLASSES[measures][1], ", ".join(ranking.leaders), len(ranking.methods),
+        Row((ERRORS_IN_WORDS[error], METHOD_CLASSES[measures][1], ", ".join(ranking.leaders), len(ranking.methods),
              ranking.records, ranking.probability, ranking.distance))
         for (measures, error), ranking in found.rankings.items()
     ]  # fmt: skip
@@ -144,7 +133,7 @@ def _class_sections(found: StudySummary, grid: Grid, measures: Measures, on_page
     columns = found.methods(measures)
     if not columns:
         return
-    measured = f"({CLASSES[measures][1]} measured)"
+    measured = f"({METHOD_CLASSES[measures][1]} measured)"
     rankings = {error: ranking for (of, error), ranking in found.rankings.items() if of == measures}
     if rankings:
         yield Section(f"ranks-{measures}", f"Ranks {measured}", tuple(ranks(rankings)))
@@ -192,10 +181,13 @@ def _answers(found: StudySummary, columns: Sequence[int]) -> Table:
             Column("simulations", "number", form=".3g", meaning="median"),
             Column("most iterations", "number", form=".3g", from_width=100),
             Column("time", "number", form=time_text, meaning="median of the processor time"),
-            Column("upper end", "number", form=time_text, meaning=f"of the {LEVEL:.0%} interval", from_width=100),
+            Column(
+                "upper end", "number", form=time_text, meaning=f"of the {CONFIDENCE_LEVEL:.0%} interval", from_width=100
+            ),
         ),
         tuple(rows),
-        caption=f"Over all scenarios; shares with {LEVEL:.0%} intervals. Real bodies: all links physically consistent.",
+        caption=f"Over all scenarios; shares with {CONFIDENCE_LEVEL:.0%} intervals. "
+        "Real bodies: all links physically consistent.",
         failures_first=False,
     )
 
@@ -207,7 +199,7 @@ def _failures(found: StudySummary, grid: Grid, on_page: ShownRuns) -> Iterator[S
         outcomes = found.outcomes.scenarios[number]
         alike: dict[str, list[tuple[int, int]]] = defaultdict(list)
         for place, reason in sorted(outcomes.reasons.items()):
-            alike[NUMBER.sub("0", reason)].append(place)
+            alike[NUMBER_IN_REASON.sub("0", reason)].append(place)
         for places in alike.values():
             times = Counter(found.outcomes.methods[k].name for _, k in places)
             methods = ", ".join(f"{name} {count}" for name, count in times.items())

@@ -10,11 +10,11 @@ from functools import partial
 import numpy as np
 
 from crosscheck.commands.study.parameter_pictures import study_parameters
-from crosscheck.commands.study.words import CLASSES, interval_text, percent_text
+from crosscheck.commands.study.words import METHOD_CLASSES, interval_text, percent_text
 from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Code, Column, Facts, Group, Hover, Picture, Prose, Row, Section, Table
 from crosscheck.study.statistics.grid import Grid, with_unit
-from crosscheck.study.statistics.intervals import LEVEL
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL
 from crosscheck.study.statistics.outcomes import ERRORS, ScenarioOutcomes
 from crosscheck.study.statistics.ranking import record_ranks
 from crosscheck.study.statistics.summary import MethodSummary, StudySummary
@@ -23,10 +23,10 @@ from graphdyn.layout import Array
 MOST_RUNS, MOST_DETAILED = 120, 8
 """Runs that a page has one by one, in all; scenarios of which it has the parameters."""
 
-ROUNDING = 1e-12
+ZERO_VALUE = 1e-12
 """True values below this are zeros that were rounded [kg, m, N, s]."""
 
-HOW_BIASED = (
+BIAS_NOTE = (
     "Dots: mean of found minus true, with its {level:.0%} interval; red where zero is outside, which happens to one "
     "parameter in twenty without any bias. Pale bars: ± standard deviation over the runs. All as parts of the standard "
     "deviation that is usual for the parameter, the median over the methods. Linear up to 1, logarithmic beyond."
@@ -61,7 +61,9 @@ def scenario_sections(
     for place, number in enumerate(grid.order()):
         scenario = found.scenarios[number]
         outcomes = scenario.outcomes
-        in_order = [scenario.methods[k] for measures in CLASSES for k in found.methods(measures) if outcomes.taken[k]]
+        in_order = [
+            scenario.methods[k] for measures in METHOD_CLASSES for k in found.methods(measures) if outcomes.taken[k]
+        ]
         blocks: list[Block] = [_axes(outcomes), _results(outcomes, in_order)]
         if place < MOST_DETAILED:
             blocks += _parameters(outcomes, in_order)
@@ -79,7 +81,7 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
     for one in methods:
         cells = (
             one.method.name,
-            CLASSES[one.method.measures][1],
+            METHOD_CLASSES[one.method.measures][1],
             *(percent_text(one.errors[error]) for error in ERRORS),
             f"{one.parameters.biased} of {len(outcomes.truth)}" if one.found > 1 else None,
             _honesty(one),
@@ -105,7 +107,7 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
             Column("time", "number", form=time_text, meaning="median of the processor time"),
         ),
         tuple(rows),
-        caption=f"{len(outcomes.runs)} runs; medians and shares with {LEVEL:.0%} intervals",
+        caption=f"{len(outcomes.runs)} runs; medians and shares with {CONFIDENCE_LEVEL:.0%} intervals",
         failures_first=False,
         on=("page",),
     )
@@ -124,11 +126,11 @@ def _parameters(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) ->
         return
     usual = np.median([one.parameters.spread for one in answered], axis=0)
     usual = np.where(usual > 0, usual, 1.0)
-    for measures, (title, _) in CLASSES.items():
+    for measures, (title, _) in METHOD_CLASSES.items():
         of_class = [one for one in answered if one.method.measures == measures]
         if of_class:
             draw = partial(study_parameters, methods=of_class, scale=usual, unit="parts of the usual spread")
-            caption = HOW_BIASED.format(level=LEVEL)
+            caption = BIAS_NOTE.format(level=CONFIDENCE_LEVEL)
             yield Picture(draw, caption, title=f"{title}: bias and spread of the parameters", on=("page",))
     tables = tuple(_parameter_table(outcomes, answered, what) for what in ("bias", "spread"))
     yield Group(tables, title="Bias and spread in numbers", folded=True, on=("page",))
@@ -148,12 +150,12 @@ def _parameter_table(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary
         (
             Column("base parameter", "name"),
             Column("unit"),
-            Column("true", "number", form=lambda value: f"{value:.4g}" if abs(value) > ROUNDING else "0"),
+            Column("true", "number", form=lambda value: f"{value:.4g}" if abs(value) > ZERO_VALUE else "0"),
             *(Column(one.method.name, "number", form=".2g") for one in methods),
         ),
         tuple(rows),
         title=what.capitalize(),
-        caption=f"{words}; its {LEVEL:.0%} interval where the pointer rests",
+        caption=f"{words}; its {CONFIDENCE_LEVEL:.0%} interval where the pointer rests",
         failures_first=False,
     )
 
@@ -168,7 +170,7 @@ def _runs(
     """One folded table per run, where links lead."""
     methods = [(method.name, method.measures) for method in found.outcomes.methods]
     ranks: dict[int, Array] = {}
-    for measures in CLASSES:
+    for measures in METHOD_CLASSES:
         columns = [k for k in found.methods(measures) if outcomes.taken[k]]
         ranks |= dict(zip(columns, record_ranks(outcomes.errors["torque_error"][:, columns]).T, strict=True))
     groups: list[Block] = []

@@ -7,7 +7,7 @@ import numpy as np
 from crosscheck.study.statistics.intervals import Interval
 from crosscheck.study.statistics.outcomes import Measures
 
-CLASSES: dict[Measures, tuple[str, str]] = {
+METHOD_CLASSES: dict[Measures, tuple[str, str]] = {
     "torques": ("Methods that measure torques", "torques"),
     "wrenches": ("Methods that measure wrenches in every joint", "wrenches"),
 }
@@ -19,7 +19,7 @@ ERRORS_IN_WORDS = {
     "trajectory_error": "trajectory error",
 }
 
-HEADLINE = "torque_error"
+HEADLINE_ERROR = "torque_error"
 """The error of the verdict and of the terminal: of torques of another motion, which users of a model meet first."""
 
 

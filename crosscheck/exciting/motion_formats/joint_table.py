@@ -13,13 +13,13 @@ import numpy as np
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
 from crosscheck.recordings import load_recording
 
-UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s^2", "m/s^2")}
+COLUMN_UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s^2", "m/s^2")}
 
 
 def document(motion: TimedMotion) -> bytes:
     joints = list(zip(motion.joint_names, motion.prismatic, strict=True))
     header = ["time [s]"]
-    for symbol, units in UNITS.items():
+    for symbol, units in COLUMN_UNITS.items():
         header += [f"{name}.{symbol} [{units[slides]}]" for name, slides in joints]
     rows = np.column_stack([motion.time, motion.q, motion.v, motion.a]).tolist()
     return "\n".join([",".join(header), *(",".join(map(repr, row)) for row in rows), ""]).encode()

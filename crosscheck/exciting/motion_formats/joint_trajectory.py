@@ -11,15 +11,15 @@ import numpy as np
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
 from crosscheck.recordings.errors import BadRecordingFile
 
-NANOSECONDS = 10**9
+NANOSECONDS_PER_SECOND = 10**9
 
 
 def document(motion: TimedMotion) -> bytes:
     lines = ["header:", "  stamp: {sec: 0, nanosec: 0}", "  frame_id: ''", f"joint_names: {_texts(motion.joint_names)}"]
     lines.append("points:")
-    stamps = np.round(motion.time * NANOSECONDS).astype(np.int64).tolist()
+    stamps = np.round(motion.time * NANOSECONDS_PER_SECOND).astype(np.int64).tolist()
     for stamp, q, v, a in zip(stamps, motion.q.tolist(), motion.v.tolist(), motion.a.tolist(), strict=True):
-        seconds, rest = divmod(stamp, NANOSECONDS)
+        seconds, rest = divmod(stamp, NANOSECONDS_PER_SECOND)
         lines += [
             f"- positions: {q}",
             f"  velocities: {v}",
@@ -39,7 +39,7 @@ def read(path: Path, joints: Sequence[str]) -> TimedPositions:
         raise BadRecordingFile(f"{path}: joint_names lacks joint '{missing[0]}'; it has {', '.join(map(str, names))}")
     try:
         stamps = [point["time_from_start"] for point in message["points"]]
-        times = np.array([stamp["sec"] + stamp["nanosec"] / NANOSECONDS for stamp in stamps], dtype=float)
+        times = np.array([stamp["sec"] + stamp["nanosec"] / NANOSECONDS_PER_SECOND for stamp in stamps], dtype=float)
         positions = np.array([point["positions"] for point in message["points"]], dtype=float)
         return TimedPositions(times, positions[:, [names.index(name) for name in joints]])
     except (KeyError, TypeError, ValueError, IndexError) as error:

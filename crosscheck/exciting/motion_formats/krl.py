@@ -18,8 +18,8 @@ from crosscheck.recordings.errors import BadRecordingFile
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
-MILLIMETRES = 1000.0
-DIGITS = 6
+MILLIMETERS_PER_METER = 1000.0
+KRL_DECIMALS = 6
 """Decimals of a degree or millimetre."""
 
 _POINT = re.compile(r"^\s*S?PTP\s*\{([^}]*)\}", re.MULTILINE)
@@ -47,11 +47,11 @@ class AxisSettings:
 
 def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
     signs, zeros = settings.of(len(motion.joint_names))
-    units = np.where(motion.prismatic, MILLIMETRES, np.degrees(1.0))
-    axes = np.round(signs * units * motion.q + zeros, DIGITS) + 0.0
+    units = np.where(motion.prismatic, MILLIMETERS_PER_METER, np.degrees(1.0))
+    axes = np.round(signs * units * motion.q + zeros, KRL_DECIMALS) + 0.0
     names = _axis_names(motion.prismatic)
     points = [
-        "{" + ",".join(f"{name} {x:.{DIGITS}f}" for name, x in zip(names, row, strict=True)) + "}" for row in axes
+        "{" + ",".join(f"{name} {x:.{KRL_DECIMALS}f}" for name, x in zip(names, row, strict=True)) + "}" for row in axes
     ]
     lines = ["DEF excitation()", "BAS(#INITMOV,0)", f"PTP {points[0]}", "PTP_SPLINE", "TIME_BLOCK START"]
     lines.append(f"SPTP {points[1]}")
@@ -75,7 +75,7 @@ def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> Timed
         if missing:
             raise BadRecordingFile(f"{path}: point {{{point}}} lacks axis {missing[0]}")
         rows.append([float(values[name]) for name in _axis_names(prismatic)])
-    units = np.where(np.asarray(prismatic), MILLIMETRES, np.degrees(1.0))
+    units = np.where(np.asarray(prismatic), MILLIMETERS_PER_METER, np.degrees(1.0))
     return TimedPositions(np.linspace(0.0, float(end[1]), len(rows)), signs * (np.array(rows) - zeros) / units)
 
 

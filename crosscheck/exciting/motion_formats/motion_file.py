@@ -10,7 +10,7 @@ from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.excitation import TabulatedCourse
 
-WRITTEN = (".csv", ".yaml", ".yml", ".script", ".src")
+WRITTEN_SUFFIXES = (".csv", ".yaml", ".yml", ".script", ".src")
 """Endings of files: a table, ROS 2, Universal Robots, KUKA."""
 
 
@@ -25,7 +25,7 @@ def document(motion: TimedMotion, path: Path, settings: AxisSettings) -> bytes:
         return urscript.document(motion)
     if suffix == ".src":
         return krl.document(motion, settings)
-    raise InvalidInput(f"{path}: a planned motion is written as {', '.join(WRITTEN)}, not as '{path.suffix}'")
+    raise InvalidInput(f"{path}: a planned motion is written as {', '.join(WRITTEN_SUFFIXES)}, not as '{path.suffix}'")
 
 
 def read_motion(path: Path, model: RobotModel, settings: AxisSettings) -> TabulatedCourse:

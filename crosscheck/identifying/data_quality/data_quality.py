@@ -14,7 +14,7 @@ from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import TorqueModel, Tunable
 from graphdyn.identification.data_quality import (
-    RIGHT_RATE,
+    MAX_RATE_GAIN_ERROR,
     Change,
     DataFault,
     RecordingHealth,
@@ -24,13 +24,13 @@ from graphdyn.identification.data_quality import (
 )
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
-CLIPPED = 0.01
+MIN_CLIPPED_SHARE = 0.01
 """Share of clipped rows that is told."""
 
-STILL = 0.9
+MIN_STANDSTILL_SHARE = 0.9
 """Share of standstill from which a joint counts as one that hardly moves."""
 
-UNRELATED = 0.9
+MIN_UNRELATED_RESIDUAL = 0.9
 """Residual of the fit, in parts of the deviation of the torque from its mean, from which the two are unrelated."""
 
 CLEAR, EXACT = 0.3, 0.25
@@ -40,7 +40,7 @@ UNITS, ALIKE = 2.0, 2.5
 """Gain from which the unit of all torques is in doubt, and the factor within which all joints must then agree: CAD that
 is wrong is wrong by another factor in each link."""
 
-FAR = 10.0
+MIN_AGREEING_GAIN = 10.0
 """Gain from which it is enough that most joints agree: CAD may be wrong in a wrist, but the heavier links, which most
 joints carry, are not ten times as heavy or as light all together."""
 
@@ -157,16 +157,16 @@ def _of_channels(found: RecordingHealth) -> list[HealthFinding]:
         )
     explained = {j for fault in found.faults for j in fault.change.joints if fault.change.alone}
     for j, gain in enumerate(raw.velocity_gain):
-        if abs(gain - 1) > RIGHT_RATE and j not in explained:
+        if abs(gain - 1) > MAX_RATE_GAIN_ERROR and j not in explained:
             message = f"v of {names[j]} is {gain:.3g} times the rate of q"
             remedy = "correct unit, sign or column of [v] or [q], or leave [v] out"
             said.append(HealthFinding("velocity", "fault", (names[j],), message, remedy))
-    for j in np.flatnonzero(raw.clipped > CLIPPED).tolist():
+    for j in np.flatnonzero(raw.clipped > MIN_CLIPPED_SHARE).tolist():
         if j in raw.constant_torques:
             continue
         message = f"the torque of {names[j]} is held at an end of its range in {100 * raw.clipped[j]:.0f} % of the rows"
         said.append(HealthFinding("clipped", "warning", (names[j],), message, "use --drop saturation"))
-    for j in np.flatnonzero(raw.standstill > STILL).tolist():
+    for j in np.flatnonzero(raw.standstill > MIN_STANDSTILL_SHARE).tolist():
         message = f"{names[j]} stands still in {100 * raw.standstill[j]:.0f} % of the rows"
         said.append(HealthFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it"))
     return said
@@ -188,7 +188,7 @@ def _of_units(found: RecordingHealth) -> list[HealthFinding]:
         return []
     listed = ", ".join(f"{found.joint_names[j]} {g.gain[j]:.3g} ± {g.deviation[j]:.2g}" for j in clear)
     message = f"measured torques are {usual:.3g} times those of CAD and drives ({listed})"
-    if most and (len(alike) == len(clear) or away >= FAR):
+    if most and (len(alike) == len(clear) or away >= MIN_AGREEING_GAIN):
         remedy = (
             "give their unit, or their gain in N m at the joint; torques at the motors need "
             '[transmission] and side = "motor"; if the unit is right, the masses of the robot\'s file are not'
@@ -212,7 +212,7 @@ def _of_fits(found: RecordingHealth) -> list[HealthFinding]:
             )
             remedy = "something changed in between (load, sign, controller, slipping belt): use one part, by --split"
             said.append(HealthFinding("halves", "fault", (name,), message, remedy))
-        elif found.variation[j] > 0 and found.free_errors[j] > UNRELATED * found.variation[j]:
+        elif found.variation[j] > 0 and found.free_errors[j] > MIN_UNRELATED_RESIDUAL * found.variation[j]:
             message = (
                 f"the torque of {name} has nothing to do with the motion: no parameters leave less than "
                 f"{100 * found.free_errors[j] / found.variation[j]:.0f} % of its variation"

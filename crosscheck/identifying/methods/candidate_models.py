@@ -12,7 +12,7 @@ from graphdyn import InvalidInput, RobotModel
 from graphdyn.identification import Estimator, TorqueModel, WeightedLeastSquares
 from graphdyn.identification.terms import CarriesBodies, KnownBodies, KnownTerm, Offset, RigidBodies, Term
 
-CAD = "CAD links"
+CAD_NAME = "CAD links"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ def with_links_of_cad(models: Sequence[CandidateModel]) -> list[CandidateModel]:
 
 def _links_of_cad(model: CandidateModel) -> CandidateModel:
     drives = tuple(term for term in model.terms if not isinstance(term, CarriesBodies)) or (Offset(),)
-    name = f"{model.name}, {CAD}" if model.name else CAD
+    name = f"{model.name}, {CAD_NAME}" if model.name else CAD_NAME
     return replace(
         model,
         name=name,

@@ -17,9 +17,9 @@ from graphdyn.identification import (
     MethodComparison,
     Problem,
 )
-from graphdyn.identification.closed_loop import EXOGENEITY, Exogeneity, SimulatedLoop, exogeneity
+from graphdyn.identification.closed_loop import EXOGENEITY_SETTING, Exogeneity, SimulatedLoop, exogeneity
 
-IN_LOOP = (InstrumentalVariables, DirectInverse, ClosedLoopOutputError)
+CLOSED_LOOP_METHODS = (InstrumentalVariables, DirectInverse, ClosedLoopOutputError)
 
 
 def as_prepared(loop: ClosedLoop | None, preparation: Preparation, recording: Recording) -> ClosedLoop | None:
@@ -32,12 +32,14 @@ def as_prepared(loop: ClosedLoop | None, preparation: Preparation, recording: Re
 def in_loop(estimators: Sequence[Estimator], loop: ClosedLoop | None) -> list[Estimator]:
     """The estimators; those that simulate the loop and know none are given it."""
     return [
-        replace(estimator, loop=loop) if isinstance(estimator, IN_LOOP) and estimator.loop is None else estimator
+        replace(estimator, loop=loop)
+        if isinstance(estimator, CLOSED_LOOP_METHODS) and estimator.loop is None
+        else estimator
         for estimator in estimators
     ]
 
 
-NO_LOOP = "not tested: the test needs the simulated loop of the recording (controller and reference)"
+EXOGENEITY_NOT_TESTED = "not tested: the test needs the simulated loop of the recording (controller and reference)"
 """What is said of the exogeneity of the regressor where no loop is known."""
 
 
@@ -49,17 +51,17 @@ def with_exogeneity(
     Without a loop the comparison is as it was. Where the loop holds no result, every result says why there is no test.
     """
     if loop is None:
-        return comparison, NO_LOOP
+        return comparison, EXOGENEITY_NOT_TESTED
     test = _test(comparison, problem, loop)
     if isinstance(test, str):
         words, settings = f"exogeneity of the regressor not tested: {test}", {}
     else:
         words = test.in_words(problem.torque_model.model.independent_joints)
-        settings = {EXOGENEITY: test.together}
+        settings = {EXOGENEITY_SETTING: test.together}
     results = []
     for result in comparison.results:
         estimate = result.estimate
-        if estimate is not None and EXOGENEITY not in estimate.settings:
+        if estimate is not None and EXOGENEITY_SETTING not in estimate.settings:
             told = replace(estimate, settings={**estimate.settings, **settings}, remarks=(*estimate.remarks, words))
             result = replace(result, estimate=told)
         results.append(result)

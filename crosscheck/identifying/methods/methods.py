@@ -30,7 +30,7 @@ from graphdyn.identification import (
     WeightedLeastSquares,
 )
 
-METHODS: dict[str, Callable[[], Estimator]] = {
+ESTIMATORS: dict[str, Callable[[], Estimator]] = {
     "ols": OrdinaryLeastSquares,
     "wls": WeightedLeastSquares,
     "wls-pinocchio": lambda: WithPinocchio(WeightedLeastSquares()),
@@ -59,28 +59,32 @@ STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "con
 """The default methods, one of each kind; "all" has the others too."""
 
 
-FIXED = ("name", "reference", "assumptions", "needs", "norm", "metric", "prior", "limits", "recording")
+FIXED_ESTIMATOR_FIELDS = ("name", "reference", "assumptions", "needs", "norm", "metric", "prior", "limits", "recording")
 """Fields of the estimators that are no settings of a method."""
 
 
 def method_named(name: str) -> Estimator:
-    """The method of this name (METHODS). Raises InvalidInput for an unknown one."""
-    if name not in METHODS:
-        raise InvalidInput(f"there is no method '{name}'; known: {', '.join(METHODS)}, all")
-    return METHODS[name]()
+    """The method of this name (ESTIMATORS). Raises InvalidInput for an unknown one."""
+    if name not in ESTIMATORS:
+        raise InvalidInput(f"there is no method '{name}'; known: {', '.join(ESTIMATORS)}, all")
+    return ESTIMATORS[name]()
 
 
 def method_with(method: str, *, name: str | None = None, **settings: Any) -> Estimator:
     """A method with settings, such as the strength of a prior, so that one method can be compared with itself.
 
-    method: as in METHODS
+    method: as in ESTIMATORS
     name: for tables; the method's own name with the settings behind it, unless given
     settings: fields of the estimator of the method
 
     Raises InvalidInput for a method or a setting that does not exist, and as the estimator does.
     """
     estimator: Any = method_named(method)
-    known = [field.name for field in fields(estimator) if field.name not in FIXED] if is_dataclass(estimator) else []
+    known = (
+        [field.name for field in fields(estimator) if field.name not in FIXED_ESTIMATOR_FIELDS]
+        if is_dataclass(estimator)
+        else []
+    )
     for setting in settings:
         if setting not in known:
             raise InvalidInput(

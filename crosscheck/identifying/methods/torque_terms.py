@@ -56,13 +56,13 @@ TERMS: dict[str, Callable[..., Term]] = {
 }
 """By name: a function that returns the term; its keywords are the settings of the term."""
 
-FIT = "fit"
+FIT_SETTING = "fit"
 """In place of a setting: to be found, one number for each joint."""
 
-STARTS = {"width": 0.05, "velocity": STRIBECK_VELOCITY, "exponent": 2.0, "deflection": DEFLECTION}
+SEARCH_STARTS = {"width": 0.05, "velocity": STRIBECK_VELOCITY, "exponent": 2.0, "deflection": DEFLECTION}
 """Settings that can be found, and where the search starts."""
 
-OVER = ("time", "temperature")
+DRIFT_VARIABLES = ("time", "temperature")
 """What a term may drift with: viscous*temperature."""
 
 
@@ -72,8 +72,8 @@ Setting = ArrayLike | Literal["fit"] | None
 def settings_of(name: str) -> tuple[str, ...]:
     """The settings of the term with this name. Raises InvalidInput for an unknown name."""
     own, star, over = name.partition("*")
-    if own not in TERMS or (star and over not in OVER):
-        drifts = " and ".join(f"NAME*{over}" for over in OVER)
+    if own not in TERMS or (star and over not in DRIFT_VARIABLES):
+        drifts = " and ".join(f"NAME*{over}" for over in DRIFT_VARIABLES)
         raise InvalidInput(f"there is no term '{name}'; known: {', '.join(TERMS)}, and {drifts} of these")
     return (*inspect.signature(TERMS[own]).parameters, *(("reference",) if star else ()))
 
@@ -92,7 +92,7 @@ def term_with(term: str, **settings: Any) -> Term:
     for setting in settings:
         if setting not in known:
             raise InvalidInput(f"the term '{term}' has no setting '{setting}'; it has: {', '.join(known) or 'none'}")
-    searched = [setting for setting, value in settings.items() if isinstance(value, str) and value == FIT]
+    searched = [setting for setting, value in settings.items() if isinstance(value, str) and value == FIT_SETTING]
     if searched:
         return _tunable(term, searched, {name: value for name, value in settings.items() if name not in searched})
     own, star, over = term.partition("*")
@@ -104,9 +104,11 @@ def term_with(term: str, **settings: Any) -> Term:
 
 def _tunable(term: str, searched: Sequence[str], given: Mapping[str, Any]) -> Tunable:
     for setting in searched:
-        if setting not in STARTS:
-            raise InvalidInput(f"the setting '{setting}' cannot be found by a fit; these can: {', '.join(STARTS)}")
-    start = {setting: STARTS[setting] for setting in searched}
+        if setting not in SEARCH_STARTS:
+            raise InvalidInput(
+                f"the setting '{setting}' cannot be found by a fit; these can: {', '.join(SEARCH_STARTS)}"
+            )
+    start = {setting: SEARCH_STARTS[setting] for setting in searched}
     term_with(term, **given, **start)  # refuses settings that do not go together
     return Tunable(term, lambda **found: term_with(term, **given, **found), start)
 

@@ -17,10 +17,10 @@ from graphdyn.identification import Estimate, Problem, identify_inertial_paramet
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
-MOST_ROWS = 2000
+MAX_WRENCH_ROWS = 2000
 """Largest number of rows used, taken evenly from a longer recording; each gives six equations per body."""
 
-RANK = 1e-9
+TORQUE_RANK_TOLERANCE = 1e-9
 """Singular value of the torque equations, relative to the largest, above which it counts towards the rank."""
 
 
@@ -85,7 +85,7 @@ class WrenchRows:
 
     @classmethod
     def of(cls, model: RobotModel, recording: Recording) -> WrenchRows:
-        every = slice(None, None, -(-len(recording.t) // MOST_ROWS))
+        every = slice(None, None, -(-len(recording.t) // MAX_WRENCH_ROWS))
         q, v, a = (recording.channel(name)[every] for name in ("q", "v", "a"))
         wrenches = recording.channel("joint_wrenches")[every]
         rotation = maximal_state(model, q).rotation
@@ -102,7 +102,7 @@ def _completed(problem: Problem, x: Array, noise: Array) -> Array:
     scale = np.where(np.isfinite(prior.scale), prior.scale, 1.0)[~held]
     left = right - matrix[:, held] @ x[held] - matrix[:, ~held] @ prior.mean[~held]
     free = matrix[:, ~held] * scale
-    step, *_ = np.linalg.lstsq(free, left, rcond=RANK)
+    step, *_ = np.linalg.lstsq(free, left, rcond=TORQUE_RANK_TOLERANCE)
     completed = x.copy()
     completed[~held] = prior.mean[~held] + scale * step
     return completed

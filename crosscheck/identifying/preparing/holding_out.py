@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings import Recording, Split, concatenated, split_by_rows, split_by_time, time_folds
 from crosscheck.recordings.preparation.filtering import settling_time
-from crosscheck.recordings.preparation.splits import GUARD, Interval, fold_rows
+from crosscheck.recordings.preparation.splits import GUARD_TIME, Interval, fold_rows
 from graphdyn import InvalidInput
 
-FORGOTTEN = 1e-2
+MAX_FILTER_LEAKAGE = 1e-2
 """Part of a predicted torque that the filter may still carry into the fit across the guard."""
 
-NANOSECONDS = 9
+TIME_DECIMALS = 9
 """Decimal places of the start time, computed with rounding from the rows that the filter cut off."""
 
 
@@ -72,7 +72,7 @@ class ByTime:
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
         recording = _only(recordings, "time")
-        start = round(float(recording.t[0]) - recording.rows[0] * _step(recording), NANOSECONDS)
+        start = round(float(recording.t[0]) - recording.rows[0] * _step(recording), TIME_DECIMALS)
         intervals = [(first + start, last + start) for first, last in (self.fit, self.predict)]
         split = split_by_time(recording, *intervals)
         return _one(split, _told("", self.predict, " s"))
@@ -132,7 +132,7 @@ class LastPart:
         for recording in recordings:
             border = float(recording.t[int(len(recording.t) * (1 - self.part))])
             ahead = (border, float(np.nextafter(recording.t[-1], np.inf)))
-            splits.append(split_by_time(recording, (float(recording.t[0]), border - GUARD), ahead))
+            splits.append(split_by_time(recording, (float(recording.t[0]), border - GUARD_TIME), ahead))
         both = Split(*(concatenated([split[k] for split in splits]) for k in range(2)))
         return _one(both, f"the last {100 * self.part:g} % of every recording")
 
@@ -155,7 +155,7 @@ class Folds:
             others = self.aside.divide(recordings)
             recording, kept = others.fit, tuple(others.trials)
             words += f"; kept aside: {others.words}"
-        guard = max(GUARD, settling_time(float(recording.torque_cutoff.min()), FORGOTTEN))
+        guard = max(GUARD_TIME, settling_time(float(recording.torque_cutoff.min()), MAX_FILTER_LEAKAGE))
         folds = zip(time_folds(recording, self.folds, guard), fold_rows(recording, self.folds, guard), strict=True)
         trials = [Fold(f"fold {number}", *split, fold=rows) for number, (split, rows) in enumerate(folds, start=1)]
         return Division(recording, trials, words, kept)

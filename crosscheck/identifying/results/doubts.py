@@ -16,17 +16,17 @@ from crosscheck.identifying.results.recommending import joint_errors
 from graphdyn.identification import MethodResult, Problem, weighted_solution
 from graphdyn.layout import Array
 
-LARGEST = 0.5
+MAX_RELATIVE_ERROR = 0.5
 """Largest error of a joint, ‖e‖ / ‖τ‖, on rows that were held out: a quarter of the power of the torque unexplained."""
 
 WORSE, WORSE_ON_THE_MEAN = 1.5, 1.1
 """One joint, and the mean over the joints, may be so many times worse than CAD with drives: links are fitted for all
 joints together, and rows that were held out are few."""
 
-REPEATABLE = 0.01
+MIN_UNREPEATED_SHARE = 0.01
 """Part of a joint's torque that does not repeat, of the best drives; a smaller residual needs no explanation."""
 
-UNCONSTRAINED = 2.0
+MAX_CONSTRAINED_RATIO = 2.0
 """Largest residual of real bodies relative to that of parameters without constraints, which is noise and what the
 torque model lacks. For the arms of docs/industrial_arms.md it is 1.0 to 1.3, with one torque reversed 1.5 to 30."""
 
@@ -55,8 +55,10 @@ def doubts(
     constant = joint_errors(baselines.constant)
     cad = joint_errors(baselines.cad) if baselines.cad else np.full(len(errors), np.inf)
     for j, name in enumerate(joint_names):
-        if errors[j] > LARGEST:
-            said.append(f"{name} is predicted with an error of {_percent(errors[j])}, more than {_percent(LARGEST)}")
+        if errors[j] > MAX_RELATIVE_ERROR:
+            said.append(
+                f"{name} is predicted with an error of {_percent(errors[j])}, more than {_percent(MAX_RELATIVE_ERROR)}"
+            )
         elif errors[j] >= constant[j]:
             said.append(f"{name} is predicted no better than by a constant: {_against(errors[j], constant[j])}")
         elif errors[j] > WORSE * cad[j]:
@@ -69,7 +71,7 @@ def doubts(
         )
     ratio = residual_ratio(problem, result.base_values, unconstrained)
     worst = int(np.argmax(ratio))
-    if ratio[worst] > UNCONSTRAINED:
+    if ratio[worst] > MAX_CONSTRAINED_RATIO:
         said.append(
             f"the residual of {joint_names[worst]} is {ratio[worst]:.3g} times that of parameters without constraints: "
             "real bodies and friction that brakes do not explain the recording"
@@ -78,12 +80,12 @@ def doubts(
 
 
 def residual_ratio(problem: Problem, base_values: Array, unconstrained: Problem | None = None) -> Array:
-    """Residual of each joint over that of weighted least squares (n,), neither below REPEATABLE of the torque.
+    """Ratio of each joint's residual to that of weighted least squares (n,), neither below MIN_UNREPEATED_SHARE of τ.
 
     unconstrained: problem of the weighted least squares, the same if left out
     """
     equations, free_equations = problem.equations, (unconstrained or problem).equations
-    least = REPEATABLE**2 * free_equations.measured_squares
+    least = MIN_UNREPEATED_SHARE**2 * free_equations.measured_squares
     solution, _ = weighted_solution(free_equations)
     own = np.maximum(equations.residual_squares(base_values), least)
     free = np.maximum(free_equations.residual_squares(solution.x), least)

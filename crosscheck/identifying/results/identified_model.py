@@ -10,7 +10,7 @@ import numpy as np
 
 from crosscheck.reference.subject import Subject
 from graphdyn.identification import (
-    MOVING,
+    MIN_MOVING_SPEED,
     MethodComparison,
     MethodResult,
     Partitioned,
@@ -87,7 +87,7 @@ class HeldOutPrediction:
             piece = np.arange(first, first + len(rows)) * pieces // total
             errors = rows.matrix @ (matrix @ x) - rows.right[..., None]
             squares = np.concatenate([errors**2, rows.measured[..., None] ** 2], axis=-1)
-            moves = np.abs(rows.velocity) > MOVING
+            moves = np.abs(rows.velocity) > MIN_MOVING_SPEED
             for k, counted in enumerate((np.ones(moves.shape), moves)):
                 for part in np.unique(piece):
                     here = piece == part

@@ -8,14 +8,14 @@ import numpy as np
 
 from crosscheck.identifying.results.identified_model import IdentifiedModel
 from crosscheck.identifying.results.result import Identified
-from graphdyn.identification import ENOUGH, MethodResult
+from graphdyn.identification import MIN_CORRELATION_TIMES, MethodResult
 from graphdyn.layout import Array
 from graphdyn.model import pseudo_inertia_from_parameters
 
-ROUNDING = 1e-13
+ZERO_VALUE_SHARE = 1e-13
 """Value, relative to the largest, that counts as zero: the rounding left where terms cancel."""
 
-LIKELIEST = ("WLS", "GLS", "OLS")
+DEVIATION_METHODS = ("WLS", "GLS", "OLS")
 """Methods whose standard deviations are shown, the first available one, for a method that gives none that allow for
 correlation in time."""
 
@@ -58,7 +58,7 @@ def deviations_of(found: Identified, result: MethodResult) -> tuple[MethodResult
     """The result whose standard deviations are shown, and a text that says so."""
     if result.block_deviations is not None:
         return result, f"of {result.name}"
-    for name in LIKELIEST:
+    for name in DEVIATION_METHODS:
         for other in found.model_of(result).comparison.results:
             if other.name == name and other.block_deviations is not None:
                 return other, f"of {name}, because {result.name} gives none: from the data alone"
@@ -80,7 +80,7 @@ class Correlation:
     @property
     def lower_bound(self) -> bool:
         """Whether block deviations are a lower bound only."""
-        return self.times < ENOUGH
+        return self.times < MIN_CORRELATION_TIMES
 
 
 def correlation_of(found: Identified, result: MethodResult) -> Correlation:
@@ -124,7 +124,7 @@ def _truth_of(found: Identified, model: IdentifiedModel) -> Array:
 
 def _without_rounding(values: Array) -> Array:
     """The values, with zero for those that are rounding beside the largest."""
-    return np.where(np.abs(values) < ROUNDING * np.nanmax(np.abs(values), initial=0.0), 0.0, values)
+    return np.where(np.abs(values) < ZERO_VALUE_SHARE * np.nanmax(np.abs(values), initial=0.0), 0.0, values)
 
 
 def body_rows(found: Identified, result: MethodResult) -> list[BodyRow]:

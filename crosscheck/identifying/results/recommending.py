@@ -23,13 +23,13 @@ from crosscheck.identifying.results.identified_model import Candidate
 from graphdyn.identification import MethodResult, ResidualStatistics
 from graphdyn.layout import Array
 
-LEAST_ROWS = 50
+MIN_MOVING_ROWS = 50
 """Smallest number of moving rows of a joint; with fewer, its error is taken over all rows."""
 
 
 def joint_errors(statistics: ResidualStatistics) -> Array:
     """‖e‖ / ‖τ‖ per joint (n,): over the rows in which it moves, or over all rows if these are too few."""
-    enough = statistics.moving.count >= LEAST_ROWS
+    enough = statistics.moving.count >= MIN_MOVING_ROWS
     return np.where(enough, statistics.moving.relative, statistics.everything.relative)
 
 
@@ -39,7 +39,7 @@ def mean_error(result: MethodResult) -> float:
     return float(np.nanmean(joint_errors(statistics))) if statistics is not None else float("nan")
 
 
-PIECES = 10
+MIN_PIECES = 10
 """At least so many pieces in all: each fold, each recording, or as many parts of one."""
 
 
@@ -62,10 +62,10 @@ def difference(first: Candidate, second: Candidate) -> Difference:
 def _mean_errors(candidate: Candidate) -> tuple[Array, Array]:
     """Mean error over the joints on all predicted rows (), and on all but one piece (K,)."""
     trials = candidate.model.trials
-    parts = [trial.squares(-(-PIECES // len(trials))) for trial in trials]
+    parts = [trial.squares(-(-MIN_PIECES // len(trials))) for trial in trials]
     moving = [part.moving[candidate.result.name] for part in parts]
     everything = [part.everything[candidate.result.name] for part in parts]
-    enough = sum(part.moving_rows for part in parts) >= LEAST_ROWS
+    enough = sum(part.moving_rows for part in parts) >= MIN_MOVING_ROWS
     errors = np.where(enough, np.concatenate(moving), np.concatenate(everything))
     measured = np.where(
         enough,
@@ -82,10 +82,10 @@ def _mean(errors: Array, measured: Array) -> Array:
     return np.asarray(np.nanmean(np.sqrt(np.maximum(ratio, 0.0)), axis=-1))
 
 
-NOTHING = 1.0
+ZERO_TORQUE_ERROR = 1.0
 """Relative error of a model that predicts zero torque."""
 
-TIE = 1e-6
+TIE_TOLERANCE = 1e-6
 """Relative difference of errors that counts as rounding; of methods so close, the first is taken."""
 
 
@@ -138,9 +138,9 @@ def recommendation(candidates: Sequence[Candidate]) -> Recommendation:
             f"not positive definite in some pose; {remedy}",
         )
     smallest = min(mean_error(candidate.result) for candidate in consistent)
-    best = next(c for c in consistent if not mean_error(c.result) > smallest * (1 + TIE))
+    best = next(c for c in consistent if not mean_error(c.result) > smallest * (1 + TIE_TOLERANCE))
     error = mean_error(best.result)
-    if not error < NOTHING:
+    if not error < ZERO_TORQUE_ERROR:
         return Recommendation(
             None,
             f"the best consistent result, {best.name}, predicts with a mean error of {100 * error:.0f} %, no better "

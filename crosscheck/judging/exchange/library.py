@@ -7,7 +7,7 @@ from pathlib import Path
 
 from crosscheck.judging.exchange import library_process
 from crosscheck.judging.exchange.program import ProgramFunction
-from crosscheck.judging.exchange.protocols import PROTOCOLS
+from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME
 
 
 def library_function(file: Path, symbol: str, time_limit: float) -> ProgramFunction:
@@ -17,4 +17,4 @@ def library_function(file: Path, symbol: str, time_limit: float) -> ProgramFunct
     time_limit: of each answer [s]
     """
     command = [sys.executable, "-I", library_process.__file__, str(file.resolve()), symbol]
-    return ProgramFunction(command, f"the process that calls {file}:{symbol}", PROTOCOLS["json"], time_limit)
+    return ProgramFunction(command, f"the process that calls {file}:{symbol}", PROTOCOLS_BY_NAME["json"], time_limit)

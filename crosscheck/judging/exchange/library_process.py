@@ -16,10 +16,10 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-GUARD = 64
+N_GUARD_NUMBERS = 64
 """Numbers behind the array of the answer that must stay as they are."""
 
-MARK = 1.2345678901234567e-300
+GUARD_VALUE = 1.2345678901234567e-300
 """Value of these numbers."""
 
 
@@ -44,11 +44,11 @@ def _call(function: Any, arguments: dict[str, list[Any]], count: int) -> dict[st
     """The answer, or what was wrong with the call. Entries that the function leaves alone are NaN."""
     numbers = {name: list(_flat(x)) for name, x in arguments.items()}
     given = {name: (ctypes.c_double * len(x))(*x) for name, x in numbers.items()}
-    result = (ctypes.c_double * (count + GUARD))(*[math.nan] * count, *[MARK] * GUARD)
+    result = (ctypes.c_double * (count + N_GUARD_NUMBERS))(*[math.nan] * count, *[GUARD_VALUE] * N_GUARD_NUMBERS)
     returned = function(ctypes.c_int(len(arguments["q"])), *given.values(), result)
     if returned != 0:
         return {"error": f"it returned {returned}; 0 means that the answer is valid"}
-    if any(x != MARK for x in result[count:]):
+    if any(x != GUARD_VALUE for x in result[count:]):
         return {"error": f"it wrote beyond the {count} numbers of its answer"}
     for name, x in given.items():
         if list(x) != numbers[name]:

@@ -44,19 +44,19 @@ class Watcher:
         self._process.communicate()
 
 
-PATIENCE = 1.0
+CLOSING_TIMEOUT = 1.0
 """Time that a program has to end, or to write what it holds back, once its input is closed [s]."""
 
-LONGEST_LINE = 10**7
+MAX_LINE_BYTES = 10**7
 """Largest number of bytes without the end of a line."""
 
-TOLD = 1000
+MAX_REPEATED_ERROR = 1000
 """Largest number of characters of its standard error that a message repeats, the last ones."""
 
-SHOWN = 80
+MAX_REPEATED_LINE = 80
 """Largest number of characters of a line that a message repeats."""
 
-CHUNK = 1 << 16
+READ_BYTES = 1 << 16
 
 
 class ProgramFailed(GraphDynError):
@@ -139,7 +139,7 @@ class LineProcess:
         with suppress(OSError):
             self._input.close()
         with suppress(subprocess.TimeoutExpired):
-            self._process.wait(PATIENCE)
+            self._process.wait(CLOSING_TIMEOUT)
         self._kill()
         self._output.close()
         self._errors.close()
@@ -154,7 +154,7 @@ class LineProcess:
     def _write(self, unwritten: memoryview) -> memoryview:
         """What is left to write; nothing, where it reads no more."""
         try:
-            return unwritten[os.write(self._input.fileno(), unwritten[:CHUNK]) :]
+            return unwritten[os.write(self._input.fileno(), unwritten[:READ_BYTES]) :]
         except BlockingIOError:
             return unwritten
         except BrokenPipeError:
@@ -162,9 +162,9 @@ class LineProcess:
 
     def _lines(self) -> list[str] | None:
         """The lines that have arrived; None at the end of its output. A last line need not be ended."""
-        chunk = os.read(self._output.fileno(), CHUNK)
+        chunk = os.read(self._output.fileno(), READ_BYTES)
         *whole, self._rest = (self._rest + (chunk or b"\n")).split(b"\n")
-        if len(self._rest) > LONGEST_LINE:
+        if len(self._rest) > MAX_LINE_BYTES:
             raise ProgramFailed(
                 f"{self._what} wrote {len(self._rest)} bytes without the end of a line; end each answer with a line "
                 "break"
@@ -177,7 +177,7 @@ class LineProcess:
         """Whether it holds its answers back is seen by closing its input: then they come."""
         with suppress(OSError):
             self._input.close()
-        held, deadline = 0, time.monotonic() + PATIENCE
+        held, deadline = 0, time.monotonic() + CLOSING_TIMEOUT
         with selectors.DefaultSelector() as ready:
             ready.register(self._output, selectors.EVENT_READ)
             while answered + held < len(questions) and ready.select(max(0.0, deadline - time.monotonic())):
@@ -200,7 +200,7 @@ class LineProcess:
 
     def _ended(self, answered: int, questions: Sequence[str]) -> ProgramFailed:
         with suppress(subprocess.TimeoutExpired):
-            self._process.wait(PATIENCE)
+            self._process.wait(CLOSING_TIMEOUT)
         still_runs = self._process.returncode is None
         code = self._kill()
         end = "closed its output" if still_runs else end_in_words(code)
@@ -212,7 +212,7 @@ class LineProcess:
     def _said(self) -> str:
         """The end of what it wrote to standard error."""
         self._errors.seek(0, os.SEEK_END)
-        self._errors.seek(max(0, self._errors.tell() - TOLD))
+        self._errors.seek(max(0, self._errors.tell() - MAX_REPEATED_ERROR))
         text = self._errors.read().decode(errors="replace").strip()
         return f"; on standard error: {text}" if text else "; it wrote nothing to standard error"
 
@@ -226,7 +226,7 @@ def end_in_words(code: int | None) -> str:
 
 def shown(line: str) -> str:
     """A line, shortened, in quotation marks."""
-    return f"'{line}'" if len(line) <= SHOWN else f"'{line[: SHOWN - 1]}…'"
+    return f"'{line}'" if len(line) <= MAX_REPEATED_LINE else f"'{line[: MAX_REPEATED_LINE - 1]}…'"
 
 
 def _reason(program: str, error: OSError) -> str:

@@ -103,5 +103,5 @@ def number_text(x: float) -> str:
     return f"{x:.17g}"
 
 
-PROTOCOLS = {"plain": Protocol(_plain_question, _plain_answer), "json": Protocol(_json_question, _json_answer)}
+PROTOCOLS_BY_NAME = {"plain": Protocol(_plain_question, _plain_answer), "json": Protocol(_json_question, _json_answer)}
 """By name, as --protocol takes them."""

@@ -20,13 +20,13 @@ from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
 SMALLEST_ID = 10**11
-IDS = 9 * 10**11
+N_IDS = 9 * 10**11
 """Ids are numbers of twelve digits, which every language holds exactly as a double."""
 
-DIGITS = 9
+ID_DECIMALS = 9
 """Decimals of the numbers that an id depends on: not on the rounding of the machine that wrote the questions."""
 
-ARGUMENTS = ("q", "v", "a", "tau", LOADS)
+ARGUMENT_NAMES = ("q", "v", "a", "tau", LOADS)
 """In the order of files."""
 
 
@@ -48,9 +48,11 @@ class Question:
 
 def question(function: str, arguments: Mapping[str, Array]) -> Question:
     """With its id."""
-    said = [f"{name} " + " ".join(f"{x + 0.0:.{DIGITS}e}" for x in values.flat) for name, values in arguments.items()]
+    said = [
+        f"{name} " + " ".join(f"{x + 0.0:.{ID_DECIMALS}e}" for x in values.flat) for name, values in arguments.items()
+    ]
     digest = sha256("\n".join([function, *said]).encode()).digest()
-    return Question(SMALLEST_ID + int.from_bytes(digest[:8], "big") % IDS, function, arguments)
+    return Question(SMALLEST_ID + int.from_bytes(digest[:8], "big") % N_IDS, function, arguments)
 
 
 def questions(function: ForeignFunction, arguments: Sequence[Array]) -> list[Question]:
@@ -65,7 +67,7 @@ def once(asked: Iterable[Question]) -> list[Question]:
     for one in asked:
         known = by_id.setdefault(one.id, one)
         if known.function != one.function or not all(
-            np.allclose(known.arguments[name], x, rtol=10.0**-DIGITS, atol=0) for name, x in one.arguments.items()
+            np.allclose(known.arguments[name], x, rtol=10.0**-ID_DECIMALS, atol=0) for name, x in one.arguments.items()
         ):
             raise SameId(f"two questions have the id {one.id} by chance; give another --seed")
     return list(by_id.values())
@@ -124,8 +126,12 @@ def as_parquet(asked: Sequence[Question]) -> bytes:
 
 def _names(asked: Sequence[Question]) -> list[str]:
     """Of all arguments that some function takes."""
-    return [name for name in ARGUMENTS if any(name in one.arguments for one in asked)]
+    return [name for name in ARGUMENT_NAMES if any(name in one.arguments for one in asked)]
 
 
-FORMS: Mapping[str, Callable[[Sequence[Question]], bytes]] = {".csv": as_csv, ".npz": as_npz, ".parquet": as_parquet}
+QUESTION_WRITERS: Mapping[str, Callable[[Sequence[Question]], bytes]] = {
+    ".csv": as_csv,
+    ".npz": as_npz,
+    ".parquet": as_parquet,
+}
 """By the ending of the name; JSON, which has a published format, is crosscheck.commands.questions.record."""

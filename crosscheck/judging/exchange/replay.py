@@ -13,11 +13,11 @@ from crosscheck.judging.observing.function_under_test import ForeignFailure, Ref
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
-STAGES = 3
+QUESTION_STAGES = 3
 """In which a function is asked: the judged states, its noise, and the experiments on a function that deviates. The last
 two are one round of questions."""
 
-LISTED = 5
+MAX_LISTED_IDS = 5
 """Ids that a message lists at most."""
 
 
@@ -44,7 +44,7 @@ class Replay:
         """The answer (shape) at each state; none where a number is not finite.
 
         Raises BadAnswers where some answers of a stage are missing, or of another size; AnswersPending where further
-        answers are needed; ForeignFailure where a stage beyond STAGES would need them.
+        answers are needed; ForeignFailure where a stage beyond QUESTION_STAGES would need them.
         """
         asked = [question(function, state) for state in states]
         new = once(one for one in asked if one.id not in self._used)
@@ -56,7 +56,7 @@ class Replay:
 
     def _begin_stage(self, function: str, missing: Sequence[Question], shape: Shape, *, partly: bool) -> None:
         """missing: questions without an answer; partly: others have one"""
-        if missing and self._stages == STAGES:
+        if missing and self._stages == QUESTION_STAGES:
             raise ForeignFailure(f"{function} would have to answer questions in a further round")
         if missing and (partly or self._stages == 0):
             ids = listed([one.id for one in missing])
@@ -79,5 +79,5 @@ class Replay:
 
 def listed(ids: Sequence[int]) -> str:
     """The first ones."""
-    rest = len(ids) - LISTED
-    return ", ".join(map(str, ids[:LISTED])) + (f" and {rest} more" if rest > 0 else "")
+    rest = len(ids) - MAX_LISTED_IDS
+    return ", ".join(map(str, ids[:MAX_LISTED_IDS])) + (f" and {rest} more" if rest > 0 else "")

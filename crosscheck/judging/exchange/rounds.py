@@ -10,7 +10,7 @@ import numpy as np
 
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.questions import Question, once, questions
-from crosscheck.judging.exchange.replay import STAGES, AnswersPending, Replay, listed
+from crosscheck.judging.exchange.replay import QUESTION_STAGES, AnswersPending, Replay, listed
 from crosscheck.judging.functions.known_function import LOADS, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judge import Progress, check_frame, judge_functions
@@ -104,7 +104,7 @@ def judge_answers(
     def pending(name: str) -> Sequence[Question]:
         """Of all stages: what is asked later does not depend on the numbers of earlier answers."""
         supposed, asked = dict(given), list[Question]()
-        for _ in range(STAGES - 1):
+        for _ in range(QUESTION_STAGES - 1):
             try:
                 judge_functions({name: Replay(supposed, set())}, setting, progress)
             except AnswersPending as found:

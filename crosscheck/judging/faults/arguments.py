@@ -75,7 +75,7 @@ def arguments(model: RobotModel) -> Iterator[CodeFault]:
             )  # fmt: skip
 
 
-MOST_PERMUTED = 6
+MAX_PERMUTED_JOINTS = 6
 """Largest number of joints for which all n! orders are tried; beyond, exchanges of two joints, cyclic shifts, and the
 reverse and alphabetical orders."""
 
@@ -134,5 +134,5 @@ def _orders(model: RobotModel) -> Iterator[tuple[int, ...]]:
         exchanged = list(ours)
         exchanged[i], exchanged[k] = k, i
         likely.append(tuple(exchanged))
-    every = itertools.permutations(ours) if n <= MOST_PERMUTED else ()
+    every = itertools.permutations(ours) if n <= MAX_PERMUTED_JOINTS else ()
     yield from (order for order in dict.fromkeys([*likely, *every]) if order != ours)

@@ -15,17 +15,17 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 
-ROUND = 1e-6
+ROUND_NUMBER_TOLERANCE = 1e-6
 """Relative distance from a round number within which a fitted factor is that number."""
 
 
 def rounded(x: float) -> float:
     """The integer or power of ten next to x, or x."""
     x = float(x)
-    if abs(x - round(x)) < ROUND * max(1.0, abs(x)):
+    if abs(x - round(x)) < ROUND_NUMBER_TOLERANCE * max(1.0, abs(x)):
         return float(round(x))
     power = np.log10(abs(x))
-    return float(np.sign(x) * 10.0 ** round(power)) if abs(power - round(power)) < ROUND else x
+    return float(np.sign(x) * 10.0 ** round(power)) if abs(power - round(power)) < ROUND_NUMBER_TOLERANCE else x
 
 
 def is_round(x: float) -> bool:

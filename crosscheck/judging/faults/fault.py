@@ -11,7 +11,7 @@ from graphdyn.layout import Array
 
 Change = Callable[[DynamicsCode], DynamicsCode]
 
-KINDS = (
+FAULT_KINDS = (
     *("gravity", "coriolis", "sign", "joint_order", "argument", "frame", "geometry", "zero", "gear", "coupling"),
     *("inertia_point", "inertial_parameters", "unit", "continuous_joint", "inertial_frame", "fixed_link"),
     *("massless_link", "rounding", "friction", "spring", "offset", "rotor_inertia", "clipped"),
@@ -23,7 +23,7 @@ KINDS = (
 class Said:
     """What is wrong, in words.
 
-    kind: one of KINDS
+    kind: one of FAULT_KINDS
     size: how many numbers or steps of a code it changes; of explanations that fit alike the smallest is preferred
     numbers: those that were fitted
     """

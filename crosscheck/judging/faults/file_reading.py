@@ -18,7 +18,7 @@ from urdf.reading import Misreadings
 if TYPE_CHECKING:
     from yourdfpy.urdf import Joint, Link, Robot
 
-MOST_DROPPED = 5
+MAX_DROPPED_LINKS = 5
 """Largest number of fixed links of which every subset is left out; beyond, one, two and all."""
 
 Change = Callable[["Robot"], object]
@@ -125,7 +125,7 @@ def _massless(robot: Robot) -> Iterator[tuple[str, str, str, Change]]:
 
 def _fixed_links(readings: Misreadings) -> Iterator[tuple[str, str, str, Change]]:
     heavy, robot = tuple(readings.carriers), readings.robot
-    sizes = range(1, len(heavy) + 1) if len(heavy) <= MOST_DROPPED else (1, 2, len(heavy))
+    sizes = range(1, len(heavy) + 1) if len(heavy) <= MAX_DROPPED_LINKS else (1, 2, len(heavy))
     for names in itertools.chain.from_iterable(itertools.combinations(heavy, size) for size in sizes):
         yield (
             f"the mass of {named('fixed link', names)} is left out",

@@ -8,15 +8,15 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from crosscheck.judging.faults.fault import CodeFault, Said
-from crosscheck.judging.faults.joint_terms import RIGID
+from crosscheck.judging.faults.joint_terms import RIGID_BODY_REMEDY
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
-AT_LEVEL = 2
+MIN_EQUAL_ANSWERS = 2
 """Answers of one size, the largest, from which on it may be a limit."""
 
-WIDTHS = (0.02, 0.1, 0.5)
+TRIAL_WIDTHS = (0.02, 0.1, 0.5)
 """Where the search for the width of a law of friction begins, as a part of the largest velocity."""
 
 Law = Callable[[Array, Array], Array]
@@ -34,17 +34,19 @@ def _stribeck(x: Array, v: Array) -> Array:
     return torque
 
 
-LAWS: dict[str, tuple[Law, tuple[str, ...], int]] = {
+FRICTION_LAWS: dict[str, tuple[Law, tuple[str, ...], int]] = {
     "tanh": (_tanh, ("viscous", "dry", "width of tanh"), 3),
     "Stribeck": (_stribeck, ("viscous", "dry", "width of tanh", "Stribeck torque", "Stribeck velocity"), 5),
 }
-UNITS = ("N m s/rad or N s/m", "N m or N", "rad/s or m/s", "N m or N", "rad/s or m/s")
+FRICTION_UNITS = ("N m s/rad or N s/m", "N m or N", "rad/s or m/s", "N m or N", "rad/s or m/s")
 
 
 def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
     """Torques (N, n) that are cut off: several answers of one joint have its largest size."""
     size = np.abs(torque)
-    level = np.where((size >= size.max(axis=0) * (1 - 1e-12)).sum(axis=0) >= AT_LEVEL, size.max(axis=0), np.inf)
+    level = np.where(
+        (size >= size.max(axis=0) * (1 - 1e-12)).sum(axis=0) >= MIN_EQUAL_ANSWERS, size.max(axis=0), np.inf
+    )
     level = np.where(level > 0, level, np.inf)
     which = np.flatnonzero(np.isfinite(level))
     if len(which):
@@ -61,7 +63,7 @@ def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
 
 def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float) -> Iterator[CodeFault]:
     """Laws of friction fitted to deviations (N, n) of torques at velocities v (N, n), joint by joint; bound: [N m]."""
-    for name, (law, labels, p) in LAWS.items():
+    for name, (law, labels, p) in FRICTION_LAWS.items():
         found = np.zeros((p, v.shape[1]))
         found[[2, -1]] = 1.0
         which = [k for k in range(v.shape[1]) if np.abs(deviation[:, k]).max() > bound]
@@ -77,7 +79,7 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
         numbers = tuple(
             FittedNumber(f"{label}, {model.joint_names[k]}", float(x), 0.0, unit)
             for k in which
-            for label, x, unit in zip(labels, found[:, k], UNITS, strict=False)
+            for label, x, unit in zip(labels, found[:, k], FRICTION_UNITS, strict=False)
             if x != 0
         )
         shown = "; ".join(
@@ -86,7 +88,13 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
             if row[which].any()
         )
         yield CodeFault(
-            Said("friction", f"friction by a {name} law is included: {shown}", RIGID, 1 + p * len(which), numbers),
+            Said(
+                "friction",
+                f"friction by a {name} law is included: {shown}",
+                RIGID_BODY_REMEDY,
+                1 + p * len(which),
+                numbers,
+            ),
             lambda code, x=found, law=law: code.giving(lambda tau, state: tau + law(x, state[1])),  # type: ignore[misc]
         )
 
@@ -95,8 +103,8 @@ def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
     largest = np.abs(v).max()
     size = np.abs(deviation).max()
     best = None
-    for width in WIDTHS:
-        for stribeck in WIDTHS if p == 5 else (1.0,):
+    for width in TRIAL_WIDTHS:
+        for stribeck in TRIAL_WIDTHS if p == 5 else (1.0,):
             start = np.array([0.0, size / 2, width * largest, size / 2, stribeck * largest])[:p]
             scale = np.array([size / largest, size, largest, size, largest])[:p]
             found = least_squares(

@@ -76,17 +76,17 @@ def _opposite(rpy: Array) -> Array:
     return rotation_about(E1, roll) @ rotation_about(E2, pitch) @ rotation_about(E3, yaw)
 
 
-PLACE = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
+PLACEMENT_REMEDY = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
 
-ZEROS = np.arange(-11, 13)[:, None] * np.pi / 12
+TRIAL_ZEROS = np.arange(-11, 13)[:, None] * np.pi / 12
 """Where the search for the zero of a joint begins [rad]."""
 
-SCALES = np.array([[1.0], [-1.0], [0.5], [2.0], [np.pi / 180], [0.0]])
+TRIAL_SCALES = np.array([[1.0], [-1.0], [0.5], [2.0], [np.pi / 180], [0.0]])
 
-SIGNS = (1.0, -1.0)
+TRIVIAL_SCALES = (1.0, -1.0)
 """Factors that are no fault, or one of the faults of signs."""
 
-COUPLED = np.array([[0.0], [1.0], [-1.0]])
+COUPLING_TRIALS = np.array([[0.0], [1.0], [-1.0]])
 
 
 def geometry(model: RobotModel) -> Iterator[Family]:
@@ -128,7 +128,7 @@ def _translation(model: RobotModel, k: int) -> Family:
             return []
         moved = ", ".join(f"{number.name} by {number.difference:.6g} m" for number in numbers)
         message = f"the translation of joint '{name}' is off: {moved}"
-        return [Said("geometry", message, PLACE, 1 + len(numbers), numbers)]
+        return [Said("geometry", message, PLACEMENT_REMEDY, 1 + len(numbers), numbers)]
 
     return Family(np.zeros(3), change, say)
 
@@ -148,7 +148,9 @@ def _rotation(k: int, message: str, field: str) -> Family:
         size = float(np.linalg.norm(x))
         about = ", ".join(f"{value:.4g}" for value in x / size)
         numbers = (FittedNumber("turned by", 2 * np.arctan(size / 2), 0.0, "rad"),)
-        return [Said("geometry", f"{message} by {numbers[0].theirs:.6g} rad about ({about})", PLACE, 4, numbers)]
+        return [
+            Said("geometry", f"{message} by {numbers[0].theirs:.6g} rad about ({about})", PLACEMENT_REMEDY, 4, numbers)
+        ]
 
     return Family(np.zeros(3), change, say)
 
@@ -174,13 +176,13 @@ def _zero(name: str, k: int, slides: bool) -> Family:
         number = FittedNumber("zero", off, 0.0, unit)
         return [Said("zero", said, "use the zero of the model, or pass q shifted", 2, (number,))] if off else []
 
-    return Family(np.zeros(1), change, say, starts=np.zeros((1, 1)) if slides else ZEROS)
+    return Family(np.zeros(1), change, say, starts=np.zeros((1, 1)) if slides else TRIAL_ZEROS)
 
 
 def _gear(name: str, at: Array) -> Family:
     def say(x: Array) -> list[Said]:
         factor = rounded(x[0])
-        if factor in SIGNS:
+        if factor in TRIVIAL_SCALES:
             return []
         ratio = rounded(1 / factor) if factor else 0.0
         shown = f"1/{ratio:g}" if ratio and ratio != 1 and abs(ratio) > 1 and ratio.is_integer() else f"{factor:.6g}"
@@ -202,13 +204,13 @@ def _scale(what: str, at: Array, which: str) -> Family:
 
     def say(x: Array) -> list[Said]:
         factor = rounded(x[0])
-        if factor in SIGNS:
+        if factor in TRIVIAL_SCALES:
             return []
         are = "are" if " and " in what else "is"
         message = f"{what} {are} multiplied by {factor:.6g}"
         return [Said("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2)]
 
-    return Family(np.ones(1), change, say, starts=SCALES)
+    return Family(np.ones(1), change, say, starts=TRIAL_SCALES)
 
 
 def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> Family:
@@ -229,4 +231,4 @@ def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> Family:
         message = f"joint '{first}' turns with joint '{second}' too, by a factor {factor:.6g}{back}"
         return [Said("coupling", message, "joint coordinates are relative to the inside body", 2)]
 
-    return Family(np.zeros(1), change, say, starts=COUPLED)
+    return Family(np.zeros(1), change, say, starts=COUPLING_TRIALS)

@@ -14,17 +14,17 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis, rotation_about
 
-UPPER = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-NAMES = ("I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_zz")
+UPPER_TRIANGLE = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+TENSOR_NAMES = ("I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_zz")
 """Entries of a tensor as URDF writes them."""
 
-ORDERS = {
+OTHER_TENSOR_ORDERS = {
     "I_xx, I_yy, I_zz, I_xy, I_xz, I_yz": (0, 3, 5, 1, 2, 4),
     "I_xx, I_yy, I_zz, I_xy, I_yz, I_xz": (0, 3, 5, 1, 4, 2),
     "I_xx, I_yy, I_zz, I_yz, I_xz, I_xy": (0, 3, 5, 4, 2, 1),
     "I_xx, I_xy, I_yy, I_xz, I_yz, I_zz": (0, 1, 3, 2, 4, 5),
 }
-"""Other orders of the six numbers, as places in NAMES: MuJoCo's, SDF's and Voigt's, Pinocchio's."""
+"""Other orders of the six numbers, as places in TENSOR_NAMES: MuJoCo's, SDF's and Voigt's, Pinocchio's."""
 
 
 def inertials(model: RobotModel) -> Iterator[CodeFault]:
@@ -76,24 +76,29 @@ def inertials(model: RobotModel) -> Iterator[CodeFault]:
             lambda x, k: {"centers": np.zeros(3)},
         ),
         *(
-            ("inertia_point", message, POINT, lambda x, k, f=factor: {"tensors": x.tensors[k] + f * _steiner(x, k)})
-            for factor, message in ABOUT.items()
+            (
+                "inertia_point",
+                message,
+                TENSOR_POINT_REMEDY,
+                lambda x, k, f=factor: {"tensors": x.tensors[k] + f * _steiner(x, k)},
+            )
+            for factor, message in TENSOR_POINT_MESSAGES.items()
         ),
         *(
             (
                 "inertial_parameters",
                 f"the tensor of {{who}} is read in the order {names}",
-                f"URDF writes {', '.join(NAMES)}",
+                f"URDF writes {', '.join(TENSOR_NAMES)}",
                 lambda x, k, places=places: {"tensors": _reordered(x.tensors[k], places)},
             )
-            for names, written in ORDERS.items()
+            for names, written in OTHER_TENSOR_ORDERS.items()
             for places in (written, tuple(np.argsort(written)))
         ),
         *(
             (
                 "inertial_parameters",
-                f"{NAMES[i]} and {NAMES[j]} of {{who}} are exchanged",
-                f"URDF writes {', '.join(NAMES)}",
+                f"{TENSOR_NAMES[i]} and {TENSOR_NAMES[j]} of {{who}} are exchanged",
+                f"URDF writes {', '.join(TENSOR_NAMES)}",
                 lambda x, k, places=places: {"tensors": _reordered(x.tensors[k], places)},
             )
             for i, j in itertools.combinations(range(6), 2)
@@ -122,9 +127,9 @@ def inertials(model: RobotModel) -> Iterator[CodeFault]:
         )
 
 
-POINT = "a tensor about the center of mass needs m (c·c E - c cᵀ) more about the link origin"
+TENSOR_POINT_REMEDY = "a tensor about the center of mass needs m (c·c E - c cᵀ) more about the link origin"
 
-ABOUT = {
+TENSOR_POINT_MESSAGES = {
     -1.0: "the tensor of {who} is about the center of mass and used as if about the link origin",
     1.0: "the tensor of {who} is about the link origin and used as if about the center of mass",
     -2.0: "the parallel-axis term of {who} has the opposite sign",
@@ -148,8 +153,8 @@ def _turned(x: Numbers, k: int, rotation: Array, center: bool, tensor: bool) -> 
 def _reordered(tensor: Array, places: Sequence[int]) -> Array:
     """The tensor whose six numbers stand at other places: number i of it is number places[i] of this one."""
     other = np.empty((3, 3), tensor.dtype)
-    for (i, k), place in zip(UPPER, places, strict=True):
-        other[i, k] = other[k, i] = tensor[UPPER[place]]
+    for (i, k), place in zip(UPPER_TRIANGLE, places, strict=True):
+        other[i, k] = other[k, i] = tensor[UPPER_TRIANGLE[place]]
     return other
 
 

@@ -13,15 +13,15 @@ from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
-RIGID = "the dynamics of rigid bodies have no friction; switch it off for the comparison"
-DRIVE = "rotor inertia (armature) belongs to the drives; switch it off for the comparison"
+RIGID_BODY_REMEDY = "the dynamics of rigid bodies have no friction; switch it off for the comparison"
+DRIVE_REMEDY = "rotor inertia (armature) belongs to the drives; switch it off for the comparison"
 
-COLUMNS: dict[str, tuple[str, str, str, Callable[[Array, Array, Array], Array]]] = {
-    "viscous friction": ("friction", "N m s/rad or N s/m", RIGID, lambda q, v, a: v),
-    "dry friction": ("friction", "N m or N", RIGID, lambda q, v, a: np.sign(v.real)),
+JOINT_TERMS: dict[str, tuple[str, str, str, Callable[[Array, Array, Array], Array]]] = {
+    "viscous friction": ("friction", "N m s/rad or N s/m", RIGID_BODY_REMEDY, lambda q, v, a: v),
+    "dry friction": ("friction", "N m or N", RIGID_BODY_REMEDY, lambda q, v, a: np.sign(v.real)),
     "a spring": ("spring", "N m/rad or N/m", "switch springs and joint stiffness off", lambda q, v, a: q),
     "a constant torque": ("offset", "N m or N", "take the offset away", lambda q, v, a: 1.0 + 0 * q),
-    "a constant diagonal": ("rotor_inertia", "kg m² or kg", DRIVE, lambda q, v, a: a),
+    "a constant diagonal": ("rotor_inertia", "kg m² or kg", DRIVE_REMEDY, lambda q, v, a: a),
 }
 """Torques of a joint alone: kind, unit, remedy, what they are proportional to."""
 
@@ -29,7 +29,7 @@ COLUMNS: dict[str, tuple[str, str, str, Callable[[Array, Array, Array], Array]]]
 def joint_terms(model: RobotModel) -> Iterator[Family]:
     n = model.n_bodies
     yield Family(
-        np.zeros(len(COLUMNS) * n),
+        np.zeros(len(JOINT_TERMS) * n),
         lambda code, x: code.giving(lambda tau, state: tau + _added(x.reshape(-1, n), state)),
         lambda x: list(_said(model, x.reshape(-1, n))),
     )
@@ -39,20 +39,20 @@ def joint_terms(model: RobotModel) -> Iterator[Family]:
 
 def _added(x: Array, state: State) -> Array:
     added: Array = 0 * state[0] * x[0]
-    for row, (_, _, _, column) in zip(x, COLUMNS.values(), strict=True):
+    for row, (_, _, _, column) in zip(x, JOINT_TERMS.values(), strict=True):
         added = added + row * column(*state)
     return added
 
 
 def _said(model: RobotModel, x: Array) -> Iterator[Said]:
     n = model.n_bodies
-    terms = dict(zip(COLUMNS, x, strict=True))
+    terms = dict(zip(JOINT_TERMS, x, strict=True))
     slack = np.where(terms["a spring"] != 0, terms["a constant torque"], 0.0)
     terms["a constant torque"] = terms["a constant torque"] - slack
     present = {name: row for name, row in terms.items() if row.any()}
     both = {"viscous friction", "dry friction"} <= set(present)
     for name, row in present.items():
-        kind, unit, remedy, _ = COLUMNS[name]
+        kind, unit, remedy, _ = JOINT_TERMS[name]
         if both and name == "dry friction":
             continue
         which = [k for k in range(n) if row[k] != 0]
@@ -60,7 +60,7 @@ def _said(model: RobotModel, x: Array) -> Iterator[Said]:
         shown = f"{name} {_values(row, unit)}"
         if both and name == "viscous friction":
             dry = present["dry friction"]
-            shown += f" and dry friction {_values(dry, COLUMNS['dry friction'][1])}"
+            shown += f" and dry friction {_values(dry, JOINT_TERMS['dry friction'][1])}"
         if kind == "rotor_inertia":
             message = f"a constant diagonal ({', '.join(f'{x:.4g}' for x in row)}) is added to the mass matrix"
         elif len(which) == 1:
@@ -102,4 +102,4 @@ def _matrix_said(model: RobotModel, x: Array) -> list[Said]:
         return []
     said = ", ".join(f"{number.name} + {number.theirs:.4g}" for number in numbers)
     message = f"a constant matrix, as of coupled rotors, is added to the mass matrix: {said}"
-    return [Said("rotor_inertia", message, DRIVE, 1 + len(numbers), numbers)]
+    return [Said("rotor_inertia", message, DRIVE_REMEDY, 1 + len(numbers), numbers)]

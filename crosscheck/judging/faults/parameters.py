@@ -8,7 +8,7 @@ import numpy as np
 
 from crosscheck.judging.faults.changes import is_round, rounded
 from crosscheck.judging.faults.fault import Family, Said
-from crosscheck.judging.faults.inertials import NAMES, UPPER
+from crosscheck.judging.faults.inertials import TENSOR_NAMES, UPPER_TRIANGLE
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
@@ -17,22 +17,22 @@ from graphdyn.layout import Array
 MASS, CENTER, TENSOR = slice(0, 1), slice(1, 4), slice(4, 10)
 """Places among the ten numbers of a body: m, c, J about the center of mass."""
 
-LABELS = ("m", "c_x", "c_y", "c_z", *NAMES)
-UNITS = ("kg", *3 * ("m",), *6 * ("kg m²",))
+PARAMETER_LABELS = ("m", "c_x", "c_y", "c_z", *TENSOR_NAMES)
+BODY_NUMBER_UNITS = ("kg", *3 * ("m",), *6 * ("kg m²",))
 
-WORDS = {(0,): "the mass", (1, 2, 3): "the center of mass", tuple(range(4, 10)): "the tensor"}
+PARAMETER_GROUPS = {(0,): "the mass", (1, 2, 3): "the center of mass", tuple(range(4, 10)): "the tensor"}
 """Numbers that belong together."""
 
-MOST_SAID = 4
+MAX_LISTED_NUMBERS = 4
 """Numbers that a message lists at most; the diagnosis has all of them."""
 
-REMEDY = "compare mass, center of mass and tensor, and the fixed links that the body carries"
+PARAMETER_REMEDY = "compare mass, center of mass and tensor, and the fixed links that the body carries"
 
 
 def parameters(model: RobotModel) -> Iterator[Family]:
     """Of one body: one number, then several; of all bodies: factors."""
     for k in range(model.n_bodies):
-        for places in [*WORDS, *((place,) for place in range(4, 10)), (0, 1, 2, 3), tuple(range(10))]:
+        for places in [*PARAMETER_GROUPS, *((place,) for place in range(4, 10)), (0, 1, 2, 3), tuple(range(10))]:
             yield _of_body(model, k, places)
         for what, field in (("the center of mass", "centers"), ("the tensor", "tensors")):
             yield _factor(f"{what} of body '{model.body_names[k]}'", field, np.arange(model.n_bodies) == k)
@@ -50,7 +50,7 @@ def parameters(model: RobotModel) -> Iterator[Family]:
 def ten_numbers(code: DynamicsCode, k: int) -> Array:
     """m, c, J of a body (10,)."""
     x = code.numbers
-    return np.array([x.masses[k], *x.centers[k], *(x.tensors[k][i] for i in UPPER)])
+    return np.array([x.masses[k], *x.centers[k], *(x.tensors[k][i] for i in UPPER_TRIANGLE)])
 
 
 def with_ten_numbers(code: DynamicsCode, k: int, ten: Array) -> DynamicsCode:
@@ -58,7 +58,7 @@ def with_ten_numbers(code: DynamicsCode, k: int, ten: Array) -> DynamicsCode:
     kind = np.result_type(ten, x.masses, x.centers, x.tensors)
     masses, centers, tensors = (np.array(array, kind) for array in (x.masses, x.centers, x.tensors))
     masses[k], centers[k] = ten[0], ten[CENTER]
-    for (i, j), value in zip(UPPER, ten[TENSOR], strict=True):
+    for (i, j), value in zip(UPPER_TRIANGLE, ten[TENSOR], strict=True):
         tensors[k, i, j] = tensors[k, j, i] = value
     return code.but(masses=masses, centers=centers, tensors=tensors)
 
@@ -75,12 +75,12 @@ def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> Family:
     def say(x: Array) -> list[Said]:
         moved = [i for i, difference in zip(which, x, strict=True) if difference != 0]
         numbers = tuple(
-            FittedNumber(LABELS[i], float(own[i] + difference), float(own[i]), UNITS[i])
+            FittedNumber(PARAMETER_LABELS[i], float(own[i] + difference), float(own[i]), BODY_NUMBER_UNITS[i])
             for i, difference in zip(which, x, strict=True)
             if i in moved
         )
         return (
-            [Said("inertial_parameters", _message(name, moved, numbers), REMEDY, 1 + len(moved), numbers)]
+            [Said("inertial_parameters", _message(name, moved, numbers), PARAMETER_REMEDY, 1 + len(moved), numbers)]
             if moved
             else []
         )
@@ -93,8 +93,8 @@ def _message(name: str, moved: Sequence[int], numbers: Sequence[FittedNumber]) -
         (number,) = numbers
         what = "the mass" if moved == [0] else number.name
         return f"{what} of body '{name}' is {number.theirs:.6g} {number.unit}, not {number.ours:.6g} {number.unit}"
-    what = " and ".join(word for places, word in WORDS.items() if set(places) & set(moved))
-    if len(moved) > MOST_SAID:
+    what = " and ".join(word for places, word in PARAMETER_GROUPS.items() if set(places) & set(moved))
+    if len(moved) > MAX_LISTED_NUMBERS:
         return f"other values of {what} of body '{name}' alone explain all numbers"
     off = ", ".join(f"{number.name} by {number.difference:.6g} {number.unit}" for number in numbers)
     return f"{what} of body '{name}' {'are' if ' and ' in what else 'is'} off: {off}"

@@ -18,7 +18,7 @@ from graphdyn.layout import Array
 State = tuple[Array, Array, Array]
 """q, v, a (R, n)."""
 
-MOST_AT_ONCE = 60_000
+MAX_ROWS_AT_ONCE = 60_000
 """Rows of all codes together that are computed at once: a hundred megabytes."""
 
 
@@ -94,7 +94,7 @@ class DynamicsCode:
 
 def torques_of(codes: Sequence[DynamicsCode], state: State) -> Array:
     """Torques (K, R, n) of K codes for one robot at R states (R, n) each. Complex numbers give complex torques."""
-    size = max(1, MOST_AT_ONCE // len(state[0]))
+    size = max(1, MAX_ROWS_AT_ONCE // len(state[0]))
     return np.concatenate([_torques(codes[k : k + size], state) for k in range(0, len(codes), size)])
 
 

@@ -12,7 +12,7 @@ from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn import RobotModel
 
-MOST_SUBSETS = 7
+MAX_SUBSET_JOINTS = 7
 """Largest number of joints for which every set of joints is tried (2^n); beyond, single joints and all."""
 
 AXIS: Signs = (-1, -1, -1, -1)
@@ -20,14 +20,14 @@ AXIS: Signs = (-1, -1, -1, -1)
 
 EVERY_SIGN: list[Signs] = [(a, b, c, d) for a, b, c, d in itertools.product((1, -1), repeat=4)]
 
-QUANTITIES = ("position", "velocity", "acceleration", "torque")
+SIGNED_QUANTITIES = ("position", "velocity", "acceleration", "torque")
 
 Signs = tuple[int, int, int, int]
 
 PATTERNS: dict[Signs, str] = {
     signs: f"the {' and '.join(named)} of {{who}} {'is' if len(named) == 1 else 'are'} taken with the opposite sign"
     for signs in EVERY_SIGN
-    if (named := [name for name, sign in zip(QUANTITIES, signs, strict=True) if sign < 0])
+    if (named := [name for name, sign in zip(SIGNED_QUANTITIES, signs, strict=True) if sign < 0])
 } | {
     AXIS: "the axis of {who} points the other way",
     (1, 1, 1, -1): "the torque of {who} has the opposite sign",
@@ -36,7 +36,7 @@ PATTERNS: dict[Signs, str] = {
 }
 """What it means to reverse some of q, v, a, τ of a joint."""
 
-REMEDIES = {
+SIGN_REMEDIES = {
     AXIS: "reverse the axis, or negate position, velocity, acceleration and torque of the joint",
     (1, 1, 1, -1): "negate it",
 }
@@ -90,11 +90,11 @@ def _reversed(model: RobotModel, pattern: Signs, joints: Sequence[int], size: in
         code = code.taking(lambda q, v, a: (s_q * q, s_v * v, s_a * a))
         return code.giving(lambda tau, _: s_tau * tau) if (s_tau < 0).any() else code
 
-    remedy = REMEDIES.get(pattern, "use one sense for position, velocity, acceleration and torque of a joint")
+    remedy = SIGN_REMEDIES.get(pattern, "use one sense for position, velocity, acceleration and torque of a joint")
     return CodeFault.of("sign", PATTERNS[pattern].format(who=joints_said(model, joints)), remedy, change, size)
 
 
 def _several(n: int) -> Iterator[list[int]]:
     """Sets of two and more joints, without that of all."""
-    for size in range(2, n) if n <= MOST_SUBSETS else ():
+    for size in range(2, n) if n <= MAX_SUBSET_JOINTS else ():
         yield from map(list, itertools.combinations(range(n), size))

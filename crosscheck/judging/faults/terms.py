@@ -33,7 +33,7 @@ AT_ONE = {
     "carried": "the angular velocity of the inside body, at joint '{joint}',",
 }
 
-REMEDY = "check that term in the recursion of velocities and accelerations"
+TERM_REMEDY = "check that term in the recursion of velocities and accelerations"
 
 
 def terms(model: RobotModel) -> Iterator[Family]:
@@ -86,10 +86,10 @@ def _said(names: Sequence[str], kind: str, x: Array) -> list[Said]:
     if not wrong:
         return []
     size = sum(1 if is_round(factor) else 2 for factor in wrong.values())
-    return [Said(kind, "; ".join(factor_said(name, factor) for name, factor in wrong.items()), REMEDY, size)]
+    return [Said(kind, "; ".join(factor_said(name, factor) for name, factor in wrong.items()), TERM_REMEDY, size)]
 
 
-ROUND = 1e-6
+GRAVITY_ROUNDING = 1e-6
 """Accuracy of fitted components [m/s²], well below what makes a difference."""
 
 
@@ -100,14 +100,14 @@ def gravity(model: RobotModel) -> Iterator[Family]:
 
 
 def _gravity_message(ours: Array, found: Array) -> Said:
-    shown, here = (", ".join(f"{x:.6g}" for x in np.where(np.abs(g) < ROUND, 0.0, g)) for g in (found, ours))
+    shown, here = (", ".join(f"{x:.6g}" for x in np.where(np.abs(g) < GRAVITY_ROUNDING, 0.0, g)) for g in (found, ours))
     factor = float(found @ ours / (ours @ ours)) if ours.any() else np.nan
     size = 1
-    if not np.abs(found).max() > ROUND:
+    if not np.abs(found).max() > GRAVITY_ROUNDING:
         message = "gravity is left out"
-    elif np.abs(found + ours).max() < ROUND:
+    elif np.abs(found + ours).max() < GRAVITY_ROUNDING:
         message = "gravity has the opposite sign"
-    elif np.abs(found - factor * ours).max() < ROUND:
+    elif np.abs(found - factor * ours).max() < GRAVITY_ROUNDING:
         message = f"gravity is {np.linalg.norm(found):.6g} m/s², not {np.linalg.norm(ours):.6g} m/s²"
     else:
         size = 2

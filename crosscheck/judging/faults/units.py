@@ -12,7 +12,7 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation
 
-LENGTHS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254}
+LENGTH_UNITS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254}
 """Units that a length may be in, per metre."""
 
 
@@ -32,11 +32,11 @@ def units(model: RobotModel) -> Iterator[CodeFault]:
             yield _scaled(model, turning, of, "velocities", "rev/min", 2 * np.pi / 60, "v")
         if sliding and (len(joints) == 1 or len(sliding) > 1):
             of_slides = of if len(joints) == 1 else "sliding {what}"
-            for unit, per_metre in LENGTHS.items():
+            for unit, per_metre in LENGTH_UNITS.items():
                 what = "positions, velocities and accelerations"
                 yield _scaled(model, sliding, of_slides, what, unit, 1 / per_metre, "qva")
                 yield _scaled(model, sliding, of_slides, "positions", unit, 1 / per_metre, "q")
-    for unit, per_metre in LENGTHS.items():
+    for unit, per_metre in LENGTH_UNITS.items():
         yield from of_joints(
             model,
             "unit",

@@ -53,10 +53,10 @@ PLACEMENTS = (
 )  # fmt: skip
 
 
-REFERENCES = ("local_world_aligned", "world", "local")
+TWIST_REFERENCES = ("local_world_aligned", "world", "local")
 """Where the axes and the point of a twist are: at the frame in world axes, at the world's origin, at the frame."""
 
-BY_REFERENCE = {"reference": REFERENCES, **ORDER}
+BY_REFERENCE = {"reference": TWIST_REFERENCES, **ORDER}
 
 
 def _reach(states: JudgedStates) -> Array:

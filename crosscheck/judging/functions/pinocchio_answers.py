@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from crosscheck.judging.states.judged_states import JudgedStates
-from crosscheck.reference.frame_choices import REFERENCES, compared_frames
+from crosscheck.reference.frame_choices import FRAME_REFERENCES, compared_frames
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.reference.reference_values import RefereeValues
 from graphdyn.layout import Array
@@ -46,7 +46,7 @@ class PinocchioAnswers:
         if self._frame not in self._compared:
             return None
         by_reference = np.moveaxis(self._derived[name], (1, 2), (0, 1))
-        found: Array = by_reference[[*map(str, REFERENCES)].index(reference)][self._compared.index(self._frame)]
+        found: Array = by_reference[[*map(str, FRAME_REFERENCES)].index(reference)][self._compared.index(self._frame)]
         return found
 
     def frame_placement(self) -> tuple[Array, Array]:

@@ -8,10 +8,10 @@ from crosscheck.judging.functions.known_function import Chosen
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn.layout import Array
 
-NO_COLUMN = 1e-10
+ZERO_DIRECTION_SHARE = 1e-10
 """Part of the largest singular value below which a direction of the column space is rounding."""
 
-WEAK = 0.1
+WEAK_COLUMN_SHARE = 0.1
 """Part of the largest entry of all columns below which a column counts as smaller, so that rounding in a column of
 zeros does not count as a direction."""
 
@@ -39,7 +39,7 @@ def outside_of(x: Array, y: Array) -> Array:
 def column_space(x: Array) -> Array:
     """An orthonormal basis of the column space of a regressor over all states (N, n, p) → (N n, rank)."""
     u, sizes, _ = np.linalg.svd(_unit_columns(x), full_matrices=False)
-    found: Array = u[:, sizes > NO_COLUMN * sizes.max(initial=0.0)]
+    found: Array = u[:, sizes > ZERO_DIRECTION_SHARE * sizes.max(initial=0.0)]
     return found
 
 
@@ -48,5 +48,5 @@ def _unit_columns(x: Array) -> Array:
     columns = x.reshape(-1, x.shape[-1])
     largest = np.abs(columns).max(axis=0, initial=0.0)
     whole = largest.max(initial=0.0)
-    found: Array = columns / np.maximum(largest, WEAK * whole if whole > 0 else 1.0)
+    found: Array = columns / np.maximum(largest, WEAK_COLUMN_SHARE * whole if whole > 0 else 1.0)
     return found

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.changes import ROUND
+from crosscheck.judging.faults.changes import ROUND_NUMBER_TOLERANCE
 from crosscheck.judging.faults.fault import Said
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import PARAMETER_NAMES
 
-ALIKE = 1e-6
+MAX_COLUMN_REMAINDER = 1e-6
 """Part of a column that may remain after subtracting a multiple of another one to count as that multiple."""
 
 
@@ -45,7 +45,7 @@ def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[Said, f
         wrong = [
             f"{PARAMETER_NAMES[place]} × {factor:.4g}"
             for place, factor in zip(places, factors, strict=True)
-            if abs(factor - 1) > ROUND
+            if abs(factor - 1) > ROUND_NUMBER_TOLERANCE
         ]
         if wrong:
             said.append(f"{'' if said else 'columns are '}scaled: {', '.join(wrong)}")
@@ -67,7 +67,7 @@ def _bodies(there: Array, here: Array) -> NDArray[np.intp] | None:
         return np.arange(n)
     size = np.array([[np.abs(x - y).max() for y in here] for x in there])
     bodies = size.argmin(axis=1)
-    exact = size[np.arange(n), bodies] <= ALIKE * np.abs(here).max()
+    exact = size[np.arange(n), bodies] <= MAX_COLUMN_REMAINDER * np.abs(here).max()
     return bodies if exact.all() and sorted(bodies) == list(range(n)) else None
 
 
@@ -80,7 +80,7 @@ def _types(there: Array, here: Array) -> tuple[list[int], list[float], float] | 
         factor = np.divide(ours @ column, sizes, out=np.zeros_like(sizes), where=sizes > 0)
         rest = np.abs(column - factor[:, None] * ours).max(axis=1) / (np.abs(column).max() or 1.0)
         best = int(rest.argmin())
-        if not rest[best] <= ALIKE:
+        if not rest[best] <= MAX_COLUMN_REMAINDER:
             return None
         places.append(best)
         factors.append(float(factor[best]))

@@ -9,11 +9,11 @@ import numpy as np
 
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.observing.precision import precision_said
-from crosscheck.judging.states.experiments import PARTS, Parts, TrialStates
+from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, Parts, TrialStates
 from graphdyn import RobotModel
 from urdf.reading import Misreadings
 
-TIMES_NOISE = 10.0
+MAX_NOISE_FACTOR = 10.0
 """A fault explains a deviation if it leaves at most this many times the noise of the function, at every state."""
 
 
@@ -38,12 +38,12 @@ class Deviation:
 
     @property
     def bound(self) -> float:
-        return max(self.tolerance, TIMES_NOISE * self.noise)
+        return max(self.tolerance, MAX_NOISE_FACTOR * self.noise)
 
 
 def evidence_of(deviation: Deviation, before: Mapping[str, float], observed: Parts, own: Parts) -> str:
     said = [
-        f"{PARTS[part]}: {'agrees' if error <= deviation.bound else f'relative error {error:.1e}'}"
+        f"{EXPERIMENT_PARTS[part]}: {'agrees' if error <= deviation.bound else f'relative error {error:.1e}'}"
         for part, error in before.items()
     ]
     if "velocity" in before and before["velocity"] > deviation.bound:
@@ -54,6 +54,6 @@ def evidence_of(deviation: Deviation, before: Mapping[str, float], observed: Par
         once = np.abs(observed.velocity - own.velocity).max()
         twice = np.abs(observed.doubled - own.doubled).max()
         said.append(f"at twice the velocity the error is {twice / once:.3g} times as large")
-    if deviation.noise > deviation.tolerance / TIMES_NOISE:
+    if deviation.noise > deviation.tolerance / MAX_NOISE_FACTOR:
         said.append(precision_said(deviation.noise))
     return "; ".join(said)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
-from crosscheck.judging.states.experiments import PARTS, Parts, TrialStates
+from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, Parts, TrialStates
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import RobotModel, inverse_dynamics
 from graphdyn.layout import Array
@@ -92,7 +92,7 @@ def of_experiments(model: RobotModel, trial: TrialStates, parts: Parts) -> Obser
         "inertia": (accelerated, np.repeat(rest, n)),
         "velocity": (moving, rest),
     }
-    known = [part for part in PARTS if getattr(parts, part) is not None]
+    known = [part for part in EXPERIMENT_PARTS if getattr(parts, part) is not None]
     answers = {part: getattr(parts, part).reshape(-1, n) for part in known}
     if "inertia" in answers:
         answers["inertia"] = acceleration * answers["inertia"]

@@ -15,17 +15,17 @@ from crosscheck.judging.observing.function_under_test import ForeignFailure, For
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import inverse_dynamics
 
-ORDER = 8
-STEP = 1e-5
+DIFFERENCE_ORDER = 8
+POINT_SPACING = 1e-5
 """Between neighbouring points, relative to the arguments: 80 units in the last place of single precision; terms that
 turn a thousand times as fast as the joints still vanish."""
 
-LINES = 5
+N_LINES = 5
 
-DOUBLE = 1e-14
+MAX_DOUBLE_NOISE = 1e-14
 """Relative noise below which a function computes in double precision."""
 
-SINGLE = (1e-8, 2e-6)
+SINGLE_NOISE_RANGE = (1e-8, 2e-6)
 """Relative noise of functions that compute in single precision."""
 
 
@@ -35,11 +35,13 @@ def noise(function: ForeignFunction, states: JudgedStates) -> float:
     Zero where the function refuses a point of the lines.
     """
     rng = np.random.default_rng(0)
-    rows = np.arange(LINES) % len(states.q)
+    rows = np.arange(N_LINES) % len(states.q)
     start = [x[rows] for x in function.known.arguments_at(states)]
-    ways = [STEP * (0.5 + rng.random(x.shape)) * np.maximum(np.abs(x), 1e-2 * np.abs(x).max()) for x in start]
+    ways = [POINT_SPACING * (0.5 + rng.random(x.shape)) * np.maximum(np.abs(x), 1e-2 * np.abs(x).max()) for x in start]
     points = [
-        np.concatenate([x[:, None] + k * way[:, None] for k in range(ORDER + 1)], axis=1).reshape(-1, *x.shape[1:])
+        np.concatenate([x[:, None] + k * way[:, None] for k in range(DIFFERENCE_ORDER + 1)], axis=1).reshape(
+            -1, *x.shape[1:]
+        )
         for x, way in zip(start, ways, strict=True)
     ]
     try:
@@ -48,8 +50,8 @@ def noise(function: ForeignFunction, states: JudgedStates) -> float:
         return 0.0
     if function.name == "forward_dynamics":  # the torques that the accelerations need: without cond(M)
         answers = inverse_dynamics(states.model, points[0], points[1], answers).tau
-    answers = answers.reshape(LINES, ORDER + 1, -1)
-    left = np.diff(answers, ORDER, axis=1)[:, 0] / np.sqrt(comb(2 * ORDER, ORDER))
+    answers = answers.reshape(N_LINES, DIFFERENCE_ORDER + 1, -1)
+    left = np.diff(answers, DIFFERENCE_ORDER, axis=1)[:, 0] / np.sqrt(comb(2 * DIFFERENCE_ORDER, DIFFERENCE_ORDER))
     size = np.abs(answers).max(axis=(1, 2))
     relative = np.abs(left).max(axis=1) / np.where(size > 0, size, 1.0)
     return float(np.median(relative))
@@ -57,8 +59,8 @@ def noise(function: ForeignFunction, states: JudgedStates) -> float:
 
 def precision_said(relative: float) -> str:
     """What noise of this size means."""
-    if relative <= DOUBLE:
+    if relative <= MAX_DOUBLE_NOISE:
         return "double precision"
-    if SINGLE[0] <= relative <= SINGLE[1]:
+    if SINGLE_NOISE_RANGE[0] <= relative <= SINGLE_NOISE_RANGE[1]:
         return f"the answers have a noise of {relative:.1e}, as in single precision"
     return f"the answers scatter by {relative:.1e} from one state to the next"

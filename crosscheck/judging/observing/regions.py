@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn.layout import Array
 
-CHANCE = 1e-3
+MAX_CHANCE_PROBABILITY = 1e-3
 """Largest probability that states drawn without any rule would be separated as well."""
 
-PER = {"q": "", "v": "/s", "a": "/s²"}
+UNIT_SUFFIXES = {"q": "", "v": "/s", "a": "/s²"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,12 +74,12 @@ def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collec
     known = list(quantities(states, arguments))
     sides = [side for quantity in known for side in _sides(quantity, deviating)]
     by_chance = 1 / comb(total, count)  # that the deviating states are those beyond some threshold of one quantity
-    if 2 * len(known) * by_chance > CHANCE:
+    if 2 * len(known) * by_chance > MAX_CHANCE_PROBABILITY:
         return None
     single = [side for side in sides if np.array_equal(side.inside, deviating)]
     if single:
         return single[0].said(np.ones(total, dtype=bool))
-    if (2 * len(known)) ** 2 * total * by_chance > CHANCE:
+    if (2 * len(known)) ** 2 * total * by_chance > MAX_CHANCE_PROBABILITY:
         return None
     pairs = ((x, y) for x, y in combinations(sides, 2) if np.array_equal(x.inside & y.inside, deviating))
     found = next(pairs, None)
@@ -103,7 +103,7 @@ def quantities(states: JudgedStates, arguments: Collection[str]) -> Iterator[Reg
     speed = np.array([joint.limits.velocity or np.nan for joint in model.joints])
     for k, joint in enumerate(model.joints):
         for name in moving:
-            values, unit = getattr(states, name)[:, k], f" {'m' if joint.is_prismatic else 'rad'}{PER[name]}"
+            values, unit = getattr(states, name)[:, k], f" {'m' if joint.is_prismatic else 'rad'}{UNIT_SUFFIXES[name]}"
             limit = float(speed[k]) if name == "v" and speed[k] > 0 else None
             yield RegionVariable(f"{name} of joint '{joint.name}'", values, unit)
             yield RegionVariable(f"∣{name}∣ of joint '{joint.name}'", np.abs(values), unit, limit)

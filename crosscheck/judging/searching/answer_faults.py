@@ -21,7 +21,7 @@ from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import Joint, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array
 
-ROUND = 1e-4
+SIGN_FACTOR_TOLERANCE = 1e-4
 """Distance of a fitted factor from 1 or -1 within which it is that number."""
 
 Answering = Callable[[JudgedStates, Chosen], Array]
@@ -246,11 +246,13 @@ def _per_joint(known: KnownFunction, answer: Array, ours: Array, model: RobotMod
             continue
         parts = zip(np.moveaxis(answer, axis, 0), np.moveaxis(ours, axis, 0), strict=True)
         factors = np.array([_factor(x, y) for x, y in parts])
-        wrong = {name: x for name, x in zip(model.joint_names, factors, strict=True) if abs(x - 1) > ROUND}
+        wrong = {
+            name: x for name, x in zip(model.joint_names, factors, strict=True) if abs(x - 1) > SIGN_FACTOR_TOLERANCE
+        }
         what = {1: "entries", 2: "row" if axis == 1 else "column"}.get(len(known.shape), "part")
         said = ", ".join(f"'{name}' × {x:.6g}" for name, x in wrong.items())
         scale = factors.reshape(-1, *[1] * (len(known.shape) - axis))
-        kind = "sign" if all(abs(x + 1) <= ROUND for x in wrong.values()) else "unit"
+        kind = "sign" if all(abs(x + 1) <= SIGN_FACTOR_TOLERANCE for x in wrong.values()) else "unit"
         yield AnswerFault(
             kind, f"the {what} of a joint multiplied: {said}", "compare the sense and the unit of the joint",
             lambda s, c, scale=scale: known.ours(s, c) * scale,  # type: ignore[misc]
@@ -263,7 +265,7 @@ def _factor(answer: Array, ours: Array) -> float:
     return float((answer * ours).sum()) / size if size > 0 else 1.0
 
 
-FIRST = 5
+FIRST_TRIAL_STATES = 5
 """Number of states at which a fault is tried before it is tried at all of them."""
 
 
@@ -282,7 +284,7 @@ def answer_fault(
     known: KnownFunction, answer: Array, states: JudgedStates, declared: Chosen, bound: float
 ) -> FoundFault | None:
     """The first fault that leaves no more than the bound, by any reading in keeping with the declared conventions."""
-    few = np.arange(len(states.q)) < FIRST
+    few = np.arange(len(states.q)) < FIRST_TRIAL_STATES
     for chosen in known.readings(declared):
         ours = known.ours(states, chosen)
         for fault in chain(faults(known, states), fitted_faults(known, answer, ours, chosen, states.model)):

@@ -12,17 +12,17 @@ from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from graphdyn.layout import Array
 
-STEP = 1e-30
+COMPLEX_STEP = 1e-30
 """Of the complex steps."""
 
-ITERATIONS = 10
-KEPT = 60
+MAX_FIT_ITERATIONS = 10
+MAX_FITTED_FAMILIES = 60
 """Number of families, those that leave least, that are fitted beyond the first step."""
 
-SETTLED = 1e-9
+RANK_SHARE = 1e-9
 """Part of the largest singular value below which the data do not determine a direction."""
 
-GAIN = 0.95
+MAX_REMAINING_SHARE = 0.95
 """A step that leaves more than this part of the error is the last one."""
 
 
@@ -46,15 +46,17 @@ def fitted(families: Sequence[Family], base: DynamicsCode, observation: Observat
     """Each family at the numbers that leave least, as far as it is among the better ones."""
     now = _started(families, base, observation)
     active = list(range(len(families)))
-    for iteration in range(ITERATIONS):
+    for iteration in range(MAX_FIT_ITERATIONS):
         steps = _steps([now[k] for k in active], base, observation, noise)
         going = []
         for k, found in zip(active, steps, strict=True):
             if found.left < now[k].left:
-                if found.left < GAIN * now[k].left and found.left > noise:
+                if found.left < MAX_REMAINING_SHARE * now[k].left and found.left > noise:
                     going.append(k)
                 now[k] = found
-        active = sorted(going, key=lambda k: now[k].left)[: KEPT if iteration == 0 else KEPT // 2]
+        active = sorted(going, key=lambda k: now[k].left)[
+            : MAX_FITTED_FAMILIES if iteration == 0 else MAX_FITTED_FAMILIES // 2
+        ]
         if not active:
             break
     return now
@@ -75,10 +77,12 @@ def _started(families: Sequence[Family], base: DynamicsCode, observation: Observ
 def _steps(now: Sequence[Fitted], base: DynamicsCode, observation: Observation, noise: float) -> list[Fitted]:
     """One step of each."""
     codes = [
-        x.family.change(base, x.numbers + 1j * STEP * direction) for x in now for direction in np.eye(len(x.numbers))
+        x.family.change(base, x.numbers + 1j * COMPLEX_STEP * direction)
+        for x in now
+        for direction in np.eye(len(x.numbers))
     ]
     with np.errstate(all="ignore"):
-        slopes = observation.residuals(codes).imag / STEP
+        slopes = observation.residuals(codes).imag / COMPLEX_STEP
     here = observation.residuals([x.family.change(base, x.numbers) for x in now])
     tried, first = [], 0
     for x, residual in zip(now, here, strict=True):
@@ -96,7 +100,7 @@ def _least_squares(columns: Array, target: Array, noise: float) -> Array:
         return np.zeros(columns.shape[1])
     length = np.linalg.norm(columns, axis=0)
     length = np.where(length > 0, length, np.inf)
-    solution: Array = np.linalg.lstsq(columns / length, target, rcond=max(SETTLED, 10 * noise))[0] / length
+    solution: Array = np.linalg.lstsq(columns / length, target, rcond=max(RANK_SHARE, 10 * noise))[0] / length
     return solution
 
 

@@ -15,7 +15,7 @@ from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import PARAMETER_NAMES
 
-MOST_NAMED = 6
+MAX_LISTED_COLUMNS = 6
 """Columns that a message lists at most."""
 
 OwnFault = Callable[[Array, Array, JudgedStates, float], FoundFault | None]
@@ -60,8 +60,8 @@ def _parameter(model: RobotModel, k: int) -> str:
 
 
 def _listed(names: list[str]) -> str:
-    rest = len(names) - MOST_NAMED
-    return ", ".join(names[:MOST_NAMED]) + (f" and {rest} more" if rest > 0 else "")
+    rest = len(names) - MAX_LISTED_COLUMNS
+    return ", ".join(names[:MAX_LISTED_COLUMNS]) + (f" and {rest} more" if rest > 0 else "")
 
 
 OWN_FAULTS: Mapping[str, OwnFault] = {

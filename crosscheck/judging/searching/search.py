@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.all_faults import families, faults
-from crosscheck.judging.faults.fault import KINDS, CodeFault, Family, Said
+from crosscheck.judging.faults.fault import FAULT_KINDS, CodeFault, Family, Said
 from crosscheck.judging.faults.from_answers import limits, smooth_friction
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
@@ -18,19 +18,19 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf.reading import Misreadings
 
-TRIED = 2
+TRIAL_STATES = 2
 """Number of states of the experiments with which all faults are tried; the first, and one with whole turns added."""
 
-FITTED = 3
+FITTING_STATES = 3
 """Number of states of the experiments with which families are fitted."""
 
-KEPT = 150
+MAX_KEPT_FAULTS = 150
 """Number of faults, those that leave least at these states, that are tried at the others."""
 
-FIRSTS = 5
+N_FIRST_FAULTS = 5
 """Number of explanations that leave a part to which a second fault is added."""
 
-SECONDS = 12
+N_SECOND_FAULTS = 12
 """Number of second faults that are fitted together with the first."""
 
 
@@ -106,16 +106,18 @@ class Search:
         self.all_rows = experiments if judged is None else experiments.and_(judged)
         self.own = DynamicsCode.of(model)
         self._faults, self._families = list(faults(model, readings)), list(families(model))
-        self._tried, self._fitted = (experiments.only(_of_states(experiments, size)) for size in (TRIED, FITTED))
+        self._tried, self._fitted = (
+            experiments.only(_of_states(experiments, size)) for size in (TRIAL_STATES, FITTING_STATES)
+        )
 
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
         known = [*self._faults, *self._from_answers(base)]
         left = root_mean_square(self._tried.residuals([fault.change(base.code) for fault in known]))
-        kept = [known[k] for k in np.argsort(left, kind="stable")[:KEPT]]
+        kept = [known[k] for k in np.argsort(left, kind="stable")[:MAX_KEPT_FAULTS]]
         found = [self._explanation(base, [(fault, np.zeros(0)) for fault in kept])]
         fits = fitted(self._families, base.code, self._fitted, self.noise)
-        best = sorted(fits, key=lambda fit: fit.left)[:KEPT]
+        best = sorted(fits, key=lambda fit: fit.left)[:MAX_KEPT_FAULTS]
         best = [sparse(fit, base.code, self.experiments, self.noise, self.bound) for fit in best]
         found.append(self._explanation(base, [(fit.family, fit.numbers) for fit in best]))
         return sorted((x for group in found for x in group if x.is_told), key=lambda x: x.left)
@@ -130,7 +132,7 @@ class Search:
         for first in sorted(started, key=lambda x: x.size):
             if first.size + 1 > smallest:
                 break
-            found += [self._refitted(second) for second in self.alone(first)[:SECONDS]]
+            found += [self._refitted(second) for second in self.alone(first)[:N_SECOND_FAULTS]]
             smallest = min((x.size for x in found if self.holds(x)), default=np.inf)
         return found
 
@@ -212,7 +214,7 @@ class Search:
 
 def preference(explanation: Explanation) -> tuple[object, ...]:
     """Fewer numbers first; then by kind and words, which is a rule and not the order of trial."""
-    return explanation.size, *((KINDS.index(said.kind), said.message) for said in explanation.said)
+    return explanation.size, *((FAULT_KINDS.index(said.kind), said.message) for said in explanation.said)
 
 
 def firsts(found: Sequence[Explanation], nothing: Explanation, bound: float) -> list[Explanation]:
@@ -226,8 +228,8 @@ def firsts(found: Sequence[Explanation], nothing: Explanation, bound: float) -> 
         return sum(after[part] <= bound for part in wrong) - broken
 
     by_terms = sorted((x for x in found if mended(x) > 0), key=lambda x: (-mended(x), x.size, x.left))
-    chosen = [*_differing(by_terms)[: FIRSTS // 2], *_differing(found)[:FIRSTS]]
-    return _differing(chosen)[:FIRSTS]
+    chosen = [*_differing(by_terms)[: N_FIRST_FAULTS // 2], *_differing(found)[:N_FIRST_FAULTS]]
+    return _differing(chosen)[:N_FIRST_FAULTS]
 
 
 def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:

@@ -11,20 +11,23 @@ from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.searching.search import Explanation, Search
 from graphdyn.layout import Array
 
-STATES = 20
+COMPARED_STATES = 20
 
-TILTS = np.array([[9.81, 0.0, 0.0], [0.0, 9.81, 0.0], [3.0, 4.0, -5.0]])
+TILTED_GRAVITIES = np.array([[9.81, 0.0, 0.0], [0.0, 9.81, 0.0], [3.0, 4.0, -5.0]])
 """Further gravity vectors [m/s²]."""
 
 
-ALIKE = 1e-9
+EQUAL_NUMBER_TOLERANCE = 1e-9
 """Relative difference of two numbers that are the same."""
 
 
 def same_code(first: DynamicsCode, second: DynamicsCode) -> bool:
     """Whether both have the same numbers and treat arguments and answers alike: one fault in two ways to say it."""
     pairs = zip(dataclasses.astuple(first.numbers), dataclasses.astuple(second.numbers), strict=True)
-    alike = all(np.allclose(x, y, rtol=ALIKE, atol=ALIKE * float(np.abs(x).max())) for x, y in pairs)
+    alike = all(
+        np.allclose(x, y, rtol=EQUAL_NUMBER_TOLERANCE, atol=EQUAL_NUMBER_TOLERANCE * float(np.abs(x).max()))
+        for x, y in pairs
+    )
     return alike and (first.arguments, first.answers) == (second.arguments, second.answers)
 
 
@@ -47,7 +50,7 @@ def what_tells_apart(first: Explanation, others: Sequence[Explanation], search: 
 
 def _far(search: Search) -> State:
     rng = np.random.default_rng(1)
-    shape = STATES, search.model.n_bodies
+    shape = COMPARED_STATES, search.model.n_bodies
     return tuple(width * rng.uniform(-1, 1, shape) for width in (3 * np.pi, 10.0, 30.0))  # type: ignore[return-value]
 
 
@@ -57,7 +60,7 @@ def _tilt(first: Explanation, second: Explanation, search: Search) -> bool:
     if not all(np.array_equal(x.code.numbers.gravity, own) for x in (first, second)):
         return False
     state = _far(search)
-    return any(_differ(first.code.but(gravity=g), second.code.but(gravity=g), state, search) for g in TILTS)
+    return any(_differ(first.code.but(gravity=g), second.code.but(gravity=g), state, search) for g in TILTED_GRAVITIES)
 
 
 def _differ(first: DynamicsCode, second: DynamicsCode, state: State, search: Search) -> bool:

@@ -9,9 +9,9 @@ import numpy as np
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.deviation import Deviation
 from crosscheck.judging.searching.search import Explanation, Search, preference
-from crosscheck.judging.states.experiments import PARTS
+from crosscheck.judging.states.experiments import EXPERIMENT_PARTS
 
-MOST_ALTERNATIVES = 4
+MAX_ALTERNATIVES = 4
 
 
 def unknown(deviation: Deviation, message: str, evidence: str, left: float) -> Diagnosis:
@@ -39,18 +39,20 @@ def unexplained(
                 deviation.function,
                 said.kind,
                 said.message,
-                f"explains {PARTS[part]}; {evidence}",
+                f"explains {EXPERIMENT_PARTS[part]}; {evidence}",
                 said.remedy,
                 left,
                 "part",
-                tuple(also[:MOST_ALTERNATIVES]),
+                tuple(also[:MAX_ALTERNATIVES]),
                 numbers=said.numbers,
             )
             for said in explanation.said
         ]
     rest = [part for part in wrong if part not in explained]
     if rest:
-        message = f"no fault of the catalogue explains the deviation {' and '.join(PARTS[part] for part in rest)}"
+        message = (
+            f"no fault of the catalogue explains the deviation {' and '.join(EXPERIMENT_PARTS[part] for part in rest)}"
+        )
     elif wrong:
         message = "what the parts leave together has no explanation"
     else:

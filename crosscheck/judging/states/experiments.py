@@ -16,14 +16,14 @@ from graphdyn.layout import Array
 Function = Callable[[Array, Array, Array], Array]
 """q, v, a (N, n) → torques (N, n)."""
 
-PARTS = {
+EXPERIMENT_PARTS = {
     "gravity": "at rest (v = 0, a = 0)",
     "inertia": "accelerated from rest, one joint at a time, gravity subtracted",
     "velocity": "moving at a = 0, gravity subtracted",
 }
 """The experiment for each part, in words."""
 
-WEAK_VELOCITY = 1e-3
+MIN_VELOCITY_TORQUE_SHARE = 1e-3
 """Smallest scale of velocity torques, as a part of the joint wrenches: they are differences of torques."""
 
 
@@ -52,7 +52,7 @@ class Parts:
     acceleration: float = 1.0
 
     def known(self) -> tuple[str, ...]:
-        return tuple(part for part in PARTS if getattr(self, part) is not None)
+        return tuple(part for part in EXPERIMENT_PARTS if getattr(self, part) is not None)
 
 
 def torques(model: RobotModel) -> Function:
@@ -81,10 +81,10 @@ def usual_acceleration(model: RobotModel, trial: TrialStates) -> float:
 def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str, float]:
     """The scale of each part: its largest entry, and for differences of torques the joint wrenches."""
     wrench = float(np.abs(inverse_dynamics(model, trial.q, trial.v, 0 * trial.v).joint_wrenches).max())
-    floor = {"gravity": wrench, "inertia": 0.0, "velocity": WEAK_VELOCITY * wrench}
+    floor = {"gravity": wrench, "inertia": 0.0, "velocity": MIN_VELOCITY_TORQUE_SHARE * wrench}
     largest = {
         part: max([floor[part], *(_size(getattr(parts, part)) for parts in all_parts if part in parts.known())])
-        for part in PARTS
+        for part in EXPERIMENT_PARTS
     }
     return {part: size or 1.0 for part, size in largest.items()}
 

@@ -16,19 +16,19 @@ from graphdyn import InverseDynamics, MaximalState, RobotModel
 from graphdyn.equations import link_origins
 from graphdyn.layout import Array
 
-EXPERIMENTS = 6
+N_EXPERIMENT_STATES = 6
 """Number of states of the experiments; half of them with whole turns added to joints that can turn without end."""
 
-TURNED = 10
+N_TURNED_STATES = 10
 """Number of judged states with whole turns added, besides the random ones."""
 
-BEYOND = 0.2
+BEYOND_LIMITS_SHARE = 0.2
 """States beyond the limits, on request, as a part of the random ones."""
 
-FARTHEST = 0.5
+MAX_BEYOND_LIMITS = 0.5
 """How far they are outside, at most: positions, as a part of the range; velocities, as a part of the limit."""
 
-TURNS = 2
+MAX_WHOLE_TURNS = 2
 """Largest number of whole turns added, in either direction."""
 
 
@@ -66,13 +66,13 @@ class JudgedStates:
         beyond_limits: adds states outside the limits, after the random ones
         """
         rng = np.random.default_rng(seed)
-        q, v = model.random_state(rng, samples + TURNED + 1)
+        q, v = model.random_state(rng, samples + N_TURNED_STATES + 1)
         if beyond_limits:
-            outside = _beyond(model, np.random.default_rng(seed), int(np.ceil(BEYOND * samples)))
+            outside = _beyond(model, np.random.default_rng(seed), int(np.ceil(BEYOND_LIMITS_SHARE * samples)))
             q, v = (np.concatenate([x[:samples], y, x[samples:]]) for x, y in zip((q, v), outside, strict=True))
             samples += len(outside[0])
         endless = np.array([_turns_without_end(joint) for joint in model.joints])
-        turn = 2 * np.pi * endless * rng.integers(-TURNS, TURNS + 1, q.shape)
+        turn = 2 * np.pi * endless * rng.integers(-MAX_WHOLE_TURNS, MAX_WHOLE_TURNS + 1, q.shape)
         turn[:samples] = 0
         q = q + turn
         q[-1] = [_nearest_to_zero(joint) for joint in model.joints]
@@ -100,7 +100,7 @@ class JudgedStates:
     @property
     def trial(self) -> TrialStates:
         """States for the experiments: random ones, then ones with whole turns added."""
-        rows = [*range(EXPERIMENTS // 2), *range(-TURNED, -TURNED + EXPERIMENTS // 2)]
+        rows = [*range(N_EXPERIMENT_STATES // 2), *range(-N_TURNED_STATES, -N_TURNED_STATES + N_EXPERIMENT_STATES // 2)]
         rows = [row if row < 0 else row % len(self.q) for row in rows]
         return TrialStates(self.q[rows], self.v[rows])
 
@@ -141,7 +141,7 @@ def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Ar
     q, v = model.random_state(rng, count)
     for k, joint in enumerate(model.joints):
         outside, below = rng.integers(2, size=(2, 2, count)).astype(bool)
-        far = FARTHEST * rng.uniform(size=(2, count))
+        far = MAX_BEYOND_LIMITS * rng.uniform(size=(2, count))
         lower, upper, speed = joint.limits.lower, joint.limits.upper, joint.limits.velocity
         if joint.kind != "continuous" and lower is not None and upper is not None:
             reach = far[0] * (upper - lower)

@@ -13,16 +13,16 @@ from crosscheck.judging.observing.observation import of_experiments
 from crosscheck.judging.observing.precision import precision_said
 from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
 from crosscheck.judging.searching.telling_apart import same_code, same_everywhere, what_tells_apart
-from crosscheck.judging.searching.unexplained import MOST_ALTERNATIVES, unexplained, unknown
+from crosscheck.judging.searching.unexplained import MAX_ALTERNATIVES, unexplained, unknown
 from crosscheck.judging.states.experiments import deviations, scales, split, torques
 
-AS_GOOD = 1.5
+EQUIVALENT_FACTOR = 1.5
 """Factor on the least that an explanation leaves: those that leave no more are as good."""
 
-ROUNDING = 1e-12
+ROUNDING_ERROR = 1e-12
 """What explanations leave below this is rounding of ours."""
 
-LISTED = 1
+MAX_EXTRA_NUMBERS = 1
 """Explanations that change so many numbers more are listed as alternatives."""
 
 
@@ -55,17 +55,17 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
 def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanation], evidence: str) -> list[Diagnosis]:
     """The smallest of the explanations that fit equally well, and the others."""
     least = min(explanation.left for explanation in holding)
-    good = [x for x in holding if x.left <= max(AS_GOOD * least, ROUNDING)]
+    good = [x for x in holding if x.left <= max(EQUIVALENT_FACTOR * least, ROUNDING_ERROR)]
     good = _distinct(sorted(good, key=preference))
     first, others = good[0], good[1:]
     alike = [x for x in others if x.size == first.size]
-    listed = [x for x in others if x.size <= first.size + LISTED]
+    listed = [x for x in others if x.size <= first.size + MAX_EXTRA_NUMBERS]
     one = all(
         same_code(first.code, x.code) or (x.kinds == first.kinds and same_everywhere(first, x, search)) for x in alike
     )
     standing: Standing = "holds" if one else "candidate"
-    also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MOST_ALTERNATIVES]
-    apart = what_tells_apart(first, listed[:MOST_ALTERNATIVES], search) if listed else ""
+    also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MAX_ALTERNATIVES]
+    apart = what_tells_apart(first, listed[:MAX_ALTERNATIVES], search) if listed else ""
     return [
         Diagnosis(
             deviation.function,

@@ -10,7 +10,7 @@ import numpy as np
 from crosscheck.judging.functions.known_function import Chosen
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.conventions import found_conventions, relative_errors
-from crosscheck.judging.observing.deviation import TIMES_NOISE, Deviation
+from crosscheck.judging.observing.deviation import MAX_NOISE_FACTOR, Deviation
 from crosscheck.judging.observing.function_under_test import ForeignFailure, ForeignFunction
 from crosscheck.judging.observing.observation import of_judged
 from crosscheck.judging.observing.observing import observe
@@ -26,13 +26,13 @@ from urdf.reading import Misreadings
 Readings = Callable[[], Misreadings | None]
 Progress = Callable[[str], object]
 
-MUCH = 10.0
+MIN_ERROR_REDUCTION = 10.0
 """Factor by which a fault must lessen the largest error."""
 
-ABSURD = 1e100
+MAX_ANSWER = 1e100
 """A number beyond this is no answer that a fault could be found in: squares of it overflow."""
 
-WORST = "look at the worst state"
+WORST_STATE_REMEDY = "look at the worst state"
 
 
 def diagnoses_of(
@@ -70,12 +70,14 @@ def _of_numbers(
     wrong = errors > verdict.bound
     if not wrong.any():
         return []
-    unbounded = np.array([not (np.abs(answer) < ABSURD).all() for answer in found.answer])
+    unbounded = np.array([not (np.abs(answer) < MAX_ANSWER).all() for answer in found.answer])
     if unbounded.any():
         where = region(unbounded, found.states, function.known.arguments)
         evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{f', only where {where}' if where else ''}"
-        message = "the answers are not finite" if not np.isfinite(found.answer).all() else f"answers beyond {ABSURD:g}"
-        return [Diagnosis(name, "not_finite", message, evidence, WORST, np.inf, "unknown")]
+        message = (
+            "the answers are not finite" if not np.isfinite(found.answer).all() else f"answers beyond {MAX_ANSWER:g}"
+        )
+        return [Diagnosis(name, "not_finite", message, evidence, WORST_STATE_REMEDY, np.inf, "unknown")]
     where = region(wrong, found.states, function.known.arguments)
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate{f', only where {where}' if where else ''}"
 
@@ -88,7 +90,7 @@ def _of_numbers(
         return one(other)
     size = float(verdict.errors["graphdyn"].max())
     precision = noise(function, found.states)
-    bound = min(max(verdict.bound, TIMES_NOISE * precision), size / MUCH)
+    bound = min(max(verdict.bound, MAX_NOISE_FACTOR * precision), size / MIN_ERROR_REDUCTION)
     if earlier := earlier_arguments(function, found.answers, found.asked, found.conventions.chosen, bound):
         return one(earlier)
     own = OWN_FAULTS.get(name)
@@ -116,7 +118,15 @@ def _of_numbers(
             )
         ]
     return by_terms or [
-        Diagnosis(name, "unknown", "no fault that is known here gives the answers", count, WORST, np.inf, "unknown")
+        Diagnosis(
+            name,
+            "unknown",
+            "no fault that is known here gives the answers",
+            count,
+            WORST_STATE_REMEDY,
+            np.inf,
+            "unknown",
+        )
     ]
 
 
@@ -146,9 +156,13 @@ def _of_terms(
         observed = observe(function, states.model, states.trial, torque)
     except np.linalg.LinAlgError:
         message = "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular"
-        return [Diagnosis(name, "unknown", message, "", WORST, np.inf, "unknown")]
+        return [Diagnosis(name, "unknown", message, "", WORST_STATE_REMEDY, np.inf, "unknown")]
     except ForeignFailure as failure:
-        return [Diagnosis(name, "unknown", f"an experiment has no answer: {failure}", "", WORST, np.inf, "unknown")]
+        return [
+            Diagnosis(
+                name, "unknown", f"an experiment has no answer: {failure}", "", WORST_STATE_REMEDY, np.inf, "unknown"
+            )
+        ]
     if observed is None:
         return []
     judged = of_judged(name, found.answer, states)

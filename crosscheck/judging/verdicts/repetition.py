@@ -13,14 +13,14 @@ from crosscheck.judging.functions.known_function import LOADS, Chosen, argument_
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.conventions import relative_errors
 from crosscheck.judging.observing.function_under_test import Answers, ForeignFailure, ForeignFunction
-from crosscheck.judging.searching.answer_faults import FIRST, FoundFault
+from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn.layout import Array
 
-REPEATS = 3
+N_REPEATS = 3
 """Number of times that one question is asked in a row."""
 
-PURE = "compute every answer from the arguments alone; clear what is kept between calls"
+PURE_FUNCTION_REMEDY = "compute every answer from the arguments alone; clear what is kept between calls"
 
 
 def repeated(function: ForeignFunction, first: Answers, states: JudgedStates, chosen: Chosen) -> Array:
@@ -71,10 +71,10 @@ def kept_between_calls(
     name = function.name
 
     def diagnosis(kind: str, message: str, left: float = np.inf) -> Diagnosis:
-        return Diagnosis(name, kind, message, evidence, PURE, left)
+        return Diagnosis(name, kind, message, evidence, PURE_FUNCTION_REMEDY, left)
 
     worst = np.flatnonzero(first.answered)[int(differences.argmax())]
-    rows = [np.repeat(x[worst : worst + 1], REPEATS, axis=0) for x in function.known.arguments_at(states)]
+    rows = [np.repeat(x[worst : worst + 1], N_REPEATS, axis=0) for x in function.known.arguments_at(states)]
     try:
         same = function.ask(*rows).values
     except ForeignFailure:
@@ -93,7 +93,7 @@ def earlier_arguments(
     rest = first.answered & (np.arange(len(first.answered)) > 0)
     if not rest.any():
         return None
-    few = rest & (np.arange(len(rest)) <= FIRST)
+    few = rest & (np.arange(len(rest)) <= FIRST_TRIAL_STATES)
     for message, stale in _stale(function, states):
 
         def left(rows: NDArray[np.bool_], stale: JudgedStates = stale) -> float:
@@ -102,7 +102,7 @@ def earlier_arguments(
             return float(errors.max(initial=0.0))
 
         if left(few) <= tolerance and (whole := left(rest)) <= tolerance:
-            return FoundFault("kept_state", message, PURE, whole, chosen)
+            return FoundFault("kept_state", message, PURE_FUNCTION_REMEDY, whole, chosen)
     return None
 
 

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.recordings.checks.values import TIME
+from crosscheck.recordings.checks.values import TIME_LIMIT
 from crosscheck.recordings.errors import RecordingFinding
 from crosscheck.recordings.mapping.conversion import RecordedColumn
 from crosscheck.recordings.mapping.units import TIME_UNITS
-from crosscheck.recordings.table import LARGEST_EXACT
+from crosscheck.recordings.table import MAX_EXACT_INTEGER
 from graphdyn.layout import Array
 
-LARGEST_TIME = LARGEST_EXACT * 1e-9
+MAX_EXACT_TIME = MAX_EXACT_INTEGER * 1e-9
 """Time beyond which doubles do not hold nanoseconds, 104 days [s]."""
 
 
@@ -42,27 +42,27 @@ def times(columns: Sequence[RecordedColumn], factor: float, origin: Origin | Non
 
 
 def _origin(values: Array, start: int, factor: float) -> Origin:
-    """The first plausible stamp if it is beyond LARGEST_TIME, or beyond what doubles hold; else zero."""
+    """The first plausible stamp if it is beyond MAX_EXACT_TIME, or beyond what doubles hold; else zero."""
     seconds = (start + values) * factor
-    plausible = np.flatnonzero(np.abs(seconds) <= TIME.value)
-    if not plausible.size or (abs(seconds[plausible[0]]) <= LARGEST_TIME and not start):
+    plausible = np.flatnonzero(np.abs(seconds) <= TIME_LIMIT.value)
+    if not plausible.size or (abs(seconds[plausible[0]]) <= MAX_EXACT_TIME and not start):
         return Origin()
     return Origin(start, float(values[plausible[0]]), float(seconds[plausible[0]]))
 
 
-JITTER = 0.05
+MIN_JITTER = 0.05
 """Difference of a step from the sampling period, as a part of it, from which it is reported."""
 
-MISSING = 1.5
+MIN_MISSING_PERIODS = 1.5
 """Number of periods from which a step has lost samples in between."""
 
-GAP = 5.5
+MIN_GAP_PERIODS = 5.5
 """Number of periods from which a step divides a recording into blocks; resampling interpolates over shorter ones."""
 
-SAME_RATE = 0.01
+RATE_MISMATCH = 0.01
 """Relative difference between a given rate and that of the stamps from which it is reported."""
 
-CENTURY = (946_684_800.0, 4_102_444_800.0)
+PLAUSIBLE_TIMES = (946_684_800.0, 4_102_444_800.0)
 """The years 2000 and 2100, since 1970 [s]."""
 
 
@@ -106,14 +106,14 @@ def stamp_findings(
             findings.append(RecordingFinding(code, "error", file, None, rows, message, remedy, lines))
 
     stamps = t + origin
-    wild = sound & (np.abs(stamps) > TIME.value)
+    wild = sound & (np.abs(stamps) > TIME_LIMIT.value)
     remedy = "check the unit of time; drop the rows if lines of the file are broken"
     units = [unit for unit in ("ms", "us", "ns") if wild.any() and _recent(stamps[wild] * TIME_UNITS[unit])]
     if units:
         remedy = (
             f"as {units[0]} they are dates of this century: say so in the column's name (time_{units[0]}) or mapping"
         )
-    found("implausible-value", wild, f"time beyond {TIME.value:g} s ({TIME.why})", remedy)
+    found("implausible-value", wild, f"time beyond {TIME_LIMIT.value:g} s ({TIME_LIMIT.why})", remedy)
     rows = np.flatnonzero(sound & ~wild)
     if rows.size:
         kept = increasing(t[rows])
@@ -127,7 +127,7 @@ def stamp_findings(
 
 
 def _recent(seconds: Array) -> bool:
-    return bool(np.all((seconds > CENTURY[0]) & (seconds < CENTURY[1])))
+    return bool(np.all((seconds > PLAUSIBLE_TIMES[0]) & (seconds < PLAUSIBLE_TIMES[1])))
 
 
 def step_findings(
@@ -146,14 +146,21 @@ def step_findings(
             findings.append(RecordingFinding(code, "warning", file, None, before, message, remedy, lines))
 
     longest = f"up to {steps.max():.4g} s, where the period is {period:.4g} s"
-    missing = (steps > MISSING * period) & (steps <= GAP * period) & (np.diff(rows) == 1)  # others are faulty rows
-    found("gap", steps > GAP * period, f"a gap before it, {longest}", "the recording is divided there into blocks")
+    missing = (
+        (steps > MIN_MISSING_PERIODS * period) & (steps <= MIN_GAP_PERIODS * period) & (np.diff(rows) == 1)
+    )  # others are faulty rows
+    found(
+        "gap",
+        steps > MIN_GAP_PERIODS * period,
+        f"a gap before it, {longest}",
+        "the recording is divided there into blocks",
+    )
     found("missing-samples", missing, "samples are missing before it", "resampling interpolates there")
-    uneven = (np.abs(steps - period) > JITTER * period) & (steps <= MISSING * period)
+    uneven = (np.abs(steps - period) > MIN_JITTER * period) & (steps <= MIN_MISSING_PERIODS * period)
     worst = np.abs(steps[uneven] - period).max() / period if uneven.any() else 0.0
     message = f"steps differ from the period of {period:.4g} s by up to {worst:.0%}"
     found("jitter", uneven, message, "resampling makes them even; if only the stamps jitter, give a rate instead")
-    if rate is not None and abs(rate * period - 1) > SAME_RATE:
+    if rate is not None and abs(rate * period - 1) > RATE_MISMATCH:
         message = f"the rate of the stamps is {1 / period:.5g} Hz, that of the mapping {rate:.5g} Hz"
         findings.append(
             RecordingFinding("other-rate", "warning", file, None, (), message, "the stamps are used; correct the rate")
@@ -165,4 +172,4 @@ def blocks_of(t: Array) -> NDArray[np.intp]:
     """The block number (N,) of each of the increasing stamps."""
     steps = np.diff(t)
     period = np.median(steps) if steps.size else np.inf
-    return np.concatenate([[0], np.cumsum(steps > GAP * period)]).astype(np.intp)
+    return np.concatenate([[0], np.cumsum(steps > MIN_GAP_PERIODS * period)]).astype(np.intp)

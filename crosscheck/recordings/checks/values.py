@@ -23,32 +23,32 @@ class Limit(NamedTuple):
     why: str
 
 
-TIME = Limit(1e10, "300 years after 1970")
+TIME_LIMIT = Limit(1e10, "300 years after 1970")
 
-TURNING = {
+TURNING_LIMITS = {
     "q": Limit(1e4, "1600 turns in one direction"),
     "v": Limit(1e3, "ten times the fastest direct drive, 9500 turns a minute behind the gears"),
     "a": Limit(1e6, "standstill to 1000 rad/s in a millisecond"),
     "tau": Limit(1e6, "ten times what the main axes of the largest industrial arms hold"),
     "temperature": Limit(1e3, "copper melts"),
 }
-SLIDING = {
+SLIDING_LIMITS = {
     "q": Limit(1e3, "a kilometre of rail"),
     "v": Limit(1e2, "ten times the fastest linear axis"),
     "a": Limit(1e5, "ten thousand times gravity"),
     "tau": Limit(1e7, "the weight of a thousand tonnes"),
-    "temperature": TURNING["temperature"],
+    "temperature": TURNING_LIMITS["temperature"],
 }
 
-MANY_TURNS = 40.0
+MAX_RADIANS = 40.0
 """Position beyond which an angle may be in degrees [rad]: few joints turn more than six times."""
 
 
-HELD_AT_LIMIT = 5
+MIN_SATURATED_ROWS = 5
 """Number of consecutive rows at exactly the largest or smallest torque that count as saturation: noise would change
 them."""
 
-SAME_MOTION = 0.1
+TRAVEL_TOLERANCE = 0.1
 """Allowed relative error of the distance travelled by v against that by q; wrong units or joints give far more."""
 TRAVEL, WINDOWS = 0.05, 20
 """Distance travelled below which v and q are not compared [rad or m]; number of intervals in which they are."""
@@ -76,7 +76,7 @@ def value_findings(
     findings = []
     for j, (joint, sliding) in enumerate(zip(joints, slides, strict=True)):
         for name, values in channels.items():
-            limit = (SLIDING if sliding else TURNING)[name]
+            limit = (SLIDING_LIMITS if sliding else TURNING_LIMITS)[name]
             size = np.abs(values[:, j])
             rows = tuple(np.flatnonzero((size > limit.value) & np.isfinite(size)).tolist())
             if rows:
@@ -88,7 +88,7 @@ def value_findings(
                     RecordingFinding("implausible-value", "error", file, None, rows, message, remedy, lines)
                 )
             sane = size[size <= limit.value]
-            if name == "q" and not sliding and sane.size and sane.max() > MANY_TURNS:
+            if name == "q" and not sliding and sane.size and sane.max() > MAX_RADIANS:
                 message = f"q of {joint!r} reaches {sane.max():.4g} rad"
                 remedy = "if these are degrees, or motor angles in front of the gears, say so in a mapping"
                 findings.append(RecordingFinding("many-turns", "warning", file, None, (), message, remedy))
@@ -113,7 +113,7 @@ def channel_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]
             held = _held(values, values.max()) | _held(values, values.min())
             if held.any():
                 at = ", ".join(f"{value:g}" for value in np.unique(values[held]))
-                message = f"held at {at}, the end of its range, for {HELD_AT_LIMIT} rows or more"
+                message = f"held at {at}, the end of its range, for {MIN_SATURATED_ROWS} rows or more"
                 remedy = "the drive or the sensor is saturated; drop the rows, or record slower motion"
                 held_rows = tuple(rows[held].tolist())
                 findings.append(_of(column, "saturation", "warning", held_rows, message, remedy))
@@ -135,7 +135,7 @@ def motion_findings(
     for j, joint in enumerate(joints):
         way = float(np.linalg.norm(from_q[:, j]))
         error = float(np.linalg.norm(from_v[:, j] - from_q[:, j]))
-        if max(way, float(np.linalg.norm(from_v[:, j]))) > TRAVEL and error > SAME_MOTION * way:
+        if max(way, float(np.linalg.norm(from_v[:, j]))) > TRAVEL and error > TRAVEL_TOLERANCE * way:
             message = f"v of {joint!r} is not the rate of its q: its integral is off by {error / (way or 1):.0%}"
             remedy = "check units, signs and order of the columns, or leave v out of the mapping and derive it"
             findings.append(RecordingFinding("velocity-mismatch", "warning", file, None, (), message, remedy))
@@ -143,11 +143,11 @@ def motion_findings(
 
 
 def _held(values: Array, limit: float) -> NDArray[np.bool_]:
-    """Rows in runs of at least HELD_AT_LIMIT rows with exactly this value."""
+    """Rows in runs of at least MIN_SATURATED_ROWS rows with exactly this value."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], values == limit, [0]]).astype(int)))
     held = np.zeros(len(values), dtype=bool)
     for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        held[start:stop] = stop - start >= HELD_AT_LIMIT
+        held[start:stop] = stop - start >= MIN_SATURATED_ROWS
     return held
 
 

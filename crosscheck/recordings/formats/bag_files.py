@@ -18,9 +18,9 @@ from crosscheck.recordings.virtual.files import RecordedMotion
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FIELDS = ("position", "velocity", "effort")
 
-TOPIC = "/joint_states"
+JOINT_STATES_TOPIC = "/joint_states"
 
-NANOSECONDS = 10**9
+NANOSECONDS_PER_SECOND = 10**9
 
 
 def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | None = None) -> RecordedTable:
@@ -127,9 +127,9 @@ def write_mcap(recording: RecordedMotion, path: Path, metadata: Mapping[str, str
         with Writer(bag, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
             for name, text in metadata.items():
                 writer.set_custom_data(name, text)
-            connection = writer.add_connection(TOPIC, JOINT_STATE, typestore=store)
-            for row, time in enumerate(np.round(recording.time * NANOSECONDS).astype(np.int64).tolist()):
-                seconds, rest = divmod(time, NANOSECONDS)
+            connection = writer.add_connection(JOINT_STATES_TOPIC, JOINT_STATE, typestore=store)
+            for row, time in enumerate(np.round(recording.time * NANOSECONDS_PER_SECOND).astype(np.int64).tolist()):
+                seconds, rest = divmod(time, NANOSECONDS_PER_SECOND)
                 channels = (np.ascontiguousarray(part[row]) for part in (recording.q, recording.v, recording.tau))
                 message = state(header(stamp(sec=seconds, nanosec=rest), ""), names, *channels)
                 writer.write(connection, time, store.serialize_cdr(message, JOINT_STATE))

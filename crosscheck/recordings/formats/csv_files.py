@@ -17,7 +17,14 @@ from crosscheck.recordings.formats.csv_layout import HEAD, Layout, cells_of_line
 from crosscheck.recordings.formats.files import content_of
 from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.mapping.mapping import ColumnMapping
-from crosscheck.recordings.table import LARGEST_EXACT, LONG_INTEGER, Cells, RecordedTable, cells_of_column, in_words
+from crosscheck.recordings.table import (
+    LONG_INTEGER_PATTERN,
+    MAX_EXACT_INTEGER,
+    Cells,
+    RecordedTable,
+    cells_of_column,
+    in_words,
+)
 from crosscheck.recordings.virtual.files import virtual_recording_document
 
 
@@ -130,7 +137,7 @@ def _beyond_doubles(column: Any) -> bool:
     if not pa.types.is_floating(column.type):
         return False
     extremes = compute.min_max(column.filter(compute.is_finite(column))).as_py().values()
-    return any(value is not None and abs(value) > LARGEST_EXACT for value in extremes)
+    return any(value is not None and abs(value) > MAX_EXACT_INTEGER for value in extremes)
 
 
 def _cells(column: Any, comma: bool) -> Cells:
@@ -180,7 +187,7 @@ def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
     return RecordingFinding("unterminated-last-line", "note", str(path), None, (row,), message, remedy, lines)
 
 
-AT_ONCE = 1 << 20
+BATCH_BYTES = 1 << 20
 """Part of a CSV file that is parsed at once [bytes]."""
 
 
@@ -201,7 +208,7 @@ def batches_of_csv(path: Path, delimiter: str | None, _rows: int) -> tuple[tuple
     names = [str(k) for k in range(len(layout.names))]
     reader = csv.open_csv(
         opened(),
-        read_options=csv.ReadOptions(column_names=names, skip_rows=layout.above, block_size=AT_ONCE),
+        read_options=csv.ReadOptions(column_names=names, skip_rows=layout.above, block_size=BATCH_BYTES),
         parse_options=csv.ParseOptions(delimiter=layout.delimiter),
         convert_options=csv.ConvertOptions(
             column_types=_types(layout, head),
@@ -218,14 +225,14 @@ def _types(layout: Layout, head: str) -> dict[str, str]:
     first = cells_of_line(next((line for line in head[layout.length :].split("\n") if line.strip()), ""), layout)
     types = {}
     for k, cell in enumerate(first):
-        if re.match(LONG_INTEGER, cell):
+        if re.match(LONG_INTEGER_PATTERN, cell):
             types[str(k)] = "int64" if int(cell) < 2**63 else "uint64"
         elif re.fullmatch(r"[-+.,\deE]*", cell):
             types[str(k)] = "float64"
     return types
 
 
-STAMP = ("header.stamp.sec", "header.stamp.nanosec", "header.frame_id")
+STAMP_FIELDS = ("header.stamp.sec", "header.stamp.nanosec", "header.frame_id")
 FIELDS = ("position", "velocity", "effort")
 
 
@@ -249,7 +256,7 @@ def named(table: RecordedTable) -> RecordedTable:
     remedy = "read as such; otherwise give a mapping with the numbers of the columns"
     finding = noted(str(table.path), "echoed-messages", message, remedy)
     others = tuple(other for other in table.findings if other.code != "no-header")
-    names = (*STAMP, *(f"name[{k}]" for k in range(n)), *columns)
+    names = (*STAMP_FIELDS, *(f"name[{k}]" for k in range(n)), *columns)
     return replace(table, names=names, findings=(*others, finding))
 
 

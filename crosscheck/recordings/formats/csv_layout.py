@@ -17,7 +17,7 @@ DELIMITERS = (";", "\t", ",", " ")
 HEAD, SAMPLED_LINES = 1 << 20, 50
 """Number of characters read to find comments and header; number of lines from which the delimiter is found."""
 
-LONGEST_LINE = HEAD // 4
+MAX_FIRST_LINE = HEAD // 4
 """Number of characters from which a first line without end is no line of a table."""
 
 COMMENT = re.compile(r"\s*[#%]+\s*")
@@ -39,9 +39,9 @@ def layout_of(path: Path, text: str, delimiter: str | None) -> Layout:
     n_above = next((k for k, line in enumerate(head) if line.strip() and not COMMENT.match(line)), None)
     if n_above is None:
         raise BadRecordingFile(f"{path}: the file holds no table; record at least one row")
-    if n_above == len(head) - 1 and len(text) > LONGEST_LINE:
+    if n_above == len(head) - 1 and len(text) > MAX_FIRST_LINE:
         raise BadRecordingFile(
-            f"{path}, line {n_above + 1}: longer than {LONGEST_LINE} characters; write one line per time"
+            f"{path}, line {n_above + 1}: longer than {MAX_FIRST_LINE} characters; write one line per time"
         )
     sample = [line for line in head[n_above:-1] if line.strip()][:SAMPLED_LINES]
     sample = sample or head[n_above : n_above + 1]  # the last line may be cut off, so it is used only if alone

@@ -13,16 +13,16 @@ from pathlib import Path
 
 from crosscheck.recordings.errors import BadRecordingFile
 
-LARGEST_EXPANDED = 1 << 30
+MAX_EXPANDED_BYTES = 1 << 30
 """[bytes] An hour at 1 kHz of six joints with q, v and tau, as doubles, is half of it."""
 
 
 def check_expanded(path: Path, size: int) -> None:
     """Raise BadRecordingFile for more bytes than are expanded in memory."""
-    if size > LARGEST_EXPANDED:
+    if size > MAX_EXPANDED_BYTES:
         raise BadRecordingFile(
-            f"{path}: its content is larger than {LARGEST_EXPANDED} bytes when expanded; divide the file, or stream it "
-            "as Parquet or CSV with crosscheck.StreamedRecording"
+            f"{path}: its content is larger than {MAX_EXPANDED_BYTES} bytes when expanded; divide the file, or stream "
+            "it as Parquet or CSV with crosscheck.StreamedRecording"
         )
 
 
@@ -45,7 +45,7 @@ def _expanded(path: Path) -> bytes:
     compressed = path.read_bytes()
     try:
         with gzip.open(io.BytesIO(compressed)) as file:
-            content = file.read(LARGEST_EXPANDED + 1)
+            content = file.read(MAX_EXPANDED_BYTES + 1)
     except (EOFError, OSError, zlib.error) as error:
         raise BadRecordingFile(f"{path}: not a whole gzip file ({error}); compress it again") from error
     check_expanded(path, len(content))

@@ -13,7 +13,7 @@ import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.columns import table_of
-from crosscheck.recordings.formats.files import LARGEST_EXPANDED, check_expanded
+from crosscheck.recordings.formats.files import MAX_EXPANDED_BYTES, check_expanded
 from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.table import RecordedTable
 
@@ -44,12 +44,12 @@ def _expanded_size(content: bytes) -> int:
     if order is None:  # version 4, which is not compressed
         return len(content)
     size, place = 0, HEADER
-    while place + 8 <= len(content) and size <= LARGEST_EXPANDED:
+    while place + 8 <= len(content) and size <= MAX_EXPANDED_BYTES:
         kind, length = struct.unpack_from(f"{order}II", content, place)
         place += 8
         if kind == COMPRESSED:
             expander, rest = zlib.decompressobj(), content[place : place + length]
-            while rest and size <= LARGEST_EXPANDED:
+            while rest and size <= MAX_EXPANDED_BYTES:
                 size += len(expander.decompress(rest, 1 << 24))
                 rest = expander.unconsumed_tail
         else:

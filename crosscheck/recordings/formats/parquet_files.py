@@ -55,7 +55,7 @@ FORMATS = (
 )
 
 
-BATCH = 65_536
+BATCH_ROWS = 65_536
 """Rows of a Parquet file that are decoded at once."""
 
 
@@ -73,7 +73,7 @@ def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:
             starts = [0, *accumulate(metadata.row_group(k).num_rows for k in range(metadata.num_row_groups))]
             groups = [k for k in range(len(starts) - 1) if starts[k] < last and starts[k + 1] > first]
             row, batches = starts[groups[0]], []
-            for batch in file.iter_batches(BATCH, row_groups=groups, use_threads=False):
+            for batch in file.iter_batches(BATCH_ROWS, row_groups=groups, use_threads=False):
                 begin, end = max(first - row, 0), min(last - row, len(batch))
                 if begin < end:
                     batches.append(batch.slice(begin, end - begin))

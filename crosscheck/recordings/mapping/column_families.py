@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from crosscheck.recordings.errors import AmbiguousColumns, BadMapping
-from crosscheck.recordings.mapping.column_names import ALL_WORDS, WORDS, Meaning, meaning
+from crosscheck.recordings.mapping.column_names import ALL_WORDS, QUANTITY_WORDS, Meaning, meaning
 from crosscheck.recordings.mapping.mapping import SI_UNITS
 from crosscheck.recordings.mapping.units import Unit, unit_of
 from crosscheck.recordings.table import RecordedTable, in_words
 
-NUMBERED = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})([\[(._/]?\d+[\])]?)")
+NUMBERED_COLUMN = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})([\[(._/]?\d+[\])]?)")
 """A column of a numbered joint, beside which a column may give its name: position[0] and name[0]."""
 
 
@@ -31,7 +31,7 @@ Family = dict[str, Named]
 
 def candidates(table: RecordedTable, joints: Sequence[str] | None) -> dict[str, dict[str, Family]]:
     """By quantity, the families of its columns. Raises AmbiguousColumns for two columns of the same joint."""
-    found: dict[str, dict[str, Family]] = {name: {} for name in WORDS}
+    found: dict[str, dict[str, Family]] = {name: {} for name in QUANTITY_WORDS}
     for number, name in enumerate(table.names, start=1):
         said = meaning(name, joints)
         if said is None:
@@ -62,7 +62,7 @@ def only(table: RecordedTable, found: dict[str, dict[str, Family]]) -> dict[str,
 
 def _joint(table: RecordedTable, name: str, said: Meaning) -> str:
     """The joint of a column; of position[0] the text in the column name[0], where there is one."""
-    element = NUMBERED.fullmatch(name)
+    element = NUMBERED_COLUMN.fullmatch(name)
     beside = f"{element[1]}name{element[3]}" if element else ""
     if not said.joint.isdigit() or beside not in table.names:
         return said.joint

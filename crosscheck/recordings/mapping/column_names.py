@@ -11,11 +11,22 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-RECEIVED = "__time"
+RECEIVED_TIME_COLUMN = "__time"
 """PlotJuggler's name of the time, which is that of receiving or of the stamps, as its user chose."""
 
-WORDS = {
-    "time": ("t", "time", "stamp", "timestamp", "timestamps", "times", "bag_t", "header_stamp", "rowtimes", RECEIVED),
+QUANTITY_WORDS = {
+    "time": (
+        "t",
+        "time",
+        "stamp",
+        "timestamp",
+        "timestamps",
+        "times",
+        "bag_t",
+        "header_stamp",
+        "rowtimes",
+        RECEIVED_TIME_COLUMN,
+    ),
     "q": ("q", "pos", "position", "positions", "angle", "joint_position", "joint_positions", "actual_q"),
     "v": ("v", "qd", "dq", "qdot", "vel", "velocity", "velocities", "joint_velocity", "joint_velocities", "actual_qd"),
     "a": ("a", "qdd", "ddq", "qddot", "acc", "acceleration", "accelerations", "joint_acceleration"),
@@ -23,7 +34,7 @@ WORDS = {
 }
 """Names of the quantities in files of many programs; upper and lower case are the same."""
 
-CURRENTS = re.compile(r"(?i)(actual_|motor_|target_)?(current|currents|i|amps)[ _.]?\d+|.*\.(current|i)$")
+CURRENT_COLUMNS = re.compile(r"(?i)(actual_|motor_|target_)?(current|currents|i|amps)[ _.]?\d+|.*\.(current|i)$")
 """Columns of currents, which are torques only with a gain: reported, never used."""
 
 SUFFIX_UNITS = {
@@ -36,25 +47,25 @@ SUFFIX_UNITS = {
 """Units by the part of a name that stands for them."""
 
 
-TOPIC = re.compile(r"(?i)(.*/)?joint_states?[./]|.*/")
+TOPIC_PREFIX = re.compile(r"(?i)(.*/)?joint_states?[./]|.*/")
 """What stands before the joint in a name with a path."""
 
-STAMP = re.compile(r"(?i)(|.*[/.])header[/.]stamp|(.*[/.])(t|time|timestamp)")
+STAMP_PATTERN = re.compile(r"(?i)(|.*[/.])header[/.]stamp|(.*[/.])(t|time|timestamp)")
 """Stamp of a message, or the time of a structure."""
 
 SECONDS_PART = re.compile(r"(?i)(|.*[/._])secs?(onds)?")
 NANOSECONDS_PART = re.compile(r"(?i)n(ano)?secs?|nanoseconds")
 """The two columns of a ROS stamp: header.stamp.sec and header.stamp.nanosec."""
 
-ALL_WORDS = "|".join(sorted((word for words in WORDS.values() for word in words), key=len, reverse=True))
-ELEMENT = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})(?:[\[(](\d+)[\])]|[._/]?(\d+))")
+ALL_WORDS = "|".join(sorted((word for words in QUANTITY_WORDS.values() for word in words), key=len, reverse=True))
+ARRAY_ELEMENT = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})(?:[\[(](\d+)[\])]|[._/]?(\d+))")
 """Element of an array, as PlotJuggler, ROS and MATLAB write it: position[0], field.position0, .position.0, q(1)."""
 
 
 class Meaning(NamedTuple):
     """Meaning of a column.
 
-    quantity: a key of WORDS
+    quantity: a key of QUANTITY_WORDS
     family: the name with * for the joint
     joint: its name or number; "" for time
     unit: "" if the name has none
@@ -79,10 +90,10 @@ def meaning(name: str, joints: Sequence[str] | None) -> Meaning | None:
 
 def _of_message(label: str, unit: str, joints: Sequence[str] | None) -> Meaning | None:
     """The meaning of a field of a message: /joint_states/elbow/position, /joint_states/position[0], field.position0."""
-    stamp = STAMP.fullmatch(label)
+    stamp = STAMP_PATTERN.fullmatch(label)
     if stamp:
         return Meaning("time", label, "", unit, (stamp[1] or stamp[2] or "").rstrip("/."))
-    element = ELEMENT.fullmatch(label)
+    element = ARRAY_ELEMENT.fullmatch(label)
     if element and (quantity := _quantity(element[2])) != "time":
         path, word, bracketed, bare = element.groups()
         if path or bracketed:  # position_1 is a name without path
@@ -92,7 +103,7 @@ def _of_message(label: str, unit: str, joints: Sequence[str] | None) -> Meaning 
     if quantity in ("", "time") or not owner:
         return None
     known = [joint for joint in joints or () if re.fullmatch(rf"(|.*[/.]){re.escape(joint)}", owner)]
-    topic = TOPIC.match(owner)
+    topic = TOPIC_PREFIX.match(owner)
     joint = max(known, key=len) if known else owner[topic.end() :] if topic else ""
     before = owner[: len(owner) - len(joint)]
     if not joint or not (known or before.strip("/")):  # "/gripper/position" is a field of a topic, not of a joint
@@ -101,12 +112,12 @@ def _of_message(label: str, unit: str, joints: Sequence[str] | None) -> Meaning 
 
 
 def _quantity(word: str) -> str:
-    return next((quantity for quantity, words in WORDS.items() if word.lower() in words), "")
+    return next((quantity for quantity, words in QUANTITY_WORDS.items() if word.lower() in words), "")
 
 
 def _of_table(label: str, unit: str, joints: Sequence[str] | None) -> Meaning | None:
     """The meaning of a name without path."""
-    for quantity, words in WORDS.items():
+    for quantity, words in QUANTITY_WORDS.items():
         alternatives = "|".join(sorted(words, key=len, reverse=True))
         last = quantity != "time" and re.fullmatch(rf"(?i)(.+)\.({alternatives})", label)
         if last:

@@ -75,9 +75,9 @@ def toml_column(table: Mapping[str, Any], key: str, where: str) -> str | int:
     return value
 
 
-QUANTITIES = ("q", "v", "a", "tau", "temperature")
+MAPPED_QUANTITIES = ("q", "v", "a", "tau", "temperature")
 SI_UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s^2", "tau": "N m", "temperature": "degC"}
-_TOP = ("joints", "rate", "prismatic", "delimiter", "topic", "time", *QUANTITIES, "transmission")
+_TOP = ("joints", "rate", "prismatic", "delimiter", "topic", "time", *MAPPED_QUANTITIES, "transmission")
 _MOVING = ("side", "sign")
 _CHANNEL = ("columns", "unit", "file")
 _ONLY_IN = {
@@ -196,7 +196,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
         raise BadMapping(f"{source}: prismatic is {given}; give true or false for each of {len(joints)} joints")
     channels = {
         name: _channel(name, toml_table(document, name, source), tuple(joints), f"{source}, [{name}]")
-        for name in QUANTITIES
+        for name in MAPPED_QUANTITIES
         if name in document
     }
     transmission = None

@@ -12,13 +12,13 @@ import numpy as np
 from crosscheck.recordings.errors import AmbiguousColumns, BadMapping, RecordingFinding, noted
 from crosscheck.recordings.mapping.column_families import Family, Named, candidates, known_unit_of, listed, only
 from crosscheck.recordings.mapping.column_names import (
-    CURRENTS,
+    CURRENT_COLUMNS,
     NANOSECONDS_PART,
-    RECEIVED,
+    RECEIVED_TIME_COLUMN,
     SECONDS_PART,
     meaning,
 )
-from crosscheck.recordings.mapping.mapping import QUANTITIES, SI_UNITS, Channel, ColumnMapping, TimeColumn
+from crosscheck.recordings.mapping.mapping import MAPPED_QUANTITIES, SI_UNITS, Channel, ColumnMapping, TimeColumn
 from crosscheck.recordings.table import RecordedTable, in_words
 
 
@@ -39,7 +39,7 @@ def clocks(
     running = {name: clock for name, clock in candidates.items() if table.values[:, clock.number - 1].any()}
     candidates = running or candidates
     stamps = {name: clock for name, clock in candidates.items() if clock.path is not None}
-    if len(stamps) == 1 and set(candidates) - set(stamps) == {RECEIVED}:
+    if len(stamps) == 1 and set(candidates) - set(stamps) == {RECEIVED_TIME_COLUMN}:
         message = f"two clocks: {in_words(candidates)}"
         findings.append(noted(str(table.path), "two-clocks", message, f"{in_words(stamps)} is taken"))
         candidates = stamps
@@ -100,8 +100,10 @@ def mapping_by_name(
             f"{in_words(table.names)}; give a mapping"
         )
     order = _order(where, list(families["q"]), joints)
-    channels = {name: _channel(table, name, families[name], order, findings) for name in QUANTITIES if name in families}
-    currents = [name for name in table.names if CURRENTS.fullmatch(name)]
+    channels = {
+        name: _channel(table, name, families[name], order, findings) for name in MAPPED_QUANTITIES if name in families
+    }
+    currents = [name for name in table.names if CURRENT_COLUMNS.fullmatch(name)]
     if "tau" not in channels and currents:
         message = f"currents instead of torques ({in_words(currents)})"
         findings.append(noted(where, "current-without-gain", message, "give their gains in a mapping"))

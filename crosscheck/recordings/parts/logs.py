@@ -16,7 +16,7 @@ from pathlib import Path
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.parquet_files import FORMATS
 
-PARQUET = FORMATS[0].suffixes
+PARQUET_SUFFIXES = FORMATS[0].suffixes
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def log_of(path: str | PathLike[str]) -> Log:
         raise FileNotFoundError(ENOENT, "no such file or folder", str(place))
     if not place.is_dir():
         return Log(place, (place,))
-    files = [file for file in place.iterdir() if file.suffix.lower() in PARQUET]
+    files = [file for file in place.iterdir() if file.suffix.lower() in PARQUET_SUFFIXES]
     if not files:
         raise BadRecordingFile(f"{place}: no Parquet file in this folder; a folder is one log in parts")
     return Log(place, tuple(sorted(files, key=_number_order)))
@@ -68,7 +68,7 @@ def _told(file: Path) -> tuple[int, list[str]]:
     import pyarrow as pa
     from pyarrow import parquet
 
-    if file.suffix.lower() not in PARQUET:
+    if file.suffix.lower() not in PARQUET_SUFFIXES:
         raise BadRecordingFile(f"{file}: only Parquet files are read in parts; convert it to one")
     try:
         metadata = parquet.ParquetFile(file)

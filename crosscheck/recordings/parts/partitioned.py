@@ -20,10 +20,10 @@ from graphdyn.identification import Problem, Samples, TorqueModel
 
 T = TypeVar("T")
 
-SETTINGS = ("min_speed", "compression", "rank_tolerance")
+PROBLEM_SETTINGS = ("min_speed", "compression", "rank_tolerance")
 """Fields of a problem that its parts have too."""
 
-ROWS = 250_000
+ROWS_PER_PART = 250_000
 """Rows of a part unless told otherwise: a second of work, some 50 MB of memory for a six-axis arm."""
 
 
@@ -51,7 +51,7 @@ class PartitionedRecording:
     rate: float | None = None
     cutoff: float | Mapping[str, float] | None = None
     between: tuple[float, float] = (0.0, 1.0)
-    rows: int = ROWS
+    rows: int = ROWS_PER_PART
     workers: Workers | None = None
 
     @cached_property
@@ -94,7 +94,7 @@ class PartitionedRecording:
         in_block = problem.block_samples
         parts = self.parts(problem.n_blocks if in_block is None else -(-self.n_rows // in_block))
         torque_model = problem.torque_model
-        settings = {name: getattr(problem, name) for name in SETTINGS}
+        settings = {name: getattr(problem, name) for name in PROBLEM_SETTINGS}
         base = problem.structure.base.independent.tobytes()
         work = partial(_work, _pickled(torque_model), base, settings, pickle.dumps(function))
         answers = enumerate(map(work, parts)) if self.workers is None else self.workers.each(work, parts)

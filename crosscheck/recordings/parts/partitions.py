@@ -16,16 +16,16 @@ from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.parts.logs import Log
 from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
-from crosscheck.recordings.preparation.derivatives import STENCIL, differentiated
+from crosscheck.recordings.preparation.derivatives import STENCIL_ROWS, differentiated
 from crosscheck.recordings.preparation.filtering import border, check_cutoff
 from crosscheck.recordings.preparation.resampling import refuse_delays, sampling_rate
-from crosscheck.recordings.preparation.row_filters import BORDERS, torque_filter
-from crosscheck.recordings.preparation.splits import GUARD
+from crosscheck.recordings.preparation.row_filters import FORGETTING_BORDERS, torque_filter
+from crosscheck.recordings.preparation.splits import GUARD_TIME
 from crosscheck.recordings.recording import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import Samples
 
-HEAD = 1000
+HEAD_ROWS = 1000
 """Rows from which the sampling rate of a log is taken."""
 
 
@@ -63,7 +63,7 @@ class ReadableLog:
         if not log.n_rows:
             raise InvalidInput(f"{log.path}: no rows; leave it out")
         file, count = next(found for found in zip(log.files, log.rows, strict=True) if found[1])
-        head = parquet_rows(file, 0, min(HEAD, count))
+        head = parquet_rows(file, 0, min(HEAD_ROWS, count))
         mapping, findings = (mapping, []) if mapping else mapping_by_name(head, joints, rate)
         refuse_delays(mapping)
         window, origin = window_of(head, mapping, RowPosition(0, 0), None)
@@ -72,10 +72,10 @@ class ReadableLog:
         for frequency in cutoffs.values():
             check_cutoff(found, frequency)
         torque = cutoffs.pop("tau", None)
-        cut = max((border(found, frequency) for frequency in cutoffs.values()), default=0) + STENCIL
-        memory = BORDERS * (border(found, torque) + 1) if torque else 0
+        cut = max((border(found, frequency) for frequency in cutoffs.values()), default=0) + STENCIL_ROWS
+        memory = FORGETTING_BORDERS * (border(found, torque) + 1) if torque else 0
         begin, end = (int(log.n_rows * part) for part in between)
-        end -= round(GUARD * found) if end < log.n_rows else 0
+        end -= round(GUARD_TIME * found) if end < log.n_rows else 0
         source = cls(log, mapping, origin, joints, cutoff, cut, memory, begin, end, tuple(findings))
         if source.n_rows <= source.shortest:
             raise InvalidInput(
@@ -91,7 +91,7 @@ class ReadableLog:
     @property
     def shortest(self) -> int:
         """Rows of a part that is longer than what has to be read around it."""
-        return 2 * (BORDERS * self.cut + self.memory)
+        return 2 * (FORGETTING_BORDERS * self.cut + self.memory)
 
     def read(self, first: int, last: int) -> Recording:
         """These rows of the log. Raises InvalidInput and BadRecordingFile."""
@@ -129,7 +129,7 @@ class Partition:
         The first and the last part lack the rows that differentiation cuts off. Raises as read.
         """
         source = self.source
-        around = memory + BORDERS * source.cut
+        around = memory + FORGETTING_BORDERS * source.cut
         start = max(self.first - around, source.begin)
         done = differentiated(source.read(start, min(self.last + around, source.end)), source.cutoff)
         numbers = start + done.rows

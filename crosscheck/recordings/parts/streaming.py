@@ -22,12 +22,12 @@ from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.parts.windows import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import differentiated
 from crosscheck.recordings.preparation.resampling import refuse_delays
-from crosscheck.recordings.preparation.row_filters import BORDERS, torque_filter
+from crosscheck.recordings.preparation.row_filters import FORGETTING_BORDERS, torque_filter
 from crosscheck.recordings.recording import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import RowFilter, Samples
 
-WINDOW = 20_000
+ROWS_IN_MEMORY = 20_000
 """Default number of rows in memory at once: 4 MB for a six-axis arm."""
 
 
@@ -49,7 +49,7 @@ class StreamedRecording:
     joints: Sequence[str] | None = None
     rate: float | None = None
     cutoff: float | Mapping[str, float] | None = None
-    window: int = WINDOW
+    window: int = ROWS_IN_MEMORY
 
     def __iter__(self) -> Iterator[Samples]:
         """Pieces in order. Raises BadRecordingFile, BadMapping, InvalidInput, OSError."""
@@ -60,13 +60,13 @@ class StreamedRecording:
             whole = part if whole is None else appended(whole, part)
             if len(whole.t) >= self.window:
                 done, border = self._differentiated(whole, first)
-                overlap = 2 * BORDERS * border
+                overlap = 2 * FORGETTING_BORDERS * border
                 if overlap >= len(whole.t):
                     raise InvalidInput(
                         f"a window of {self.window} rows is too short for the borders of the filter; give more than "
                         f"{overlap}, or a higher cutoff"
                     )
-                inner = (BORDERS - 1) * border
+                inner = (FORGETTING_BORDERS - 1) * border
                 row_filter = row_filter if first else torque_filter(done)
                 yield _samples(done, row_filter, inner if first else 0, inner)
                 first += len(whole.t) - overlap
@@ -75,7 +75,7 @@ class StreamedRecording:
             raise BadRecordingFile(f"{self.path}: no rows; record at least one")
         done, border = self._differentiated(whole, first)
         row_filter = row_filter if first else torque_filter(done)
-        yield _samples(done, row_filter, (BORDERS - 1) * border if first else 0, 0)
+        yield _samples(done, row_filter, (FORGETTING_BORDERS - 1) * border if first else 0, 0)
 
     def _differentiated(self, recording: Recording, first: int) -> tuple[Recording, int]:
         """The window with v and a, and the rows that were cut at both of its ends. first: row of the file."""

@@ -9,8 +9,8 @@ import numpy as np
 from crosscheck.recordings.checks.clock import Origin, times
 from crosscheck.recordings.mapping.conversion import joint_channels, mapped_columns, sliding_joints
 from crosscheck.recordings.mapping.mapping import ColumnMapping
-from crosscheck.recordings.preparation.resampling import EVEN
-from crosscheck.recordings.recording import JOINT_CHANNELS, Provenance, Recording
+from crosscheck.recordings.preparation.resampling import PERIOD_TOLERANCE
+from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.table import RecordedTable
 from graphdyn import InvalidInput
 
@@ -57,7 +57,7 @@ def appended(recording: Recording, part: Recording) -> Recording:
     """Both, one after the other, in one block. Raises InvalidInput where the time goes back."""
     if not part.t[0] > recording.t[-1]:
         raise InvalidInput(f"{part.provenance.files[0]}: the time goes back to {part.t[0]:g} s; repair the file")
-    names = [name for name in ("t", *JOINT_CHANNELS) if getattr(recording, name) is not None]
+    names = [name for name in ("t", *RECORDED_JOINT_CHANNELS) if getattr(recording, name) is not None]
     joined: dict[str, Any] = {name: np.concatenate([getattr(recording, name), getattr(part, name)]) for name in names}
     return Recording(recording.joint_names, **joined, prismatic=recording.prismatic, provenance=recording.provenance)
 
@@ -65,7 +65,7 @@ def appended(recording: Recording, part: Recording) -> Recording:
 def refuse_uneven(recording: Recording, where: object, first: int) -> None:
     """Raise InvalidInput for a recording that would have to be resampled. first: row of the log."""
     steps = np.diff(recording.t)
-    uneven = np.flatnonzero(np.abs(steps - np.median(steps)) > EVEN * np.median(steps))
+    uneven = np.flatnonzero(np.abs(steps - np.median(steps)) > PERIOD_TOLERANCE * np.median(steps))
     if uneven.size:
         raise InvalidInput(
             f"{where}: after row {first + uneven[0]} the time steps by {steps[uneven[0]]:g} s instead of "

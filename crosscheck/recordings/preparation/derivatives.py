@@ -8,16 +8,16 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.recordings.preparation.filtering import ORDER, border, check_cutoff, lowpass, padding
+from crosscheck.recordings.preparation.filtering import FILTER_ORDER, border, check_cutoff, lowpass, padding
 from crosscheck.recordings.preparation.noise_floor import residual_analysis, white_noise
 from crosscheck.recordings.preparation.resampling import is_even, resampled, sampling_rate
 from crosscheck.recordings.preparation.row_filters import LowPass
-from crosscheck.recordings.recording import JOINT_CHANNELS, Recording
+from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import RowFilter
 from graphdyn.layout import Array
 
-STENCIL = 5
+STENCIL_ROWS = 5
 """Number of rows in the central difference of fourth order, (1, -8, 0, 8, -1) / 12 h."""
 
 Cutoff = float | Mapping[str, float] | Literal["residual"] | None
@@ -30,7 +30,7 @@ def derivative(values: Array, rate: float) -> Array:
     """
     from scipy.signal import savgol_filter
 
-    return np.asarray(savgol_filter(values, STENCIL, STENCIL - 1, deriv=1, delta=1 / rate, axis=0))
+    return np.asarray(savgol_filter(values, STENCIL_ROWS, STENCIL_ROWS - 1, deriv=1, delta=1 / rate, axis=0))
 
 
 def chosen_cutoff(recording: Recording) -> float:
@@ -89,17 +89,17 @@ def differentiated(
     if not is_even(recording):
         recording = resampled(recording)
     rate = sampling_rate(recording)
-    recorded = [name for name in JOINT_CHANNELS if getattr(recording, name) is not None]
+    recorded = [name for name in RECORDED_JOINT_CHANNELS if getattr(recording, name) is not None]
     if velocity == "derived":
         recorded = [name for name in recorded if name not in ("v", "a")]
     cutoffs = _cutoffs(recording, cutoff, recorded)
     for frequency in cutoffs.values():
         check_cutoff(rate, frequency)
     now = {name: frequency for name, frequency in cutoffs.items() if name != "tau"}
-    cut = max([border(rate, frequency) for frequency in now.values()], default=0) + STENCIL - 1
+    cut = max([border(rate, frequency) for frequency in now.values()], default=0) + STENCIL_ROWS - 1
     needed = max(2 * cut + 1, padding() + 1)
     noisy = [] if "a" in recorded else [name for name in ("q", "v") if name in recorded]
-    parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *JOINT_CHANNELS, "q_noise", "v_noise")}
+    parts: dict[str, list[np.ndarray]] = {name: [] for name in ("rows", *RECORDED_JOINT_CHANNELS, "q_noise", "v_noise")}
     short = []
     for rows in recording.block_slices:
         if rows.stop - rows.start < needed:
@@ -123,7 +123,7 @@ def differentiated(
         )
     words = {"tau": "tau and every column of the regressor"}
     filtered = ", ".join(f"{words.get(name, name)} {frequency:.4g} Hz" for name, frequency in cutoffs.items())
-    steps = [f"zero-phase Butterworth low-pass of order {ORDER}: {filtered}"] if cutoffs else ["no filter"]
+    steps = [f"zero-phase Butterworth low-pass of order {FILTER_ORDER}: {filtered}"] if cutoffs else ["no filter"]
     steps.append(", ".join(name for name in ("v", "a") if name not in recorded) + " by central differences")
     steps.append(f"{cut} rows cut at both ends of each block")
     if cutoff == "residual":
@@ -165,7 +165,7 @@ def motion_covariance(
     """
     factor, memory = (1, 0) if row_filter is None else (row_filter.factor, row_filter.memory)
     lows = (LowPass(cutoff, rate).memory for cutoff in differentiation.cutoffs.values())
-    middle = memory + max(lows, default=0) + 2 * STENCIL + padding()
+    middle = memory + max(lows, default=0) + 2 * STENCIL_ROWS + padding()
     impulse, nothing = np.zeros((2, 2 * middle + 1, 1))
     impulse[middle] = 1.0
 

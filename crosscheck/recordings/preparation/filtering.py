@@ -12,14 +12,14 @@ from numpy.typing import ArrayLike
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
-ORDER = 4
+FILTER_ORDER = 4
 """Of the Butterworth filter unless told otherwise, one pass."""
 
 BORDER_DECAY = 1e-3
 """Part of its initial value to which the slowest mode of the filter has decayed at the end of the border."""
 
 
-def lowpass(values: Array, rate: float, cutoff: float, order: int = ORDER) -> Array:
+def lowpass(values: Array, rate: float, cutoff: float, order: int = FILTER_ORDER) -> Array:
     """Values (N, …) sampled at the rate [Hz], filtered along the rows; N must exceed padding(order).
 
     cutoff [Hz], order: of one pass. The two passes together have zero phase and twice the attenuation, 6 dB at the
@@ -48,17 +48,17 @@ def check_cutoff(rate: float, cutoff: float) -> None:
         )
 
 
-def padding(order: int = ORDER) -> int:
+def padding(order: int = FILTER_ORDER) -> int:
     """Rows by which a block is extended on both sides: three times the filter's number of coefficients, as in SciPy."""
     return 3 * (order + 1)
 
 
-def border(rate: float, cutoff: float, order: int = ORDER) -> int:
+def border(rate: float, cutoff: float, order: int = FILTER_ORDER) -> int:
     """Number of rows at each end that still depend on how the data were extended beyond it."""
     return int(np.ceil(settling_time(cutoff, BORDER_DECAY, order) * rate))
 
 
-def settling_time(cutoff: float, left: float, order: int = ORDER) -> float:
+def settling_time(cutoff: float, left: float, order: int = FILTER_ORDER) -> float:
     """Time [s] in which the slowest mode of the filter decays to this part; the cutoff [Hz] may be infinite.
 
     The slowest pair of poles of a Butterworth filter decays at 2π cutoff sin(π / 2 order).
@@ -66,10 +66,10 @@ def settling_time(cutoff: float, left: float, order: int = ORDER) -> float:
     return float(-np.log(left) / (2 * np.pi * cutoff * np.sin(np.pi / (2 * order))))
 
 
-LARGEST_FACTOR = 13
+MAX_STAGE_FACTOR = 13
 """Largest factor of a stage: beyond it the anti-aliasing filter is ill-conditioned (see scipy.signal.decimate)."""
 
-PADDING = 27
+PADDING_ROWS = 27
 """Rows by which scipy.signal.decimate extends the columns for its filter of order 8; a stage needs more rows."""
 
 
@@ -111,14 +111,15 @@ def slowest_pole(factor: int) -> float:
 
 def rows_needed(factors: Sequence[int]) -> int:
     """The fewest rows of a block that every stage can filter."""
-    needed = PADDING + 1
+    needed = PADDING_ROWS + 1
     for factor in reversed(factors[:-1]):
         needed = (needed - 1) * factor + 1
     return needed
 
 
 def _check(factors: Sequence[int]) -> None:
-    if not factors or not all(isinstance(f, Integral) and 2 <= f <= LARGEST_FACTOR for f in factors):
+    if not factors or not all(isinstance(f, Integral) and 2 <= f <= MAX_STAGE_FACTOR for f in factors):
         raise InvalidInput(
-            f"decimation by {tuple(factors)}; give factors from 2 to {LARGEST_FACTOR}, larger ones in stages: (10, 10)"
+            f"decimation by {tuple(factors)}; give factors from 2 to {MAX_STAGE_FACTOR}, larger ones in stages: "
+            "(10, 10)"
         )

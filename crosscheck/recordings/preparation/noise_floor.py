@@ -21,17 +21,17 @@ from crosscheck.recordings.preparation.filtering import border, lowpass
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
-CUTOFFS = 60
+N_TRIAL_CUTOFFS = 60
 """Number of trial cutoffs, evenly spaced in the logarithm."""
 
-GRID = 1024
+RESPONSE_FREQUENCIES = 1024
 """Number of frequencies over which the response of a filter is averaged."""
 
 LOWEST, NOISE_FROM, HIGHEST = 0.002, 0.5, 0.9
 """Parts of the Nyquist frequency: trial cutoffs range from LOWEST to HIGHEST, above which hardly any noise is removed;
 from NOISE_FROM on, only noise is expected."""
 
-DIFFERENCES = 6
+NOISE_DIFFERENCE_ORDER = 6
 """Order of the differences that show white noise alone: of a motion a tenth as fast as the sampling they leave 6 %."""
 
 
@@ -60,7 +60,7 @@ def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAna
     shortest = max(LOWEST * nyquist, rate * 4 / max(len(values), 1))  # a border of the recording must fit into it
     if shortest > NOISE_FROM * nyquist / 2:
         raise InvalidInput(f"{len(values)} rows are too few to choose a cutoff from; give the cutoff")
-    frequencies = np.geomspace(shortest, HIGHEST * nyquist, CUTOFFS)
+    frequencies = np.geomspace(shortest, HIGHEST * nyquist, N_TRIAL_CUTOFFS)
     cut = min(border(rate, float(frequencies[0]), order), len(values) // 4)
     squares = np.array(
         [np.mean((values - lowpass(values, rate, float(f), order))[cut : len(values) - cut] ** 2) for f in frequencies]
@@ -77,7 +77,7 @@ def _removed(cutoff: float, rate: float, order: int) -> float:
     """The part of the power of white noise that the filter, run forward and backward, removes."""
     from scipy.signal import butter, sosfreqz
 
-    _, response = sosfreqz(butter(order, cutoff, fs=rate, output="sos"), GRID, fs=rate)
+    _, response = sosfreqz(butter(order, cutoff, fs=rate, output="sos"), RESPONSE_FREQUENCIES, fs=rate)
     return float(np.mean((1 - np.abs(response) ** 2) ** 2))
 
 
@@ -86,7 +86,7 @@ def white_noise(values: Array) -> Array:
 
     A difference of order k of white noise has the variance binom(2 k, k) times that of the noise.
     """
-    if len(values) <= DIFFERENCES:
+    if len(values) <= NOISE_DIFFERENCE_ORDER:
         return np.zeros(values.shape[1:])
-    squares = np.mean(np.diff(values, DIFFERENCES, axis=0) ** 2, axis=0)
-    return np.asarray(np.sqrt(squares / comb(2 * DIFFERENCES, DIFFERENCES)))
+    squares = np.mean(np.diff(values, NOISE_DIFFERENCE_ORDER, axis=0) ** 2, axis=0)
+    return np.asarray(np.sqrt(squares / comb(2 * NOISE_DIFFERENCE_ORDER, NOISE_DIFFERENCE_ORDER)))

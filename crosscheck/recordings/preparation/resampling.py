@@ -6,14 +6,14 @@ import numpy as np
 
 from crosscheck.recordings.errors import BadMapping
 from crosscheck.recordings.mapping.mapping import ColumnMapping
-from crosscheck.recordings.recording import JOINT_CHANNELS, OPTIONAL_CHANNELS, Recording
+from crosscheck.recordings.recording import OPTIONAL_CHANNELS, RECORDED_JOINT_CHANNELS, Recording
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
-EVEN = 1e-3
+PERIOD_TOLERANCE = 1e-3
 """Part of the period by which steps may differ without resampling: the relative error of a difference quotient."""
 
-SHORTEST = 4
+MIN_SPLINE_ROWS = 4
 """Smallest number of rows for a cubic spline."""
 
 
@@ -28,7 +28,7 @@ def sampling_rate(recording: Recording) -> float:
 def is_even(recording: Recording) -> bool:
     """Whether all steps inside the blocks are the same."""
     steps = np.diff(recording.t)[np.diff(recording.block) == 0]
-    return bool(steps.size == 0 or np.all(np.abs(steps * sampling_rate(recording) - 1) <= EVEN))
+    return bool(steps.size == 0 or np.all(np.abs(steps * sampling_rate(recording) - 1) <= PERIOD_TOLERANCE))
 
 
 def resampled(recording: Recording, rate: float | None = None) -> Recording:
@@ -41,14 +41,16 @@ def resampled(recording: Recording, rate: float | None = None) -> Recording:
 
     own = sampling_rate(recording)
     rate = own if rate is None else rate
-    if not (np.isfinite(rate) and rate >= own * (1 - EVEN)):
+    if not (np.isfinite(rate) and rate >= own * (1 - PERIOD_TOLERANCE)):
         raise InvalidInput(f"rate is {rate:g} Hz, the recording has {own:g} Hz; a lower one would alias")
-    names = [name for name in ("t", *JOINT_CHANNELS, *OPTIONAL_CHANNELS) if getattr(recording, name) is not None]
+    names = [
+        name for name in ("t", *RECORDED_JOINT_CHANNELS, *OPTIONAL_CHANNELS) if getattr(recording, name) is not None
+    ]
     parts: dict[str, list[np.ndarray]] = {name: [] for name in (*names, "nearest")}
     short = []
     for rows in recording.block_slices:
         t = recording.t[rows]
-        if len(t) < SHORTEST:
+        if len(t) < MIN_SPLINE_ROWS:
             short.append(int(recording.block[rows][0]))
             continue
         even = t[0] + np.arange(int((t[-1] - t[0]) * rate * (1 + 1e-9)) + 1) / rate
@@ -58,10 +60,10 @@ def resampled(recording: Recording, rate: float | None = None) -> Recording:
         middles = (t[1:] + t[:-1]) / 2
         parts["nearest"].append(rows.start + np.searchsorted(middles, even))
     if not parts["t"]:
-        raise InvalidInput(f"no block of the recording has {SHORTEST} rows; nothing can be resampled")
+        raise InvalidInput(f"no block of the recording has {MIN_SPLINE_ROWS} rows; nothing can be resampled")
     step = f"resampled to {rate:.6g} Hz by cubic splines"
     if short:
-        step += f", without the blocks {', '.join(map(str, short))} of fewer than {SHORTEST} rows"
+        step += f", without the blocks {', '.join(map(str, short))} of fewer than {MIN_SPLINE_ROWS} rows"
     joined = {name: np.concatenate(part) for name, part in parts.items()}
     return recording.take(joined.pop("nearest"), step, **joined)
 

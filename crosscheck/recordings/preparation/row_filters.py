@@ -21,10 +21,10 @@ from graphdyn import InvalidInput
 from graphdyn.identification import RowFilter, Samples
 from graphdyn.layout import Array
 
-BORDERS = 2
+FORGETTING_BORDERS = 2
 """Number of filter borders after which a row counts as forgotten: BORDER_DECAY squared is left."""
 
-FORGOTTEN = 1e-6
+FORGOTTEN_SHARE = 1e-6
 """The same for the filter of a decimation."""
 
 
@@ -41,7 +41,7 @@ class LowPass:
 
     @property
     def memory(self) -> int:
-        return BORDERS * border(self.rate, self.cutoff)
+        return FORGETTING_BORDERS * border(self.rate, self.cutoff)
 
     def __call__(self, columns: Array) -> Array:
         return lowpass(columns, self.rate, self.cutoff)
@@ -61,7 +61,7 @@ class Decimation:
     def memory(self) -> int:
         rows = 0
         for factor in reversed(self.factors):
-            rows = rows * factor + ceil(log(FORGOTTEN) / log(slowest_pole(factor)))
+            rows = rows * factor + ceil(log(FORGOTTEN_SHARE) / log(slowest_pole(factor)))
         return rows
 
     def __call__(self, columns: Array) -> Array:

@@ -13,7 +13,7 @@ from graphdyn import InvalidInput
 
 Interval = tuple[float, float]
 
-GUARD = 0.25
+GUARD_TIME = 0.25
 """Time left out between fit and prediction where the program chooses the border [s]: noise and filter correlate
 neighbouring rows."""
 

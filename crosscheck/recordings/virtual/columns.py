@@ -17,7 +17,7 @@ from crosscheck.recordings.errors import BadRecordingFile
 JOINT_UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s^2", "m/s^2"), "tau": ("N m", "N")}
 """Units of a joint's channels, for a turning and a sliding joint; the channel is its own symbol."""
 
-BODY_COLUMNS = {
+BODY_CHANNEL_COLUMNS = {
     "cardano": ("rad", ("alpha", "beta", "gamma")),
     "position": ("m", ("r_x", "r_y", "r_z")),
     "acceleration": ("m/s^2", ("r_ddot_x", "r_ddot_y", "r_ddot_z")),
@@ -30,7 +30,7 @@ BODY_COLUMNS = {
 
 ROBOT, TIME = "robot", "time [s]"
 
-_BODY_SYMBOLS = {symbol for _, symbols in BODY_COLUMNS.values() for symbol in symbols}
+_BODY_SYMBOLS = {symbol for _, symbols in BODY_CHANNEL_COLUMNS.values() for symbol in symbols}
 
 
 class VirtualColumn(NamedTuple):
@@ -64,7 +64,7 @@ def columns(elements: Elements) -> list[VirtualColumn]:
     of_bodies = [
         VirtualColumn(f"{body}.{symbol}", unit, channel, 3 * i + k)
         for i, body in enumerate(elements.body_names)
-        for channel, (unit, symbols) in BODY_COLUMNS.items()
+        for channel, (unit, symbols) in BODY_CHANNEL_COLUMNS.items()
         for k, symbol in enumerate(symbols)
     ]
     return [*of_joints, *of_bodies]

@@ -5,6 +5,6 @@ RobotModel through its API (which checks our dynamics). Results are returned in 
 """
 
 from crosscheck.reference.pinocchio_model.model import PinocchioModel
-from crosscheck.reference.pinocchio_model.native import GROUND, VERSION, PinocchioRefuses
+from crosscheck.reference.pinocchio_model.native import PINOCCHIO_VERSION, UNIVERSE, PinocchioRefuses
 
-__all__ = ["GROUND", "VERSION", "PinocchioModel", "PinocchioRefuses"]
+__all__ = ["PINOCCHIO_VERSION", "UNIVERSE", "PinocchioModel", "PinocchioRefuses"]

@@ -16,13 +16,13 @@ from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from graphdyn import Chord
 from graphdyn.layout import Array
 
-KINDS = ("hinge", "ball", "weld")
+POINT_CHORD_KINDS = ("hinge", "ball", "weld")
 """Chords that can be held by points; a slide and a distance cannot."""
 
 ACCURACY, ITERATIONS = 1e-14, 30
 """Of the proximal method, whose accuracy only ends it early."""
 
-TRIED = tuple((apart, mu) for apart in (1.0, 0.1, 0.01) for mu in (1e-12, 1e-10, 1e-8))
+CLOSURE_TRIALS = tuple((apart, mu) for apart in (1.0, 0.1, 0.01) for mu in (1e-12, 1e-10, 1e-8))
 """Distance of a chord's further points [m] and μ. With redundant rows and μ = 0 Pinocchio is silently wrong; with links
 of 7 mg on a delta robot it is NaN for most of these. The answer that leaves the smallest residual is taken."""
 
@@ -39,7 +39,7 @@ def closed_dynamics(
     resting = pin.rnea(native, robot.data, state, still, still)
     loads = pin.rnea(native, robot.data, state, still, still, forces) - resting
     best = (np.inf, np.full(q.shape, np.nan), np.full((*q.shape, 6), np.nan))
-    for apart, mu in TRIED:
+    for apart, mu in CLOSURE_TRIALS:
         a, forces = _solved(robot, _contacts(robot, chords, apart), mu, state, v, tau, loads, external_wrenches)
         if np.isfinite(a).all():
             needed = pin.rnea(native, robot.data, state, robot.there(v), a, forces)[robot.columns]

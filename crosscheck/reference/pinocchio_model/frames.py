@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.reference.frame_choices import REFERENCES, compared_frames
+from crosscheck.reference.frame_choices import FRAME_REFERENCES, compared_frames
 from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from graphdyn.layout import Array
 
@@ -40,7 +40,7 @@ def frame_motion(robot: OrderedModel, rooted: OrderedModel, q: Array, v: Array, 
     """
     ids = robot.frame_ids(compared_frames(robot.model))
     described = []
-    for reference in REFERENCES:
+    for reference in FRAME_REFERENCES:
         of = robot if reference == "world" else rooted
         native, data, axes = of.native, of.data, _AXES[reference]
         pin.computeJointJacobiansTimeVariation(native, data, q, v)  # the Jacobians, too

@@ -13,9 +13,9 @@ from graphdyn.layout import Array
 from urdf import Xacro
 from urdf.document import content_of
 
-VERSION: str = pin.__version__
+PINOCCHIO_VERSION: str = pin.__version__
 
-GROUND = "universe"
+UNIVERSE = "universe"
 """Name of joint 0 in every model of Pinocchio, which finds joints by name."""
 
 

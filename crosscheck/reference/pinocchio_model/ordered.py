@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.reference.pinocchio_model.native import GROUND, PinocchioRefuses, write_position
+from crosscheck.reference.pinocchio_model.native import UNIVERSE, PinocchioRefuses, write_position
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 
@@ -22,9 +22,9 @@ class OrderedModel:
     def __init__(self, native: pin.Model, model: RobotModel):
         self.native, self.model = native, model
         self.data = native.createData()
-        if GROUND in model.joint_names:
+        if UNIVERSE in model.joint_names:
             raise PinocchioRefuses(
-                f"robot '{model.name}': Pinocchio calls the ground '{GROUND}' and confuses it with the joint of this "
+                f"robot '{model.name}': Pinocchio calls the ground '{UNIVERSE}' and confuses it with the joint of this "
                 "name; rename the joint"
             )
         expected, known = set(model.joint_names), set(native.names[1:])

@@ -12,7 +12,7 @@ import pinocchio as pin
 from crosscheck.reference.pinocchio_model.native import write_position
 from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from crosscheck.reference.reference_values import multipliers_of
-from graphdyn.equations import STEP
+from graphdyn.equations import COMPLEX_STEP_SIZE
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, Array
 
 
@@ -27,10 +27,10 @@ def reaction_derivatives(robot: OrderedModel, q: Array, v: Array, a: Array) -> d
     rotation, turning = _rotations(robot, q)
     found = {"dwrenches_dq": by_q, "dwrenches_dv": by_v, "dwrenches_da": by_a}
     for name, change in found.copy().items():
-        stepped = rotation + (1j * STEP * turning if name == "dwrenches_dq" else 0)
+        stepped = rotation + (1j * COMPLEX_STEP_SIZE * turning if name == "dwrenches_dq" else 0)
         per_joint = np.moveaxis(change, -1, 0)
-        multipliers = multipliers_of(robot.model, stepped, wrenches + 1j * STEP * per_joint)
-        found[name.replace("wrenches", "multipliers")] = np.moveaxis(multipliers.imag / STEP, 0, -1)
+        multipliers = multipliers_of(robot.model, stepped, wrenches + 1j * COMPLEX_STEP_SIZE * per_joint)
+        found[name.replace("wrenches", "multipliers")] = np.moveaxis(multipliers.imag / COMPLEX_STEP_SIZE, 0, -1)
     return found
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 WIDTH, ROW, AXIS = 7.6, 0.165, 0.95
 """Of the picture, of one row, of axis and key [inches]."""
 
-LONGEST = 30
+MAX_NAME_CHARACTERS = 30
 """Characters of a name; the table has the whole one."""
 
 
@@ -44,4 +44,4 @@ def put_key(axes: Axes, columns: int) -> None:
 
 
 def _short(name: str) -> str:
-    return name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
+    return name if len(name) <= MAX_NAME_CHARACTERS else f"{name[: MAX_NAME_CHARACTERS - 1]}…"

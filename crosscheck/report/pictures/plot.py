@@ -26,23 +26,23 @@ WIDTH, HEIGHT = 7.6, 2.3
 TITLES, LEFT, RIGHT = 0.55, 0.09, 0.66
 """Room above a panel and below it [inches]; edges of the axes, as parts of the width: the names stand on the right."""
 
-MOST_TICKS = 9
+MAX_TICKS = 9
 """Of a logarithmic axis of x, which are at its values."""
 
-POINTS_SHOWN = 60
+MAX_MARKED_POINTS = 60
 """Points up to which those of a line are marked, as in page/plots.js."""
 
-MOST_POINTS = 350
+MAX_STATIC_POINTS = 350
 """Of a static curve, each with the smallest and the largest of the values it stands for."""
 
 
-MOST_SAMPLES = 6000
+MAX_ZOOM_POINTS = 6000
 """Of a curve that can be zoomed, thinned in the same way."""
 
 PAGE, AXES = 4_400_000, 13_500
 """Characters that the plots of a page have in all, and of the axes of a static panel."""
 
-SCRIPTED = 0.6
+SCRIPT_SHARE = 0.6
 """Part of what the axes leave that goes to the data for the script; the rest goes to the static curves."""
 
 NUMBER, POINT = 16 / 3, 45
@@ -52,12 +52,12 @@ NUMBER, POINT = 16 / 3, 45
 def samples_per_curve(plots: Sequence[Plot]) -> int:
     """How many samples each curve of a page can have for the script."""
     numbers = _curves(plots) + 2 * len(plots)  # x has double precision
-    return min(MOST_SAMPLES, int(SCRIPTED * _characters(plots) / (NUMBER * max(1, numbers))))
+    return min(MAX_ZOOM_POINTS, int(SCRIPT_SHARE * _characters(plots) / (NUMBER * max(1, numbers))))
 
 
 def points_per_curve(plots: Sequence[Plot]) -> int:
     """The same of the static pictures; two values are drawn for each of these points."""
-    return min(MOST_POINTS, int((1 - SCRIPTED) * _characters(plots) / (2 * POINT * max(1, _curves(plots)))))
+    return min(MAX_STATIC_POINTS, int((1 - SCRIPT_SHARE) * _characters(plots) / (2 * POINT * max(1, _curves(plots)))))
 
 
 def _characters(plots: Sequence[Plot]) -> int:
@@ -69,7 +69,7 @@ def _curves(plots: Sequence[Plot]) -> int:
     return sum(len(panel.series) for plot in plots for panel in plot.panels)
 
 
-def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
+def plot_data(plot: Plot, samples: int = MAX_ZOOM_POINTS) -> Markup:
     """JSON for page/plots.js; numbers as base64, those of x of double precision, the others of single precision.
 
     samples: of a curve, at most; longer ones are thinned, all of a plot to the same rows
@@ -110,13 +110,13 @@ def plot_data(plot: Plot, samples: int = MOST_SAMPLES) -> Markup:
     )
 
 
-def plot_picture(key: str, plot: Plot, points: int = MOST_POINTS) -> Markup:
+def plot_picture(key: str, plot: Plot, points: int = MAX_STATIC_POINTS) -> Markup:
     """The same curves, thinned to the smallest and largest value of so many parts, as an <svg>."""
     height = sum(HEIGHT * panel.height + TITLES for panel in plot.panels)
     return picture(key, plot.label, (WIDTH, height), lambda axes: _draw(axes, plot, height, points))
 
 
-def thinned(y: Array, points: int = MOST_POINTS) -> NDArray[np.intp]:
+def thinned(y: Array, points: int = MAX_STATIC_POINTS) -> NDArray[np.intp]:
     """Rows at which a curve (N,) takes the smallest and the largest value of every part, in order; gaps are kept."""
     if len(y) <= 2 * points:
         return np.arange(len(y))
@@ -188,7 +188,7 @@ def _label_ticks(axes: Axes, plot: Plot, panel: Panel) -> None:
         axes.yaxis.set_minor_formatter(NullFormatter())
     if plot.log_x:
         values = np.unique(plot.x)
-        axes.set_xticks(values[:: 1 + len(values) // MOST_TICKS], minor=False)
+        axes.set_xticks(values[:: 1 + len(values) // MAX_TICKS], minor=False)
         axes.set_xticks([], minor=True)
         axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
 
@@ -203,7 +203,7 @@ def _draw_series(axes: Axes, plot: Plot, one: Series, log: bool, points: int) ->
         axes.plot(x, y[rows], linestyle="", marker="o", markersize=3, color=color, label=one.name)
     else:
         dash = (0, (4, 1.4)) if one.style == "dashed" else "-"
-        marker = "o" if len(plot.x) <= POINTS_SHOWN else ""
+        marker = "o" if len(plot.x) <= MAX_MARKED_POINTS else ""
         axes.plot(x, y[rows], linestyle=dash, linewidth=1.3, marker=marker, markersize=3, color=color, label=one.name)
     if one.low is not None and one.high is not None:
         axes.vlines(x, one.low[rows], one.high[rows], color=color, linewidth=0.8)

@@ -17,17 +17,17 @@ from graphdyn.layout import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SMALLEST = 1e-22
+MIN_DRAWN_SPREAD = 1e-22
 """Errors below this, and not zero, are drawn here."""
 
 BINS_PER_DECADE = 4
-MOST_TICKS = 9
-CLOSE = 0.3
+MAX_TICKS = 9
+MIN_TICK_DISTANCE = 0.3
 """A tick nearer to that of zero than this part of the step is left out."""
 
-HEIGHT = 0.78
-"""Of the fullest bin, in rows; no occupied bin is lower than VISIBLE."""
-VISIBLE = 0.06
+FULLEST_BIN_HEIGHT = 0.78
+"""Of the fullest bin, in rows; no occupied bin is lower than MIN_BIN_HEIGHT."""
+MIN_BIN_HEIGHT = 0.06
 
 WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
 """Of the picture, of one row, of what the axis needs [inches]."""
@@ -71,7 +71,7 @@ class _Scale:
     def place(self, x: float) -> float:
         if x == 0:
             return self.zero
-        return float(np.log10(max(x, SMALLEST))) if np.isfinite(x) else self.infinity
+        return float(np.log10(max(x, MIN_DRAWN_SPREAD))) if np.isfinite(x) else self.infinity
 
 
 def spread(key: str, rows: Sequence[SpreadRow]) -> Markup:
@@ -92,8 +92,8 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
     axes.set_ylim(len(rows), 0)
     axes.set_facecolor("none")
     axes.spines[:].set_visible(False)
-    step = -(-(scale.high - scale.low) // MOST_TICKS)
-    decades = [k for k in range(scale.high, scale.low - 1, -step) if k - scale.zero > CLOSE * step]
+    step = -(-(scale.high - scale.low) // MAX_TICKS)
+    decades = [k for k in range(scale.high, scale.low - 1, -step) if k - scale.zero > MIN_TICK_DISTANCE * step]
     axes.set_xticks([scale.zero, *decades], ["0", *map(superscript, decades)], fontsize=9, color=INK)
     if any(row.largest == np.inf for row in rows):
         axes.text(scale.infinity, len(rows) + 0.25, "∞", ha="center", va="top", fontsize=10, color=INK)
@@ -107,7 +107,7 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
     ends = np.full((len(rows), 2), [scale.zero - 0.3, scale.infinity + 0.3])
     axes.plot(*_strokes(ends, np.stack([feet, feet], axis=1)), color=FAINT, linewidth=0.6, zorder=1)
     bounds = np.array([_bound(scale, row) for row in rows])
-    heads = np.stack([feet, feet - HEIGHT], axis=1)
+    heads = np.stack([feet, feet - FULLEST_BIN_HEIGHT], axis=1)
     axes.plot(*_strokes(np.stack([bounds, bounds], axis=1), heads), color=INK, linewidth=1.3, zorder=3)
     for row, foot, bound in zip(rows, feet, bounds, strict=True):
         _draw_histogram(axes, scale, row, foot, bound)
@@ -131,12 +131,12 @@ def _draw_histogram(axes: Axes, scale: _Scale, row: SpreadRow, foot: float, boun
     edges = np.arange(BINS_PER_DECADE * scale.low, BINS_PER_DECADE * scale.high + 1) / BINS_PER_DECADE
     errors = np.where(np.isnan(row.errors), np.inf, row.errors)
     inside = errors[(errors > 0) & np.isfinite(errors)]
-    counts = np.histogram(np.log10(np.maximum(inside, SMALLEST)), edges)[0]
+    counts = np.histogram(np.log10(np.maximum(inside, MIN_DRAWN_SPREAD)), edges)[0]
     counts = np.concatenate([[(errors == 0).sum()], counts, [np.isinf(errors).sum()]])
     width = 1 / BINS_PER_DECADE
     places = np.concatenate([[scale.zero - width / 2], edges[:-1], [scale.infinity - width / 2]])
     occupied = counts > 0
-    heights = HEIGHT * np.maximum(counts / counts.max(), VISIBLE)
+    heights = FULLEST_BIN_HEIGHT * np.maximum(counts / counts.max(), MIN_BIN_HEIGHT)
     for beyond, color in ((False, WITHIN), (True, BEYOND)):
         part = occupied & ((places + width / 2 > bound) == beyond)
         if part.any():
@@ -158,7 +158,7 @@ def _draw_bars(axes: Axes, places: Array, width: float, foot: float, heights: Ar
 
 def _scale(rows: Sequence[SpreadRow]) -> _Scale:
     errors = np.concatenate([[row.bound for row in rows], *(row.errors for row in rows)])
-    decades = np.log10(np.maximum(errors[(errors > 0) & np.isfinite(errors)], SMALLEST))
+    decades = np.log10(np.maximum(errors[(errors > 0) & np.isfinite(errors)], MIN_DRAWN_SPREAD))
     low, high = (decades.min(), decades.max()) if decades.size else (-16.0, -12.0)
     return _Scale(int(np.floor(low)), int(np.floor(high)) + 1)
 

@@ -20,29 +20,29 @@ if TYPE_CHECKING:
 ELEVATION, AZIMUTH = np.radians(22), np.radians(-60)
 """Of the viewer: above the horizon, and from the direction in which the robot reaches."""
 
-FLAT = 0.02
+FLAT_EXTENT_SHARE = 0.02
 """Link origins are on one line if their second principal extent is less than this part of the first."""
 
-BENT = 0.5
+BENT_ANGLE = 0.5
 """Angle of every revolute joint where the zero pose puts all link origins on one line [rad]."""
 
 WIDTH, LOWEST, TALLEST = 4.6, 0.62, 1.25
 """Of the picture [inches], and the limits of height over width."""
 
-MARGIN = 0.11
+PICTURE_MARGIN = 0.11
 """Around everything, as a part of the size."""
 
 AXIS, SLIDE, BASE = 0.045, 0.075, 0.12
 """Half lengths of the drawn axes of revolute and prismatic joints, lengths of the base axes, as parts of the size."""
 
-DISC = 420.0
+DISC_AREA = 420.0
 """Area of a center of mass that has all the mass [points²]."""
 
-CLOSE = 0.045
+LABEL_DISTANCE = 0.045
 """Joints nearer to each other than this part of the size share one label."""
 
 LINK, JOINT, MASS, EDGE, FAINT, GROUND = SOFT, CURVES[0], "#c98a1b", CURVES[3], MIDDLE, colors.FAINT
-CHORD = CURVES[1]
+CHORD_COLOR = CURVES[1]
 
 
 def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None) -> Markup:
@@ -63,10 +63,10 @@ def pose(model: RobotModel) -> Array:
     zero = np.zeros(model.n_freedoms)
     points = np.vstack([model.base.translation, link_origins(maximal_state(model, zero))])
     extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    if extents[1] > FLAT * extents[0]:
+    if extents[1] > FLAT_EXTENT_SHARE * extents[0]:
         return zero
     revolute = np.array([not model.joints[k].is_prismatic for k in model.freedoms.independent])
-    return np.where(revolute, BENT, 0.0)
+    return np.where(revolute, BENT_ANGLE, 0.0)
 
 
 def pose_text(model: RobotModel) -> str:
@@ -74,7 +74,7 @@ def pose_text(model: RobotModel) -> str:
     if model.chords:
         return "A pose that closes the loops"
     if pose(model).any():
-        return f"Revolute joints at {BENT} rad, since the zero pose is a straight line"
+        return f"Revolute joints at {BENT_ANGLE} rad, since the zero pose is a straight line"
     return "Zero pose"
 
 
@@ -103,7 +103,7 @@ class _Drawing:
         points = np.vstack([self.origins, self.centers, self.frames, self.shadow, self.chord_ends.reshape(-1, 2)])
         self.size = max(float(np.ptp(points, axis=0).max()), 1e-3)
         low, high = points.min(axis=0), points.max(axis=0)
-        width, height = high - low + 2 * MARGIN * self.size
+        width, height = high - low + 2 * PICTURE_MARGIN * self.size
         self.ratio = float(np.clip(height / width, LOWEST, TALLEST))
         half = max(width, height / self.ratio) / 2
         reach = np.array([half, half * self.ratio])
@@ -119,13 +119,13 @@ class _Drawing:
         self._draw_ground(axes)
         self._draw_links(axes)
         masses = np.array([body.mass for body in self.model.bodies])
-        areas = DISC * masses / max(masses.sum(), np.finfo(float).tiny)
+        areas = DISC_AREA * masses / max(masses.sum(), np.finfo(float).tiny)
         x, y = self.centers.T
         axes.scatter(x, y, s=areas, color=MASS, alpha=0.55, edgecolor=EDGE, linewidth=0.6, zorder=4)
         self._draw_chords(axes)
         for k, joint in enumerate(self.model.joints):
             self._draw_joint(axes, self.origins[k + 1], self.axes[k], joint.is_prismatic)
-        for point, numbers in _grouped(self.origins[1:], CLOSE * self.size):
+        for point, numbers in _grouped(self.origins[1:], LABEL_DISTANCE * self.size):
             axes.annotate(
                 ", ".join(map(str, numbers)),
                 tuple(point),
@@ -162,8 +162,10 @@ class _Drawing:
             for body, end in zip((chord.body_i, chord.body_j), ends, strict=True):
                 color, width = (LINK, 2.6) if body else (FAINT, 1.5)
                 axes.plot(*np.array([self.origins[body], end]).T, color=color, linewidth=width, zorder=2)
-            axes.plot(*ends.T, color=CHORD, linewidth=1.4, linestyle=":", zorder=5)
-            axes.plot(*ends.T, marker="D", markersize=5.5, color="white", mec=CHORD, mew=1.4, linewidth=0, zorder=6)
+            axes.plot(*ends.T, color=CHORD_COLOR, linewidth=1.4, linestyle=":", zorder=5)
+            axes.plot(
+                *ends.T, marker="D", markersize=5.5, color="white", mec=CHORD_COLOR, mew=1.4, linewidth=0, zorder=6
+            )
             axes.annotate(
                 f"c{number}",
                 tuple(ends.mean(axis=0)),
@@ -172,7 +174,7 @@ class _Drawing:
                 ha="right",
                 va="top",
                 fontsize=9,
-                color=CHORD,
+                color=CHORD_COLOR,
                 zorder=7,
             )
 

@@ -10,16 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.identifying import METHODS
+from crosscheck.identifying import ESTIMATORS
 from crosscheck.study.settings.method_names import measurable_methods, methods_reader, takes_wrenches
 from crosscheck.study.settings.robot_settings import ErrorSettings, RobotSettings, error_settings, robot_settings
 from crosscheck.study.settings.scenarios import Scenario, scenarios
 from crosscheck.study.settings.settings import BadConfiguration, Settings, whole
 
-SHIPPED = ("small", "birdy")
+SHIPPED_CONFIGURATIONS = ("small", "birdy")
 """Configurations that come with the package."""
 
-TABLES = ("study", "robot", "errors", "scenario", "grid")
+CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid")
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,14 @@ class Configuration:
 
 
 def read_configuration(name: str) -> Configuration:
-    """One of SHIPPED, or a file. Raises BadConfiguration, OSError."""
+    """One of SHIPPED_CONFIGURATIONS, or a file. Raises BadConfiguration, OSError."""
     path = Path(name)
-    if name in SHIPPED:
+    if name in SHIPPED_CONFIGURATIONS:
         content = (resources.files("crosscheck.study") / "configurations" / f"{name}.toml").read_bytes()
     elif not path.is_file():
-        raise BadConfiguration(f"there is no file {name}; name a configuration, or one of {', '.join(SHIPPED)}")
+        raise BadConfiguration(
+            f"there is no file {name}; name a configuration, or one of {', '.join(SHIPPED_CONFIGURATIONS)}"
+        )
     else:
         content = path.read_bytes()
     return configuration_of(content, name, path.resolve().parent)
@@ -71,12 +73,14 @@ def configuration_of(content: bytes, file: str, folder: Path) -> Configuration:
     except tomllib.TOMLDecodeError as error:
         raise BadConfiguration(f"{file}: is no TOML: {error}") from None
     for table in document:
-        if table not in TABLES:
-            raise BadConfiguration(f"{file}: [{table}] is no table of a study; it has: {', '.join(TABLES)}")
+        if table not in CONFIGURATION_TABLES:
+            raise BadConfiguration(
+                f"{file}: [{table}] is no table of a study; it has: {', '.join(CONFIGURATION_TABLES)}"
+            )
     grids = document.get("grid", [{}])
     if not isinstance(grids, list):
         raise BadConfiguration(f"{file}: [grid] must be [[grid]], which can be given several times")
-    tables = {name: document.get(name, {}) for name in TABLES[:-1]}
+    tables = {name: document.get(name, {}) for name in CONFIGURATION_TABLES[:-1]}
     for name, table in [*tables.items(), *(("grid", grid) for grid in grids)]:
         if not isinstance(table, dict):
             raise BadConfiguration(f"{file}: {name} is {table!r}; it must be a table, [{name}]")
@@ -102,7 +106,7 @@ def configuration_of(content: bytes, file: str, folder: Path) -> Configuration:
 def _check(study: Configuration, table: Settings, robot: Settings) -> None:
     """Raises BadConfiguration for a scenario that this robot cannot have, or no method can use, and the reverse."""
     measured = {scenario.force_noise is not None for scenario in study.scenarios}
-    need = [name for name in study.methods if name in METHODS and takes_wrenches(METHODS[name]())]
+    need = [name for name in study.methods if name in ESTIMATORS and takes_wrenches(ESTIMATORS[name]())]
     if need and (measured == {False} or (False in measured and len(need) == len(study.methods))):
         where = "no scenario" if measured == {False} else "not every scenario"
         what = f"has {', '.join(need)} for wrenches, which {where} measures; give a force_noise, or other methods"

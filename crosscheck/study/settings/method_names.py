@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from crosscheck.identifying import METHODS
+from crosscheck.identifying import ESTIMATORS
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.settings.settings import texts
 from graphdyn.identification import Estimator
@@ -37,15 +37,15 @@ def _method(folder: Path, name: str) -> str:
         if path.is_file():
             return f"{path}:{function}"
         raise ValueError(f"there is no file {path}")
-    if name in METHODS:
+    if name in ESTIMATORS:
         return name
-    raise ValueError(f"there is no method '{name}'; use {', '.join(METHODS)}, all, or FILE.py:NAME")
+    raise ValueError(f"there is no method '{name}'; use {', '.join(ESTIMATORS)}, all, or FILE.py:NAME")
 
 
 def measurable_methods(points: Sequence[Scenario]) -> tuple[str, ...]:
     """All methods; those that take wrenches for measured only where a scenario measures them."""
     wrenches = any(scenario.force_noise is not None for scenario in points)
-    return tuple(name for name, made in METHODS.items() if wrenches or not takes_wrenches(made()))
+    return tuple(name for name, made in ESTIMATORS.items() if wrenches or not takes_wrenches(made()))
 
 
 def takes_wrenches(estimator: Estimator) -> bool:

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from crosscheck.study.settings.settings import Settings, not_negative, number, one_of, positive, whole
-from graphdyn.identification.closed_loop import LONGEST_STEP
+from graphdyn.identification.closed_loop import MAX_SIMULATION_STEP
 
-MOTIONS = ("random", "excited", "steps", "paper")
+MOTION_KINDS = ("random", "excited", "steps", "paper")
 """Kinds of references:
 
 random: a Fourier series with random coefficients that reaches the limits; excited: one that is optimised within them
@@ -34,7 +34,7 @@ payload: a load on the last link during the recording
 flexible: a spring between motor and link in every joint; positions are those of the motors
 """
 
-MULTIPLES = 1e-6
+RATE_TOLERANCE = 1e-6
 """Two rates are multiples of each other where their quotient is this close to a whole number."""
 
 
@@ -46,7 +46,7 @@ class Scenario:
     torque_noise: of measured torques, and of moments in the joints   [N m or N]
     force_noise: of forces in the joints; None: no wrenches are measured   [N]
     sampling_rate, control_rate: of the recording, of the controller   [Hz]
-    motion: kind of the reference (MOTIONS); motion_seed: another one of the same kind
+    motion: kind of the reference (MOTION_KINDS); motion_seed: another one of the same kind
     duration: of the recording [s]
     cutoff: of the low-pass of positions, torques and regressor; None: no filter   [Hz]
     min_speed: rows of joints that are slower are left out   [rad/s or m/s]
@@ -87,7 +87,7 @@ class Scenario:
     @property
     def start_error(self) -> float | None:
         """The start as a number; None where it is a word."""
-        return None if self.start in STARTS else float(self.start)
+        return None if self.start in STARTING_VALUES else float(self.start)
 
     @property
     def period(self) -> float:
@@ -105,7 +105,7 @@ class Scenario:
         return self.sampling_rate / self.control_rate
 
 
-STARTS = ("wls", "cad")
+STARTING_VALUES = ("wls", "cad")
 
 
 def _or_none(read: Callable[[object], float]) -> Callable[[object], float | None]:
@@ -123,7 +123,7 @@ def _or_none(read: Callable[[object], float]) -> Callable[[object], float | None
 
 
 def _start(value: object) -> str:
-    if isinstance(value, str) and value in STARTS:
+    if isinstance(value, str) and value in STARTING_VALUES:
         return value
     try:
         return repr(number(value))
@@ -137,13 +137,13 @@ def _share(value: object) -> float:
     raise ValueError("give a number from 0 to below 1")
 
 
-AXES: dict[str, Callable[[object], Any]] = {
+GRID_AXES: dict[str, Callable[[object], Any]] = {
     "position_noise": not_negative,
     "torque_noise": not_negative,
     "force_noise": _or_none(not_negative),
     "sampling_rate": positive,
     "control_rate": positive,
-    "motion": one_of(MOTIONS),
+    "motion": one_of(MOTION_KINDS),
     "motion_seed": whole(0),
     "duration": positive,
     "cutoff": _or_none(positive),
@@ -160,7 +160,7 @@ def scenarios(common: Settings, grids: Sequence[Settings]) -> tuple[Scenario, ..
 
     common: values of all scenarios; grids: a value or a list of values for each axis, all combinations of them
     """
-    shared = {name: common.take(name, getattr(Scenario, name), read) for name, read in AXES.items()}
+    shared = {name: common.take(name, getattr(Scenario, name), read) for name, read in GRID_AXES.items()}
     common.refuse_others()
     found: dict[Scenario, None] = {}
     for grid in grids:
@@ -172,7 +172,7 @@ def scenarios(common: Settings, grids: Sequence[Settings]) -> tuple[Scenario, ..
 
 
 def _combinations(grid: Settings, shared: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    axes = {name: grid.take(name, [shared[name]], _several(read)) for name, read in AXES.items()}
+    axes = {name: grid.take(name, [shared[name]], _several(read)) for name, read in GRID_AXES.items()}
     grid.refuse_others()
     for values in product(*axes.values()):
         yield dict(zip(axes, values, strict=True))
@@ -190,14 +190,14 @@ def _several(read: Callable[[object], Any]) -> Callable[[object], list[Any]]:
 def _check(grid: Settings, scenario: Scenario) -> None:
     """Raises BadConfiguration for values that do not fit together."""
     ratio = max(scenario.samples_per_tick, 1 / scenario.samples_per_tick)
-    if abs(ratio - round(ratio)) > MULTIPLES:
+    if abs(ratio - round(ratio)) > RATE_TOLERANCE:
         raise grid.error(
             "control_rate",
             f"is {scenario.control_rate:g} Hz with a sampling_rate of {scenario.sampling_rate:g} Hz; one must be a "
             "multiple of the other",
         )
     samples = scenario.duration * scenario.sampling_rate
-    if abs(samples - round(samples)) > MULTIPLES * samples:
+    if abs(samples - round(samples)) > RATE_TOLERANCE * samples:
         raise grid.error(
             "duration",
             f"is {scenario.duration:g} s with a sampling_rate of {scenario.sampling_rate:g} Hz; give a whole number of "
@@ -213,5 +213,5 @@ def _check(grid: Settings, scenario: Scenario) -> None:
         raise grid.error(
             "duration", f'is {scenario.duration:g} s; the motion "paper" lasts {PAPER_SECONDS:g} s: give no more'
         )
-    if scenario.duration < 10 * max(scenario.period, scenario.control_period, LONGEST_STEP):
+    if scenario.duration < 10 * max(scenario.period, scenario.control_period, MAX_SIMULATION_STEP):
         raise grid.error("duration", f"is {scenario.duration:g} s; give ten samples and control periods or more")

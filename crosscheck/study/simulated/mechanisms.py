@@ -21,11 +21,11 @@ from graphdyn import (
     RobotModel,
     mass_matrix,
 )
-from graphdyn.identification.closed_loop import LONGEST_STEP
+from graphdyn.identification.closed_loop import MAX_SIMULATION_STEP
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.motion_laws import Locked
 
-STABLE = 1.0
+MAX_STABLE_STEP = 1.0
 """Largest product of the width of a step and the fastest eigenvalue: rk4 is stable up to 2.8."""
 
 
@@ -77,7 +77,7 @@ class Mechanism:
 
 
 def rigid(plant: ControlledRobot) -> Mechanism:
-    return Mechanism(plant.model, plant.friction, plant.rotors, None, LONGEST_STEP, False)
+    return Mechanism(plant.model, plant.friction, plant.rotors, None, MAX_SIMULATION_STEP, False)
 
 
 def flexible(plant: ControlledRobot, errors: ErrorSettings) -> Mechanism:
@@ -97,7 +97,7 @@ def flexible(plant: ControlledRobot, errors: ErrorSettings) -> Mechanism:
     damping = 2 * share * np.sqrt(stiffness * np.diag(inertia))
     springs = JointStops(_alternating(np.zeros(n), stiffness), _alternating(np.zeros(n), damping))
     friction = Friction(_alternating(plant.friction.viscous), _alternating(plant.friction.coulomb))
-    step = min(LONGEST_STEP, STABLE / _fastest(inertia, plant.rotors, stiffness, damping))
+    step = min(MAX_SIMULATION_STEP, MAX_STABLE_STEP / _fastest(inertia, plant.rotors, stiffness, damping))
     return Mechanism(_with_springs(plant.model), friction, _alternating(plant.rotors), springs, step, True)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from crosscheck.exciting.noise import assumed_noise
 from crosscheck.study.settings.robot_settings import RobotSettings
-from crosscheck.study.settings.scenarios import MOTIONS
+from crosscheck.study.settings.scenarios import MOTION_KINDS
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of
 from graphdyn import InvalidInput
 from graphdyn.excitation import ExcitationProblem, FourierBasis, Trajectory, frame_origins, optimised, random_trajectory
@@ -20,13 +20,13 @@ from graphdyn.motion_laws import ConstantAcceleration, Course, Locked, MotionLaw
 PERIOD, HARMONICS = 10.0, 5
 """Of Fourier series, which repeat in longer recordings [s]."""
 
-STILL = 1e-9
+MIN_MOTION_RANGE = 1e-9
 """A motion that goes no further is none [rad or m]."""
 
-RATE = 500.0
+OPTIMIZED_RATE = 500.0
 """Samples per second of the recording for which a motion is optimised [Hz]."""
 
-STEP = 1.0
+STEP_PERIOD = 1.0
 """Time from one step to the next [s]; the robot moves in the first half."""
 
 PAPER_ACCELERATION = np.radians(30.0)
@@ -45,8 +45,8 @@ def reference(settings: RobotSettings, seed: int, kind: str, number: int, durati
     Raises InvalidInput where the limits allow no motion.
     """
     plant = plant_of(settings)
-    rng = np.random.default_rng(np.random.SeedSequence([seed, 2, MOTIONS.index(kind), number]))
-    return _KINDS[kind](plant, settings, rng, duration)
+    rng = np.random.default_rng(np.random.SeedSequence([seed, 2, MOTION_KINDS.index(kind), number]))
+    return _MOTION_MAKERS[kind](plant, settings, rng, duration)
 
 
 def start_of(laws: Sequence[MotionLaw]) -> tuple[Array, Array]:
@@ -60,7 +60,7 @@ def _random(
 ) -> tuple[MotionLaw, ...]:
     basis, balls = FourierBasis(min(duration, PERIOD), HARMONICS), frame_origins(plant.model)
     found = random_trajectory(plant.model, plant.limits, balls, basis, rng)
-    if np.ptp(found.motion(np.linspace(0.0, basis.duration)).q, axis=0).max() < STILL:
+    if np.ptp(found.motion(np.linspace(0.0, basis.duration)).q, axis=0).max() < MIN_MOTION_RANGE:
         raise InvalidInput(
             f"no random motion found: robot '{plant.model.name}' cannot be held with the efforts that its file states; "
             "correct them, or leave them out"
@@ -74,20 +74,20 @@ def _excited(
     """For equal shares of noise in the torques of all joints, whatever the noise of the scenario."""
     torque_model = plant.known_exactly
     basis = FourierBasis(min(duration, PERIOD), HARMONICS)
-    problem = ExcitationProblem(torque_model, plant.limits, basis, assumed_noise(plant.model)[0], RATE)
+    problem = ExcitationProblem(torque_model, plant.limits, basis, assumed_noise(plant.model)[0], OPTIMIZED_RATE)
     return _repeated(optimised(problem, int(rng.integers(2**31))).trajectory)
 
 
 def _steps(
     plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
 ) -> tuple[MotionLaw, ...]:
-    limits, moving = plant.limits, STEP / 2
+    limits, moving = plant.limits, STEP_PERIOD / 2
     farthest = np.minimum(
         limits.velocity * moving / QUINTIC_SPEED, limits.acceleration * moving**2 / QUINTIC_ACCELERATION
     )
     lower, upper = np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi)
     positions = [np.clip(np.zeros(len(lower)), lower, upper)]
-    for _number in range(int(np.ceil(duration / STEP))):
+    for _number in range(int(np.ceil(duration / STEP_PERIOD))):
         here = positions[-1]
         positions.append(rng.uniform(np.maximum(lower, here - farthest), np.minimum(upper, here + farthest)))
     return tuple(Steps(tuple(course)) for course in np.transpose(positions).tolist())
@@ -103,7 +103,7 @@ def _paper(
 
 _Made = Callable[[ControlledRobot, RobotSettings, np.random.Generator, float], tuple[MotionLaw, ...]]
 
-_KINDS: dict[str, _Made] = {"random": _random, "excited": _excited, "steps": _steps, "paper": _paper}
+_MOTION_MAKERS: dict[str, _Made] = {"random": _random, "excited": _excited, "steps": _steps, "paper": _paper}
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,15 +126,15 @@ def _repeated(trajectory: Trajectory) -> tuple[MotionLaw, ...]:
 
 @dataclass(frozen=True)
 class Steps:
-    """From one position to the next by a quintic in the first half of every STEP, then at rest; the last one stays."""
+    """Steps from position to position: a quintic in the first half of every STEP_PERIOD, then at rest."""
 
     positions: tuple[float, ...]
 
     def __call__(self, times: Array, /) -> Course:
         positions = np.array(self.positions)
-        number = np.clip(np.floor(np.asarray(times) / STEP).astype(int), 0, len(positions) - 2)
-        s = np.clip((times - number * STEP) / (STEP / 2), 0.0, 1.0)
-        size, rate = positions[number + 1] - positions[number], 2 / STEP
+        number = np.clip(np.floor(np.asarray(times) / STEP_PERIOD).astype(int), 0, len(positions) - 2)
+        s = np.clip((times - number * STEP_PERIOD) / (STEP_PERIOD / 2), 0.0, 1.0)
+        size, rate = positions[number + 1] - positions[number], 2 / STEP_PERIOD
         q = positions[number] + size * s**3 * (10 - 15 * s + 6 * s**2)
         v = size * rate * 30 * s**2 * (1 - s) ** 2
         a = size * rate**2 * 60 * s * (1 - s) * (1 - 2 * s)

@@ -20,7 +20,7 @@ from graphdyn.identification.terms import PayloadMass
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.motion_laws import MotionLaw
 
-WHOLE = 1e-9
+QUOTIENT_TOLERANCE = 1e-9
 """A quotient this little above a whole number is one."""
 
 
@@ -81,7 +81,7 @@ def _motion(
     """The controller sees positions with the noise that is in the recording, and velocities with noise of their own."""
     mechanism: Mechanism = flexible(plant, study.errors) if scenario.model_error == "flexible" else rigid(plant)
     shortest = min(scenario.period, scenario.control_period)
-    step = shortest / np.ceil(shortest / mechanism.longest_step - WHOLE)
+    step = shortest / np.ceil(shortest / mechanism.longest_step - QUOTIENT_TOLERANCE)
     q, v = start_of(laws)
     parameters = plant.model.inertial_parameters
     if scenario.model_error == "payload":

@@ -9,7 +9,7 @@ from typing import Any
 
 from crosscheck.study.statistics.outcomes import ScenarioOutcomes
 
-UNITS = {
+AXIS_UNITS = {
     "position_noise": "rad",
     "torque_noise": "N m",
     "force_noise": "N",
@@ -21,7 +21,7 @@ UNITS = {
 }
 """Of the axes of the grid that have one; of sliding joints m, N and m/s."""
 
-SMALL = 1e-3
+MIN_PLAIN_NUMBER = 1e-3
 """Numbers below are written as powers of ten."""
 
 
@@ -45,7 +45,7 @@ class View:
     def title(self) -> str:
         """Such as "position noise [rad], and torque noise with it"."""
         first = self.along[0]
-        unit = f" [{UNITS[first]}]" if first in UNITS else ""
+        unit = f" [{AXIS_UNITS[first]}]" if first in AXIS_UNITS else ""
         more = " and ".join(map(_spaced, self.along[1:]))
         return f"{_spaced(first)}{unit}{f', and {more} with it' if more else ''}"
 
@@ -157,14 +157,14 @@ def with_unit(axis: str, value: Any) -> str:
     """A value of an axis in words."""
     if value is None:
         return "none"
-    return f"{_number(value)} {UNITS[axis]}" if axis in UNITS else _number(value)
+    return f"{_number(value)} {AXIS_UNITS[axis]}" if axis in AXIS_UNITS else _number(value)
 
 
 def _number(value: Any) -> str:
     """1.75e-4 for 0.000175."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return "none" if value is None else str(value)
-    if 0 < abs(value) < SMALL:
+    if 0 < abs(value) < MIN_PLAIN_NUMBER:
         digits, _, power = f"{value:.2e}".partition("e")
         return f"{float(digits):g}e{int(power)}"
     return f"{value:.6g}"

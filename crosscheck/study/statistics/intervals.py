@@ -22,7 +22,7 @@ import numpy as np
 
 from graphdyn.layout import Array
 
-LEVEL = 0.95
+CONFIDENCE_LEVEL = 0.95
 """Of all intervals and tests of a study."""
 
 
@@ -35,13 +35,13 @@ class Interval:
     high: float
 
 
-NOT_KNOWN = Interval(np.nan, np.nan, np.nan)
+UNKNOWN_INTERVAL = Interval(np.nan, np.nan, np.nan)
 
 
-def share(count: int, trials: int, level: float = LEVEL) -> Interval:
+def share(count: int, trials: int, level: float = CONFIDENCE_LEVEL) -> Interval:
     """count of trials, with Wilson's interval, which is right near 0 and 1 too."""
     if trials == 0:
-        return NOT_KNOWN
+        return UNKNOWN_INTERVAL
     z = NormalDist().inv_cdf((1 + level) / 2)
     p, shrunk = count / trials, 1 + z**2 / trials
     centre = (p + z**2 / (2 * trials)) / shrunk
@@ -49,7 +49,7 @@ def share(count: int, trials: int, level: float = LEVEL) -> Interval:
     return Interval(p, 0.0 if count == 0 else centre - half, 1.0 if count == trials else centre + half)
 
 
-def order_of_median(count: int, level: float = LEVEL) -> tuple[int, float]:
+def order_of_median(count: int, level: float = CONFIDENCE_LEVEL) -> tuple[int, float]:
     """The k-th smallest and the k-th largest of so many values enclose the median with a probability of at least level.
 
     k from 1; where even the smallest and the largest do not reach the level, k = 1. Then: the probability.
@@ -64,14 +64,14 @@ def median(values: Array) -> Interval:
     """values: (N,), infinite for failures, which count as larger than all others; no ends below two values."""
     values = np.sort(values)
     if len(values) < 2:
-        return Interval(float(values[0]), np.nan, np.nan) if len(values) else NOT_KNOWN
+        return Interval(float(values[0]), np.nan, np.nan) if len(values) else UNKNOWN_INTERVAL
     k, _ = order_of_median(len(values))
     middle = values[(len(values) - 1) // 2], values[len(values) // 2]
     centre = middle[0] if middle[0] == middle[1] else 0.5 * (middle[0] + middle[1])
     return Interval(float(centre), float(values[k - 1]), float(values[-k]))
 
 
-def means(values: Array, level: float = LEVEL) -> tuple[Array, Array, Array]:
+def means(values: Array, level: float = CONFIDENCE_LEVEL) -> tuple[Array, Array, Array]:
     """Mean of every column of (N, k), and the ends of its interval; NaN below one value, ends below two."""
     from scipy.stats import t
 
@@ -84,7 +84,7 @@ def means(values: Array, level: float = LEVEL) -> tuple[Array, Array, Array]:
     return centre, centre - half, centre + half
 
 
-def deviations(values: Array, level: float = LEVEL) -> tuple[Array, Array, Array]:
+def deviations(values: Array, level: float = CONFIDENCE_LEVEL) -> tuple[Array, Array, Array]:
     """Standard deviation of every column of (N, k), and the ends of its interval; NaN below two values."""
     from scipy.stats import chi2
 
@@ -97,11 +97,11 @@ def deviations(values: Array, level: float = LEVEL) -> tuple[Array, Array, Array
     return spread, spread * ends[0], spread * ends[1]
 
 
-DRAWS = 10_000
+N_RESAMPLES = 10_000
 """Resamples: those beyond an end of an interval of five runs are then about ten."""
 
 
-def drawn_means(values: Array, name: str, draws: int = DRAWS) -> Array:
+def drawn_means(values: Array, name: str, draws: int = N_RESAMPLES) -> Array:
     """Means (draws, k) of the rows of values (R, k), drawn with replacement; a column's NaN are left out.
 
     name: of the scenario, from which the draws follow: other scenarios change nothing
@@ -114,7 +114,7 @@ def drawn_means(values: Array, name: str, draws: int = DRAWS) -> Array:
     return mean
 
 
-def ends(draws: Array, runs: Sequence[int], level: float = LEVEL) -> Array:
+def ends(draws: Array, runs: Sequence[int], level: float = CONFIDENCE_LEVEL) -> Array:
     """Low and high ends (2, k) of the interval of means over scenarios, from draws (B, k).
 
     runs: of each scenario; NaN where one scenario has fewer than two

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.study.statistics.intervals import LEVEL, drawn_means, ends
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, drawn_means, ends
 from crosscheck.study.statistics.outcomes import ScenarioOutcomes
 from graphdyn.layout import Array
 
-SAME = 1e-6
+EQUAL_ERROR_TOLERANCE = 1e-6
 """Errors closer than this part of them are equal: what solvers of the same equations differ by is rounding."""
 
 MANY, PERMUTATIONS = 30, 2000
@@ -42,7 +42,7 @@ def _steps(errors: Array) -> Array:
     order = np.argsort(errors, kind="stable")
     ordered = errors[order]
     with np.errstate(invalid="ignore"):
-        further = np.diff(ordered) > SAME * np.abs(ordered[1:])  # ∞ - ∞ is no step
+        further = np.diff(ordered) > EQUAL_ERROR_TOLERANCE * np.abs(ordered[1:])  # ∞ - ∞ is no step
     further |= np.isinf(ordered[1:]) & np.isfinite(ordered[:-1])
     steps = np.empty(len(errors))
     steps[order] = np.concatenate([[0], np.cumsum(further)])
@@ -64,7 +64,7 @@ def friedman(ranks: Array) -> float | None:
         return float(chi2.sf(statistic, methods - 1))
     rng = np.random.default_rng(0)
     permuted = rng.permuted(np.broadcast_to(ranks, (PERMUTATIONS, count, methods)), axis=2)
-    as_large = (friedman_statistic(permuted) >= statistic * (1 - SAME)).sum()
+    as_large = (friedman_statistic(permuted) >= statistic * (1 - EQUAL_ERROR_TOLERANCE)).sum()
     return float((1 + as_large) / (1 + PERMUTATIONS))
 
 
@@ -73,11 +73,11 @@ def friedman_statistic(ranks: Array) -> Array:
     count, methods = ranks.shape[-2:]
     between = ((ranks.sum(axis=-2) - count * (methods + 1) / 2) ** 2).sum(axis=-1)
     within = (ranks**2).sum(axis=(-2, -1)) - count * methods * (methods + 1) ** 2 / 4
-    statistic: Array = (methods - 1) * between / np.maximum(within, SAME)
+    statistic: Array = (methods - 1) * between / np.maximum(within, EQUAL_ERROR_TOLERANCE)
     return statistic
 
 
-def critical_distance(methods: int, count: int, level: float = LEVEL) -> float:
+def critical_distance(methods: int, count: int, level: float = CONFIDENCE_LEVEL) -> float:
     """Of mean ranks over so many records; NaN for fewer than two methods."""
     from scipy.stats import studentized_range
 
@@ -116,7 +116,7 @@ class Ranking:
     @property
     def differ(self) -> bool:
         """Whether the methods are not all alike."""
-        return self.probability is not None and self.probability <= 1 - LEVEL
+        return self.probability is not None and self.probability <= 1 - CONFIDENCE_LEVEL
 
     def better(self, one: int, other: int) -> bool:
         """Whether one is better than the other, beyond the critical distance. Numbers from 0 in the order of rank."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.study.statistics.intervals import NOT_KNOWN, Interval, deviations, means, median, share
+from crosscheck.study.statistics.intervals import UNKNOWN_INTERVAL, Interval, deviations, means, median, share
 from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method, ScenarioOutcomes, StudyOutcomes
 from crosscheck.study.statistics.ranking import Ranking, ranked
 from graphdyn.layout import Array
@@ -134,9 +134,11 @@ def _method(scenario: ScenarioOutcomes, method: Method, k: int) -> MethodSummary
 
 
 def _no_part(method: Method, parameters: int) -> MethodSummary:
-    errors, nothing = dict.fromkeys(ERRORS, NOT_KNOWN), (np.nan, np.nan)
+    errors, nothing = dict.fromkeys(ERRORS, UNKNOWN_INTERVAL), (np.nan, np.nan)
     spread = _spread(np.empty((0, parameters)), np.empty((0, parameters)), np.zeros(parameters))
-    return MethodSummary(method, 0, 0, errors, NOT_KNOWN, NOT_KNOWN, nothing, nothing, NOT_KNOWN, spread, {})
+    return MethodSummary(
+        method, 0, 0, errors, UNKNOWN_INTERVAL, UNKNOWN_INTERVAL, nothing, nothing, UNKNOWN_INTERVAL, spread, {}
+    )
 
 
 def _spread(base: Array, sigma: Array, truth: Array) -> ParameterSpread:

@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 
-from graphdyn.compiler.llvm.vector_code import WATCHES, VectorCode, loop_over_rows
-from graphdyn.scalars.expressions import COLUMNS, Program
+from graphdyn.compiler.llvm.vector_code import FINITE_CHECKS, VectorCode, loop_over_rows
+from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Program
 
-STRETCH = 48
+COLUMN_VECTORS = 48
 """Vectors of a column before they are summed: 150 columns of a six-axis arm take 460 kB, and the sums, which go through
 the same cache, are touched three times less often than with 16."""
 
-STRIDE = STRETCH + 1
+COLUMN_STRIDE = COLUMN_VECTORS + 1
 """Vectors from one column to the next: a power of two would put all columns in the same few sets of the caches."""
 
 
@@ -39,19 +39,19 @@ def products(groups: Sequence[int], lanes: int) -> list[tuple[int, int]]:
 def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
     """Code of gram(first, last, scratch, inputs…, sums, watched) for a number of rows that is a multiple of the lanes.
 
-    scratch: STRIDE vectors for each column; sums: one vector for each of products, to which is added
+    scratch: COLUMN_STRIDE vectors for each column; sums: one vector for each of products, to which is added
     """
-    width = len(program.outputs[COLUMNS])
+    width = len(program.outputs[MULTIPLIED_COLUMNS])
     assert sum(groups) == width
     code = VectorCode(lanes)
     block = code.let(f"getelementptr double, ptr %scratch, i64 {code.let('sub i64 %row, %first')}")
     places: dict[int, list[int]] = defaultdict(list)
-    for column, number in enumerate(program.outputs[COLUMNS]):
+    for column, number in enumerate(program.outputs[MULTIPLIED_COLUMNS]):
         places[number].append(column)
 
     def store(number: int, values: Sequence[str]) -> None:
         for column in places[number]:
-            code.store(f"{code.vector} {values[number]}", block, column * STRIDE * lanes)
+            code.store(f"{code.vector} {values[number]}", block, column * COLUMN_STRIDE * lanes)
 
     def columns(name: str) -> list[str]:
         width = program.inputs[name]
@@ -60,7 +60,9 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
         return code.columns_of(rows, width)
 
     values = code.values(program, columns, store)
-    seen = [code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCHES]
+    seen = [
+        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in FINITE_CHECKS
+    ]
     inputs = [f"ptr noalias %in.{name}" for name in program.inputs]
     shared = ", ".join(["i64 %first", "i64 %last", "ptr noalias %scratch", *inputs])
     return "\n".join(
@@ -82,7 +84,7 @@ def _sum_up(groups: Sequence[int], lanes: int) -> list[str]:
         name = f"tile_{len(left)}_{'itself' if left == right else len(right)}"
         if name not in functions:
             functions[name] = _tile(name, pairs, len(left), len(right), left == right, lanes)
-        x, y = (code.element("%scratch", first * STRIDE * lanes) for first in (left[0], right[0]))
+        x, y = (code.element("%scratch", first * COLUMN_STRIDE * lanes) for first in (left[0], right[0]))
         code.do(f"call void @{name}(i64 %blocks, ptr {x}, ptr {y}, ptr {code.element('%sums', place * lanes)})")
         place += len(pairs)
     return [
@@ -103,7 +105,7 @@ def _tile(
 
     def columns(array: str, count: int) -> list[str]:
         here = code.let(f"getelementptr double, ptr {array}, i64 {offset}")
-        return [code.load(code.vector, here, k * STRIDE * lanes) for k in range(count)]
+        return [code.load(code.vector, here, k * COLUMN_STRIDE * lanes) for k in range(count)]
 
     left = columns("%left", n_left)
     right = left if itself else columns("%right", n_right)
@@ -142,7 +144,7 @@ def _drive(shared: str, inputs: Sequence[str], lanes: int) -> list[str]:
         "  br label %loop",
         "loop:",
         "  %from = phi i64 [ %first, %entry ], [ %to, %loop ]",
-        f"  %reach = add i64 %from, {STRETCH * lanes}",
+        f"  %reach = add i64 %from, {COLUMN_VECTORS * lanes}",
         "  %beyond = icmp sgt i64 %reach, %last",
         "  %to = select i1 %beyond, i64 %last, i64 %reach",
         f"  call void @columns(i64 %from, i64 %to, ptr %scratch, {passed}, ptr %watched)",

@@ -17,23 +17,23 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.compiler.gram.code import STRIDE, emit_gram, products, tiles
+from graphdyn.compiler.gram.code import COLUMN_STRIDE, emit_gram, products, tiles
 from graphdyn.compiler.interpreter import Interpreter, merged
 from graphdyn.compiler.llvm.memory import address, aligned
 from graphdyn.compiler.native import MachineCode, host_lanes, watch_memory, watches
 from graphdyn.compiler.programs import record_equations
-from graphdyn.compiler.running import LONGEST, beyond_reduction, chosen_backend, in_threads, turned_back
+from graphdyn.compiler.running import MAX_COMPILED_LENGTH, beyond_reduction, chosen_backend, in_threads, turned_back
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.scalars.expressions import COLUMNS, Program, Watch
+from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Program, Watch
 
-PORTION = 8192
+SAMPLES_PER_PORTION = 8192
 """Samples that are summed on their own, whatever the number of threads, so that the sums do not depend on it."""
 
-TILE = 5
+TILE_OPERATIONS = 5
 """Operations that take as long to compile as the call that sums up a tile."""
 
-WIDEST = 8
+MAX_TILE_LANES = 8
 """Lanes for which the tiles are counted, so that one model is compiled on every machine or on none."""
 
 Seen = dict[Watch, float]
@@ -97,7 +97,9 @@ class TorqueGram:
 
     def _sum(self, inputs: Mapping[str, Array], threads: int | None) -> tuple[list[Array], Seen]:
         count = len(inputs["q"])
-        portions = [(first, min(first + PORTION, count)) for first in range(0, max(count, 1), PORTION)]
+        portions = [
+            (first, min(first + SAMPLES_PER_PORTION, count)) for first in range(0, max(count, 1), SAMPLES_PER_PORTION)
+        ]
         parts = in_threads(self._backend.bind(inputs), portions, threads)
         total = np.add.reduce([sums for sums, _ in parts])
         return self._backend.matrices(total), {
@@ -109,8 +111,8 @@ def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0, *, 
     """Gram matrices of the equations of these columns of the joint-torque regressor."""
     program, used = record_equations(model, columns, n_extra, weighted)
     groups = [len(indices) + n_extra + 1 for indices in used]
-    length = program.arithmetic + TILE * len(tiles(groups, WIDEST))
-    kind = InterpretedGram if chosen_backend() == "numpy" or length > LONGEST else CompiledGram
+    length = program.arithmetic + TILE_OPERATIONS * len(tiles(groups, MAX_TILE_LANES))
+    kind = InterpretedGram if chosen_backend() == "numpy" or length > MAX_COMPILED_LENGTH else CompiledGram
     return TorqueGram(model, used, n_extra, program, kind(program, groups))
 
 
@@ -126,7 +128,7 @@ class InterpretedGram:
         def run(first: int, last: int) -> tuple[Array, Seen]:
             equations = np.empty((last - first, self._ends[-1]))
             rows = {name: array[first:last] for name, array in inputs.items()}
-            seen = self._interpreter.bind(rows, {COLUMNS: equations})(0, last - first)
+            seen = self._interpreter.bind(rows, {MULTIPLIED_COLUMNS: equations})(0, last - first)
             blocks = np.split(equations, self._ends[:-1], axis=1)
             return np.concatenate([(block.T @ block).ravel() for block in blocks]), seen
 
@@ -185,6 +187,6 @@ class CompiledGram:
         """Over rows first … last - 1, a multiple of the lanes: the sums of each lane (products, lanes)."""
         watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
         if first < last:
-            scratch = aligned((sum(self._groups), STRIDE * self.lanes))
+            scratch = aligned((sum(self._groups), COLUMN_STRIDE * self.lanes))
             self._gram(first, last, address(scratch), *addresses, address(sums), address(watched))
         return sums, watches(self._program, watched)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphdyn.compiler.llvm.vector_code import WATCHES, Carried, VectorCode, loop_over_rows
+from graphdyn.compiler.llvm.vector_code import FINITE_CHECKS, Carried, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program, program_of
 
@@ -43,7 +43,7 @@ def _turns(part: Program, code: VectorCode, row: str) -> tuple[VectorCode, list[
     return code, [name for k in part.outputs["angles"] for name in code.sine_and_cosine(values[k])]
 
 
-WIDE = 16
+MIN_WIDE_COLUMNS = 16
 """Columns from which rows are assembled first: below, writing whole lines does not pay."""
 
 _DELIVER = """define internal void @few(ptr noalias %to, ptr noalias %from, i64 %first, i64 %last) {{
@@ -132,14 +132,16 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
     for name, numbers in program.outputs.items():
         width = len(numbers)
         to = code.rows_of(f"out.{name}", width)
-        if width < WIDE:
+        if width < MIN_WIDE_COLUMNS:
             code.write_columns(to, width, {column: values[k] for column, k in enumerate(numbers)})
         else:
             block, first = code.element("%scratch", first), first + lanes * width
             changing = {column: values[k] for column, k in enumerate(numbers) if program.constant(k) is None}
             code.write_columns(block, width, changing)
             code.do(f"call void @deliver(ptr {to}, ptr {block}, i64 {width}, i1 %bypass)")
-    seen = [code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCHES]
+    seen = [
+        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in FINITE_CHECKS
+    ]
     arrays = [f"in.{name}" for name in program.inputs] + [f"out.{name}" for name in program.outputs]
     parameters = ["i64 %first", "i64 %last", "i1 %bypass", *(f"ptr noalias %{name}" for name in ("scratch", *arrays))]
     header = f"define internal void @rows({', '.join(parameters)}, ptr %watched)"
@@ -158,7 +160,7 @@ def scratch(program: Program, lanes: int) -> Array:
     rows = [
         np.tile([program.constant(k) or 0.0 for k in numbers], lanes)
         for numbers in program.outputs.values()
-        if len(numbers) >= WIDE
+        if len(numbers) >= MIN_WIDE_COLUMNS
     ]
     return np.concatenate([np.empty(0), *rows])
 

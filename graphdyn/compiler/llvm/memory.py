@@ -22,10 +22,10 @@ import numpy as np
 
 from graphdyn.layout import Array
 
-HEAD = object.__basicsize__
+OBJECT_HEAD_BYTES = object.__basicsize__
 """Bytes of every Python object before its own fields; the last eight are its type."""
 
-TYPE, DATA, DIMENSIONS, SHAPE, STRIDES, DESCRIPTION = (HEAD + offset for offset in (-8, 0, 8, 16, 24, 40))
+TYPE, DATA, DIMENSIONS, SHAPE, STRIDES, DESCRIPTION = (OBJECT_HEAD_BYTES + offset for offset in (-8, 0, 8, 16, 24, 40))
 """Offsets in an array."""
 
 
@@ -68,13 +68,13 @@ def is_known() -> bool:
     return found == [probe.shape, probe.strides]
 
 
-LINE = 64
+CACHE_LINE_BYTES = 64
 """Bytes in a cache line, and in the widest vector."""
 
-LARGE = 1 << 20
+MIN_REUSED_BYTES = 1 << 20
 """Bytes from which memory is reused; the allocator keeps smaller pieces by itself."""
 
-MOST_KEPT = 1 << 27
+MAX_KEPT_BYTES = 1 << 27
 """Bytes that are kept at most: the whole answer of 150,000 samples of a six-axis arm."""
 
 _kept: dict[int, Array] = {}
@@ -84,14 +84,14 @@ _kept: dict[int, Array] = {}
 def aligned(shape: tuple[int, ...]) -> Array:
     """An uninitialised array."""
     size = prod(shape)
-    memory = _memory(size + LINE // 8)
-    start = -address(memory) % LINE // 8
+    memory = _memory(size + CACHE_LINE_BYTES // 8)
+    start = -address(memory) % CACHE_LINE_BYTES // 8
     return memory[start : start + size].reshape(shape)
 
 
 def _memory(size: int) -> Array:
     """So many numbers; those that become large memory again when no array refers to them."""
-    if 8 * size < LARGE:
+    if 8 * size < MIN_REUSED_BYTES:
         return np.empty(size)
     memory = _taken(size)
     if memory is None:
@@ -111,7 +111,7 @@ def _taken(size: int) -> Array | None:
 def _keep(memory: Array) -> None:
     _kept[id(memory)] = memory
     for number, oldest in list(_kept.items()):
-        if sum(one.nbytes for one in list(_kept.values())) <= MOST_KEPT:
+        if sum(one.nbytes for one in list(_kept.values())) <= MAX_KEPT_BYTES:
             break
         _kept.pop(number, None)
         del oldest

@@ -1,8 +1,8 @@
 """Sine and cosine for the compiled back end, of the same angle at once, as vector operations without branches.
 
 Reduction to [-π/4, π/4] by Cody and Waite with π/2 in three parts of 33 bits, whose products with the number of quarter
-turns are exact up to FARTHEST; minimax polynomials of FreeBSD's msun (k_sin.c, k_cos.c; Sun Microsystems, 1993).
-Measured against fifty digits: within 1.4 units in the last place up to 100 rad, 2.3 up to FARTHEST, neighbours of the
+turns are exact up to MAX_ANGLE; minimax polynomials of FreeBSD's msun (k_sin.c, k_cos.c; Sun Microsystems, 1993).
+Measured against fifty digits: within 1.4 units in the last place up to 100 rad, 2.3 up to MAX_ANGLE, neighbours of the
 multiples of π/2 included.
 
 Lines of LLVM code that compute with vectors, one sample per lane.
@@ -14,18 +14,18 @@ import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from graphdyn.compiler.llvm.memory import LINE
+from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
 from graphdyn.scalars.expressions import Program, Watch
 
-FARTHEST = 1e6
+MAX_ANGLE = 1e6
 """Largest |angle| [rad] that is reduced without loss: 2/π of it stays below 2^20 = 53 - 33 bits."""
 
-QUARTER_TURNS = 0.6366197723675814  # 2 / π
+QUARTER_TURNS_PER_RADIAN = 0.6366197723675814  # 2 / π
 HALF_PI = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)
-ROUND = 6755399441055744.0
+ROUNDING_OFFSET = 6755399441055744.0
 """1.5 · 2^52: adding it leaves the nearest integer in the last bits of the sum."""
 
-SINE = (
+SINE_COEFFICIENTS = (
     -1.66666666666666324348e-01,
     8.33333333332248946124e-03,
     -1.98412698298579493134e-04,
@@ -33,7 +33,7 @@ SINE = (
     -2.50507602534068634195e-08,
     1.58969099521155010221e-10,
 )
-COSINE = (
+COSINE_COEFFICIENTS = (
     4.16666666666666019037e-02,
     -1.38888888888741095749e-03,
     2.48015872894767294178e-05,
@@ -43,12 +43,12 @@ COSINE = (
 )
 
 
-WATCHES: tuple[Watch, ...] = ("finite", "squares", "minimum")
+FINITE_CHECKS: tuple[Watch, ...] = ("finite", "squares", "minimum")
 """Order in which code keeps what it watches: one vector each."""
 
-WATCH_STARTS = (0.0, 0.0, float("inf"))
+FINITE_CHECK_STARTS = (0.0, 0.0, float("inf"))
 
-AHEAD = 4
+PREFETCHED_TURNS = 4
 """Turns of a loop by which memory is asked for before it is read, where other traffic leaves the processor's own
 guesses too late. Of long rows, one turn is far enough."""
 
@@ -175,15 +175,17 @@ class VectorCode:
 
     def sine_and_cosine(self, angle: str) -> tuple[str, str]:
         """See graphdyn.compiler.llvm.vector_code."""
-        scaled = self.arithmetic("fadd", self.arithmetic("fmul", angle, self.splat(QUARTER_TURNS)), self.splat(ROUND))
-        turns = self.let(f"fsub {self.vector} {scaled}, {self.splat(ROUND)}")
+        scaled = self.arithmetic(
+            "fadd", self.arithmetic("fmul", angle, self.splat(QUARTER_TURNS_PER_RADIAN)), self.splat(ROUNDING_OFFSET)
+        )
+        turns = self.let(f"fsub {self.vector} {scaled}, {self.splat(ROUNDING_OFFSET)}")
         rest = angle
         for part in HALF_PI:
             rest = self.arithmetic("fsub", rest, self.arithmetic("fmul", turns, self.splat(part)))
         square = self.arithmetic("fmul", rest, rest)
-        sine = self._polynomial(SINE, square)
+        sine = self._polynomial(SINE_COEFFICIENTS, square)
         sine = self.arithmetic("fadd", self.arithmetic("fmul", self.arithmetic("fmul", rest, square), sine), rest)
-        cosine = self._polynomial((1.0, -0.5, *COSINE), square)
+        cosine = self._polynomial((1.0, -0.5, *COSINE_COEFFICIENTS), square)
         bits = self.let(f"bitcast {self.vector} {scaled} to {self.integers}")
         odd = self.let(f"trunc {self.integers} {bits} to <{self.lanes} x i1>")
         following = self.let(f"add {self.integers} {bits}, {self.splat_integer(1)}")
@@ -249,10 +251,10 @@ class VectorCode:
                     value = self.let(f"extractelement {self.vector} {columns[column]}, i64 {lane}")
                     self.store(f"double {value}", block, lane * width + column)
 
-    def fetch_ahead(self, block: str, width: int, turns: int = AHEAD, to_write: bool = False) -> None:
+    def fetch_ahead(self, block: str, width: int, turns: int = PREFETCHED_TURNS, to_write: bool = False) -> None:
         """Ask for the rows of some turns of the loop later, which may lie beyond the array."""
         rows = self.lanes * width
-        for first in range(0, rows, LINE // 8):
+        for first in range(0, rows, CACHE_LINE_BYTES // 8):
             address = self.element(block, turns * rows + first)
             self.do(f"call void @llvm.prefetch.p0(ptr {address}, i32 {int(to_write)}, i32 3, i32 1)")
 
@@ -291,12 +293,12 @@ class Carried:
 def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: Carried | None = None) -> list[str]:
     """A function whose body, the lines of the code, is done for %row from %first on, as many rows at a time as lanes.
 
-    It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of WATCHES,
-    or none if the lines do that themselves.
+    It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of
+    FINITE_CHECKS, or none if the lines do that themselves.
     """
     before, after = (carried.first[0].lines, carried.following[0].lines) if carried else ([], [])
     entry, phis, stores = [], [], []
-    for place, (kind, value) in enumerate(zip(WATCHES if seen else (), seen, strict=True)):
+    for place, (kind, value) in enumerate(zip(FINITE_CHECKS if seen else (), seen, strict=True)):
         entry += [
             f"  %place.{kind} = getelementptr double, ptr %watched, i64 {place * code.lanes}",
             f"  %start.{kind} = load {code.vector}, ptr %place.{kind}, align 8",

@@ -122,13 +122,13 @@ def _symmetric(entries: Scalars) -> Scalars:
     return symmetric(matrix)
 
 
-PASSES = {
+RECURSION_PASSES = {
     "inverse_dynamics": (Pass(True, _moving), Pass(False, _transmitted)),
     "forward_dynamics": (Pass(True, _at_rest), Pass(False, _eliminated), Pass(True, _accelerated)),
 }
 """By recursion."""
 
-MEMORY = {
+STEP_MEMORY = {
     "turn": (2,),
     "omega": (3,),
     "alpha": (3,),
@@ -142,5 +142,5 @@ MEMORY = {
 }
 """Shapes of what a step keeps."""
 
-SUMS = ("wrench", "inertia")
+SUMMED_NAMES = ("wrench", "inertia")
 """Names to which bodies outside add while a pass goes inwards."""

@@ -12,7 +12,7 @@ from graphdyn.scalars.expressions import Program, Watch
 OWN, INSIDE, CONSTANTS = "own", "inside", "constants"
 """Arrays of a step beside those of the robot: memory of the body and of its inside body, its row of the table."""
 
-GROUND_ARRAY = "ground"
+GROUND_ARRAY_NAME = "ground"
 """The array of the robot that belongs to no body."""
 
 

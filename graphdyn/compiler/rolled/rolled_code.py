@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from graphdyn.compiler.llvm.emitter import with_table
-from graphdyn.compiler.llvm.memory import LINE
-from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, WATCHES, VectorCode, loop_over_rows
-from graphdyn.compiler.rolled.long_program import CONSTANTS, GROUND_ARRAY, INSIDE, OWN, BodyProgram, LongProgram
+from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
+from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, FINITE_CHECKS, VectorCode, loop_over_rows
+from graphdyn.compiler.rolled.long_program import CONSTANTS, GROUND_ARRAY_NAME, INSIDE, OWN, BodyProgram, LongProgram
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program
 
@@ -43,7 +43,7 @@ def _places(code: VectorCode, program: LongProgram, body: int, step: Program, wi
     yield code.element("%scratch", first + body * memory)
     yield code.element("%scratch", first + max(program.inside[body], 0) * memory)  # unused beside the ground
     for name in _arrays(step, program):
-        column = 0 if name == GROUND_ARRAY else body * _share(name, program, widths)
+        column = 0 if name == GROUND_ARRAY_NAME else body * _share(name, program, widths)
         yield code.element(code.rows_of(name, widths[name]), column)
 
 
@@ -56,7 +56,7 @@ def long_scratch(program: LongProgram, lanes: int) -> Array:
 def _row(program: LongProgram) -> int:
     """Constants of a body, with as many behind them as fill lines of memory."""
     width: int = program.table.shape[1]
-    return width + -width % (LINE // 8)
+    return width + -width % (CACHE_LINE_BYTES // 8)
 
 
 def _arrays(step: Program, program: LongProgram) -> list[str]:
@@ -66,7 +66,7 @@ def _arrays(step: Program, program: LongProgram) -> list[str]:
 
 def _share(name: str, program: LongProgram, widths: dict[str, int]) -> int:
     """Columns of an array that belong to one body."""
-    return widths[name] if name == GROUND_ARRAY else widths[name] // len(program.kinds)
+    return widths[name] if name == GROUND_ARRAY_NAME else widths[name] // len(program.kinds)
 
 
 def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, int], lanes: int) -> list[str]:
@@ -91,7 +91,7 @@ def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, 
     for array in program.outputs:
         if array in outputs:
             code.write_columns(f"%{array}", widths[array], {k: values[x] for k, x in enumerate(outputs[array])})
-    for place, kind in enumerate(WATCHES):
+    for place, kind in enumerate(FINITE_CHECKS):
         if kind in step.program.watches:
             before = code.load(code.vector, "%watched", place * lanes)
             seen = code.watch(kind, [values[k] for k in step.program.watches[kind]], before)

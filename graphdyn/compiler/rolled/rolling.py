@@ -21,18 +21,18 @@ from graphdyn.compiler.programs import (
     pivot_scales,
     reduced_links,
 )
-from graphdyn.compiler.rolled.body_steps import MEMORY, PASSES, SUMS, Pass
+from graphdyn.compiler.rolled.body_steps import RECURSION_PASSES, STEP_MEMORY, SUMMED_NAMES, Pass
 from graphdyn.compiler.rolled.long_program import CONSTANTS, INSIDE, OWN, BodyProgram, Kind, LongProgram
 from graphdyn.layout import BODY_FREEDOMS, Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.recursions import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.recursions.inverse import Wrench, in_joint_axes
 from graphdyn.recursions.mechanism.mechanism import Link, links
 from graphdyn.recursions.motion import Root, resting_root
 from graphdyn.scalars.expressions import Recorder, Watch
 from graphdyn.scalars.vectors import Scalars, scalars, zeros
 
-UNROLLED = 24
+MAX_UNROLLED_BODIES = 24
 """Bodies up to which straight-line code is compiled. It leaves out what is zero for single bodies, and is up to twice
 as fast; but the multipliers of so many bodies take a second to compile, and body by body a tenth of that."""
 
@@ -49,17 +49,17 @@ _NUMBERS = {
 }
 """Shapes of the fields of a link that are numbers, in the order of the table; the pivot's scale follows."""
 
-_ENDS = np.cumsum([prod(shape) for shape in MEMORY.values()]).tolist()
-_PLACES = {name: slice(first, last) for name, first, last in zip(MEMORY, [0, *_ENDS], _ENDS, strict=False)}
+_ENDS = np.cumsum([prod(shape) for shape in STEP_MEMORY.values()]).tolist()
+_PLACES = {name: slice(first, last) for name, first, last in zip(STEP_MEMORY, [0, *_ENDS], _ENDS, strict=False)}
 
-COLUMNS = _ENDS[-1]
+VECTORS_PER_BODY = _ENDS[-1]
 """Vectors of memory that a body has."""
 
 
 def is_long(model: RobotModel, request: Request) -> bool:
     """Whether a request is recorded body by body: trees without couplings and chords, and recursions of PASSES."""
     tree = not model.couplings and not model.chords
-    return tree and model.n_bodies > UNROLLED and request.recursion in PASSES
+    return tree and model.n_bodies > MAX_UNROLLED_BODIES and request.recursion in RECURSION_PASSES
 
 
 def record_long(model: RobotModel, request: Request) -> LongProgram:
@@ -69,7 +69,7 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
     table = np.array([[*_numbers(link), 1.0 / scale] for link, scale in zip(bodies, scales, strict=True)])
     known: dict[Kind, dict[int, float]] = {kind: {} for kind in kinds}
     recorded = []
-    for each in PASSES[request.recursion]:
+    for each in RECURSION_PASSES[request.recursion]:
         steps = {}
         for kind, columns in known.items():
             numbers = [number for number, other in enumerate(kinds) if other == kind]
@@ -85,10 +85,10 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
         inside=tuple(link.inside for link in bodies),
         table=table,
         passes=tuple(recorded),
-        memory=COLUMNS,
+        memory=VECTORS_PER_BODY,
         inputs=inputs,
         outputs={
-            name: range(n if name == "pivots" else prod(ARRAYS[name].shape_for(model))) for name in request.outputs
+            name: range(n if name == "pivots" else prod(ARRAY_SPECS[name].shape_for(model))) for name in request.outputs
         },
         watches=("finite", "squares", *pivots),
     )
@@ -113,7 +113,7 @@ class StepInputs:
         self._given: dict[str, list[Any]] = {}
         self._kept: dict[int, Any] = {}
         self._added: dict[int, Any] = {}
-        self._own, self._inside = (self._recorder.inputs(name, COLUMNS) for name in (OWN, INSIDE))
+        self._own, self._inside = (self._recorder.inputs(name, VECTORS_PER_BODY) for name in (OWN, INSIDE))
         inputs, same = self._recorder.inputs(CONSTANTS, rows.shape[1]), np.all(rows == rows[0], axis=0)
         constants = [float(rows[0, k]) if same[k] else column for k, column in enumerate(inputs)]
         self.pivot_scale = constants[-1]
@@ -150,17 +150,17 @@ class StepInputs:
 
     def kept(self, name: str) -> Scalars:
         """What an earlier step of this body kept, and bodies outside have added."""
-        known = {} if self._inwards and name in SUMS else self._known
+        known = {} if self._inwards and name in SUMMED_NAMES else self._known
         return _shaped(name, [known.get(k, column) for k, column in enumerate(self._own)])
 
     def keep(self, name: str, values: Any) -> None:
-        places = range(COLUMNS)[_PLACES[name]]
+        places = range(VECTORS_PER_BODY)[_PLACES[name]]
         self._kept.update(zip(places, np.ravel(np.array(values, dtype=object)), strict=True))
 
     def add(self, name: str, values: Any) -> None:
         """To a sum of the inside body."""
         if not self._at_ground:
-            places = range(COLUMNS)[_PLACES[name]]
+            places = range(VECTORS_PER_BODY)[_PLACES[name]]
             self._added.update(zip(places, np.ravel(np.array(values, dtype=object)), strict=True))
 
     def record(self, one: Pass) -> BodyProgram:
@@ -176,7 +176,7 @@ class StepInputs:
         added = {k: x for k, x in self._added.items() if not (isinstance(x, float) and x == 0.0)}
         memory = {OWN: list(self._kept.values()), INSIDE: list(added.values())}
         program = self._recorder.program({**memory, **wanted}, watches)
-        sums = [k for name in SUMS for k in range(COLUMNS)[_PLACES[name]]] if self._inwards else []
+        sums = [k for name in SUMMED_NAMES for k in range(VECTORS_PER_BODY)[_PLACES[name]]] if self._inwards else []
         for column in (*sums, *self._kept):  # sums of inside bodies, too, which this step has changed
             self._known.pop(column, None)
         self._known.update({column: value for column, value in self._kept.items() if isinstance(value, float)})
@@ -189,7 +189,7 @@ class StepInputs:
 
 
 def _shaped(name: str, columns: list[Any]) -> Scalars:
-    return np.array(columns[_PLACES[name]], dtype=object).reshape(MEMORY[name])
+    return np.array(columns[_PLACES[name]], dtype=object).reshape(STEP_MEMORY[name])
 
 
 def _with_numbers(link: Link, numbers: list[Any]) -> Link:

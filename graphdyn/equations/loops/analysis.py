@@ -14,7 +14,7 @@ from graphdyn.equations.projected import rooted_state
 from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import JOINT_CONSTRAINTS, Array
-from graphdyn.model.loops import SELF_STRESS, loop_spaces, pivoted_columns
+from graphdyn.model.loops import SELF_STRESS_SHARE, loop_spaces, pivoted_columns
 from graphdyn.model.robot_model import RobotModel
 
 
@@ -109,5 +109,7 @@ def _named(model: RobotModel, joints: Array, chords: Array) -> tuple[dict[str, f
             for coupling, x in zip(model.couplings, column["coupling_multipliers"], strict=True)
         }
         largest = max(sizes.values(), key=abs)
-        found.append({name: size / largest for name, size in sizes.items() if abs(size) > SELF_STRESS * abs(largest)})
+        found.append(
+            {name: size / largest for name, size in sizes.items() if abs(size) > SELF_STRESS_SHARE * abs(largest)}
+        )
     return tuple(found)

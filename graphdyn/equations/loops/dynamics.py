@@ -20,11 +20,11 @@ from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.errors import InvalidInput, SingularMassMatrix, in_row
 from graphdyn.layout import Array, per_body, stacked
 from graphdyn.model.assembly import refuse_moving_apart, refuse_open
-from graphdyn.model.loops import RANK, LoopSpaces, loop_spaces
+from graphdyn.model.loops import LOOP_RANK_TOLERANCE, LoopSpaces, loop_spaces
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
 
-REMEDY = "graphdyn.assemble(model, q) closes loops"
+OPEN_LOOP_REMEDY = "graphdyn.assemble(model, q) closes loops"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Closed:
 def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None = None) -> Closed:
     """At q, v, a (…, n). Raises InconsistentState, naming the loop, where these would open one."""
     loops, who = model.loops, f"robot '{model.name}'"
-    refuse_open(who, loops, loops.gaps(q), REMEDY)
+    refuse_open(who, loops, loops.gaps(q), OPEN_LOOP_REMEDY)
     links = loops.links(q, v)
     jacobian, bias = loops.jacobian(links), loops.bias(links)
     if v is not None:
@@ -137,7 +137,7 @@ def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
     motions = np.where(spaces.free[..., None, :], spaces.right, 0.0)  # Z, and zero columns
     of_motors = np.swapaxes(motions[..., motors, :], -1, -2)  # (…, n, n_actuated)
     left, values, right = np.linalg.svd(of_motors, full_matrices=False)
-    kept = values > RANK
+    kept = values > LOOP_RANK_TOLERANCE
     _refuse_idle(model, spaces, kept, motors)
     inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
     to_motors = (np.swapaxes(right, -1, -2) * inverse[..., None, :]) @ np.swapaxes(left, -1, -2)
@@ -166,7 +166,7 @@ def power(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool 
 def motion_names(model: RobotModel, motion: Array) -> str:
     """The joints that take part in a motion (n,), largest first, with what they move by: "knee 1, hip -0.5"."""
     size = np.abs(motion)
-    order = [k for k in np.argsort(-size) if size[k] > RANK * size.max()]
+    order = [k for k in np.argsort(-size) if size[k] > LOOP_RANK_TOLERANCE * size.max()]
     return ", ".join(f"{model.independent_joints[k]} {motion[k] / size.max():.3g}" for k in order)
 
 
@@ -195,7 +195,7 @@ def _refuse_idle(model: RobotModel, spaces: LoopSpaces, kept: NDArray[np.bool_],
     row = tuple(np.argwhere(idle)[0])
     free = spaces.right[row][:, spaces.free[row]]
     _, values, vectors = np.linalg.svd(free[motors, :])
-    still = vectors[np.count_nonzero(values > RANK) :]
+    still = vectors[np.count_nonzero(values > LOOP_RANK_TOLERANCE) :]
     named = "; ".join(motion_names(model, free @ amounts) for amounts in still)
     motors_named = ", ".join(model.actuated or ()) or "no joint"
     raise InvalidInput(

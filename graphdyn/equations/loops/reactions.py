@@ -18,7 +18,7 @@ from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.equations.system.reactions import transmitted_wrenches
 from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body
-from graphdyn.model.loops import SELF_STRESS, LoopSpaces, loop_spaces
+from graphdyn.model.loops import SELF_STRESS_SHARE, LoopSpaces, loop_spaces
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
 
@@ -103,7 +103,7 @@ def in_self_stress(model: RobotModel, stress: SelfStress) -> dict[str, NDArray[n
     for column in columns:
         joints, chords = np.abs(column["joint_wrenches"]), np.abs(column["chord_multipliers"])
         largest = np.maximum(joints.max(axis=(-2, -1), initial=0.0), chords.max(axis=-1, initial=0.0))
-        limit = SELF_STRESS * np.where(largest > 0, largest, np.inf)
+        limit = SELF_STRESS_SHARE * np.where(largest > 0, largest, np.inf)
         for name, array in column.items():
             involved[name] |= np.abs(array) > limit.reshape(*limit.shape, *(1,) * (array.ndim - limit.ndim))
     return involved

@@ -11,7 +11,7 @@ from graphdyn.errors import GimbalLock
 from graphdyn.layout import ANGULAR, LINEAR, Array, block_diagonal, stacked
 from graphdyn.model.spatial import apply, cardano_rate_matrix, cardano_rate_matrix_derivative, cos_beta
 
-GIMBAL_LOCK = 1e-4
+MIN_BETA_COSINE = 1e-4
 """|cos β| below which Cardano coordinates are refused: the error of the solution grows as eps / cos²β or faster,
 to 3e-7 at 1e-4 (`graphdyn errata` measures it)."""
 
@@ -19,11 +19,11 @@ to 3e-7 at 1e-4 (`graphdyn errata` measures it)."""
 def cardano_system(state: MaximalState, twist: KKTSystem) -> KKTSystem:
     """Eq. (111) in (r̈, θ̈) from the twist form of the same state. Raises GimbalLock, naming the body."""
     cosines = cos_beta(state.rotation)
-    if np.any(cosines < GIMBAL_LOCK):
+    if np.any(cosines < MIN_BETA_COSINE):
         body = int(np.argmin(cosines)) % state.model.n_bodies
         raise GimbalLock(
-            f"body '{state.model.body_names[body]}' is at |cos β| = {cosines.min():.1e}, below {GIMBAL_LOCK:g}: the "
-            "Cardano angles do not determine its motion there; use coordinates='twist', regular in every pose"
+            f"body '{state.model.body_names[body]}' is at |cos β| = {cosines.min():.1e}, below {MIN_BETA_COSINE:g}: "
+            "the Cardano angles do not determine its motion there; use coordinates='twist', regular in every pose"
         )
     return cardano_form(state, twist)
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from graphdyn.errors import RankDeficientConstraints, SingularMassMatrix
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array, constraint_row_names, per_joint
-from graphdyn.model.loops import RANK, SELF_STRESS
+from graphdyn.model.loops import LOOP_RANK_TOLERANCE, SELF_STRESS_SHARE
 from graphdyn.model.spatial import apply, solve
 
 Coordinates = Literal["twist", "cardano"]
@@ -122,7 +122,7 @@ class KKTSystem:
         acceleration, multipliers = np.empty((*batch, n_freedoms)), np.empty(jacobian.shape[:-1])
         for row in np.ndindex(batch):
             left, values, right = np.linalg.svd(jacobian[row])
-            rank = int(np.count_nonzero(values > RANK * values.max()))
+            rank = int(np.count_nonzero(values > LOOP_RANK_TOLERANCE * values.max()))
             zeta = left.T[:rank] @ self.zeta[row] / values[:rank]
             independent = KKTSystem(self.mass, right[:rank], self.force[row], zeta)
             reduced = independent.solve() if check else independent.solve_unchecked()
@@ -130,7 +130,7 @@ class KKTSystem:
             multipliers[row] = left[:, :rank] @ (reduced.stacked_multipliers / values[:rank])
             if not least_norm:
                 null = np.abs(left[:, rank:])
-                multipliers[row][(null > SELF_STRESS * null.max(axis=0, initial=0.0)).any(axis=-1)] = np.nan
+                multipliers[row][(null > SELF_STRESS_SHARE * null.max(axis=0, initial=0.0)).any(axis=-1)] = np.nan
         return KKTSolution(self, acceleration, multipliers)
 
     def _balance(self) -> Array:

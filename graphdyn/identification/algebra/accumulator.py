@@ -24,7 +24,7 @@ Compression = Literal["qr", "gram"]
 Flags = NDArray[np.bool_]
 COMPRESSIONS: tuple[Compression, ...] = ("qr", "gram")
 
-PANEL = 8
+PANEL_COLUMNS = 8
 """Block size of LAPACK's blocked factorization [columns]."""
 
 
@@ -149,7 +149,7 @@ class Accumulator:
             return
         from scipy.linalg.lapack import dtpqrt  # imported where first used: import graphdyn stays light
 
-        panel = min(PANEL, len(self._columns[g]))
+        panel = min(PANEL_COLUMNS, len(self._columns[g]))
         self._squares[g], _, _, _ = dtpqrt(0, panel, self._squares[g], block, overwrite_a=1, overwrite_b=1)
 
 

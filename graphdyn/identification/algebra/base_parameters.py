@@ -20,7 +20,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.least_squares import triangle
 from graphdyn.layout import Array
 
-ONE = 1e-9
+UNIT_COEFFICIENT_TOLERANCE = 1e-9
 """Relative difference from 1 below which a coefficient is 1: rounding leaves 1e-15, a rounded π/2 in a file 1e-10."""
 
 
@@ -32,7 +32,7 @@ def sum_in_words(coefficients: Array, names: Sequence[str], *, first: int | None
     words = ""
     for k in map(int, terms):
         size = abs(coefficients[k])
-        factor = "" if abs(size - 1.0) < ONE else f"{size:.4g} "
+        factor = "" if abs(size - 1.0) < UNIT_COEFFICIENT_TOLERANCE else f"{size:.4g} "
         sign = ("-" if coefficients[k] < 0 else "") if not words else (" - " if coefficients[k] < 0 else " + ")
         words += f"{sign}{factor}{names[k]}"
     return words
@@ -40,19 +40,19 @@ def sum_in_words(coefficients: Array, names: Sequence[str], *, first: int | None
 
 Indices = NDArray[np.int64]
 
-DROPPED_COLUMN = 1e-9
+MIN_COLUMN_SHARE = 1e-9
 """Length relative to the longest column below which a column counts as zero: angles such as π/2 rounded in a file leave
 null columns at 1e-11, which scaling to unit length would turn into parameters."""
 
-ROUNDING = 1e-14
+ZERO_COLUMN = 1e-14
 """Length relative to the longest column below which a column is structurally zero; a column between the two bounds is
 zero up to the rounding of the robot's file."""
 
-RANK = 1e-9
+RANK_TOLERANCE = 1e-9
 """Smallest |R_kk| relative to |R_11| that counts as independent, with columns scaled to unit length: rounding
 leaves 1e-15, the weakest true parameter of an arm under random motion 1e-4 or more."""
 
-DISTANCES = tuple(10.0**-k for k in range(1, 17))
+SPAN_DISTANCES = tuple(10.0**-k for k in range(1, 17))
 """Distances of a column from the span of those before it, at unit length, above which it represents a combination; the
 largest one that leaves enough columns is taken, because nearly dependent columns make large coefficients."""
 
@@ -98,7 +98,7 @@ class BaseParameters:
     def names(self, names: Sequence[str]) -> tuple[str, ...]:
         """Every base parameter as a sum of standard parameters, such as "XX_2 - YY_2 + 0.18 M_3".
 
-        Coefficients below RANK of the largest of their column are rounding and left out.
+        Coefficients below RANK_TOLERANCE of the largest of their column are rounding and left out.
         """
         b = self._clean_matrix()
         return tuple(sum_in_words(row, names, first=int(k)) for k, row in zip(self.independent, b, strict=True))
@@ -126,7 +126,7 @@ class BaseParameters:
     def _clean_matrix(self) -> Array:
         """B without rounding."""
         b = self.matrix
-        b[np.abs(b) <= RANK * np.abs(b).max(axis=0, initial=0.0)] = 0.0
+        b[np.abs(b) <= RANK_TOLERANCE * np.abs(b).max(axis=0, initial=0.0)] = 0.0
         return b
 
     def then(self, inner: BaseParameters) -> BaseParameters:
@@ -144,7 +144,7 @@ class BaseParameters:
         )
 
 
-def base_parameters(regressor: ArrayLike, *, tolerance: float = RANK) -> BaseParameters:
+def base_parameters(regressor: ArrayLike, *, tolerance: float = RANK_TOLERANCE) -> BaseParameters:
     """Independent columns of a stacked regressor W (rows, p), and the grouping of the rest.
 
     Over random states (at least as many rows as columns) they belong to the structure of the robot; over a recording,
@@ -158,9 +158,9 @@ def base_parameters(regressor: ArrayLike, *, tolerance: float = RANK) -> BasePar
     if w.ndim != 2 or w.size == 0 or not np.all(np.isfinite(w)):
         raise InvalidInput(f"regressor has shape {w.shape}; a finite matrix (rows, parameters) needed")
     length = np.linalg.norm(w, axis=0)
-    kept = np.flatnonzero(length > DROPPED_COLUMN * length.max())
+    kept = np.flatnonzero(length > MIN_COLUMN_SHARE * length.max())
     dropped = np.setdiff1d(np.arange(w.shape[1]), kept)
-    by_structure = length[dropped] <= ROUNDING * length.max()
+    by_structure = length[dropped] <= ZERO_COLUMN * length.max()
     zeros = dropped[by_structure], dropped[~by_structure]
     if kept.size == 0:
         return BaseParameters(kept, dropped, np.zeros((0, dropped.size)), (0.0, 0.0), *zeros)
@@ -169,7 +169,7 @@ def base_parameters(regressor: ArrayLike, *, tolerance: float = RANK) -> BasePar
     rank = int(np.count_nonzero(pivot_sizes > tolerance))
     unpivoted = np.empty_like(r)
     unpivoted[:, pivots] = r
-    orders = (_in_order(unpivoted, max(distance, tolerance)) for distance in DISTANCES)
+    orders = (_in_order(unpivoted, max(distance, tolerance)) for distance in SPAN_DISTANCES)
     first = next((order for order in orders if len(order) == rank), np.sort(pivots[:rank]))
     rest = np.setdiff1d(np.arange(kept.size), first)
     ordered = triangle(unpivoted[:, np.concatenate([first, rest])])

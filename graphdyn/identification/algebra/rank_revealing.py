@@ -13,20 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.algebra.base_parameters import RANK, sum_in_words
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, sum_in_words
 from graphdyn.layout import Array
 
 EPS = float(np.finfo(float).eps)
 """Relative precision of data that were never rounded."""
 
-MARGIN = 10.0
+PRECISION_MARGIN = 10.0
 """Factor by which a singular value must exceed the precision of the data: columns of K that are only rounding or
 noise reach 0.2 to 2 times the precision, measured on the scale that their kind of column can reach."""
 
-LARGEST_STRAY = 1e-2
+MAX_STRAY_SHARE = 1e-2
 """Largest component in the null space with which a parameter counts as determined individually."""
 
-NO_ROW_LEFT = 0.5
+MIN_ROWS_LEFT = 0.5
 """Fewest equations that the parameters of a group must leave over; with fewer its noise cannot be estimated."""
 
 
@@ -83,7 +83,7 @@ def rank_tolerance(precision: float) -> float:
     """
     if not 0 < precision < 1:
         raise InvalidInput(f"precision is {precision}; give the relative rounding of the data, such as 1e-7")
-    return max(RANK, MARGIN * precision)
+    return max(RANK_TOLERANCE, PRECISION_MARGIN * precision)
 
 
 def rank_revealing_least_squares(
@@ -108,7 +108,7 @@ def rank_revealing_least_squares(
     from scipy.linalg import qr, solve  # imported where first used: import graphdyn stays light
 
     tolerance = rank_tolerance(precision)
-    stray = min(np.sqrt(tolerance), LARGEST_STRAY)  # rounding turns null vectors by tolerance / σ_r at most
+    stray = min(np.sqrt(tolerance), MAX_STRAY_SHARE)  # rounding turns null vectors by tolerance / σ_r at most
     q, triangle = np.linalg.qr(matrix / column_scale)
     u, sigma, v_t = np.linalg.svd(triangle)
     sigma = np.append(sigma, np.zeros(len(names) - len(sigma)))
@@ -154,9 +154,9 @@ def _covariance(inverse: Array, u: Array, residual: Array, groups: NDArray[np.in
         rows = groups == group
         spare = np.count_nonzero(rows) - np.sum(u[rows] ** 2)
         part = inverse @ u[rows].T
-        if spare > NO_ROW_LEFT:
+        if spare > MIN_ROWS_LEFT:
             covariance += np.sum(residual[rows] ** 2) / spare * (part @ part.T)
         else:  # its noise is unknown, and so is the variance of all that it bears on
-            reached = np.linalg.norm(part, axis=1) > RANK * np.linalg.norm(part)
+            reached = np.linalg.norm(part, axis=1) > RANK_TOLERANCE * np.linalg.norm(part)
             covariance[reached] = covariance[:, reached] = np.nan
     return covariance

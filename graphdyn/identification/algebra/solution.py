@@ -12,7 +12,7 @@ from graphdyn.layout import Array
 
 EPS = float(np.finfo(float).eps)
 
-NO_ROW_LEFT = 0.5
+MIN_ROWS_LEFT = 0.5
 """Fewest equations that the parameters must leave over for a joint; with fewer its noise cannot be estimated."""
 
 
@@ -73,7 +73,7 @@ def residual_deviations(equations: CompressedEquations, squares: Array, used: Ar
     if equations.noise is not None:
         return equations.noise
     spare = equations.counts - used
-    if np.any(spare < NO_ROW_LEFT):
+    if np.any(spare < MIN_ROWS_LEFT):
         joint = int(np.argmin(spare))
         raise EstimationFailed(
             f"joint {joint + 1} has {equations.counts[joint]} equations, the parameters use up {used[joint]:.1f} of "

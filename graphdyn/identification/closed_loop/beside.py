@@ -12,7 +12,7 @@ from graphdyn.identification.data.samples import Samples, TorqueFreeSamples, joi
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
-WINDOW = 4096
+SIMULATED_ROWS_AT_ONCE = 4096
 """Rows whose simulated regressor is computed at once: enough for compiled code to pay off."""
 
 
@@ -43,7 +43,7 @@ def beside(problem: Problem, simulated: list[Samples]) -> Iterator[RowBlock]:
         end = position + len(rows)
         if end > first + len(window):
             first = position
-            ahead = TorqueFreeSamples(motion[first : max(end, first + WINDOW)])
+            ahead = TorqueFreeSamples(motion[first : max(end, first + SIMULATED_ROWS_AT_ONCE)])
             window = problem.torque_model.rows(ahead, problem.base.independent)
         yield RowBlock(rows, problem.reduced(rows), window[position - first : end - first], motion.tau[position:end])
         position = end

@@ -24,22 +24,22 @@ from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
-UNCORRELATED = 0.1
+MAX_AUTOCORRELATION = 0.1
 """Autocorrelation of the residual below which rows count as independent."""
 
-LONGEST_LAG = 200
+MAX_EXAMINED_LAG = 200
 """Longest lag in the search for an uncorrelated residual [rows]."""
 
-SEEN = 1e-7
+MIN_SINGULAR_SHARE = 1e-7
 """Singular value relative to the largest, of W_g and V_g at unit length, below which a direction is rounding."""
 
-SPARE = 20
+MIN_SPARE_ROWS = 20
 """Independent rows that the test needs in addition to the 2 r_g of the regression."""
 
-EXOGENEITY = "exogeneity p"
+EXOGENEITY_SETTING = "exogeneity p"
 """Name of the setting of a result that holds p of all joints together."""
 
-ENDOGENOUS = 0.01
+MAX_ENDOGENOUS_P = 0.01
 """Significance level: p of all joints together below which least squares counts as biased."""
 
 
@@ -63,7 +63,7 @@ class Exogeneity:
     @property
     def biased(self) -> bool:
         """Whether least squares is biased: the regressor is not exogenous."""
-        return self.together < ENDOGENOUS
+        return self.together < MAX_ENDOGENOUS_P
 
     def in_words(self, joints: tuple[str, ...]) -> str:
         """The verdict as a sentence for the remarks of a result."""
@@ -71,7 +71,7 @@ class Exogeneity:
             return "exogeneity of the regressor: too few independent rows for a test"
         if not self.biased:
             return f"the regressor looks exogenous (Durbin-Wu-Hausman, p = {self.together:.2g}): least squares may do"
-        guilty = [joint for joint, p in zip(joints, self.p, strict=True) if len(joints) * p < ENDOGENOUS]
+        guilty = [joint for joint, p in zip(joints, self.p, strict=True) if len(joints) * p < MAX_ENDOGENOUS_P]
         return (
             f"the regressor is not exogenous at {', '.join(guilty)} (Durbin-Wu-Hausman, p = {self.together:.2g}): "
             "least squares is biased"
@@ -106,9 +106,9 @@ def _strides(problem: Problem, x: Array) -> list[int]:
         residuals.append(np.where(rows.kept, residual, 0.0))
     e = np.concatenate(residuals)
     squares = np.sum(e**2, axis=0)
-    longest = min(LONGEST_LAG, len(e) - 1)
+    longest = min(MAX_EXAMINED_LAG, len(e) - 1)
     lagged = np.array([np.sum(e[lag:] * e[: len(e) - lag], axis=0) for lag in range(1, longest + 1)])
-    quiet = np.abs(lagged) < UNCORRELATED * squares
+    quiet = np.abs(lagged) < MAX_AUTOCORRELATION * squares
     return [1 + int(np.argmax(column)) if column.any() else longest for column in quiet.T]
 
 
@@ -119,7 +119,7 @@ def _f_test(w: Array, z: Array, right: Array) -> tuple[float, int]:
     rows = len(right)
     regressor = _basis(w)
     r = regressor.shape[1]
-    if rows < 2 * r + SPARE:
+    if rows < 2 * r + MIN_SPARE_ROWS:
         return float("nan"), rows
     instruments = _basis(z)
     unexplained = regressor - instruments @ (instruments.T @ regressor)
@@ -136,4 +136,4 @@ def _basis(columns: Array) -> Array:
     """An orthonormal basis of columns, which are first scaled to unit length."""
     length = np.linalg.norm(columns, axis=0)
     u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
-    return np.asarray(u[:, s > SEEN * s.max(initial=0.0)])
+    return np.asarray(u[:, s > MIN_SINGULAR_SHARE * s.max(initial=0.0)])

@@ -14,16 +14,16 @@ from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.layout import Array
 
-MOVED = 0.1
+MAX_CONVERGED_STEP = 0.1
 """Step of a base parameter, in its standard deviations, below which it counts as converged."""
 
-RESOLVED = 1e-6
+MIN_DEVIATION_SHARE = 1e-6
 """Smallest standard deviation that counts, relative to the torque: exact data have none."""
 
-MOST = 10
+MAX_LOOP_ITERATIONS = 10
 """Iterations after which an estimate that still moves has diverged."""
 
-HALVINGS = 6
+MAX_STEP_HALVINGS = 6
 """Times that a step is halved if the simulated loop does not hold the robot at its end: to 1/64 of it."""
 
 
@@ -71,7 +71,7 @@ def iterated(
     loop: SimulatedLoop,
     starts: Sequence[InitialEstimate],
     step: Callable[[Array, list[Samples]], IterationResult],
-    most: int = MOST,
+    most: int = MAX_LOOP_ITERATIONS,
 ) -> Iterated:
     """Iterate from the first initial values with which the simulated loop holds the robot.
 
@@ -87,7 +87,7 @@ def iterated(
         covariance = found.covariance if found.block_covariance is None else found.block_covariance
         deviations = np.maximum(np.sqrt(np.maximum(np.diag(covariance), 0.0)), resolved)
         moved = float(np.abs((found.x - x) / deviations).max(initial=0.0))
-        if moved < MOVED:
+        if moved < MAX_CONVERGED_STEP:
             return Iterated(found, simulated, iteration, moved, remarks)
         x, simulated = _as_far_as_held(loop, x, found.x)
     raise EstimationFailed(
@@ -97,10 +97,10 @@ def iterated(
 
 
 def _resolved(loop: SimulatedLoop) -> Array:
-    """Changes of base parameters (r,) that change the torque by RESOLVED."""
+    """Changes of base parameters (r,) that change the torque by MIN_DEVIATION_SHARE."""
     equations = loop.problem.equations
     columns = np.linalg.norm(equations.factors[..., :-1], axis=(0, 1))
-    return np.asarray(RESOLVED * np.sqrt(equations.measured_squares.sum()) / columns)
+    return np.asarray(MIN_DEVIATION_SHARE * np.sqrt(equations.measured_squares.sum()) / columns)
 
 
 def _begun(loop: SimulatedLoop, starts: Sequence[InitialEstimate]) -> tuple[Array, list[Samples], tuple[str, ...]]:
@@ -115,7 +115,7 @@ def _begun(loop: SimulatedLoop, starts: Sequence[InitialEstimate]) -> tuple[Arra
 
 def _as_far_as_held(loop: SimulatedLoop, x: Array, wanted: Array) -> tuple[Array, list[Samples]]:
     """The wanted parameters, or those nearest to them on the way from x with which the loop holds the robot."""
-    for halvings in range(HALVINGS + 1):
+    for halvings in range(MAX_STEP_HALVINGS + 1):
         there = x + (wanted - x) / 2**halvings
         try:
             return there, _simulated(loop, there)

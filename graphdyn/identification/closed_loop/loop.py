@@ -21,7 +21,7 @@ Differentiation = Callable[[Array, Array, float], tuple[Array, Array, Array]]
 
 ControlLaw = Callable[[float, Array, Array], ArrayLike]
 
-LONGEST_STEP = 1e-3
+MAX_SIMULATION_STEP = 1e-3
 """Default step of the simulation [s]: a tenth of the time constant of a stiff position loop, 10 ms."""
 
 
@@ -43,7 +43,7 @@ class ClosedLoop:
 
     controller: PDControl | ComputedTorqueControl | ControlLaw
     period: float | None = None
-    step: float = LONGEST_STEP
+    step: float = MAX_SIMULATION_STEP
     torque_hold: float = 0.0
     differentiation: Differentiation | None = None
 

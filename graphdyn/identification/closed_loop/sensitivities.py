@@ -1,8 +1,8 @@
 """Sensitivities of the simulated loop's outputs to the parameters: central differences of whole simulations.
 
 Each parameter takes two simulations; as many run at once as there are lanes and cores. The step changes the torque by
-STEP of itself. The error of the differences, STEP² from their curvature and 1e-13 / STEP from rounding, is there about
-1e-8. The changes go through the same low-pass as the measured output.
+RELATIVE_PARAMETER_STEP of itself. The error of the differences, the step squared from their curvature and 1e-13 over
+the step from rounding, is about 1e-8. The changes go through the same low-pass as the measured output.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from graphdyn.layout import Array
 
 OutputName = Literal["position", "torque"]
 
-STEP = 1e-4
+RELATIVE_PARAMETER_STEP = 1e-4
 """Relative change of the torque by the change of one parameter."""
 
-AT_ONCE = 16
+SIMULATIONS_IN_MEMORY = 16
 """Largest number of simulations whose motions are in memory at once."""
 
-LARGEST = 2e9
+MAX_SENSITIVITY_BYTES = 2e9
 """Largest size of all sensitivities in memory [bytes]."""
 
 
@@ -54,15 +54,15 @@ def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:
     problem = loop.problem
     equations, prior = problem.equations, model_prior(problem.torque_model)
     length = np.linalg.norm(equations.factors[..., :-1], axis=(0, 1))
-    steps = STEP * np.sqrt(equations.measured_squares.sum()) / length
+    steps = RELATIVE_PARAMETER_STEP * np.sqrt(equations.measured_squares.sum()) / length
     count, n, r = len(loop.measured_positions()), problem.n_joints, len(x)
-    if 8.0 * count * n * r > LARGEST:
+    if 8.0 * count * n * r > MAX_SENSITIVITY_BYTES:
         raise EstimationFailed(
             f"the sensitivities of {count} rows take {8e-9 * count * n * r:.1f} GB; decimate the recording"
         )
     found = np.empty((count, n, r))
-    for first in range(0, r, AT_ONCE // 2):
-        chosen = np.arange(first, min(first + AT_ONCE // 2, r))
+    for first in range(0, r, SIMULATIONS_IN_MEMORY // 2):
+        chosen = np.arange(first, min(first + SIMULATIONS_IN_MEMORY // 2, r))
         there = np.array([x + sign * steps[k] * np.eye(r)[k] for k in chosen for sign in (1, -1)])
         position = 0
         for stretch in loop.runs(np.array([prior.nearest(problem.base, one) for one in there])):

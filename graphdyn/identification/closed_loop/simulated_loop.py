@@ -18,7 +18,9 @@ from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
-NO_LOOP = "needs the controller of the loop in which the recording was made, with its reference (loop=ClosedLoop(…))"
+NEEDS_CONTROLLER = (
+    "needs the controller of the loop in which the recording was made, with its reference (loop=ClosedLoop(…))"
+)
 
 
 class SimulatedLoop:
@@ -32,7 +34,7 @@ class SimulatedLoop:
 
     def __init__(self, problem: Problem, loop: ClosedLoop | None) -> None:
         if loop is None:
-            raise EstimationFailed(NO_LOOP)
+            raise EstimationFailed(NEEDS_CONTROLLER)
         if problem.torque_model.has_memory:
             raise EstimationFailed("the simulated loop knows no friction with memory; leave it out")
         self.problem, self.loop, self.simulations = problem, loop, 0

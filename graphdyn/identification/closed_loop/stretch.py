@@ -18,13 +18,13 @@ from graphdyn.layout import Array
 from graphdyn.motion_laws import Course, MotionLaw
 from graphdyn.simulation import ComputedTorqueControl, PDControl, Rollout, rollout
 
-EVEN = 1e-3
+PERIOD_TOLERANCE = 1e-3
 """Largest relative deviation of a time step from the mean one: clocks of recordings are rounded to microseconds."""
 
-DIVIDES = 1e-9
+QUOTIENT_TOLERANCE = 1e-9
 """Tolerance by which a quotient may exceed a whole number and still counts as one: rounding."""
 
-CLOCK = 1e-3
+CLOCK_TOLERANCE = 1e-3
 """Tolerance of the quotient from a whole number if a step divides a time: sampling rates have five or six digits."""
 
 
@@ -46,7 +46,7 @@ class Segment:
         if len(time) < 2:
             raise EstimationFailed("a stretch of the recording has one sample; two are needed to simulate it")
         self._start, self._period = float(time[0]), float(time[-1] - time[0]) / (len(time) - 1)
-        if np.abs(np.diff(time) - self._period).max() > EVEN * self._period:
+        if np.abs(np.diff(time) - self._period).max() > PERIOD_TOLERANCE * self._period:
             raise EstimationFailed("the samples are not evenly spaced in time; resample the recording")
         self._q, self._v = np.array(first.q[0], dtype=float), np.array(first.v[0], dtype=float)
         self._temperature = joined_samples(pieces, slice(None)).temperature
@@ -93,9 +93,9 @@ class Segment:
         """Steps per sample, which divide the shortest of sample, control period and longest step."""
         period = self._loop.control_period or self._period
         shortest = min(period, self._period)
-        step = shortest / np.ceil(shortest / self._loop.step - DIVIDES)
+        step = shortest / np.ceil(shortest / self._loop.step - QUOTIENT_TOLERANCE)
         every = round(float(self._period / step))
-        if any(abs(span / step - round(float(span / step))) > CLOCK for span in (self._period, period)):
+        if any(abs(span / step - round(float(span / step))) > CLOCK_TOLERANCE for span in (self._period, period)):
             raise InvalidInput(
                 f"the period of the controller, {period:g} s, and that of the recording, {self._period:g} s, are no "
                 "multiples of each other; resample the recording"

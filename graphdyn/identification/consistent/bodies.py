@@ -24,7 +24,7 @@ from graphdyn.identification.terms import (
 )
 from graphdyn.layout import BODY_PARAMETERS, Array
 
-NOT_NEGATIVE = (
+NONNEGATIVE_TERMS = (
     *(Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, LoadFriction, MaxwellSlip),
     *(RotorInertia, PayloadMass),
 )
@@ -73,7 +73,7 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
         elif isinstance(term, RigidBodies):
             names.extend(model.body_names)
         else:
-            if isinstance(term, NOT_NEGATIVE):
+            if isinstance(term, NONNEGATIVE_TERMS):
                 nonnegative.extend(torque_model.columns[k].name for k in own)
             continue
         in_bodies.update(own)

@@ -9,7 +9,7 @@ the size of u itself, as if u* were no larger.
 
 import numpy as np
 
-from graphdyn.identification.consistent.coordinates import SYMMETRIC
+from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS
 from graphdyn.identification.consistent.polishing import Cost
 from graphdyn.layout import BODY_PARAMETERS, Array
 
@@ -18,7 +18,7 @@ def suboptimality(cost: Cost, u: Array, rows: Array, right: Array, multipliers: 
     """Bound on f(u) - f(u*); rows: G (m, p), right: h (m,), multipliers: λ ≥ 0 (m,)."""
     c, unit = cost.coordinates, np.eye(4)
     s, slope = c.symmetric(u), cost.gradient(u) - rows.T @ multipliers
-    z = np.einsum("ijk,nk->nij", SYMMETRIC, slope[: c.width].reshape(-1, BODY_PARAMETERS))
+    z = np.einsum("ijk,nk->nij", SYMMETRIC_BASIS, slope[: c.width].reshape(-1, BODY_PARAMETERS))
     slack = np.abs(np.sum(z * (s - margin * unit), axis=(1, 2)))
     lacking = np.maximum(0.0, -np.linalg.eigvalsh(z)[:, 0]) * np.trace(s, axis1=1, axis2=2)
     further = np.abs(slope[c.width :] * u[c.width :])

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.algebra.base_parameters import RANK, BaseParameters, base_parameters
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, BaseParameters, base_parameters
 from graphdyn.identification.algebra.solution import solve_triangle
 from graphdyn.identification.consistent.manifold import upper_factor
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -27,14 +27,16 @@ from graphdyn.model.inertia import parameters_from_pseudo_inertia
 _ROWS, _COLUMNS = np.triu_indices(4)
 _WEIGHT = np.where(_ROWS == _COLUMNS, 1.0, np.sqrt(0.5))
 
-SYMMETRIC = np.zeros((4, 4, BODY_PARAMETERS))
-"""Basis of symmetric matrices: S = SYMMETRIC @ s."""
-SYMMETRIC[_ROWS, _COLUMNS, range(BODY_PARAMETERS)] = SYMMETRIC[_COLUMNS, _ROWS, range(BODY_PARAMETERS)] = _WEIGHT
+SYMMETRIC_BASIS = np.zeros((4, 4, BODY_PARAMETERS))
+"""Basis of symmetric matrices: S = SYMMETRIC_BASIS @ s."""
+SYMMETRIC_BASIS[_ROWS, _COLUMNS, range(BODY_PARAMETERS)] = SYMMETRIC_BASIS[_COLUMNS, _ROWS, range(BODY_PARAMETERS)] = (
+    _WEIGHT
+)
 
-IDENTITY = np.einsum("iik->k", SYMMETRIC)
+IDENTITY_COORDINATES = np.einsum("iik->k", SYMMETRIC_BASIS)
 """Coordinates s of the unit matrix S = E."""
 
-CLEAREST = 1e5
+MAX_TRUSTED_DEVIATIONS = 1e5
 """Largest ‖z‖, in standard deviations of the residuals, by which equations are scaled: exact data have no such unit."""
 
 
@@ -71,11 +73,13 @@ class PriorCoordinates:
     @property
     def origin(self) -> Array:
         """u of the prior: S = E, no friction."""
-        return np.concatenate([np.tile(IDENTITY, self.n_bodies), np.zeros(len(self.to_parameters) - self.width)])
+        return np.concatenate(
+            [np.tile(IDENTITY_COORDINATES, self.n_bodies), np.zeros(len(self.to_parameters) - self.width)]
+        )
 
     def symmetric(self, u: Array) -> Array:
         """Matrices S of the bodies (n, 4, 4)."""
-        tensors: Array = np.einsum("ijk,nk->nij", SYMMETRIC, u[: self.width].reshape(-1, BODY_PARAMETERS))
+        tensors: Array = np.einsum("ijk,nk->nij", SYMMETRIC_BASIS, u[: self.width].reshape(-1, BODY_PARAMETERS))
         return tensors
 
     def smallest_eigenvalues(self, u: Array) -> Array:
@@ -100,7 +104,7 @@ class PriorCoordinates:
 
         Entries that are held (p,) become zero, up to rounding, if the best fits allow it.
         """
-        inverse = np.linalg.pinv(self.null[held], rcond=RANK)
+        inverse = np.linalg.pinv(self.null[held], rcond=RANK_TOLERANCE)
         y = self.null.T @ (u - self.fitting)
         y -= inverse @ (self.fitting[held] + self.null[held] @ y)
         return self.fitting + self.null @ y
@@ -132,7 +136,7 @@ def prior_coordinates(
     in_bodies = np.concatenate([np.arange(p)[columns] for columns in body_columns])
     width, scale = len(in_bodies), np.zeros((p, p))
     for i, (factor, columns) in enumerate(zip(upper_factor(prior), body_columns, strict=True)):
-        basis = np.einsum("ai,ijk,bj->kab", factor, SYMMETRIC, factor)
+        basis = np.einsum("ai,ijk,bj->kab", factor, SYMMETRIC_BASIS, factor)
         scale[columns, BODY_PARAMETERS * i : BODY_PARAMETERS * (i + 1)] = parameters_from_pseudo_inertia(basis).T
     for k, column in enumerate(np.setdiff1d(np.arange(p), in_bodies), start=width):
         length = np.linalg.norm(regressor[:, column])
@@ -142,7 +146,7 @@ def prior_coordinates(
     particular[base.independent] = best.x
     free[base.independent] = -base.regrouping
     free[base.dependent, range(p - base.rank)] = 1.0
-    unit = max(1.0, size / CLEAREST)
+    unit = max(1.0, size / MAX_TRUSTED_DEVIATIONS)
     return PriorCoordinates(
         prior=prior,
         to_parameters=scale,

@@ -5,8 +5,8 @@ With a strength: minimize ‖A u - b‖² + strength · d(u) over S_i ⪰ margin
 Strength 0 is the limit from above. If some best fits u are consistent, the one nearest to the prior is taken. Its base
 parameters are those of weighted least squares to the last digit, whatever the solver's precision, because the solver
 only searches the null space. The prior then decides only what the data do not determine. If no best
-fit is consistent, the constraints are active. The quadratic distance with the strength WEAK then fixes what the data
-do not determine.
+fit is consistent, the constraints are active. The quadratic distance with the strength WEAK_STRENGTH then fixes what
+the data do not determine.
 
 A solution is accepted by its eigenvalues, the inequalities and the certificate of its cost, whatever status the solver
 reports.
@@ -26,21 +26,21 @@ from graphdyn.identification.consistent.polishing import Cost, Metric, polished
 from graphdyn.identification.consistent.semidefinite import ConicAnswer, SemidefiniteProgram, least_violations
 from graphdyn.layout import Array
 
-MARGIN = 1e-4
-"""Fraction of its prior that every body keeps: P ⪰ MARGIN · P₀. Then M(q) ⪰ MARGIN · M₀(q) in every pose: solutions do
-not lie on the boundary, where a mass matrix is singular."""
+PRIOR_MARGIN = 1e-4
+"""Fraction of its prior that every body keeps: P ⪰ PRIOR_MARGIN · P₀. Then M(q) ⪰ PRIOR_MARGIN · M₀(q) in every pose:
+solutions do not lie on the boundary, where a mass matrix is singular."""
 
-WEAK = 1e-2
+WEAK_STRENGTH = 1e-2
 """Strength that fixes directions without data if constraints are active: an entry of S costs one variance at a distance
 of fourteen times the prior."""
 
-KEPT = 0.5
+MIN_MARGIN_SHARE = 0.5
 """Fraction of the margin that a solution must keep; the solver is far more exact."""
 
-VIOLATED = 1e-6
+VIOLATION_TOLERANCE = 1e-6
 """Largest violation of an inequality, relative to the size of its terms."""
 
-CLOSE = 1e-3
+MAX_COST_EXCESS = 1e-3
 """Largest amount of a solution's cost above the minimum, relative to the cost or one variance of the residuals."""
 
 
@@ -69,11 +69,11 @@ class ConsistentProblem:
 
     metric: distance from the prior
     inequalities: of x; see limits.inequalities
-    margin: see MARGIN
+    margin: see PRIOR_MARGIN
     """
 
     def __init__(
-        self, coordinates: PriorCoordinates, inequalities: Inequalities, *, metric: Metric, margin: float = MARGIN
+        self, coordinates: PriorCoordinates, inequalities: Inequalities, *, metric: Metric, margin: float = PRIOR_MARGIN
     ):
         self._coordinates, self._names = coordinates, inequalities.names
         self._metric, self._margin = metric, margin
@@ -88,7 +88,7 @@ class ConsistentProblem:
         Raises EstimationFailed if no bodies keep the limits, which it names, or if no solution passes the checks.
         """
         if strength == 0:
-            return self._best_fit() or self._whole(WEAK, "pullback")
+            return self._best_fit() or self._whole(WEAK_STRENGTH, "pullback")
         return self._whole(strength, self._metric)
 
     def _best_fit(self) -> ConsistentFit | None:
@@ -118,7 +118,7 @@ class ConsistentProblem:
         u, multipliers = polished(cost, answer.u, answer.multipliers, (self._g, self._h), self._margin)
         above = suboptimality(cost, u, self._g, self._h, multipliers, self._margin)
         problems = self._violations(u)
-        if not above <= CLOSE * max(1.0, answer.objective):
+        if not above <= MAX_COST_EXCESS * max(1.0, answer.objective):
             problems += (f"its cost {answer.objective:.4g} may be {above:.2g} above the minimum",)
         if problems:
             raise EstimationFailed(f"Clarabel's answer ({answer.status}) is not good enough: {'; '.join(problems)}")
@@ -129,15 +129,18 @@ class ConsistentProblem:
 
     def _violations(self, u: Array) -> tuple[str, ...]:
         low = self._eigenvalues(u)
-        said = [f"body {i + 1} has eigenvalue {low[i]:.2g}" for i in np.flatnonzero(~(low >= KEPT * self._margin))]
+        said = [
+            f"body {i + 1} has eigenvalue {low[i]:.2g}"
+            for i in np.flatnonzero(~(low >= MIN_MARGIN_SHARE * self._margin))
+        ]
         short = self._h - self._g @ u
         size = np.maximum(1.0, np.abs(self._g) @ np.abs(u))
-        return (*said, *(f"{self._names[k]} is violated" for k in np.flatnonzero(short > VIOLATED * size)))
+        return (*said, *(f"{self._names[k]} is violated" for k in np.flatnonzero(short > VIOLATION_TOLERANCE * size)))
 
     def _contradiction(self) -> str:
         """The limits that no bodies can keep, found from the amount by which each has to be relaxed."""
         short = least_violations(self._coordinates, (self._g, self._h), self._margin)
-        broken = [name for name, value in zip(self._names, short, strict=True) if value > VIOLATED]
+        broken = [name for name, value in zip(self._names, short, strict=True) if value > VIOLATION_TOLERANCE]
         return (
             f"no bodies with at least {self._margin:g} of the prior inertia keep all limits; "
             f"relax {' or '.join(broken) if broken else 'the limits'}"

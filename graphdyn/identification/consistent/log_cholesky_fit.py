@@ -28,39 +28,39 @@ from numpy.typing import NDArray
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.consistent.certificate import suboptimality
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
-from graphdyn.identification.consistent.fit import KEPT, MARGIN, VIOLATED
+from graphdyn.identification.consistent.fit import MIN_MARGIN_SHARE, PRIOR_MARGIN, VIOLATION_TOLERANCE
 from graphdyn.identification.consistent.log_cholesky_residuals import Residuals, with_values
 from graphdyn.identification.consistent.polishing import Cost, polished
 from graphdyn.layout import Array
 
-SPREAD = 0.5
+START_DEVIATION = 0.5
 """Standard deviation of θ of the further starts: masses and lengths within a factor of 1.6 of the prior."""
 
-STRENGTH = 1.0
+PRIOR_STRENGTH = 1.0
 """Default strength: expects the entries of a body within √2 of the prior, relative. A hundredth of it takes hundreds of
 iterations if the data want a body on the margin."""
 
-PATH = (1e4, 1e3, 1e2, 1e1, 1e0, 1e-1, 1e-2)
+STRENGTH_PATH = (1e4, 1e3, 1e2, 1e1, 1e0, 1e-1, 1e-2)
 """Decreasing strengths that are solved before a smaller one."""
 
-SMALLEST_STEP = 1e-8
+MIN_RELATIVE_CHANGE = 1e-8
 """Relative change of the unknowns and of the cost at which least_squares stops."""
 
-EVALUATIONS = 500
+MAX_EVALUATIONS = 500
 
-LIFT = 1e-2
+PRIOR_LIFT = 1e-2
 """Fraction of the prior that is added to every body before the last strength is solved again: a step that overshoots
 leaves a column of U at zero, where the gradient vanishes although the cost would fall."""
 
-LIFTS = 2
+MAX_LIFTS = 2
 
-ROUNDING = 1e-12
+ZERO_COLUMN_NORM = 1e-12
 """Largest rounding of a zero column, relative to a column that makes the whole torque."""
 
-ROUNDS = 10
+MAX_ZERO_SETS = 10
 """Largest number of sets of columns held at zero that are tried at each strength."""
 
-NEAR = 1e-2
+MAX_FIT_COST_EXCESS = 1e-2
 """Largest amount of a solution's cost above the minimum, relative to the cost or one variance of the residuals: far
 less than noise moves the cost."""
 
@@ -83,7 +83,7 @@ class LocalMinimum:
 
     @property
     def accepted(self) -> bool:
-        return self.suboptimality <= NEAR * max(1.0, self.cost)
+        return self.suboptimality <= MAX_FIT_COST_EXCESS * max(1.0, self.cost)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,9 +108,9 @@ def log_cholesky_fit(
     coordinates: PriorCoordinates,
     nonnegative: NDArray[np.bool_],
     *,
-    strength: float = STRENGTH,
+    strength: float = PRIOR_STRENGTH,
     starts: int = 3,
-    margin: float = MARGIN,
+    margin: float = PRIOR_MARGIN,
     seed: int = 0,
 ) -> LogCholeskyFit:
     """Fit from several starts: the first is the prior, the others are drawn around it. The cheapest solution is taken.
@@ -122,7 +122,7 @@ def log_cholesky_fit(
         raise InvalidInput(f"{starts} starts with strength {strength:g}; at least one, and a strength > 0 needed")
     c, begin = coordinates, time.perf_counter()
     bounded = np.concatenate([np.zeros(c.width, dtype=bool), nonnegative])
-    random = np.random.default_rng(seed).normal(scale=SPREAD, size=(starts - 1, c.width))
+    random = np.random.default_rng(seed).normal(scale=START_DEVIATION, size=(starts - 1, c.width))
     tried = [_from(c, theta, bounded, strength, margin) for theta in (np.zeros(c.width), *random)]
     tried.sort(key=lambda start: start.cost)
     seconds, best = time.perf_counter() - begin, tried[0]
@@ -131,9 +131,11 @@ def log_cholesky_fit(
             f"log-Cholesky: the cheapest of {starts} starts may be {best.suboptimality:.2g} above the minimal cost, it "
             f"came to {best.cost:.4g}: {best.stopped}"
         )
-    agreeing = sum(start.cost <= best.cost + NEAR * max(1.0, best.cost) for start in tried)
-    u = c.nearest_best_fit(best.u, bounded & (best.u <= VIOLATED))
-    best_fit = bool(np.all(c.smallest_eigenvalues(u) >= KEPT * margin) and np.all(u[bounded] >= -ROUNDING))
+    agreeing = sum(start.cost <= best.cost + MAX_FIT_COST_EXCESS * max(1.0, best.cost) for start in tried)
+    u = c.nearest_best_fit(best.u, bounded & (best.u <= VIOLATION_TOLERANCE))
+    best_fit = bool(
+        np.all(c.smallest_eigenvalues(u) >= MIN_MARGIN_SHARE * margin) and np.all(u[bounded] >= -ZERO_COLUMN_NORM)
+    )
     u = u if best_fit else best.u
     x = c.fitting_parameters(u) if best_fit else c.parameters(u)
     excess = 0.0 if best_fit else c.excess(u)
@@ -146,14 +148,14 @@ def _from(
     """Solution from these bodies, and from the further columns of unconstrained least squares."""
     unknowns = np.concatenate([theta, coordinates.fitting[coordinates.width :]])
     evaluations = 0
-    for on_the_way in (*(larger for larger in PATH if larger > strength), strength):
+    for on_the_way in (*(larger for larger in STRENGTH_PATH if larger > strength), strength):
         problem = Residuals(coordinates, on_the_way, margin)
         unknowns, used, stopped = _settled(problem, unknowns, bounded)
         evaluations += used
-    for _ in range(LIFTS):
-        lifted, used, message = _settled(problem, problem.lifted(unknowns, LIFT), bounded)
+    for _ in range(MAX_LIFTS):
+        lifted, used, message = _settled(problem, problem.lifted(unknowns, PRIOR_LIFT), bounded)
         evaluations += used
-        if not problem.cost(lifted) < (1 - SMALLEST_STEP) * problem.cost(unknowns):
+        if not problem.cost(lifted) < (1 - MIN_RELATIVE_CHANGE) * problem.cost(unknowns):
             break
         unknowns, stopped = lifted, message
     u = problem.u(unknowns)
@@ -171,7 +173,7 @@ def _settled(problem: Residuals, unknowns: Array, bounded: NDArray[np.bool_]) ->
 
     evaluations = 0
     held = bounded & (unknowns <= 0)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ZERO_SETS):
         unknowns = np.where(held, 0.0, unknowns)
         free = np.flatnonzero(~held)
         found = least_squares(
@@ -180,10 +182,10 @@ def _settled(problem: Residuals, unknowns: Array, bounded: NDArray[np.bool_]) ->
             jac=problem.jacobian_of_some,
             args=(free, unknowns),
             method="lm",
-            xtol=SMALLEST_STEP,
-            ftol=SMALLEST_STEP,
-            gtol=SMALLEST_STEP,
-            max_nfev=EVALUATIONS,
+            xtol=MIN_RELATIVE_CHANGE,
+            ftol=MIN_RELATIVE_CHANGE,
+            gtol=MIN_RELATIVE_CHANGE,
+            max_nfev=MAX_EVALUATIONS,
         )
         unknowns = with_values(unknowns, free, found.x)
         evaluations += int(found.nfev)

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.consistent.coordinates import SYMMETRIC, PriorCoordinates
+from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates
 from graphdyn.identification.consistent.log_cholesky import (
     log_cholesky_parameters,
     log_cholesky_pseudo_inertia,
     log_cholesky_pseudo_inertia_derivatives,
 )
-from graphdyn.identification.consistent.polishing import FURTHER
+from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT
 from graphdyn.layout import BODY_PARAMETERS, Array
 
-LARGEST = 40.0
+MAX_THETA = 40.0
 """Largest |θ| that has an effect: trial steps must not overflow, and e^-40 is negligible."""
 
 
@@ -29,7 +29,9 @@ class Residuals:
     def u(self, unknowns: Array) -> Array:
         bodies = log_cholesky_pseudo_inertia(self._thetas(unknowns))
         s = self.margin * np.eye(4) + (1 - self.margin) * bodies
-        return np.concatenate([np.einsum("ijk,nij->nk", SYMMETRIC, s).reshape(-1), unknowns[self.coordinates.width :]])
+        return np.concatenate(
+            [np.einsum("ijk,nij->nk", SYMMETRIC_BASIS, s).reshape(-1), unknowns[self.coordinates.width :]]
+        )
 
     def residuals(self, unknowns: Array) -> Array:
         c, u = self.coordinates, self.u(unknowns)
@@ -38,7 +40,7 @@ class Residuals:
 
     def jacobian(self, unknowns: Array) -> Array:
         derivatives = log_cholesky_pseudo_inertia_derivatives(self._thetas(unknowns))
-        blocks = (1 - self.margin) * np.einsum("ijk,nlij->nkl", SYMMETRIC, derivatives)
+        blocks = (1 - self.margin) * np.einsum("ijk,nlij->nkl", SYMMETRIC_BASIS, derivatives)
         of_u = np.eye(len(unknowns))
         for i, block in enumerate(blocks):
             rows = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
@@ -63,10 +65,12 @@ class Residuals:
 
     def _thetas(self, unknowns: Array) -> Array:
         bodies = unknowns[: self.coordinates.width].reshape(-1, BODY_PARAMETERS)
-        return np.clip(bodies, -LARGEST, LARGEST)
+        return np.clip(bodies, -MAX_THETA, MAX_THETA)
 
     def _weight(self, size: int) -> Array:
-        pulls: Array = self.pull * np.where(np.arange(size) < self.coordinates.width, 1.0, np.sqrt(FURTHER))
+        pulls: Array = self.pull * np.where(
+            np.arange(size) < self.coordinates.width, 1.0, np.sqrt(FURTHER_COLUMN_WEIGHT)
+        )
         return pulls
 
 

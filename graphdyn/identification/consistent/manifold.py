@@ -22,13 +22,13 @@ from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
-RADIUS = 1e-3
+MIN_PRIOR_RADIUS = 1e-3
 """Smallest extent of a prior [m]: the root mean square distance of its mass from a plane through the center of mass."""
 
-THINNESS = 0.05
+MIN_PRIOR_THINNESS = 0.05
 """Smallest extent of a prior relative to its largest one: the log-det of a flat or slender CAD body is undefined."""
 
-MASS = 1e-2
+MIN_PRIOR_MASS_SHARE = 1e-2
 """Smallest mass of a prior relative to the mean body: a link without mass in the file gets that much."""
 
 
@@ -66,8 +66,8 @@ def upper_factor(matrix: Array) -> Array:
 def inertial_prior(parameters: Array) -> InertialPrior:
     """Prior from ten parameters per body (n, 10), moved inside the physically consistent bodies if needed.
 
-    The mass is raised to MASS of the mean, and the extent along each principal axis to THINNESS of the largest one
-    and to RADIUS. A body that is already inside stays unchanged.
+    The mass is raised to MIN_PRIOR_MASS_SHARE of the mean, and the extent along each principal axis to
+    MIN_PRIOR_THINNESS of the largest one and to MIN_PRIOR_RADIUS. A body that is already inside stays unchanged.
     Raises InvalidInput if no body has a mass.
     """
     mass = parameters[:, 0]
@@ -75,7 +75,7 @@ def inertial_prior(parameters: Array) -> InertialPrior:
     if not heavy.any():
         raise InvalidInput("no body of the prior has a mass; give a prior with at least rough masses")
     matrices = pseudo_inertia_from_parameters(parameters)
-    least = MASS * mass[heavy].mean()
+    least = MIN_PRIOR_MASS_SHARE * mass[heavy].mean()
     lifted = np.array([_lift(matrix, least) for matrix in matrices])
     return InertialPrior(matrices, lifted)
 
@@ -87,7 +87,7 @@ def _lift(matrix: Array, least_mass: float) -> bool:
     second_moments = matrix[:3, :3] - matrix[3, 3] * np.outer(center, center)
     mass = max(matrix[3, 3], least_mass)
     values, axes = np.linalg.eigh(second_moments)
-    smallest = max(THINNESS**2 * values[-1], RADIUS**2 * mass)
+    smallest = max(MIN_PRIOR_THINNESS**2 * values[-1], MIN_PRIOR_RADIUS**2 * mass)
     if not light and values[0] >= smallest:
         return False
     second_moments = axes * np.maximum(values, smallest) @ axes.T

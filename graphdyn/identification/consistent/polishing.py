@@ -13,25 +13,25 @@ from typing import Literal
 
 import numpy as np
 
-from graphdyn.identification.consistent.coordinates import SYMMETRIC, PriorCoordinates
+from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates
 from graphdyn.identification.consistent.manifold import entropic_divergence, pullback_distance
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 Metric = Literal["entropic", "pullback"]
 
-FURTHER = 1e-6
+FURTHER_COLUMN_WEIGHT = 1e-6
 """Weight of the squares of the further columns relative to the distance of the bodies: if the data cannot distinguish
 friction or a rotor from a link, the link stays at its prior."""
 
-STEPS = 20
+MAX_NEWTON_STEPS = 20
 
-ROUNDS = 20
+MAX_ACTIVE_SETS = 20
 """Largest number of sets of active rows that are tried."""
 
-SETTLED = 1e-12
+NEWTON_TOLERANCE = 1e-12
 """Size of a step, relative to u, at which Newton's method stops."""
 
-SHORTEST = 1e-3
+MIN_STEP_SHARE = 1e-3
 """Smallest fraction to which steps are halved if they would leave the margin."""
 
 
@@ -49,7 +49,7 @@ class Cost:
     def value(self, u: Array) -> float:
         c = self.coordinates
         distance = entropic_divergence if self.metric == "entropic" else pullback_distance
-        bodies = distance(c.symmetric(u), np.eye(4)).sum() + FURTHER / 2 * np.sum(u[c.width :] ** 2)
+        bodies = distance(c.symmetric(u), np.eye(4)).sum() + FURTHER_COLUMN_WEIGHT / 2 * np.sum(u[c.width :] ** 2)
         return float(np.sum((c.matrix @ u - c.right) ** 2) + self.strength * bodies)
 
     def gradient(self, u: Array) -> Array:
@@ -57,18 +57,18 @@ class Cost:
         s, unit = c.symmetric(u), np.eye(4)
         distance = unit - np.linalg.inv(s) if self.metric == "entropic" else s - unit
         slope = 2 * c.matrix.T @ (c.matrix @ u - c.right)
-        slope[:width] += self.strength * np.einsum("ijk,nij->nk", SYMMETRIC, distance).reshape(-1)
-        slope[width:] += self.strength * FURTHER * u[width:]
+        slope[:width] += self.strength * np.einsum("ijk,nij->nk", SYMMETRIC_BASIS, distance).reshape(-1)
+        slope[width:] += self.strength * FURTHER_COLUMN_WEIGHT * u[width:]
         return slope
 
     def hessian(self, u: Array) -> Array:
         c, width = self.coordinates, self.coordinates.width
         h = 2 * c.matrix.T @ c.matrix
-        h[range(width, len(h)), range(width, len(h))] += self.strength * FURTHER
+        h[range(width, len(h)), range(width, len(h))] += self.strength * FURTHER_COLUMN_WEIGHT
         for i, s in enumerate(c.symmetric(u)):
             block = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
             if self.metric == "entropic":
-                turned = np.einsum("ij,jak->iak", np.linalg.inv(s), SYMMETRIC)
+                turned = np.einsum("ij,jak->iak", np.linalg.inv(s), SYMMETRIC_BASIS)
                 h[block, block] += self.strength * np.einsum("iak,ail->kl", turned, turned)
             else:
                 h[block, block] += self.strength * np.eye(BODY_PARAMETERS)
@@ -85,13 +85,13 @@ def polished(
     g, h = inequalities
     held = multipliers > g @ u - h
     x = u
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ACTIVE_SETS):
         found = _newton(cost, x, g[held], h[held], margin)
         if found is None:
             return u, multipliers
         x, slopes = found[0], np.zeros(len(h))
         slopes[held] = found[1]
-        violated = ~held & (g @ x - h < -SETTLED * (1 + np.abs(g) @ np.abs(x)))
+        violated = ~held & (g @ x - h < -NEWTON_TOLERANCE * (1 + np.abs(g) @ np.abs(x)))
         if not violated.any() and np.all(slopes >= 0):
             return x, slopes
         held = (held & (slopes >= 0)) | violated
@@ -101,7 +101,7 @@ def polished(
 def _newton(cost: Cost, x: Array, rows: Array, right: Array, margin: float) -> tuple[Array, Array] | None:
     """The minimum of the cost on rows x = right, and the multipliers; None if it is not found off the margin."""
     corner = np.zeros((len(rows), len(rows)))
-    for _ in range(STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         system = np.block([[cost.hessian(x), -rows.T], [rows, corner]])
         try:
             answer = np.linalg.solve(system, np.concatenate([-cost.gradient(x), right - rows @ x]))
@@ -110,10 +110,10 @@ def _newton(cost: Cost, x: Array, rows: Array, right: Array, margin: float) -> t
         step, part = answer[: len(x)], 1.0
         while not _off_the_margin(cost.coordinates, x + part * step, margin):
             part /= 2
-            if part < SHORTEST:
+            if part < MIN_STEP_SHARE:
                 return None
         x = x + part * step
-        if np.linalg.norm(step) <= SETTLED * np.linalg.norm(x):
+        if np.linalg.norm(step) <= NEWTON_TOLERANCE * np.linalg.norm(x):
             break
     return x, answer[len(x) :]
 

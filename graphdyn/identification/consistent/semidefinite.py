@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.consistent.coordinates import SYMMETRIC, PriorCoordinates
-from graphdyn.identification.consistent.polishing import FURTHER, Metric
+from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates
+from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT, Metric
 from graphdyn.layout import BODY_PARAMETERS, Array
 
-PRECISION = 1e-10
+SOLVER_TOLERANCE = 1e-10
 """Relative gap and infeasibility at which Clarabel stops; it reports "optimal_inaccurate" if it cannot reach them."""
 
-ITERATIONS = 200
+MAX_SOLVER_ITERATIONS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +79,7 @@ class SemidefiniteProgram:
         else:
             distance = cp.sum_squares(from_prior[:width]) / 2
         if columns > width:
-            distance = distance + FURTHER / 2 * cp.sum_squares(from_prior[width:])
+            distance = distance + FURTHER_COLUMN_WEIGHT / 2 * cp.sum_squares(from_prior[width:])
         cost = self._strength * distance
         if not on_best_fits:
             cost = cost + cp.sum_squares(coordinates.matrix @ self._u - coordinates.right)
@@ -89,9 +89,9 @@ class SemidefiniteProgram:
         self._problem = cp.Problem(cp.Minimize(cost), real + self._limits)
 
     def solve(self, strength: float) -> ConicAnswer:
-        """Solve at PRECISION, and once more at the solver's own default if it does not reach that."""
+        """Solve at SOLVER_TOLERANCE, and once more at the solver's own default if it does not reach that."""
         self._strength.value = strength
-        answer = self._solve(tol_gap_abs=PRECISION, tol_gap_rel=PRECISION, tol_feas=PRECISION)
+        answer = self._solve(tol_gap_abs=SOLVER_TOLERANCE, tol_gap_rel=SOLVER_TOLERANCE, tol_feas=SOLVER_TOLERANCE)
         if answer.status in ("optimal", "infeasible"):
             return answer
         again = self._solve()
@@ -101,7 +101,7 @@ class SemidefiniteProgram:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # cvxpy's warnings repeat the status
             try:
-                self._problem.solve(solver="CLARABEL", max_iter=ITERATIONS, **settings)
+                self._problem.solve(solver="CLARABEL", max_iter=MAX_SOLVER_ITERATIONS, **settings)
             except _cvxpy().SolverError as error:
                 return ConicAnswer(None, np.zeros(0), f"failed: {error}", np.nan, 0, 0.0)
         value, stats = self._u.value, self._problem.solver_stats
@@ -132,7 +132,7 @@ def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, A
 def _bodies(u: Any, n: int) -> list[Any]:
     """Matrices S of the bodies, as expressions of cvxpy."""
     cp = _cvxpy()
-    to_square = SYMMETRIC.reshape(-1, BODY_PARAMETERS, order="F")
+    to_square = SYMMETRIC_BASIS.reshape(-1, BODY_PARAMETERS, order="F")
     parts = (u[BODY_PARAMETERS * i : BODY_PARAMETERS * (i + 1)] for i in range(n))
     return [cp.reshape(to_square @ s, (4, 4), order="F") for s in parts]
 

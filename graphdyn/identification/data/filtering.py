@@ -17,7 +17,7 @@ from graphdyn.identification.data.rows import Rows
 from graphdyn.identification.data.samples import RowFilter, filtered_length
 from graphdyn.layout import Array
 
-LEAST_WINDOW = 4096
+MIN_FILTERED_ROWS = 4096
 """Smallest number of rows that are filtered at once, without the rows around them."""
 
 
@@ -32,7 +32,7 @@ def filtered(
     width = int(support.sum())
     factor = row_filter.factor
     margin = -(-row_filter.memory // factor) * factor
-    window = max(LEAST_WINDOW, 2 * margin)
+    window = max(MIN_FILTERED_ROWS, 2 * margin)
     waiting, before, first = np.empty((0, width + 3 * n)), 0, True
     parts: list[Array] = []
 

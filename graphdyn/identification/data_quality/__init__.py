@@ -7,11 +7,11 @@ from graphdyn.identification.data_quality.gain import Gains
 from graphdyn.identification.data_quality.halves import contradictions
 from graphdyn.identification.data_quality.lag import Lag
 from graphdyn.identification.data_quality.recording_quality import RecordingHealth, recording_health
-from graphdyn.identification.data_quality.searching import RIGHT_RATE, DataFault
+from graphdyn.identification.data_quality.searching import MAX_RATE_GAIN_ERROR, DataFault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 
 __all__ = [
-    "RIGHT_RATE",
+    "MAX_RATE_GAIN_ERROR",
     "Change",
     "Channels",
     "DataFault",

@@ -17,22 +17,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.algebra.base_parameters import RANK
-from graphdyn.identification.consistent.bodies import NOT_NEGATIVE
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
+from graphdyn.identification.consistent.bodies import NONNEGATIVE_TERMS
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import Payload, RigidBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import PARAMETER_NAMES
 
-SMALLEST = 1e-3
+MIN_RESIDUAL = 1e-3
 """Relative residual below which a joint counts as fitted: no drive is known better."""
 
-MOMENTS = [PARAMETER_NAMES.index(name) for name in ("I_xx", "I_yy", "I_zz")]
+SECOND_MOMENT_COLUMNS = [PARAMETER_NAMES.index(name) for name in ("I_xx", "I_yy", "I_zz")]
 FROM_SECOND_MOMENTS = np.ones((3, 3)) - np.eye(3)
 """Matrix from the second moments of mass to the moments of inertia: I_xx = ∫(y² + z²) dm, and so on."""
 
-STEPS_PER_COLUMN = 30
+MAX_STEPS_PER_COLUMN = 30
 """Largest number of steps of the solver for each column; it takes one or two."""
 
 
@@ -51,10 +51,10 @@ class Bounds:
             stop = start + len(term.columns(torque_model.model))
             if isinstance(term, RigidBodies | Payload):
                 for body in range(start, stop, BODY_PARAMETERS):
-                    moments = body + np.array(MOMENTS)
+                    moments = body + np.array(SECOND_MOMENT_COLUMNS)
                     matrix[np.ix_(moments, moments)] = FROM_SECOND_MOMENTS
                     nonnegative[[body, *moments]] = True
-            elif isinstance(term, NOT_NEGATIVE):
+            elif isinstance(term, NONNEGATIVE_TERMS):
                 nonnegative[start:stop] = True
             start = stop
         return cls(matrix, nonnegative)
@@ -102,7 +102,7 @@ class BoundedFit:
         return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]
 
     def errors(self, tau: Array, *, bounded: bool = True) -> Array:
-        """‖e_j‖ / ‖τ_j‖ of every joint (n,), not below SMALLEST. tau: measured torque (N, n)."""
+        """‖e_j‖ / ‖τ_j‖ of every joint (n,), not below MIN_RESIDUAL. tau: measured torque (N, n)."""
         factors = self._factors(tau)
         return _errors(factors, self._solved(factors, bounded))
 
@@ -138,16 +138,16 @@ class BoundedFit:
         a, b = _weighted(factors, weights)
         a = a @ self._bounds.to_parameters
         length = np.linalg.norm(a, axis=0)
-        seen = length > RANK * length.max(initial=0.0)
+        seen = length > RANK_TOLERANCE * length.max(initial=0.0)
         unit = a / np.where(seen, length, np.inf)
         held = self._bounds.nonnegative & seen
         free = ~self._bounds.nonnegative & seen
         imitated = _basis(unit[:, free])
         left = unit[:, held] - imitated @ (imitated.T @ unit[:, held])
-        left[:, np.linalg.norm(left, axis=0) <= RANK] = 0.0
+        left[:, np.linalg.norm(left, axis=0) <= RANK_TOLERANCE] = 0.0
         y = np.zeros(len(seen))
         y[held] = _nonnegative(left, b - imitated @ (imitated.T @ b))
-        y[free] = np.linalg.lstsq(unit[:, free], b - unit[:, held] @ y[held], rcond=RANK)[0]
+        y[free] = np.linalg.lstsq(unit[:, free], b - unit[:, held] @ y[held], rcond=RANK_TOLERANCE)[0]
         y[seen] /= length[seen]
         return np.asarray(self._bounds.to_parameters @ y)
 
@@ -159,7 +159,7 @@ def _nonnegative(a: Array, b: Array) -> Array:
     if not a.size:  # scipy.optimize.nnls frees the memory of an empty matrix twice
         return np.zeros(a.shape[1])
     try:
-        found, _ = nnls(a, b, maxiter=STEPS_PER_COLUMN * a.shape[1])
+        found, _ = nnls(a, b, maxiter=MAX_STEPS_PER_COLUMN * a.shape[1])
     except RuntimeError:
         return np.zeros(a.shape[1])
     return np.asarray(found)
@@ -170,7 +170,7 @@ def _basis(a: Array) -> Array:
     if not a.shape[1]:
         return a
     u, s, _ = np.linalg.svd(a, full_matrices=False)
-    return np.asarray(u[:, s > RANK * s[0]])
+    return np.asarray(u[:, s > RANK_TOLERANCE * s[0]])
 
 
 def _weighted(factors: list[Array], weights: Array) -> tuple[Array, Array]:
@@ -182,10 +182,10 @@ def _weighted(factors: list[Array], weights: Array) -> tuple[Array, Array]:
 def _solution(factors: list[Array], weights: Array) -> Array:
     a, b = _weighted(factors, weights)
     length = np.linalg.norm(a, axis=0)
-    length[length <= RANK * length.max(initial=0.0)] = np.inf
-    return np.asarray(np.linalg.lstsq(a / length, b, rcond=RANK)[0] / length)
+    length[length <= RANK_TOLERANCE * length.max(initial=0.0)] = np.inf
+    return np.asarray(np.linalg.lstsq(a / length, b, rcond=RANK_TOLERANCE)[0] / length)
 
 
 def _errors(factors: list[Array], x: Array) -> Array:
     sizes = [np.linalg.norm(factor[:, :-1] @ x - factor[:, -1]) for factor in factors]
-    return np.maximum(sizes, SMALLEST)
+    return np.maximum(sizes, MIN_RESIDUAL)

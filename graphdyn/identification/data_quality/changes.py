@@ -80,17 +80,17 @@ ChangeKind = Literal[
     "late torque",
 ]
 
-MOST_JOINTS = 10
+MAX_PAIRED_JOINTS = 10
 """Largest number of joints for which all pairs are tried as exchanged; beyond it only neighbors, because the number of
 pairs grows with the square."""
 
-CLEAR = 0.3
+MIN_EXPLAINED_SHARE = 0.3
 """Smallest share of a joint's torque that the model must explain for its gain to indicate a wrong unit."""
 
-OTHER_UNIT = 2.0
+MIN_UNIT_GAIN = 2.0
 """Gain beyond which the unit is wrong: CAD is rarely so wrong."""
 
-QUARTER_TURNS = (90.0, -90.0, 180.0)
+TRIAL_ZERO_OFFSETS = (90.0, -90.0, 180.0)
 """Zeros of angles that are tried [°]: those by which conventions differ."""
 
 
@@ -162,16 +162,16 @@ def scales(gain: Array, share: Array) -> Iterator[Change]:
 
     gain: of measured on predicted torque (n,); share: of the torque that it explains (n,)
     """
-    clear = np.flatnonzero((share >= CLEAR) & (gain != 0))
+    clear = np.flatnonzero((share >= MIN_EXPLAINED_SHARE) & (gain != 0))
     if not clear.size:
         return
     usual = float(np.median(np.abs(gain[clear])))
-    if not 1 / OTHER_UNIT < usual < OTHER_UNIT:
+    if not 1 / MIN_UNIT_GAIN < usual < MIN_UNIT_GAIN:
         yield Change("scaled torque", tuple(range(len(gain))), torque=np.eye(len(gain)) / usual, factor=usual)
     for j in clear:
         size = abs(float(gain[j]))
         for factor in dict.fromkeys((size / usual, size)):
-            if not 1 / OTHER_UNIT < factor < OTHER_UNIT:
+            if not 1 / MIN_UNIT_GAIN < factor < MIN_UNIT_GAIN:
                 torque = np.eye(len(gain))
                 torque[j, j] = 1 / factor
                 yield Change("scaled torque", (int(j),), torque=torque, factor=factor)
@@ -201,13 +201,13 @@ def _angles(turning: Sequence[int], n: int, contradicting: Sequence[int]) -> Ite
         else:
             yield Change(kind, tuple(turning), position=scale, velocity=scale)  # type: ignore[arg-type]
     for j in turning:
-        for degrees in QUARTER_TURNS:
+        for degrees in TRIAL_ZERO_OFFSETS:
             yield Change("zero", (j,), zero=_zero(n, j, degrees))
 
 
 def _pairs(n: int, slides: Sequence[bool]) -> Iterator[tuple[int, int]]:
     for i, j in combinations(range(n), 2):
-        if slides[i] == slides[j] and (n <= MOST_JOINTS or j == i + 1):
+        if slides[i] == slides[j] and (n <= MAX_PAIRED_JOINTS or j == i + 1):
             yield i, j
 
 

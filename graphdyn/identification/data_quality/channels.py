@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.identification.data_quality.thinning import Piece
-from graphdyn.identification.statistics.residual_statistics import MOVING
+from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED
 from graphdyn.layout import Array
 
-SAME = 1e-9
+SAME_SIGNAL_TOLERANCE = 1e-9
 """Distance of a correlation from ±1 below which two channels hold the same signal."""
 
-HELD = 5
+MIN_CLIPPED_ROWS = 5
 """Consecutive rows at exactly the largest or smallest torque that count as clipped: noise would change them."""
 
 
@@ -42,7 +42,7 @@ def channels(pieces: Sequence[Piece], torques: Sequence[Array]) -> Channels:
     q, v = (np.concatenate([getattr(piece.samples, name) for piece in pieces]) for name in ("q", "v"))
     tau = np.concatenate(list(torques))
     return Channels(
-        standstill=np.mean(np.abs(v) <= MOVING, axis=0),
+        standstill=np.mean(np.abs(v) <= MIN_MOVING_SPEED, axis=0),
         clipped=np.sum([_held(part, tau.min(axis=0), tau.max(axis=0)) for part in torques], axis=0) / len(tau),
         constant_positions=_constant(q),
         constant_torques=_constant(tau),
@@ -54,7 +54,7 @@ def channels(pieces: Sequence[Piece], torques: Sequence[Array]) -> Channels:
 
 def _constant(values: Array) -> tuple[int, ...]:
     size = np.abs(values).max(axis=0)
-    return tuple(np.flatnonzero(np.ptp(values, axis=0) <= SAME * size).tolist())
+    return tuple(np.flatnonzero(np.ptp(values, axis=0) <= SAME_SIGNAL_TOLERANCE * size).tolist())
 
 
 def _duplicated(values: Array) -> tuple[tuple[int, int], ...]:
@@ -62,19 +62,19 @@ def _duplicated(values: Array) -> tuple[tuple[int, int], ...]:
     length = np.linalg.norm(centered, axis=0)
     length[list(_constant(values))] = np.inf
     unit = centered / np.where(length > 0, length, np.inf)
-    same = np.argwhere(np.triu(np.abs(unit.T @ unit) > 1 - SAME, k=1))
+    same = np.argwhere(np.triu(np.abs(unit.T @ unit) > 1 - SAME_SIGNAL_TOLERANCE, k=1))
     return tuple((int(i), int(j)) for i, j in same)
 
 
 def _held(tau: Array, lowest: Array, highest: Array) -> Array:
-    """Number of rows in runs of HELD or more at an end of the range (n,)."""
+    """Number of rows in runs of MIN_CLIPPED_ROWS or more at an end of the range (n,)."""
     counts = np.zeros(tau.shape[1])
     for end in (lowest, highest):
         at = np.pad(tau == end, ((1, 1), (0, 0)))
         for j, edges in enumerate(np.diff(at.astype(int), axis=0).T):
             starts, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
             lengths = stops - starts
-            counts[j] += lengths[lengths >= HELD].sum()
+            counts[j] += lengths[lengths >= MIN_CLIPPED_ROWS].sum()
     return counts
 
 
@@ -87,4 +87,4 @@ def rate_gain(pieces: Sequence[Piece]) -> Array:
         products = products + np.sum(rate * piece.samples.v, axis=0)
         squares = squares + np.sum(rate**2, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where((squares > 0) & (fastest > MOVING), products / squares, np.nan)
+        return np.where((squares > 0) & (fastest > MIN_MOVING_SPEED), products / squares, np.nan)

@@ -8,18 +8,18 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.algebra.base_parameters import RANK
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms.term import CarriesBodies
 from graphdyn.layout import Array
 
-BLOCKS = 20
+JACKKNIFE_BLOCKS = 20
 """Number of time blocks, each of which is left out once for the standard deviation (jackknife)."""
 
 
-NEGLIGIBLE = 1e-6
+NEGLIGIBLE_TORQUE_SHARE = 1e-6
 """Predicted torque, relative to the measured one, below which it is rounding."""
 
 
@@ -51,7 +51,7 @@ def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Gains
         own = own[:, np.any(own != 0, axis=0)]
         tau, predicted = samples.tau[kept, j], model[kept, j]
         size = np.linalg.norm(tau)
-        if size == 0 or np.linalg.norm(predicted) <= NEGLIGIBLE * size:
+        if size == 0 or np.linalg.norm(predicted) <= NEGLIGIBLE_TORQUE_SHARE * size:
             continue
         without[j] = _misfit(own, tau - predicted) / size
         columns = np.column_stack([predicted, own])
@@ -76,21 +76,21 @@ def _first_with_deviation(columns: Array, right: Array) -> tuple[float, float]:
     """The first coefficient of the fit, and its standard deviation by leaving out one block after the other."""
     length = np.linalg.norm(columns, axis=0)
     unit = columns / length
-    edges = np.linspace(0, len(right), BLOCKS + 1).astype(int)
+    edges = np.linspace(0, len(right), JACKKNIFE_BLOCKS + 1).astype(int)
     blocks = [slice(a, b) for a, b in pairwise(edges)]
     grams = np.array([unit[rows].T @ unit[rows] for rows in blocks])
     sides = np.array([unit[rows].T @ right[rows] for rows in blocks])
-    whole = np.linalg.lstsq(grams.sum(axis=0), sides.sum(axis=0), rcond=RANK)[0][0]
+    whole = np.linalg.lstsq(grams.sum(axis=0), sides.sum(axis=0), rcond=RANK_TOLERANCE)[0][0]
     parts = [
-        np.linalg.lstsq(grams.sum(axis=0) - gram, sides.sum(axis=0) - side, rcond=RANK)[0][0]
+        np.linalg.lstsq(grams.sum(axis=0) - gram, sides.sum(axis=0) - side, rcond=RANK_TOLERANCE)[0][0]
         for gram, side in zip(grams, sides, strict=True)
     ]
-    variance = (BLOCKS - 1) / BLOCKS * np.sum((np.array(parts) - np.mean(parts)) ** 2)
+    variance = (JACKKNIFE_BLOCKS - 1) / JACKKNIFE_BLOCKS * np.sum((np.array(parts) - np.mean(parts)) ** 2)
     return float(whole / length[0]), float(np.sqrt(variance) / length[0])
 
 
 def _misfit(columns: Array, right: Array) -> float:
     """Part of ‖right‖ that the columns do not explain."""
     length = np.linalg.norm(columns, axis=0)
-    coefficients = np.linalg.lstsq(columns / length, right, rcond=RANK)[0]
+    coefficients = np.linalg.lstsq(columns / length, right, rcond=RANK_TOLERANCE)[0]
     return float(np.linalg.norm(right - columns / length @ coefficients))

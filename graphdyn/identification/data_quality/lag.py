@@ -2,7 +2,7 @@
 
 The torque is shifted by δ, τ(t + δ) = W(t) x is fitted, and δ minimizes Σ_j log ‖e_j‖. A scan finds the
 valley, a search its bottom. The standard deviation is that of one Gauss-Newton step there, with residuals that may be
-correlated within each of BLOCKS time blocks.
+correlated within each of LAG_BLOCKS time blocks.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from itertools import pairwise
 
 import numpy as np
 
-from graphdyn.identification.algebra.base_parameters import RANK
-from graphdyn.identification.data_quality.bounded_fit import SMALLEST, BoundedFit
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
+from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.thinning import ThinnedRecording
 from graphdyn.layout import Array
 
-STEP = 0.02
+SCAN_STEP = 0.02
 """Step of the scan [s]: for motion below 10 Hz, a valley is wider."""
 
-EXACT = 1e-5
+LAG_TOLERANCE = 1e-5
 """Precision of the search for the bottom of the valley [s]."""
 
-BLOCKS = 20
+LAG_BLOCKS = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +57,13 @@ class _Misfit:
         self._noise = fit.errors(tau, bounded=False) * self._size
         matrix = (fit.matrix * fit.kept[..., None] / self._noise[:, None]).reshape(tau.size, -1)
         length = np.linalg.norm(matrix, axis=0)
-        matrix = matrix[:, length > RANK * length.max(initial=0.0)]
+        matrix = matrix[:, length > RANK_TOLERANCE * length.max(initial=0.0)]
         u, s, _ = np.linalg.svd(matrix / np.linalg.norm(matrix, axis=0), full_matrices=False)
-        self._imitated = u[:, s > RANK * s.max(initial=0.0)]
+        self._imitated = u[:, s > RANK_TOLERANCE * s.max(initial=0.0)]
 
     def __call__(self, later: float | Array) -> float:
         left = self.left(self._recording.torque(later) - self._fit.known) * self._noise
-        return float(np.sum(np.log(np.maximum(np.linalg.norm(left, axis=0) / self._size, SMALLEST))))
+        return float(np.sum(np.log(np.maximum(np.linalg.norm(left, axis=0) / self._size, MIN_RESIDUAL))))
 
     def left(self, torque: Array) -> Array:
         """Residual that no parameters can reduce, in units of the noise; rows that do not count are zero (N, n)."""
@@ -99,17 +99,17 @@ def _lowest(misfit: Callable[[float], float], span: float) -> tuple[float, float
     """Position of the minimum, and its value."""
     from scipy.optimize import minimize_scalar
 
-    steps = int(span / STEP)
-    grid = STEP * np.arange(-steps, steps + 1)
+    steps = int(span / SCAN_STEP)
+    grid = SCAN_STEP * np.arange(-steps, steps + 1)
     start = float(grid[int(np.argmin([misfit(float(x)) for x in grid]))])
-    bounds = (max(-span, start - STEP), min(span, start + STEP))
-    found = minimize_scalar(misfit, bounds=bounds, options={"xatol": EXACT})
+    bounds = (max(-span, start - SCAN_STEP), min(span, start + SCAN_STEP))
+    found = minimize_scalar(misfit, bounds=bounds, options={"xatol": LAG_TOLERANCE})
     return float(found.x), float(found.fun)
 
 
 def _deviation(error: Array, shift: Array) -> float:
     """Standard deviation of a time [s]; error and its change per second of shift, in units of the noise (N, k)."""
-    edges = np.linspace(0, len(error), BLOCKS + 1).astype(int)
+    edges = np.linspace(0, len(error), LAG_BLOCKS + 1).astype(int)
     steps = [np.sum(error[a:b] * shift[a:b]) for a, b in pairwise(edges)]
     curvature = float(np.sum(shift**2))
     return float(np.linalg.norm(steps)) / curvature if curvature > 0 else float("nan")

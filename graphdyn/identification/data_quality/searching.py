@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from graphdyn.arguments.choices import WORTH_COMPILING
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.bounded_fit import SMALLEST, BoundedFit
+from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns, changes, scales
 from graphdyn.identification.data_quality.channels import rate_gain
 from graphdyn.identification.data_quality.gain import Gains, gains
@@ -20,33 +20,33 @@ from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecordin
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
-CONVINCING = 0.5
+MIN_CHANGE_GAIN = 0.5
 """Fall of Σ log ‖e_j‖ from which a change is a fault: the residual of one joint falls by 40 %, or that of six by 8 %.
 On the recordings in docs/industrial_arms.md no wrong change gains more than 0.1, and no fault that is listed there
 less than 0.9."""
 
-LATE, SIGNIFICANT, LEAST_DELAY = 0.15, 4.0, 0.005
+MIN_LATE_GAIN, MIN_DELAY_DEVIATIONS, MIN_DELAY = 0.15, 4.0, 0.005
 """Bounds for a delay: the fall of Σ log ‖e_j‖, its length in σ, and its length [s]. Friction that
 sets in before a joint moves looks like a shorter delay (2.3 ms with the sign of v on the TX40). On those three
 recordings delays of at most 6 ms (2.5 σ) gain 0.06 or less, further 20 ms at least 0.28."""
 
-INSIDE = 0.95
+MAX_DELAY_SHARE = 0.95
 """Part of the searched interval in which a delay must lie: at its ends there is no valley."""
 
-EXPLAINED = 0.5
+MAX_UNEXPLAINED_SHARE = 0.5
 """Largest part of the variation of the torques, geometric mean over the joints, that a change may leave: if the
 torques are noise, some change always gains."""
 
-UNSEEN = 0.25
+MIN_MISFIT_RISE = 0.25
 """Rise of Σ log ‖e_j‖ below which a recording cannot reveal that a change would be wrong."""
 
-NEVER_UNSEEN = ("late torque", "scaled torque")
+MEASURED_SIZE_KINDS = ("late torque", "scaled torque")
 """Kinds of changes of a measured size: a small one is no fault, and the gains show a large one."""
 
-ROUNDS = 3
+MAX_FAULTS = 3
 """Largest number of faults, each searched after the correction of the previous one."""
 
-RIGHT_RATE = 0.2
+MAX_RATE_GAIN_ERROR = 0.2
 """Deviation from 1 of the gain of v on the rate of q beyond which they contradict each other."""
 
 
@@ -67,8 +67,8 @@ class ChangeTrial:
 
     @property
     def convincing(self) -> bool:
-        needed = LATE if self.change.kind == "late torque" else CONVINCING
-        return self.unexplained < EXPLAINED and self.gained >= needed
+        needed = MIN_LATE_GAIN if self.change.kind == "late torque" else MIN_CHANGE_GAIN
+        return self.unexplained < MAX_UNEXPLAINED_SHARE and self.gained >= needed
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,15 +100,19 @@ def search(
         thinned = ThinnedRecording(pieces)
         fit = BoundedFit.of(torque_model, thinned.samples, kept)
         before = fit.errors(thinned.samples.tau)
-        contradicting = np.flatnonzero(np.abs(rate_gain(pieces) - 1) > RIGHT_RATE).tolist()
+        contradicting = np.flatnonzero(np.abs(rate_gain(pieces) - 1) > MAX_RATE_GAIN_ERROR).tolist()
         considered = [*changes(slides, contradicting), *scales(found_gains.gain, found_gains.share)]
         trials = [*_tried(torque_model, thinned.samples, fit, columns, considered), *_late(torque_model, thinned, fit)]
         found = [trial for trial in trials if trial.convincing]
-        if not found or len(faults) == ROUNDS:
-            unseen = [t.change for t in trials if -UNSEEN < t.gained < CONVINCING and t.change.kind not in NEVER_UNSEEN]
+        if not found or len(faults) == MAX_FAULTS:
+            unseen = [
+                t.change
+                for t in trials
+                if -MIN_MISFIT_RISE < t.gained < MIN_CHANGE_GAIN and t.change.kind not in MEASURED_SIZE_KINDS
+            ]
             return tuple(faults), tuple(unseen), halves_apart(torque_model, thinned.samples, fit)
         largest = max(trial.gained for trial in found)
-        close = [trial for trial in found if trial.gained > largest - UNSEEN]
+        close = [trial for trial in found if trial.gained > largest - MIN_MISFIT_RISE]
         best = min(close, key=lambda trial: trial.cad_misfit()) if len(close) > 1 else close[0]
         instead = tuple(trial.change for trial in close if trial is not best)
         faults.append(DataFault(best.change, best.gained, before, best.errors, instead))
@@ -158,7 +162,7 @@ def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Sa
     errors = fit.errors(samples.tau)
 
     def cad_misfit() -> float:
-        return float(np.nansum(np.log(np.maximum(gains(torque_model, samples, fit).without_gain, SMALLEST))))
+        return float(np.nansum(np.log(np.maximum(gains(torque_model, samples, fit).without_gain, MIN_RESIDUAL))))
 
     varies = variation(samples.tau)
     unexplained = float(np.exp(np.mean(np.log(errors / np.where(varies > 0, varies, 1.0)))))
@@ -173,7 +177,7 @@ def _late(torque_model: TorqueModel, thinned: ThinnedRecording, fit: BoundedFit)
         (tuple(range(n)), found.common, found.deviation, found.gained),
         *(((j,), found.joints[j], found.deviations[j], found.joints_gained[j]) for j in range(n)),
     ]:
-        if not max(SIGNIFICANT * deviation, LEAST_DELAY) < abs(seconds) < INSIDE * thinned.span:
+        if not max(MIN_DELAY_DEVIATIONS * deviation, MIN_DELAY) < abs(seconds) < MAX_DELAY_SHARE * thinned.span:
             continue
         lags = np.zeros(n)
         lags[list(joints)] = seconds

@@ -12,14 +12,14 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.layout import Array
 
-ROWS = 600
+MAX_EXAMINED_ROWS = 600
 """Number of rows that are examined: few rows show a recording's faults, and each trial then costs milliseconds."""
 
-LARGEST_LAG = 0.2
-"""Longest delay in the search [s]; in a short recording it is SHARE of the longest piece."""
-SHARE = 0.1
+MAX_LAG = 0.2
+"""Longest delay in the search [s]; in a short recording it is MAX_LAG_SHARE of the longest piece."""
+MAX_LAG_SHARE = 0.1
 
-ORDER = 5
+SPLINE_ORDER = 5
 """Order of the spline between the samples of the torque: for a signal low-passed below a fifth of the sampling rate,
 it is exact to 1e-4."""
 
@@ -42,7 +42,7 @@ class Piece:
         from scipy.interpolate import make_interp_spline
 
         t = np.arange(len(self.samples)) * self.period
-        spline = make_interp_spline(t, self.samples.tau, k=ORDER)
+        spline = make_interp_spline(t, self.samples.tau, k=SPLINE_ORDER)
         shifted = [spline(np.clip(t + x, 0.0, t[-1]))[:, j] for j, x in enumerate(seconds)]
         return replace(self, samples=replace(self.samples, tau=np.column_stack(shifted)))
 
@@ -50,16 +50,16 @@ class Piece:
 class ThinnedRecording:
     """Rows far enough from both ends of their piece that the torque may be shifted by `span` seconds."""
 
-    def __init__(self, pieces: Sequence[Piece], rows: int = ROWS):
+    def __init__(self, pieces: Sequence[Piece], rows: int = MAX_EXAMINED_ROWS):
         from scipy.interpolate import make_interp_spline
 
         longest = max(len(piece.samples) * piece.period for piece in pieces)
-        self.span = min(LARGEST_LAG, SHARE * longest)
+        self.span = min(MAX_LAG, MAX_LAG_SHARE * longest)
         margins = [int(np.ceil(self.span / piece.period)) for piece in pieces]
         usable = [
             (piece, margin)
             for piece, margin in zip(pieces, margins, strict=True)
-            if len(piece.samples) > 2 * margin + ORDER + 1
+            if len(piece.samples) > 2 * margin + SPLINE_ORDER + 1
         ]
         every = max(1, sum(len(piece.samples) - 2 * margin for piece, margin in usable) // rows)
         self._parts = []
@@ -67,7 +67,7 @@ class ThinnedRecording:
         for piece, margin in usable:
             chosen = np.arange(margin, len(piece.samples) - margin, every)
             t = np.arange(len(piece.samples)) * piece.period
-            self._parts.append((make_interp_spline(t, piece.samples.tau, k=ORDER), t[chosen]))
+            self._parts.append((make_interp_spline(t, piece.samples.tau, k=SPLINE_ORDER), t[chosen]))
             kept.append(_rows(piece.samples, chosen))
         if not kept:
             raise TooShort("no piece of the recording is long enough to look for delays; record longer")

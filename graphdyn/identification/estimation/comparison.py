@@ -11,17 +11,19 @@ import numpy as np
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
-from graphdyn.identification.estimation.plausibility import POSES, Plausibility, plausibility
+from graphdyn.identification.estimation.plausibility import CHECKED_POSES, Plausibility, plausibility
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.residual_statistics import ResidualStatistics, residual_statistics
 from graphdyn.layout import Array
 
-ENOUGH = 80
+MIN_CORRELATION_TIMES = 80
 """Fewest correlation times of a recording for which block deviations are right: twice as much covers the truth in 90 to
 98 of 100 cases, as `python tests/helpers/coverage_run.py` shows."""
 
 
-TAKES_NONE = "the method takes no expected values; use one that does (WLS, ridge, consistent, …), or expect none"
+NO_EXPECTED_VALUES = (
+    "the method takes no expected values; use one that does (WLS, ridge, consistent, …), or expect none"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +34,8 @@ class MethodResult:
     base_values: of the base parameters of the problem (r,)
     standard_deviations: of them, right for white noise; None if the method gives none
     block_deviations: of them, allowing for correlation in time (jackknife over time blocks); None likewise. Right for
-        recordings of ENOUGH correlation times or more, a lower bound for shorter ones (`training.correlation_times`)
+        recordings of MIN_CORRELATION_TIMES correlation times or more, a lower bound for shorter ones
+        (`training.correlation_times`)
     training, held_out: residuals on the recording, and on the one that was held out
     seconds: of the estimation alone, without the compression of the recording
     """
@@ -98,7 +101,7 @@ def compare_methods(
     estimators: Sequence[Estimator],
     held_out: Problem | None = None,
     *,
-    poses: int = POSES,
+    poses: int = CHECKED_POSES,
     progress: Callable[[str], None] | None = None,
 ) -> MethodComparison:
     """Estimate with every method, predict both recordings, test the bodies and the mass matrix.
@@ -146,7 +149,7 @@ def _estimated(problem: Problem, estimator: Estimator, progress: Callable[[str],
     start = time.perf_counter()
     try:
         if problem.torque_model.expected and not getattr(estimator, "takes_expected", False):
-            raise EstimationFailed(TAKES_NONE)
+            raise EstimationFailed(NO_EXPECTED_VALUES)
         estimate = estimator.estimate(problem)
         _check(problem, estimate)
     except EstimationFailed as failure:

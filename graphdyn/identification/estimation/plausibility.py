@@ -11,8 +11,8 @@ from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
-POSES = 10_000
-POSES_AT_ONCE = 256
+CHECKED_POSES = 10_000
+POSES_PER_CHUNK = 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,13 +38,13 @@ class Plausibility:
 
 
 def plausibility(
-    torque_model: TorqueModel, parameters: Array, *, poses: int = POSES, seed: int = 0
+    torque_model: TorqueModel, parameters: Array, *, poses: int = CHECKED_POSES, seed: int = 0
 ) -> list[Plausibility]:
     """Plausibility of every row of parameters (m, p); poses are drawn from the limits of the robot."""
     x = np.asarray(parameters, dtype=float)
     torque_model = replace(torque_model, model=torque_model.model.opened)  # loops leave its motions inertia, too
     q, _ = torque_model.model.random_state(np.random.default_rng(seed), poses)
-    parts = [mass_matrices(torque_model, q[k : k + POSES_AT_ONCE], x) for k in range(0, poses, POSES_AT_ONCE)]
+    parts = [mass_matrices(torque_model, q[k : k + POSES_PER_CHUNK], x) for k in range(0, poses, POSES_PER_CHUNK)]
     smallest = np.concatenate([np.linalg.eigvalsh(part)[..., 0] for part in parts])
     bodies = np.array([torque_model.inertial_parameters(row).reshape(-1, BODY_PARAMETERS) for row in x])
     real = np.linalg.eigvalsh(pseudo_inertia_from_parameters(bodies))[..., 0]

@@ -22,7 +22,7 @@ from typing import ClassVar
 from graphdyn.identification.consistent.bodies import unknown_bodies
 from graphdyn.identification.consistent.coordinates import prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate
-from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
+from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
 from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
@@ -42,7 +42,7 @@ class ConsistentLeastSquares:
 
     limits: PhysicalLimits = field(default_factory=PhysicalLimits)
     prior: Prior | None = None
-    margin: float = MARGIN
+    margin: float = PRIOR_MARGIN
     name: str = "consistent"
     reference: str = "Sousa and Cortesão 2014; Wensing, Kim and Slotine 2018"
     assumptions: str = "as WLS; every body is a real one with at least a small part of the prior's inertia"

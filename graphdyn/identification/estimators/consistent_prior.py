@@ -25,7 +25,7 @@ from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.consistent.bodies import unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate
-from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
+from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
 from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
 from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
@@ -34,7 +34,7 @@ from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import Prior
 from graphdyn.identification.problem.problem import Problem
 
-STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
+PRIOR_STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,10 +51,10 @@ class ConsistentWithPrior:
 
     metric: Metric = "entropic"
     strength: float | None = None
-    strengths: Sequence[float] = STRENGTHS
+    strengths: Sequence[float] = PRIOR_STRENGTHS
     prior: Prior | None = None
     limits: PhysicalLimits = field(default_factory=PhysicalLimits)
-    margin: float = MARGIN
+    margin: float = PRIOR_MARGIN
     reference: str = "Lee, Wensing and Park 2020"
     assumptions: str = "as WLS; every body is a real one, and about as likely to be lighter as heavier than the prior"
     needs: str = "q, v, a and actuator torques; a prior (CAD); cvxpy and Clarabel"

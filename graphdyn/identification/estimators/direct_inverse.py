@@ -16,7 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from graphdyn.identification.closed_loop.beside import beside
-from graphdyn.identification.closed_loop.iterating import MOST, iterated
+from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.output_equations import OutputFit, output_step
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
@@ -36,7 +36,7 @@ class DirectInverse:
 
     loop: ClosedLoop | None = None
     start: Beginning = "wls"
-    most: int = MOST
+    most: int = MAX_LOOP_ITERATIONS
     name: str = "DIDIM"
     reference: str = "Gautier, Janot and Vandanjon, IEEE Trans. Control Systems Technology 21(2), 2013"
     assumptions: str = "white noise of its own size on the torque of each joint; a loop that follows its reference"

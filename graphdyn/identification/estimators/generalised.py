@@ -24,10 +24,10 @@ from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array
 
-LEAST_SAMPLES = 10
+MIN_COMPLETE_SAMPLES = 10
 """Fewest complete samples per joint: fewer give no usable covariance between the joints."""
 
-WEAKEST = 1e-6
+MIN_CORRELATION_EIGENVALUE = 1e-6
 """Smallest eigenvalue of the correlation between the joints; below it, some joints repeat the noise of others."""
 
 
@@ -78,17 +78,17 @@ def error_covariance(problem: Problem, x: Array, used: Array) -> Array:
         products += residual.T @ residual
         squares += np.sum(rows.right[complete] ** 2, axis=0)
         count += len(residual)
-    if count < LEAST_SAMPLES * n:
+    if count < MIN_COMPLETE_SAMPLES * n:
         raise EstimationFailed(
-            f"only {count} samples have equations of all {n} joints, {LEAST_SAMPLES * n} needed for the covariance "
-            "between the joints; lower min_speed, or use weighted least squares"
+            f"only {count} samples have equations of all {n} joints, {MIN_COMPLETE_SAMPLES * n} needed for the "
+            "covariance between the joints; lower min_speed, or use weighted least squares"
         )
     spare = count - used * count / problem.equations.counts
     products += np.diag(EPS**2 * squares + np.finfo(float).tiny)
     covariance = products / np.sqrt(np.outer(spare, spare))
     deviations = np.sqrt(np.diag(covariance))
     weakest = float(np.linalg.eigvalsh(covariance / deviations / deviations[:, None])[0])
-    if weakest < WEAKEST:
+    if weakest < MIN_CORRELATION_EIGENVALUE:
         raise EstimationFailed(
             f"the noise of some joints repeats that of others (smallest eigenvalue of the correlation {weakest:.2g}); "
             "is one torque computed from others? Use weighted least squares"

@@ -21,7 +21,7 @@ import numpy as np
 from graphdyn.identification.algebra.solution import residual_deviations
 from graphdyn.identification.closed_loop.beside import beside
 from graphdyn.identification.closed_loop.crossed_equations import Crossed, CrossedEquations
-from graphdyn.identification.closed_loop.iterating import MOST, iterated
+from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
@@ -42,7 +42,7 @@ class InstrumentalVariables:
 
     loop: ClosedLoop | None = None
     start: Beginning = "wls"
-    most: int = MOST
+    most: int = MAX_LOOP_ITERATIONS
     name: str = "IDIM-IV"
     reference: str = "Janot, Vandanjon and Gautier, IEEE Trans. Control Systems Technology 22(1), 2014"
     assumptions: str = "noise on q, v, a and torques that the reference knows nothing of; controller and friction known"

@@ -22,9 +22,9 @@ from graphdyn.errors import EstimationFailed
 from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate, constraint_remark
-from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
+from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
 from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
-from graphdyn.identification.consistent.log_cholesky_fit import STRENGTH, log_cholesky_fit
+from graphdyn.identification.consistent.log_cholesky_fit import PRIOR_STRENGTH, log_cholesky_fit
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import Prior
@@ -45,8 +45,8 @@ class LogCholesky:
 
     prior: Prior | None = None
     starts: int = 3
-    strength: float = STRENGTH
-    margin: float = MARGIN
+    strength: float = PRIOR_STRENGTH
+    margin: float = PRIOR_MARGIN
     seed: int = 0
     name: str = "log-Cholesky"
     reference: str = "Rucker and Wensing 2022"

@@ -40,17 +40,17 @@ from graphdyn.identification.statistics.errors_in_variables import measured_moti
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
-MOVED = 0.01
+CONVERGENCE_SHARE = 0.01
 """Step of a base parameter, in its standard deviations, below which it counts as converged."""
 
-MOST = 50
+MAX_LIKELIHOOD_ITERATIONS = 50
 """Iterations after which an estimate that still moves has diverged."""
 
-SMALLEST = 0.1
+MIN_NOISE_SHARE = 0.1
 """Smallest noise of a torque, relative to its residual, if the errors of the motion explain all of it: C is not
 exact."""
 
-LARGEST_SHARE = "residual by errors of the motion"
+LARGEST_SHARE_SETTING = "residual by errors of the motion"
 """Name of the setting with Σ G C Gᵀ over Σ e² of the joint with the largest ratio."""
 
 
@@ -66,7 +66,7 @@ class MaximumLikelihood:
     """
 
     torque_noise: ArrayLike | None = None
-    most: int = MOST
+    most: int = MAX_LIKELIHOOD_ITERATIONS
     name: str = "ML"
     reference: str = "Olsen, Swevers and Verdonck, Int. J. of Robotics Research 21(2), 2002"
     assumptions: str = "noise of known size on the positions, white noise on the torques, independent of each other"
@@ -87,7 +87,7 @@ class MaximumLikelihood:
             step = solve(merged(blocks), ones)
             x = x + step.x
             moved = float(np.abs(step.x / np.sqrt(np.diag(step.inverse))).max(initial=0.0))
-            if moved < MOVED and iteration > 1:  # the first step knows of no error of the motion
+            if moved < CONVERGENCE_SHARE and iteration > 1:  # the first step knows of no error of the motion
                 return base_estimate(
                     problem,
                     x,
@@ -95,9 +95,11 @@ class MaximumLikelihood:
                     noise,
                     block_covariance=jackknife_covariance(blocks, step.x, ones),
                     iterations=iteration,
-                    settings={LARGEST_SHARE: float(np.max(explained / np.maximum(squares, np.finfo(float).tiny)))},
+                    settings={
+                        LARGEST_SHARE_SETTING: float(np.max(explained / np.maximum(squares, np.finfo(float).tiny)))
+                    },
                 )
-            left = np.maximum(squares - explained, SMALLEST**2 * squares)
+            left = np.maximum(squares - explained, MIN_NOISE_SHARE**2 * squares)
             used = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
             noise = self._torque_noise(residual_deviations(problem.equations, left, used))
         raise EstimationFailed(

@@ -15,7 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.closed_loop.iterating import MOST, iterated
+from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop, not_simulated
 from graphdyn.identification.closed_loop.output_equations import OutputFit, output_step
 from graphdyn.identification.closed_loop.sensitivities import OutputName, outputs
@@ -42,7 +42,7 @@ class ClosedLoopOutputError:
     output: OutputName = "position"
     loop: ClosedLoop | None = None
     start: Beginning = "wls"
-    most: int = MOST
+    most: int = MAX_LOOP_ITERATIONS
     reference: str = "Landau and Karimi, Automatica 33(8), 1997; Gautier, Janot and Vandanjon 2013"
     assumptions: str = "white noise of its own size on the output of each joint, which the controller does not see"
     needs: str = "the controller of the loop, and the reference that it followed; every term of the torque simulated"

@@ -36,12 +36,12 @@ from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array
 
-MOST_ITERATIONS = 50
+MAX_REWEIGHTINGS = 50
 
-SETTLED = 1e-3
+MAX_CONVERGED_SHARE = 1e-3
 """Step of a parameter, in its standard deviations, below which it counts as converged."""
 
-ROUNDING = 1e-10
+STEP_TOLERANCE = 1e-10
 """Step of a parameter, relative to itself, below which it counts as converged: the limit for data without noise."""
 
 
@@ -103,12 +103,14 @@ class _Fit:
 def _iterate(problem: Problem, norm: Norm, x: Array) -> _Fit:
     residuals, used = residuals_of(problem, x), np.zeros(problem.n_joints)
     iterations, converged = 0, False
-    while not converged and iterations < MOST_ITERATIONS:
+    while not converged and iterations < MAX_REWEIGHTINGS:
         scale = robust_scale(problem, residuals, used)
         solution, used = _reweighted(problem, norm, residuals, scale)
         step, x = np.abs(solution.x - x), solution.x
         residuals = residuals_of(problem, x)
-        converged = bool(np.all(step <= SETTLED * np.sqrt(np.diag(solution.inverse)) + ROUNDING * np.abs(x)))
+        converged = bool(
+            np.all(step <= MAX_CONVERGED_SHARE * np.sqrt(np.diag(solution.inverse)) + STEP_TOLERANCE * np.abs(x))
+        )
         iterations += 1
     scale = robust_scale(problem, residuals, used)
     covariance, mean_weight = _covariance(problem, norm, residuals, scale)

@@ -14,7 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphdyn.identification.algebra.base_parameters import RANK
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.algebra.solution import EPS
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
@@ -24,7 +24,7 @@ from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
-STRENGTHS = tuple(10.0**k for k in range(-8, 9))
+RIDGE_STRENGTHS = tuple(10.0**k for k in range(-8, 9))
 """Strengths λ that cross-validation tries; at λ = 1 the scale of the prior is its standard deviation."""
 
 
@@ -39,7 +39,7 @@ class Ridge:
 
     prior: Prior | None = None
     strength: float | None = None
-    strengths: tuple[float, ...] = STRENGTHS
+    strengths: tuple[float, ...] = RIDGE_STRENGTHS
     name: str = "ridge"
     reference: str = "Hoerl and Kennard, Technometrics 12(1), 1970"
     assumptions: str = "as WLS, and a prior that is right up to its scale; the estimate is biased towards it"
@@ -92,7 +92,7 @@ class RidgePath:
         length = np.linalg.norm(r_f, axis=0)
         length[length == 0] = 1.0
         basis, s, v_t = np.linalg.svd(r_f / length, full_matrices=False)
-        rank = int(np.count_nonzero(s > RANK * s.max(initial=0.0)))
+        rank = int(np.count_nonzero(s > RANK_TOLERANCE * s.max(initial=0.0)))
         basis, free_inverse = basis[:, :rank], (v_t[:rank].T / s[:rank]) @ basis[:, :rank].T / length[:, None]
         u, sigma, v_t = np.linalg.svd(r_d - basis @ (basis.T @ r_d), full_matrices=False)
         seen = sigma > len(prior.mean) * EPS * sigma.max(initial=0.0)

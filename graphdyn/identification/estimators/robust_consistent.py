@@ -23,14 +23,14 @@ from graphdyn.identification.algebra.compressed import CompressedEquations, merg
 from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.explaining import consistent_estimate
-from graphdyn.identification.consistent.fit import MARGIN, WEAK, ConsistentFit, ConsistentProblem
+from graphdyn.identification.consistent.fit import PRIOR_MARGIN, WEAK_STRENGTH, ConsistentFit, ConsistentProblem
 from graphdyn.identification.consistent.limits import Inequalities, PhysicalLimits, inequalities
 from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.consistent_prior import STRENGTHS
+from graphdyn.identification.estimators.consistent_prior import PRIOR_STRENGTHS
 from graphdyn.identification.estimators.robust_weights import (
-    HUBER,
+    HUBER_THRESHOLD,
     Norm,
     huber,
     residuals_of,
@@ -42,11 +42,11 @@ from graphdyn.identification.problem.prior import Prior
 from graphdyn.identification.problem.problem import Problem, together
 from graphdyn.layout import Array
 
-SETTLED = 1e-2
+MAX_TORQUE_CHANGE = 1e-2
 """Root mean square change of a joint's predicted torque, relative to its noise, below which the iteration has
 converged."""
 
-MOST_ITERATIONS = 30
+MAX_ROBUST_ITERATIONS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,11 +61,11 @@ class RobustConsistent:
 
     metric: Metric | None = None
     strength: float | None = None
-    strengths: Sequence[float] = STRENGTHS
+    strengths: Sequence[float] = PRIOR_STRENGTHS
     prior: Prior | None = None
     limits: PhysicalLimits = field(default_factory=PhysicalLimits)
-    margin: float = MARGIN
-    threshold: float = HUBER
+    margin: float = PRIOR_MARGIN
+    threshold: float = HUBER_THRESHOLD
     reference: str = "Huber 1964; Wensing, Kim and Slotine 2018; Lee, Wensing and Park 2020"
     assumptions: str = "most noise white, of its own size per joint, the rest outliers; every body is a real one"
     needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
@@ -80,7 +80,7 @@ class RobustConsistent:
         limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
         program = _Program(problem, bodies, limits, self.metric or "pullback", self.margin, huber(self.threshold))
         start, _ = weighted_solution(problem.equations)
-        state = program.settled(residuals_of(problem, start.x), WEAK)
+        state = program.settled(residuals_of(problem, start.x), WEAK_STRENGTH)
         strength, remarks = 0.0 if self.metric is None else self.strength, bodies.remarks
         if strength is None:
             folds, ones = together(state.blocks), np.ones(problem.n_joints)
@@ -96,7 +96,7 @@ class RobustConsistent:
             iterations += state.iterations
         coordinates, fit = program.solve(merged(state.blocks), strength)
         if not state.converged:
-            remarks += (f"stopped after {MOST_ITERATIONS} reweightings before the torques had settled",)
+            remarks += (f"stopped after {MAX_ROBUST_ITERATIONS} reweightings before the torques had settled",)
         settings = {"strength": strength} if self.metric else {}
         settings["mean weight"] = state.mean_weight
         found = consistent_estimate(coordinates, fit, state.scale, remarks, settings)
@@ -138,7 +138,7 @@ class _Program:
         """Iterate from these residuals until the fit converges."""
         used = self.problem.base.rank / self.problem.equations.counts.sum()
         iteration, converged = 0, False
-        while not converged and iteration < MOST_ITERATIONS:
+        while not converged and iteration < MAX_ROBUST_ITERATIONS:
             iteration += 1
             scale = robust_scale(self.problem, residuals, used * self.problem.equations.counts)
             weights = self.norm.weight(np.nan_to_num(residuals / scale))
@@ -146,7 +146,7 @@ class _Program:
             x = self.problem.base.values(self.solve(merged(blocks), strength)[1].parameters)
             before, residuals = residuals, residuals_of(self.problem, x)
             step = np.sqrt(np.nanmean((residuals - before) ** 2, axis=0))
-            converged = bool(np.all(step <= SETTLED * scale))
+            converged = bool(np.all(step <= MAX_TORQUE_CHANGE * scale))
             if converged:
                 break
         return _State(

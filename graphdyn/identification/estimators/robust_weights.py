@@ -14,11 +14,11 @@ from graphdyn.identification.algebra.solution import EPS
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
-MEDIAN = 0.6745
+NORMAL_MEDIAN = 0.6745
 """Median of |u| for normal noise of unit deviation."""
 
 
-HUBER = 1.345
+HUBER_THRESHOLD = 1.345
 """Huber's threshold: 95 % efficient for normal noise."""
 
 
@@ -34,7 +34,7 @@ class Norm:
         return np.divide(self.influence(u), u, out=np.ones_like(u), where=u != 0)
 
 
-def huber(c: float = HUBER) -> Norm:
+def huber(c: float = HUBER_THRESHOLD) -> Norm:
     return Norm(lambda u: np.clip(u, -c, c), lambda u: (np.abs(u) <= c).astype(float))
 
 
@@ -57,7 +57,7 @@ def robust_scale(problem: Problem, residuals: Array, used: Array) -> Array:
     """
     counts = problem.equations.counts
     counted = (np.abs(column[np.isfinite(column)]) for column in residuals.T)
-    median = np.array([np.median(sizes) for sizes in counted]) / MEDIAN * np.sqrt(counts / (counts - used))
+    median = np.array([np.median(sizes) for sizes in counted]) / NORMAL_MEDIAN * np.sqrt(counts / (counts - used))
     rounding = EPS * np.sqrt(problem.equations.measured_squares / counts) + np.finfo(float).tiny
     return np.maximum(median, rounding)
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY, exogeneity
+from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY_SETTING, exogeneity
 from graphdyn.identification.closed_loop.iterating import InitialEstimate, Iterated
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
@@ -47,6 +47,6 @@ def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position
         last.noise if output == "torque" else None,
         block_covariance=last.block_covariance,
         iterations=end.iterations,
-        settings={"simulations": float(loop.simulations), "last step": end.moved, EXOGENEITY: test.together},
+        settings={"simulations": float(loop.simulations), "last step": end.moved, EXOGENEITY_SETTING: test.together},
         remarks=(*end.remarks, test.in_words(joints)),
     )

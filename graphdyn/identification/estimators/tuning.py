@@ -27,16 +27,16 @@ from graphdyn.identification.terms.term import Term, TermParameter
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
-RANGE = 30.0
+SEARCH_RANGE_FACTOR = 30.0
 """Factor of the search interval: from the start divided by this to the start times this."""
 
-STEP = 0.02
+RELATIVE_DIFFERENCE_STEP = 0.02
 """Relative step of the finite differences: far above the spacing of samples around the corners of the friction."""
 
-PRECISION = 1e-4
+SEARCH_TOLERANCE = 1e-4
 """Relative change of the sum of squares at which the search ends."""
 
-LARGEST = 1e9
+MAX_EQUATION_BYTES = 1e9
 """Largest size of the equations in memory [bytes]."""
 
 
@@ -111,13 +111,25 @@ def tuned(problem: Problem) -> tuple[TorqueModel, tuple[Tuned, ...]]:
 
     def jacobian(u: Array) -> Array:
         here = residual(u)
-        return np.column_stack([(residual(u + STEP * unit) - here) / STEP for unit in np.eye(len(u))])
+        return np.column_stack(
+            [
+                (residual(u + RELATIVE_DIFFERENCE_STEP * unit) - here) / RELATIVE_DIFFERENCE_STEP
+                for unit in np.eye(len(u))
+            ]
+        )
 
-    end = np.log(RANGE)
+    end = np.log(SEARCH_RANGE_FACTOR)
     start = np.zeros(n * len(names))
-    best = least_squares(residual, start, jacobian, bounds=(-end - STEP, end + STEP), ftol=PRECISION, xtol=STEP / 2)
+    best = least_squares(
+        residual,
+        start,
+        jacobian,
+        bounds=(-end - RELATIVE_DIFFERENCE_STEP, end + RELATIVE_DIFFERENCE_STEP),
+        ftol=SEARCH_TOLERANCE,
+        xtol=RELATIVE_DIFFERENCE_STEP / 2,
+    )
     found = terms(best.x)
-    at_end = np.split(np.abs(best.x) > end - STEP, len(names))
+    at_end = np.split(np.abs(best.x) > end - RELATIVE_DIFFERENCE_STEP, len(names))
     said = [
         Tuned(f"{term.name} {name}", values, there)
         for (term, name, _), values, there in zip(names, settings(best.x), at_end, strict=True)
@@ -135,7 +147,7 @@ class _Projected:
         model = problem.torque_model
         noise = joint_noise(problem.equations)
         parts = list(problem.rows())
-        if 8.0 * sum(part.matrix.size for part in parts) > LARGEST:
+        if 8.0 * sum(part.matrix.size for part in parts) > MAX_EQUATION_BYTES:
             raise InvalidInput("the equations do not fit in memory for settings that are to be found; decimate more")
         self._kept = np.concatenate([part.kept for part in parts])
         self._noise = np.broadcast_to(noise, self._kept.shape)[self._kept]

@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from graphdyn.identification.algebra.base_parameters import DROPPED_COLUMN, RANK
+from graphdyn.identification.algebra.base_parameters import MIN_COLUMN_SHARE, RANK_TOLERANCE
 from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.algebra.solution import Solution, residual_deviations, solve
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
@@ -54,8 +54,8 @@ def joint_noise(equations: CompressedEquations) -> Array:
     for g, factor in enumerate(equations.factors):
         w, right = factor[:, :-1], factor[:, -1]
         length = np.linalg.norm(w, axis=0)
-        seen = length > DROPPED_COLUMN * length.max(initial=0.0)  # the rest is rounding, and stays so if not scaled
+        seen = length > MIN_COLUMN_SHARE * length.max(initial=0.0)  # the rest is rounding, and stays so if not scaled
         unit = w[:, seen] / length[seen]
-        x, _, used[g], _ = np.linalg.lstsq(unit, right, rcond=RANK)
+        x, _, used[g], _ = np.linalg.lstsq(unit, right, rcond=RANK_TOLERANCE)
         squares[g] = np.sum((unit @ x - right) ** 2)
     return residual_deviations(equations, squares, used)

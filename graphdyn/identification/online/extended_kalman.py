@@ -35,7 +35,7 @@ from graphdyn.identification.terms import Drift
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
-SOLID = 1e-12
+MIN_MASS_EIGENVALUE_RATIO = 1e-12
 """Smallest eigenvalue of a mass matrix, relative to its largest, with which the state can be predicted."""
 
 
@@ -187,7 +187,7 @@ class ExtendedKalmanFilter:
         torque = self._model.rows(here, self._base.independent) @ self._x + self._model.known_torque(here)
         mass = (torque[1:] - torque[0]).T
         eigenvalues = np.linalg.eigvalsh(mass + mass.T)
-        if not eigenvalues[0] > SOLID * eigenvalues[-1]:
+        if not eigenvalues[0] > MIN_MASS_EIGENVALUE_RATIO * eigenvalues[-1]:
             raise EstimationFailed(
                 "the filter diverged: the mass matrix of its parameters is not positive definite; give a better start "
                 "or less spread"

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.accumulator import Accumulator, Compression
-from graphdyn.identification.algebra.base_parameters import RANK, BaseParameters, base_parameters
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, BaseParameters, base_parameters
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data.filtering import filtered
@@ -33,24 +33,24 @@ from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
-BLOCKS = 20
+DEFAULT_TIME_BLOCKS = 20
 """Default number of time blocks: in a recording of 80 correlation times each block has four, and standard
 deviations from 20 blocks are known to 16 %."""
 
-FOLDS = 10
+MAX_FOLDS = 10
 """Largest number of folds of a cross-validation; further time blocks are merged with their neighbors."""
 
-CHUNK = 1024
+CHUNK_SAMPLES = 1024
 """Samples whose regressor is in memory at once: 4 MB for a six-axis arm, and enough to be worth compiling for."""
 
-REMEMBERED = 32e6
+MAX_CACHED_BYTES = 32e6
 """Largest size of equations [bytes] that are kept for the methods that read them many times."""
 
-SUMMED = 32768
+SUMMED_SAMPLES = 32768
 """Samples whose equations are summed up at once; those of the bodies are never in memory, those of friction take 5
 MB."""
 
-NOTHING = (
+NO_SAMPLES = (
     "the recording has no sample, or can be read only once and was: give the samples in a list, or an object that "
     "opens its file in __iter__"
 )
@@ -78,11 +78,11 @@ class Problem:
 
     torque_model: TorqueModel
     data: Samples | Iterable[Samples]
-    n_blocks: int = BLOCKS
+    n_blocks: int = DEFAULT_TIME_BLOCKS
     block_samples: int | None = None
     min_speed: ArrayLike = 0.0
     compression: Compression = "qr"
-    rank_tolerance: float = RANK
+    rank_tolerance: float = RANK_TOLERANCE
     used: NDArray[np.bool_] | None = None
     progress: Callable[[int], None] | None = None
     _memory: list[Rows] = field(default_factory=list, init=False, repr=False)
@@ -129,7 +129,7 @@ class Problem:
             for rows in self.rows():
                 blocks[rows.block].add(rows.matrix, rows.right, kept=rows.kept)
         if not blocks:
-            raise InvalidInput(NOTHING)
+            raise InvalidInput(NO_SAMPLES)
         return tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
 
     def accumulator(self) -> Accumulator:
@@ -184,7 +184,7 @@ class Problem:
 
     @cached_property
     def folds(self) -> tuple[CompressedEquations, ...]:
-        """The time blocks for cross-validation, merged with their neighbors to at most FOLDS."""
+        """The time blocks for cross-validation, merged with their neighbors to at most MAX_FOLDS."""
         return together(self.blocks)
 
     def all_but(self, fold: int) -> CompressedEquations:
@@ -220,10 +220,10 @@ class Problem:
         for part, block in self._cut(counted(self._equations(), self.used)):
             rows = replace(part, block=block)
             size += rows.matrix.nbytes
-            few = [*few, rows] if size <= REMEMBERED else []
+            few = [*few, rows] if size <= MAX_CACHED_BYTES else []
             yield rows
         if not size:
-            raise InvalidInput(NOTHING)
+            raise InvalidInput(NO_SAMPLES)
         self._memory.extend(few)
 
     def _cut(self, parts: Iterable[P]) -> Iterator[tuple[P, int]]:
@@ -245,12 +245,12 @@ class Problem:
         """The samples if no filter precedes their sums, otherwise the filtered equations."""
         for run in self._runs():
             if run.row_filter is None and not self.torque_model.has_memory:
-                yield from map(self._told, run.pieces(SUMMED))
+                yield from map(self._told, run.pieces(SUMMED_SAMPLES))
             else:
                 yield from self._equations_of(run)
 
     def _equations_of(self, run: Run) -> Iterator[Rows]:
-        chunks = map(self._unfiltered, run.pieces(sys.maxsize if self.torque_model.has_memory else CHUNK))
+        chunks = map(self._unfiltered, run.pieces(sys.maxsize if self.torque_model.has_memory else CHUNK_SAMPLES))
         if run.row_filter is not None:
             yield from filtered(chunks, run.row_filter, self.structure.support, self.min_speed)
             return
@@ -334,6 +334,6 @@ def _both(first: CompressedEquations, second: CompressedEquations) -> Compressed
 
 
 def together(blocks: Sequence[CompressedEquations]) -> tuple[CompressedEquations, ...]:
-    """Time blocks merged with their neighbors to at most FOLDS."""
-    length = -(-len(blocks) // FOLDS)
+    """Time blocks merged with their neighbors to at most MAX_FOLDS."""
+    length = -(-len(blocks) // MAX_FOLDS)
     return tuple(merged(blocks[start : start + length]) for start in range(0, len(blocks), length))

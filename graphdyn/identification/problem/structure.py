@@ -16,10 +16,10 @@ from graphdyn.verbs.assembly import assemble
 STATES_PER_PARAMETER = 4
 """Random states per parameter: each gives n equations, far more than there are unknowns."""
 
-ACCELERATION = 10.0
+MAX_RANDOM_ACCELERATION = 10.0
 """Largest random acceleration [rad/s² or m/s²]: inertia is then visible against gravity."""
 
-SPEED = 10.0
+MAX_RANDOM_SPEED = 10.0
 """Largest random speed [rad/s or m/s]: beyond it centrifugal torques would dominate all others."""
 
 SMALLEST_STEP, LARGEST_STEP = 1e-6, 0.1
@@ -55,8 +55,8 @@ def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
     """
     rng = np.random.default_rng(seed)
     q, v = torque_model.model.random_state(rng, size)
-    v = np.clip(v, -SPEED, SPEED)
-    a = rng.uniform(-ACCELERATION, ACCELERATION, q.shape)
+    v = np.clip(v, -MAX_RANDOM_SPEED, MAX_RANDOM_SPEED)
+    a = rng.uniform(-MAX_RANDOM_ACCELERATION, MAX_RANDOM_ACCELERATION, q.shape)
     if torque_model.has_memory:
         sizes = np.exp(rng.uniform(np.log(SMALLEST_STEP), np.log(LARGEST_STEP), q[1::2].shape))
         q[1::2] = q[: 2 * len(sizes) : 2] + sizes * rng.choice([-1.0, 1.0], sizes.shape)

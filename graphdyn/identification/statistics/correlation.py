@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
 from graphdyn.layout import Array
 
-MOST_CELLS = 16384
+MAX_CELLS = 16384
 """Largest number of means of consecutive samples in memory; beyond it neighbors are merged."""
 
-SURELY = 3.0
+MAX_WHITE_DEVIATIONS = 3.0
 """First autocorrelation of white noise, in standard deviations 1/√N, below which residuals count as white."""
 
 
@@ -48,7 +48,7 @@ class CorrelationLength:
         whole = len(self._left) // self._size * self._size
         self._cells = np.concatenate([self._cells, _means(self._left[:whole], self._size)])
         self._left = self._left[whole:]
-        while len(self._cells) > MOST_CELLS:
+        while len(self._cells) > MAX_CELLS:
             even = len(self._cells) // 2 * 2
             odd = np.repeat(self._cells[even:], self._size, axis=0)  # a mean again as the samples that it stands for
             self._left = np.concatenate([odd, self._left])
@@ -73,7 +73,7 @@ def _means(rows: Array, size: int) -> Array:
 
 def _fallen(correlation: Array) -> float:
     """Lags beyond the first after which the correlation is 1/e of that at the first, interpolated linearly."""
-    if correlation[1] <= SURELY / np.sqrt(len(correlation)):
+    if correlation[1] <= MAX_WHITE_DEVIATIONS / np.sqrt(len(correlation)):
         return 0.0
     limit = correlation[1] / np.e
     k = int(np.argmax(correlation <= limit))
@@ -82,7 +82,7 @@ def _fallen(correlation: Array) -> float:
     return float(k - 2 + (correlation[k - 1] - limit) / (correlation[k - 1] - correlation[k]))
 
 
-ALL = 1e-8
+KNOWN_SHARE = 1e-8
 """Relative information of the other blocks on a combination of parameters below which one block alone determines it."""
 
 
@@ -105,11 +105,11 @@ def jackknife_covariance(blocks: Sequence[CompressedEquations], x: Array, deviat
         w, z = block.weighted(deviations)
         orthonormal = (w / scale) @ inverse
         left, vectors = np.linalg.eigh(np.eye(len(x)) - orthonormal.T @ orthonormal)  # information of the others
-        known = left > ALL
+        known = left > KNOWN_SHARE
         gradient = vectors.T @ (orthonormal.T @ (w @ x - z))
         changes.append(inverse @ (vectors[:, known] @ (gradient[known] / left[known])))
         share = inverse @ vectors[:, ~known]
-        alone |= np.sum(share**2, axis=1) > ALL * np.sum(inverse**2, axis=1)
+        alone |= np.sum(share**2, axis=1) > KNOWN_SHARE * np.sum(inverse**2, axis=1)
     s = np.array(changes) / scale
     covariance: Array = s.T @ s * (len(blocks) - 1) / len(blocks)
     covariance[alone, :], covariance[:, alone] = np.nan, np.nan
@@ -128,7 +128,7 @@ def left_out_covariance(blocks: Array, scores: Array, scale: Array) -> Array | N
         return None
     a = blocks / scale / scale[:, None]
     left = a.sum(axis=0) - a
-    if np.linalg.cond(left).max() > 1 / ALL:
+    if np.linalg.cond(left).max() > 1 / KNOWN_SHARE:
         return np.full(blocks.shape[1:], np.inf)
     changes = -np.linalg.solve(left, (scores / scale)[..., None])[..., 0] / scale
     covariance: Array = changes.T @ changes * (count - 1) / count

@@ -23,7 +23,7 @@ from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
-MOTION = ("q", "v", "a")
+MOTION_NAMES = ("q", "v", "a")
 
 
 def torque_slopes(torque_model: TorqueModel, x: Array, motion: Samples, steps: Array) -> Array:
@@ -33,7 +33,7 @@ def torque_slopes(torque_model: TorqueModel, x: Array, motion: Samples, steps: A
     """
     n = motion.q.shape[1]
     slopes = np.zeros((len(motion), n, 3 * n))
-    for d, name in enumerate(MOTION):
+    for d, name in enumerate(MOTION_NAMES):
         for j in np.flatnonzero(steps[d]):
             aside = steps[d, j] * np.eye(n)[j]
             up, down = (
@@ -44,7 +44,7 @@ def torque_slopes(torque_model: TorqueModel, x: Array, motion: Samples, steps: A
     return slopes
 
 
-WINDOW = 4096
+MEASURED_ROWS_AT_ONCE = 4096
 """Rows that are computed at once: enough for compiled code to pay off."""
 
 NO_ERRORS = (
@@ -89,10 +89,10 @@ def measured_motion(problem: Problem) -> Iterator[MeasuredRows]:
 
 
 def _windows(chunks: Iterable[Rows]) -> Iterator[list[Rows]]:
-    """Neighboring chunks of one run, joined up to WINDOW rows."""
+    """Neighboring chunks of one run, joined up to MEASURED_ROWS_AT_ONCE rows."""
     parts: list[Rows] = []
     for chunk in chunks:
-        if parts and (chunk.first or sum(map(len, parts)) >= WINDOW):
+        if parts and (chunk.first or sum(map(len, parts)) >= MEASURED_ROWS_AT_ONCE):
             yield parts
             parts = []
         parts.append(chunk)

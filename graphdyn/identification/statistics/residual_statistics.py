@@ -1,6 +1,6 @@
 """Statistics of torque residuals: their size, and tests of whiteness.
 
-Ljung and Box, Biometrika 65(2), 1978: Q = N (N + 2) Σ_k r_k² / (N - k) over LAGS lags is χ² distributed for white
+Ljung and Box, Biometrika 65(2), 1978: Q = N (N + 2) Σ_k r_k² / (N - k) over N_LAGS lags is χ² distributed for white
 noise. Durbin and Watson, Biometrika 37, 1950: Σ (e_t - e_{t-1})² / Σ e_t² is 2 for white noise, 0 for a drift.
 """
 
@@ -17,11 +17,11 @@ from graphdyn.identification.problem.problem import Problem, own_rows
 from graphdyn.identification.statistics.correlation import CorrelationLength
 from graphdyn.layout import Array
 
-MOVING = 0.02
+MIN_MOVING_SPEED = 0.02
 """Speed below which a joint counts as at rest [rad/s or m/s]: friction is undetermined there and swamps the
 comparison."""
 
-LAGS = 20
+N_LAGS = 20
 """Number of lags of the Ljung-Box test; the autocorrelation of a piece does not reach into the next one."""
 
 
@@ -45,7 +45,7 @@ class ResidualStatistics:
     """Statistics of predicted minus measured torque.
 
     everything: over all samples
-    moving: per joint over the samples with |v_j| > MOVING
+    moving: per joint over the samples with |v_j| > MIN_MOVING_SPEED
     durbin_watson, ljung_box_p: per joint over all samples (n,); p below 0.05 means that the residual is not white,
         and that standard deviations for white noise are too small
     correlation_length: per joint (n,), in samples: the lag at which the autocorrelation has fallen to 1/e; zero for a
@@ -100,7 +100,7 @@ class _Residuals:
 
     def add(self, rows: Rows, residual: Array) -> None:
         self.everything.add(residual, rows.measured, np.ones(rows.right.shape))
-        self.moving.add(residual, rows.measured, (np.abs(rows.velocity) > MOVING).astype(float))
+        self.moving.add(residual, rows.measured, (np.abs(rows.velocity) > MIN_MOVING_SPEED).astype(float))
         self.lagged.add(rows, residual)
         assert self.lengths is not None
         self.lengths.add(residual, rows.kept)
@@ -160,23 +160,23 @@ class _Sizes:
 
 
 class _Autocorrelation:
-    """Sums Σ_t e_t e_{t-k} for k = 0 … LAGS, within pieces."""
+    """Sums Σ_t e_t e_{t-k} for k = 0 … N_LAGS, within pieces."""
 
     def __init__(self, n: int, m: int):
-        self.products = np.zeros((LAGS + 1, n, m))
+        self.products = np.zeros((N_LAGS + 1, n, m))
         self.steps = np.zeros((n, m))
         self.tail = np.zeros((0, n, m))
 
     def add(self, rows: Rows, residual: Array) -> None:
         before = self.tail[:0] if rows.first else self.tail
         joined, start = np.concatenate([before, residual]), len(before)
-        for lag in range(min(LAGS + 1, len(joined))):
+        for lag in range(min(N_LAGS + 1, len(joined))):
             first = max(start, lag)
             later, earlier = joined[first:], joined[first - lag : len(joined) - lag]
             self.products[lag] += np.sum(later * earlier, axis=0)
             if lag == 1:
                 self.steps += np.sum((later - earlier) ** 2, axis=0)
-        self.tail = joined[-LAGS:]
+        self.tail = joined[-N_LAGS:]
 
     def merge(self, other: _Autocorrelation) -> None:
         """Sum with another piece: no product reaches from one into the other."""
@@ -190,8 +190,8 @@ class _Autocorrelation:
     def ljung_box_p(self, count: Array) -> Array:
         from scipy.stats import chi2  # imported where first used: import graphdyn stays light
 
-        lags = np.arange(1, LAGS + 1)[:, None, None]
+        lags = np.arange(1, N_LAGS + 1)[:, None, None]
         with np.errstate(invalid="ignore", divide="ignore"):
             r = self.products[1:] / self.products[0]
             q = count[:, None] * (count[:, None] + 2) * np.sum(r**2 / (count[:, None] - lags), axis=0)
-        return np.where(count[:, None] > LAGS, chi2.sf(q, LAGS), np.nan)
+        return np.where(count[:, None] > N_LAGS, chi2.sf(q, N_LAGS), np.nan)

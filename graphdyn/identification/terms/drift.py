@@ -15,7 +15,7 @@ from graphdyn.identification.terms.term import Term, TermParameter
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
-UNITS = {"time": "s", "temperature": "K"}
+DRIFT_UNITS = {"time": "s", "temperature": "K"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,13 +39,13 @@ class Drift:
         return getattr(self.term, "has_memory", False)
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        if self.over not in UNITS:
-            raise InvalidInput(f"a drift is over '{self.over}'; use {' or '.join(UNITS)}")
+        if self.over not in DRIFT_UNITS:
+            raise InvalidInput(f"a drift is over '{self.over}'; use {' or '.join(DRIFT_UNITS)}")
         return tuple(
             TermParameter(
                 f"{column.name} per {self.over}",
-                f"{column.symbol}/{UNITS[self.over]}",
-                f"{column.unit}/{UNITS[self.over]}",
+                f"{column.symbol}/{DRIFT_UNITS[self.over]}",
+                f"{column.unit}/{DRIFT_UNITS[self.over]}",
             )
             for column in self.term.columns(model)
         )

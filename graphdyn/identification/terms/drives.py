@@ -16,7 +16,7 @@ from graphdyn.identification.terms.term import TermParameter, per_joint_columns,
 from graphdyn.layout import ANGULAR, Array
 from graphdyn.model.robot_model import RobotModel
 
-UNIT = 1e-6
+UNIT_AXIS_TOLERANCE = 1e-6
 """Largest deviation of the length of an axis from 1 that rounding in a file explains."""
 
 
@@ -76,7 +76,7 @@ class RotorInertia:
         joints = [model.joints[number] for number in model.freedoms.independent]
         own = [joint.placement.rotation @ joint.axis for joint in joints]
         axes = as_floats("axes of the rotors", own if self.axes is None else self.axes)
-        if axes.shape != (n, 3) or not np.all(np.abs(np.linalg.norm(axes, axis=-1) - 1) <= UNIT):
+        if axes.shape != (n, 3) or not np.all(np.abs(np.linalg.norm(axes, axis=-1) - 1) <= UNIT_AXIS_TOLERANCE):
             raise InvalidInput(f"axes of the rotors have shape {axes.shape}; give {n} vectors of length 1")
         return gears, axes
 

@@ -20,8 +20,8 @@ from graphdyn.identification.terms.term import TermParameter, per_joint_columns,
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
-TORQUE = ("N m", "N")
-DAMPING = ("N m s/rad", "N s/m")
+TORQUE_UNITS = ("N m", "N")
+DAMPING_UNITS = ("N m s/rad", "N s/m")
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Viscous:
     """F_v v per joint."""
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        return per_joint_columns(model, "viscous friction", "FV", *DAMPING)
+        return per_joint_columns(model, "viscous friction", "FV", *DAMPING_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         return per_joint_rows(samples.v)
@@ -42,7 +42,7 @@ class Coulomb:
     width: ArrayLike | None = None
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        return per_joint_columns(model, "Coulomb friction", "FC", *TORQUE)
+        return per_joint_columns(model, "Coulomb friction", "FC", *TORQUE_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         return per_joint_rows(smooth_sign(samples.v, self.width))
@@ -61,7 +61,7 @@ class Stribeck:
     width: ArrayLike | None = None
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        return per_joint_columns(model, "Stribeck friction", "FS", *TORQUE)
+        return per_joint_columns(model, "Stribeck friction", "FS", *TORQUE_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         v_s = positive("Stribeck velocity", self.velocity, model.n_freedoms)
@@ -76,8 +76,8 @@ class AsymmetricCoulomb:
     width: ArrayLike | None = None
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        forth = per_joint_columns(model, "Coulomb friction forth", "FC+", *TORQUE)
-        return forth + per_joint_columns(model, "Coulomb friction back", "FC-", *TORQUE)
+        forth = per_joint_columns(model, "Coulomb friction forth", "FC+", *TORQUE_UNITS)
+        return forth + per_joint_columns(model, "Coulomb friction back", "FC-", *TORQUE_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         sign = smooth_sign(samples.v, self.width)
@@ -90,8 +90,8 @@ class AsymmetricViscous:
     """One viscous friction for v > 0 and one for v < 0."""
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        forth = per_joint_columns(model, "viscous friction forth", "FV+", *DAMPING)
-        return forth + per_joint_columns(model, "viscous friction back", "FV-", *DAMPING)
+        forth = per_joint_columns(model, "viscous friction forth", "FV+", *DAMPING_UNITS)
+        return forth + per_joint_columns(model, "viscous friction back", "FV-", *DAMPING_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         forth, back = np.maximum(samples.v, 0.0), np.minimum(samples.v, 0.0)
@@ -103,7 +103,7 @@ class Offset:
     """A constant torque per joint: offset of the current sensor, asymmetry of the friction."""
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        return per_joint_columns(model, "offset", "OFF", *TORQUE)
+        return per_joint_columns(model, "offset", "OFF", *TORQUE_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         return per_joint_rows(np.ones(samples.v.shape))

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.terms.friction import TORQUE, each_positive, smooth_sign
+from graphdyn.identification.terms.friction import TORQUE_UNITS, each_positive, smooth_sign
 from graphdyn.identification.terms.term import TermParameter, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.dynamics import gravity_torque
 
-WIDTHS = (0.02, 0.1, 0.5)
+DEFAULT_WIDTHS = (0.02, 0.1, 0.5)
 """Default widths of SmoothCoulomb [rad/s or m/s]: stiction, Stribeck's range, half the speed of slow motions."""
 
 
@@ -49,12 +49,12 @@ class SmoothCoulomb:
     widths: at least one, each one number for all joints or one per joint    (k,) or (k, n)  [rad/s or m/s]
     """
 
-    widths: Sequence[ArrayLike] = WIDTHS
+    widths: Sequence[ArrayLike] = DEFAULT_WIDTHS
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         names: list[TermParameter] = []
         for k, per_joint in enumerate(each_positive("width", self.widths, model.n_freedoms), start=1):
-            plain = per_joint_columns(model, "Coulomb friction", f"FC{k}", *TORQUE)
+            plain = per_joint_columns(model, "Coulomb friction", f"FC{k}", *TORQUE_UNITS)
             names += [
                 TermParameter(f"{column.name} of width {width:g}", column.symbol, column.unit)
                 for column, width in zip(plain, per_joint, strict=True)

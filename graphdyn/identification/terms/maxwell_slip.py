@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.terms.friction import TORQUE, each_positive
+from graphdyn.identification.terms.friction import TORQUE_UNITS, each_positive
 from graphdyn.identification.terms.term import TermParameter, per_joint_columns, per_joint_rows
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
@@ -49,7 +49,7 @@ class MaxwellSlip:
         return tuple(
             TermParameter(f"{column.name} {k}" if several else column.name, column.symbol, column.unit)
             for k in range(1, count + 1)
-            for column in per_joint_columns(model, "Maxwell-slip friction", f"FM{k if several else ''}", *TORQUE)
+            for column in per_joint_columns(model, "Maxwell-slip friction", f"FM{k if several else ''}", *TORQUE_UNITS)
         )
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:

@@ -16,8 +16,8 @@ from graphdyn.model.inertia import PARAMETER_NAMES
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.matrices import joint_torque_regressor
 
-SYMBOLS = ("M", "MX", "MY", "MZ", "XX", "XY", "YY", "XZ", "YZ", "ZZ")
-UNITS = ("kg", *["kg m"] * 3, *["kg m²"] * 6)
+PARAMETER_SYMBOLS = ("M", "MX", "MY", "MZ", "XX", "XY", "YY", "XZ", "YZ", "ZZ")
+PARAMETER_UNITS = ("kg", *["kg m"] * 3, *["kg m²"] * 6)
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def inertial_columns(name: str, number: str) -> tuple[TermParameter, ...]:
     """Columns of one rigid body."""
     return tuple(
         TermParameter(f"{name} {parameter}", f"{symbol}_{number}", unit)
-        for parameter, symbol, unit in zip(PARAMETER_NAMES, SYMBOLS, UNITS, strict=True)
+        for parameter, symbol, unit in zip(PARAMETER_NAMES, PARAMETER_SYMBOLS, PARAMETER_UNITS, strict=True)
     )
 
 

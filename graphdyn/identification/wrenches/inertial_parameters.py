@@ -24,7 +24,7 @@ from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.model.spatial import apply
 from graphdyn.verbs.matrices import body_regressor
 
-_KINDS = (0, 1, 1, 1, 2, 2, 2, 2, 2, 2)
+_PARAMETER_KINDS = (0, 1, 1, 1, 2, 2, 2, 2, 2, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ def identify_inertial_parameters(
     bodies = np.arange(model.n_bodies)
     matrix = np.zeros((*y.shape[:-1], model.n_bodies, BODY_PARAMETERS))
     matrix[:, bodies, :, bodies] = np.moveaxis(y, 1, 0)
-    equations = WrenchEquations(model.body_names, PARAMETER_NAMES, _KINDS, matrix, link_wrenches(model, data))
+    equations = WrenchEquations(model.body_names, PARAMETER_NAMES, _PARAMETER_KINDS, matrix, link_wrenches(model, data))
     return equations.solve_by_body(precision)
 
 
@@ -86,7 +86,7 @@ def identify_inertial_parameters_together(
     equations = WrenchEquations(
         model.body_names,
         PARAMETER_NAMES,
-        _KINDS,
+        _PARAMETER_KINDS,
         matrix.reshape(*right.shape, model.n_bodies, BODY_PARAMETERS)[:, measured],
         right[:, measured],
     )

@@ -18,7 +18,7 @@ from graphdyn.model.robot_model import RobotModel
 PRINCIPAL_PARAMETER_NAMES = ("m(e_1)", "m(e_2)", "m(e_3)", "J_11", "J_22", "J_33")
 """X_i of Eq. (51): the mass from each world direction, then the moments of inertia about the body axes."""
 
-_KINDS = (0, 0, 0, 1, 1, 1)
+_PRINCIPAL_KINDS = (0, 0, 0, 1, 1, 1)
 
 
 def mass_rows(acceleration: ArrayLike, gravity: ArrayLike) -> Array:
@@ -86,4 +86,4 @@ def _equations(model: RobotModel, data: WrenchData) -> WrenchEquations:
     matrix = np.zeros((*y.shape[:-1], *y.shape[1:3]))  # (59): block diagonal
     matrix[:, bodies, :, bodies] = np.moveaxis(y, 1, 0)
     right = np.concatenate(body_wrenches(model, data), axis=-1)
-    return WrenchEquations(model.body_names, PRINCIPAL_PARAMETER_NAMES, _KINDS, matrix, right)
+    return WrenchEquations(model.body_names, PRINCIPAL_PARAMETER_NAMES, _PRINCIPAL_KINDS, matrix, right)

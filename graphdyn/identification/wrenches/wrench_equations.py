@@ -6,11 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.algebra.rank_revealing import EPS, MARGIN, ParameterEstimate, rank_revealing_least_squares
+from graphdyn.identification.algebra.rank_revealing import (
+    EPS,
+    PRECISION_MARGIN,
+    ParameterEstimate,
+    rank_revealing_least_squares,
+)
 from graphdyn.identification.wrenches.identified_bodies import IdentifiedBodies
 from graphdyn.layout import Array
 
-LARGEST_TOLERANCE = 1e-2
+MAX_RANK_TOLERANCE = 1e-2
 """Largest estimated precision: a column with a hundredth of the length of the strongest counts as rounding only if the
 caller gives that precision."""
 
@@ -49,7 +54,7 @@ class WrenchEquations:
         residual = self._solve(slice(None), slice(None), EPS).residual
         measured = np.linalg.norm(self.right)
         seen = float(np.linalg.norm(residual) / measured) if measured > 0 else EPS
-        return min(max(seen, EPS), LARGEST_TOLERANCE / MARGIN)
+        return min(max(seen, EPS), MAX_RANK_TOLERANCE / PRECISION_MARGIN)
 
     @property
     def scale(self) -> Array:

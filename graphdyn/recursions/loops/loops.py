@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.model.loops import CLOSED
+from graphdyn.model.loops import CLOSED_TOLERANCE
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.declarations import Recursion, with_chords
 from graphdyn.recursions.inertia import inverted, mass_matrix
@@ -24,11 +24,11 @@ from graphdyn.recursions.mechanism.mechanism import Link
 from graphdyn.recursions.motion import Root, inertial_wrench, motions, places
 from graphdyn.scalars.vectors import Scalars, zeros
 
-CAUTION = 2e-6
+DEPENDENT_PIVOT_FACTOR = 2e-6
 """Pivots of J_dᵀJ_d count this much: one of 5e-4 of the squares of all entries in its rows is as suspicious as one of
 1e-9 of a mass matrix. Above it accelerations agree with the projected ones to 1e-12, below to 1e-11 and less."""
 
-TINY = 1e20
+OPEN_LOOP_FACTOR = 1e20
 """Makes what is left below the bound of an open loop, of the size CLOSED² = 1e-16, comparable to pivots."""
 
 
@@ -78,9 +78,9 @@ def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) ->
     motions_of[independent, range(len(independent))] = 1.0
     motions_of[dependent, :] = -(inverse @ (columns.T @ jacobian[:, independent]))
     sizes = [sum(x * x for x in jacobian[[not is_zero(x) for x in column]].ravel()) for column in columns.T]
-    watched = [_ratio(pivot, size) * CAUTION for pivot, size in zip(pivots, sizes, strict=True)]
+    watched = [_ratio(pivot, size) * DEPENDENT_PIVOT_FACTOR for pivot, size in zip(pivots, sizes, strict=True)]
     for row in rows:
-        watched += [1.0 - gap * gap * (1.0 / CLOSED**2) for gap in row.gap]
+        watched += [1.0 - gap * gap * (1.0 / CLOSED_TOLERANCE**2) for gap in row.gap]
         watched += row.agreeing
         watched += [_opening(line, v, 0.0) for line in row.jacobian]
     return Closing(motions_of, dependent, columns, inverse, rows, watched)
@@ -156,7 +156,9 @@ def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:
     whole[motors, :] = of_motors @ inverse @ held.motions.T
     if model.actuated is None:
         return whole, [0.0]  # suspicious, so that the specification refuses
-    return whole, [_ratio(pivot, size) * CAUTION for pivot, size in zip(pivots, square.diagonal(), strict=True)]
+    return whole, [
+        _ratio(pivot, size) * DEPENDENT_PIVOT_FACTOR for pivot, size in zip(pivots, square.diagonal(), strict=True)
+    ]
 
 
 def _reactions(
@@ -198,7 +200,7 @@ def _opening(line: Scalars, rates: Columns, wanted: Any) -> Any:
     """Negative where a row times rates is not as wanted, to CLOSED of its terms."""
     terms = [x * rate for x, rate in zip(line, rates, strict=True)]
     error, size = sum(terms) - wanted, sum(x * x for x in terms) + wanted * wanted
-    return (size * CLOSED**2 - error * error) * TINY + 1e-6
+    return (size * CLOSED_TOLERANCE**2 - error * error) * OPEN_LOOP_FACTOR + 1e-6
 
 
 def _ratio(pivot: Any, size: Any) -> Any:

@@ -14,11 +14,11 @@ from dataclasses import replace
 import numpy as np
 
 from graphdyn.layout import Array
-from graphdyn.recursions.mechanism.mechanism import ROUNDING, Link, rounded, without_rounding
+from graphdyn.recursions.mechanism.mechanism import ROTATION_ROUNDING, Link, rounded, without_rounding
 from graphdyn.recursions.mechanism.regrouping import moved_tensor
 from graphdyn.scalars.vectors import scalars
 
-FARTHEST_FOOT = 2.0
+MAX_FOOT_DISTANCE = 2.0
 """Distances of two origins within which the foot of their common normal has to lie. Nearly parallel axes have theirs
 far away, and parameters about it would lose digits."""
 
@@ -79,11 +79,11 @@ def _feet(link: Link) -> tuple[float, float] | None:
     """Of the common normal of both axes, along the inside axis and along the joint's own; None if far away."""
     axis, translation = link.rotation[:, 2].astype(float), link.translation.astype(float)
     sine_squared = axis[0] ** 2 + axis[1] ** 2
-    if sine_squared <= ROUNDING**2:
+    if sine_squared <= ROTATION_ROUNDING**2:
         return None
     own = -float(translation[:2] @ axis[:2]) / sine_squared
     inside = translation[2] + own * axis[2]
-    return (inside, own) if max(abs(own), abs(inside)) <= FARTHEST_FOOT * np.linalg.norm(translation) else None
+    return (inside, own) if max(abs(own), abs(inside)) <= MAX_FOOT_DISTANCE * np.linalg.norm(translation) else None
 
 
 def _towards_inside(link: Link, inside: float) -> float:
@@ -142,7 +142,7 @@ def _own_axes(links: Sequence[Link], j: int) -> Array | None:
     if outside is None:
         return None
     axis, translation = outside.rotation[:, 2].astype(float), outside.translation.astype(float)
-    tilted = np.hypot(axis[0], axis[1]) > ROUNDING
+    tilted = np.hypot(axis[0], axis[1]) > ROTATION_ROUNDING
     x, y = (-axis[1], axis[0]) if tilted else (translation[0], translation[1])
     return _turn(x, y) if np.hypot(x, y) > 0 else None
 

@@ -16,7 +16,7 @@ from graphdyn.model.inertia import parallel_axis
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.vectors import Scalars, scalars
 
-ROUNDING = 4 * float(np.finfo(float).eps)
+ROTATION_ROUNDING = 4 * float(np.finfo(float).eps)
 """Entries of a rotation this close to 0 or ±1 are rounded to it: a product of three rotations has errors of this size.
 Those of nearly right angles (1.5707963 for π/2) are two hundred million times larger, and stay as they are."""
 
@@ -74,11 +74,11 @@ def links(model: RobotModel) -> tuple[Link, ...]:
 def rounded(rotation: Array) -> Array:
     """With 0 and ±1 where rounding has left something else."""
     nearest = np.round(rotation)
-    cleaned: Array = np.where(np.abs(rotation - nearest) <= ROUNDING, nearest, rotation)
+    cleaned: Array = np.where(np.abs(rotation - nearest) <= ROTATION_ROUNDING, nearest, rotation)
     return cleaned
 
 
 def without_rounding(values: Array, size: float) -> Array:
     """With 0 where rounding has left something else of a sum; size: of the terms."""
-    cleaned: Array = np.where(np.abs(values) <= ROUNDING * size, 0.0, values)
+    cleaned: Array = np.where(np.abs(values) <= ROTATION_ROUNDING * size, 0.0, values)
     return cleaned

@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from graphdyn.layout import Array
-from graphdyn.recursions.mechanism.mechanism import ROUNDING, Link, without_rounding
+from graphdyn.recursions.mechanism.mechanism import ROTATION_ROUNDING, Link, without_rounding
 from graphdyn.scalars.vectors import scalars
 
 
@@ -54,7 +54,7 @@ def moved_tensor(mass: float, moment: Array, place: Array) -> Array:
 def _without_line(tensor: Array) -> Array:
     """I - I_yy diag(1, 1, 0); a body with equal moments of inertia about x and y keeps none of both."""
     rest: Array = tensor - tensor[1, 1] * np.diag([1.0, 1.0, 0.0])
-    if abs(rest[0, 0]) <= ROUNDING * abs(tensor[1, 1]):
+    if abs(rest[0, 0]) <= ROTATION_ROUNDING * abs(tensor[1, 1]):
         rest[0, 0] = 0.0
     return rest
 

@@ -16,16 +16,16 @@ from graphdyn.model.loops import loop_spaces
 from graphdyn.simulation.equations.equations import Contact, Equations, Rates
 from graphdyn.simulation.plant import PlantConstants
 
-NEWTON_STEPS = 6
+MAX_PROJECTION_STEPS = 6
 """Of a projection; two close what a step of integration leaves open."""
 
-SMALL = 1e-8
+LAST_STEP_GAP = 1e-8
 """Gap [m, rad] whose square is rounding: the Newton step from there is the last."""
 
-SINGULAR = 1e-6
+MIN_START_SINGULAR_VALUE = 1e-6
 """A simulation does not start where the smallest singular value of J is below this part of the largest."""
 
-BLIND = 1e-7
+SINGULAR_DIRECTION_SHARE = 1e-7
 """Singular values of J below this part of the largest are rounding: nothing is done along them."""
 
 
@@ -59,7 +59,7 @@ class LoopEquations(Equations):
     def started(self, q: Array, v: Array) -> tuple[Array, Array]:
         """The state closed to rounding. Raises InvalidInput in a singular pose, where the motion is not determined."""
         q, v = self.closed(q, v)
-        if self.distance < SINGULAR:
+        if self.distance < MIN_START_SINGULAR_VALUE:
             raise InvalidInput(
                 f"robot '{self.plant.model.name}' starts in a singular pose of its loops, where more motions are free "
                 "than elsewhere and torques do not determine which it takes; start beside it"
@@ -71,11 +71,11 @@ class LoopEquations(Equations):
 
         Raises IntegrationFailed where Newton steps do not close them.
         """
-        for _ in range(NEWTON_STEPS):
+        for _ in range(MAX_PROJECTION_STEPS):
             gaps = self._loops.gaps(q)
             inverse, _ = self._spaces(self._loops.jacobian(self._loops.links(q)))
             q = q - inverse @ gaps
-            if np.abs(gaps).max() < SMALL:
+            if np.abs(gaps).max() < LAST_STEP_GAP:
                 break
         else:
             raise IntegrationFailed(
@@ -91,7 +91,7 @@ class LoopEquations(Equations):
         left, values, right = np.linalg.svd(jacobian)
         rank = self._rank
         self.distance = float(values[rank - 1] / values[0]) if rank else 1.0
-        kept = values[:rank] > BLIND * values[:1]
+        kept = values[:rank] > SINGULAR_DIRECTION_SHARE * values[:1]
         inverse = np.where(kept, 1.0 / np.where(kept, values[:rank], 1.0), 0.0)
         return (right[:rank].T * inverse) @ left[:, :rank].T, right[rank:].T
 

@@ -19,16 +19,16 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.drives import position_limits
 from graphdyn.simulation.equations.equations import Contact, Equations
-from graphdyn.simulation.integration.course import COLUMNS, Event, Occurrence, SimulatedCourse
+from graphdyn.simulation.integration.course import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
 from graphdyn.simulation.integration.steps import Torque
 
-SLIDING_PASSES = 20
+MAX_SLIDING_PASSES = 20
 """How often it is decided again which joints slide: more than ever needed, since each joint changes once or twice."""
 
-CHATTER = 1000
+MAX_STUCK_STRETCHES = 1000
 """Stretches without progress that mean the same events follow each other without end."""
 
-TOLD = 500
+EVALUATIONS_PER_REPORT = 500
 """Evaluations after which progress is told, a tenth of a second at most."""
 
 
@@ -73,7 +73,7 @@ def adaptive(
     tau_at, end = _torque_from(torque, tick, equations, y, duration)
     while True:
         q, v = y[:n], y[n : 2 * n]
-        contact = equations.contact(t, q, v, tau_at(t, q, v), SLIDING_PASSES, loose)
+        contact = equations.contact(t, q, v, tau_at(t, q, v), MAX_SLIDING_PASSES, loose)
         stretch = _Stretch(equations, tau_at, contact, progress)
         watched = stretch.watches() + (_limit_watches(equations) if stop_at_limits else [])
         watched += [_Watch(_of_state(event.function, n), event.name, event.direction, event.stop) for event in events]
@@ -96,7 +96,7 @@ def adaptive(
         if ended or finished:
             break
         idle = idle + 1 if reached <= t else 0
-        if idle > CHATTER:
+        if idle > MAX_STUCK_STRETCHES:
             raise IntegrationFailed(
                 f"at {t:g} s joints start and stop without end; give friction that is less stiff, or fixed steps"
             )
@@ -132,7 +132,7 @@ class _Stretch:
 
     def derivative(self, t: float, y: Array) -> Array:
         self._evaluations += 1
-        if self._evaluations % TOLD == 0 and t > self._reached:
+        if self._evaluations % EVALUATIONS_PER_REPORT == 0 and t > self._reached:
             self._reached = t
             self._progress(t)
         n = len(self._contact.sign)
@@ -182,15 +182,15 @@ class _Stretch:
 
     def _course(self, times: Array, states: Array) -> SimulatedCourse:
         n = len(self._contact.sign)
-        columns: dict[str, list[Array]] = {name: [] for name in COLUMNS}
+        columns: dict[str, list[Array]] = {name: [] for name in COURSE_COLUMNS}
         for t, y in zip(times.tolist(), states, strict=True):
             q, v = y[:n], y[n : 2 * n]
             tau = self._tau_at(t, q, v)
             found = self._equations.rates(t, q, v, tau, self._contact)
             values = (q, v, y[2 * n : 2 * n + 1], y[2 * n + 1 :], tau, found.a, found.passive)
-            for name, value in zip(COLUMNS, values, strict=True):
+            for name, value in zip(COURSE_COLUMNS, values, strict=True):
                 columns[name].append(value)
-        widths = {name: 1 if name in ("work", "loss") else n for name in COLUMNS}
+        widths = {name: 1 if name in ("work", "loss") else n for name in COURSE_COLUMNS}
         return SimulatedCourse(times, {name: np.reshape(rows, (-1, widths[name])) for name, rows in columns.items()})
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from graphdyn.compiler.batch import ground_columns
 from graphdyn.compiler.native import compiling, host_lanes
-from graphdyn.compiler.running import LONGEST, chosen_backend, in_threads
+from graphdyn.compiler.running import MAX_COMPILED_LENGTH, chosen_backend, in_threads
 from graphdyn.compiler.simulated import Inputs, in_joint_axes, record_accelerations, record_law
 from graphdyn.compiler.stepping.layout import StepCode
 from graphdyn.compiler.stepping.stepping import CompiledSteps, StepRange, in_blocks, out_of_blocks
@@ -23,7 +23,7 @@ from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
 from graphdyn.simulation.integration.steps import Tableau, tableau
 from graphdyn.simulation.plant import PlantConstants
 
-MEMORY = 1 << 26
+BLOCK_BYTES = 1 << 26
 """Bytes of torques, noise and records of the blocks that a thread has in hand at once, roughly."""
 
 _programs: WeakKeyDictionary[RobotModel, dict[Inputs, Program]] = WeakKeyDictionary()
@@ -34,7 +34,7 @@ def can_compile(plant: PlantConstants) -> bool:
     """Whether compiled steps can take this plant on this back end."""
     if chosen_backend() != "llvm" or plant.wrenches is not None:
         return False
-    return _accelerations(plant.model, _inputs(plant)).length <= LONGEST
+    return _accelerations(plant.model, _inputs(plant)).length <= MAX_COMPILED_LENGTH
 
 
 def _accelerations(model: RobotModel, inputs: Inputs) -> Program:
@@ -135,7 +135,7 @@ def run_blocks(
     blocks, columns = len(state), sum(widths.values())
     records = {name: np.empty((runs, stretch.records, width)) for name, width in widths.items()}
     one = 8 * lanes * (stretch.records * columns + stretch.ticks * sum(steps.what.control.values()))
-    size = max(1, min(MEMORY // max(one, 1), -(-blocks // 64) if blocks > 64 else 1))
+    size = max(1, min(BLOCK_BYTES // max(one, 1), -(-blocks // 64) if blocks > 64 else 1))
     ends = [*range(0, blocks, size), blocks]
 
     def work(first: int, last: int) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from graphdyn.layout import Array
 
-COLUMNS = ("q", "v", "work", "loss", "tau", "a", "passive")
+COURSE_COLUMNS = ("q", "v", "work", "loss", "tau", "a", "passive")
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,10 @@ class Occurrence:
 
 @dataclass(frozen=True, eq=False)
 class SimulatedCourse:
-    """time (N,), and the columns of COLUMNS (N, width); ended: name of the event that ended it, "" for the duration."""
+    """Times (N,) and the columns of COURSE_COLUMNS (N, width).
+
+    ended: name of the event that ended it, "" for the duration
+    """
 
     time: Array
     columns: dict[str, Array]
@@ -51,7 +54,7 @@ class SimulatedCourse:
 
     @staticmethod
     def joined(parts: list[SimulatedCourse], occurrences: list[Occurrence], ended: str) -> SimulatedCourse:
-        columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in COLUMNS}
+        columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in COURSE_COLUMNS}
         return SimulatedCourse(np.concatenate([part.time for part in parts]), columns, tuple(occurrences), ended)
 
     def rows(self, chosen: NDArray[np.int64] | slice) -> SimulatedCourse:

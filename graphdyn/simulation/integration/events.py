@@ -13,7 +13,7 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.drives import position_limits
 from graphdyn.simulation.equations.loop_equations import LoopEquations, equations_of
-from graphdyn.simulation.integration.course import COLUMNS, Event, Occurrence, SimulatedCourse
+from graphdyn.simulation.integration.course import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import Torques
 
@@ -67,7 +67,7 @@ class Scan:
         tau = rows.columns["tau"][k] if held else equations.clamped(self._source.tau_at(time, q, v))
         found = equations.rates(time, q, v, tau, equations.contact(time, q, v, tau))
         values = {**state, "tau": tau, "a": found.a, "passive": found.passive}
-        return SimulatedCourse(np.array([time]), {name: values[name][None] for name in COLUMNS})
+        return SimulatedCourse(np.array([time]), {name: values[name][None] for name in COURSE_COLUMNS})
 
 
 def limit_events(plant: PlantConstants) -> list[Event]:

@@ -22,17 +22,23 @@ from graphdyn.simulation.integration.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.integration.course import COLUMNS, Event, SimulatedCourse
+from graphdyn.simulation.integration.course import COURSE_COLUMNS, Event, SimulatedCourse
 from graphdyn.simulation.integration.events import Scan
 from graphdyn.simulation.integration.loop_steps import LoopSteps
 from graphdyn.simulation.integration.steps import python_steps, tableau
 from graphdyn.simulation.plant import PlantConstants
-from graphdyn.simulation.torques import DIVIDES, FOREVER, SMALLER, Torques, whole_steps
+from graphdyn.simulation.torques import (
+    CONSTANT_TORQUE_STEPS,
+    QUOTIENT_TOLERANCE,
+    SMALLER_STEPS_REMEDY,
+    Torques,
+    whole_steps,
+)
 
-CHUNK = 4096
+CHUNK_STEPS = 4096
 """Steps after which progress is told and events are looked for."""
 
-FEW = 64
+LOOP_CHUNK_STEPS = 64
 """The same for robots with loops, whose steps take milliseconds."""
 
 Rows = dict[str, Array]
@@ -65,7 +71,7 @@ def fixed(
     else:
         run = compiled_chunks if compiled and source.function is None and can_compile(plant) else python_chunks
     parts, done = [], 0
-    size = FEW if plant.model.chords else CHUNK
+    size = LOOP_CHUNK_STEPS if plant.model.chords else CHUNK_STEPS
     for stretch, rows in run(plant, start, source, method, stretches(steps, every, hold, step, size)):
         numbers = np.arange(-(-stretch.start // every) * every, stretch.start + stretch.count, every)
         times = numbers.astype(float) * step
@@ -86,9 +92,9 @@ def fixed(
     return whole.rows(chosen)
 
 
-def stretches(steps: int, every: int, hold: int, h: float, size: int = CHUNK) -> Iterator[StepRange]:
+def stretches(steps: int, every: int, hold: int, h: float, size: int = CHUNK_STEPS) -> Iterator[StepRange]:
     """Chunks of the steps 0 … steps, the last of which is for its record; each begins with a new torque if any does."""
-    size = size if hold == FOREVER else -(-size // hold) * hold
+    size = size if hold == CONSTANT_TORQUE_STEPS else -(-size // hold) * hold
     for first in range(0, steps + 1, size):
         yield StepRange(first, min(size, steps + 1 - first), every, hold, h)
 
@@ -109,7 +115,7 @@ def python_chunks(
             rows = python_steps(
                 equations, tableau(method), stretch, state, source.tau_at, None if source.function else held
             )
-        yield stretch, {name: np.array(rows[name]).reshape(stretch.records, -1) for name in COLUMNS}
+        yield stretch, {name: np.array(rows[name]).reshape(stretch.records, -1) for name in COURSE_COLUMNS}
 
 
 def loop_chunks(
@@ -133,7 +139,7 @@ def loop_chunks(
             if step % stretch.every == 0:
                 rows.append(steps.row(t, y, torque))
             y = steps.advanced(t, y, stretch.h, torque).y
-        yield stretch, {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+        yield stretch, {name: np.array([row[name] for row in rows]) for name in COURSE_COLUMNS}
 
 
 def compiled_chunks(
@@ -163,12 +169,12 @@ def compiled_chunks(
             1,
             1,
         )
-        yield stretch, {name: records[name][0] for name in COLUMNS}
+        yield stretch, {name: records[name][0] for name in COURSE_COLUMNS}
 
 
 def _numbers_of_steps(at: Array, step: float) -> NDArray[np.int64]:
     numbers = np.round(at / step)
-    apart = np.abs(at / step - numbers) > DIVIDES * np.maximum(numbers, 1)
+    apart = np.abs(at / step - numbers) > QUOTIENT_TOLERANCE * np.maximum(numbers, 1)
     if apart.any():
         raise InvalidInput(
             f"time {at[apart][0]:g} s of at is no multiple of the step, {step:g} s; take such times, or method 'dop853'"
@@ -179,4 +185,6 @@ def _numbers_of_steps(at: Array, step: float) -> NDArray[np.int64]:
 def _refuse_infinite(times: Array, rows: Rows) -> None:
     finite = np.isfinite(rows["q"]).all(axis=-1) & np.isfinite(rows["v"]).all(axis=-1)
     if not finite.all():
-        raise IntegrationFailed(f"at {times[int(np.argmin(finite))]:g} s the numbers are no longer finite; {SMALLER}")
+        raise IntegrationFailed(
+            f"at {times[int(np.argmin(finite))]:g} s the numbers are no longer finite; {SMALLER_STEPS_REMEDY}"
+        )

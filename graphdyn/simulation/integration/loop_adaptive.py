@@ -15,7 +15,7 @@ from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.simulation.equations.loop_equations import LoopEquations
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances
-from graphdyn.simulation.integration.course import COLUMNS, Event, Occurrence, SimulatedCourse
+from graphdyn.simulation.integration.course import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
 from graphdyn.simulation.integration.events import changes, limit_events
 from graphdyn.simulation.integration.loop_steps import LoopSteps, Stepped
 from graphdyn.simulation.integration.steps import Torque, tableau
@@ -23,13 +23,13 @@ from graphdyn.simulation.integration.steps import Torque, tableau
 SAFETY, NARROWER, WIDER, ORDER = 0.9, 0.2, 10.0, 8
 """Of the choice of the next width, as in scipy.integrate."""
 
-NARROWEST_NEAR_POSE = 1 / 8
+MIN_STEP_NEAR_POSE = 1 / 8
 """Of a step near a singular pose, relative to the last one far from it."""
 
-NARROWEST = 1e-14
+MIN_STEP_WIDTH_SHARE = 1e-14
 """Of a step, as a part of the duration: narrower ones would be lost in the rounding of the time."""
 
-FIRST = 1e-3
+FIRST_STEP_SHARE = 1e-3
 """Width of the first step that is tried, as a part of the duration."""
 
 
@@ -72,7 +72,7 @@ def loop_adaptive(
         if ended or at is None or run.t in at:
             times, rows = [*times, run.t], [*rows, run.row()]
         progress(run.t)
-    columns = {name: np.array([row[name] for row in rows]) for name in COLUMNS}
+    columns = {name: np.array([row[name] for row in rows]) for name in COURSE_COLUMNS}
     return SimulatedCourse(np.array(times), columns, tuple(occurrences), ended)
 
 
@@ -93,7 +93,7 @@ class _AdaptiveRun:
         self._equations, self._torque, self._tolerances = equations, torque, tolerances
         errors = np.array([DOP853.E3[: DOP853.n_stages], DOP853.E5[: DOP853.n_stages]])
         self._steps = LoopSteps(equations, tableau("rk8"), closed_stages, errors)
-        self._n, self._tick, self._width, self._duration = len(start[0]), -1, FIRST * duration, duration
+        self._n, self._tick, self._width, self._duration = len(start[0]), -1, FIRST_STEP_SHARE * duration, duration
         self._far_width = self._width
         self.t, self.y = 0.0, np.concatenate([*start, np.zeros(2)])
         self._hold()
@@ -115,7 +115,7 @@ class _AdaptiveRun:
             end = min(end, (self._tick + 1) * self._torque.period)
         while True:
             h = min(self._width, end - self.t)
-            if h < min(NARROWEST * self._duration, end - self.t):
+            if h < min(MIN_STEP_WIDTH_SHARE * self._duration, end - self.t):
                 raise IntegrationFailed(
                     f"the integration failed at {self.t:g} s: steps have become too narrow; the torques may be too "
                     "stiff or too large"
@@ -124,11 +124,11 @@ class _AdaptiveRun:
             error = np.inf if step is None else self._error(step)
             wider = min(WIDER, SAFETY * error ** (-1 / ORDER)) if error > 0 else WIDER
             near = step is not None and step.distance <= self._steps.wary
-            if step is not None and (error < 1 or (near and h <= self._far_width * NARROWEST_NEAR_POSE)):
+            if step is not None and (error < 1 or (near and h <= self._far_width * MIN_STEP_NEAR_POSE)):
                 break
             self._width = h * max(NARROWER, wider)
             if near:
-                self._width = max(self._width, self._far_width * NARROWEST_NEAR_POSE)
+                self._width = max(self._width, self._far_width * MIN_STEP_NEAR_POSE)
         if not near:
             self._far_width = h
         self._width = max(self._width if h < self._width else 0.0, h * wider) if error < 1 else h

@@ -17,15 +17,15 @@ from graphdyn.layout import Array
 from graphdyn.simulation.equations.equations import Contact
 from graphdyn.simulation.equations.loop_equations import LoopEquations
 from graphdyn.simulation.integration.steps import Tableau, Torque
-from graphdyn.simulation.torques import SMALLER
+from graphdyn.simulation.torques import SMALLER_STEPS_REMEDY
 
-WARY = 0.1
+NEAR_POSE_SHARE = 0.1
 """Below this part of the distance of a regular pose, stages are closed, and choose where they are."""
 
-FAR = 0.01
+GOOD_DISTANCE_SHARE = 0.01
 """A step whose stages keep this part of that distance is good enough to be taken."""
 
-DIVISIONS = ((1.0,), (0.5, 0.5), (0.35, 0.65), (0.65, 0.35), (0.43, 0.57), (0.57, 0.43), (0.2, 0.8), (0.8, 0.2))
+STEP_DIVISIONS = ((1.0,), (0.5, 0.5), (0.35, 0.65), (0.65, 0.35), (0.43, 0.57), (0.57, 0.43), (0.2, 0.8), (0.8, 0.2))
 """Of a step near a singular pose; the one whose stages stay farthest from it is taken."""
 
 
@@ -62,20 +62,20 @@ class LoopSteps:
             step = self._stepped(t, y, h, torque, careful=False)
             return step if step.distance > self.wary else self._best_divided(t, y, h, torque)
         except np.linalg.LinAlgError as error:
-            raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER}") from error
+            raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER_STEPS_REMEDY}") from error
 
     @property
     def wary(self) -> float:
         """The distance from a singular pose below which a step is taken with care."""
-        return WARY * self.equations.usual_distance
+        return NEAR_POSE_SHARE * self.equations.usual_distance
 
     def _best_divided(self, t: float, y: Array, h: float, torque: Torque) -> Stepped:
         best: Stepped | None = None
-        for parts in DIVISIONS:
+        for parts in STEP_DIVISIONS:
             tried = self._divided(t, y, [h * part for part in parts], torque)
             if best is None or tried.distance > best.distance:
                 best = tried
-            if best.distance > FAR * self.equations.usual_distance:
+            if best.distance > GOOD_DISTANCE_SHARE * self.equations.usual_distance:
                 break
         assert best is not None
         return best

@@ -25,17 +25,17 @@ from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
 from graphdyn.model.spatial import apply
 from graphdyn.simulation.equations.equations import Equations
-from graphdyn.simulation.integration.course import COLUMNS, SimulatedCourse
+from graphdyn.simulation.integration.course import COURSE_COLUMNS, SimulatedCourse
 from graphdyn.simulation.integration.steps import Tableau, tableau
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import Torques, whole_steps
 
 Stabilisation = Literal["projection", "baumgarte", "none"]
 
-SMALL = 1e-8
+LAST_STEP_RESIDUAL = 1e-8
 """Residual [m, -] whose square is rounding: one Newton step from there closes the joints."""
 
-PROJECTIONS = 3
+MAX_NEWTON_PROJECTIONS = 3
 """Newton steps of a projection, at most; one is enough for the error of a step."""
 
 BAUMGARTE_STEPS = 20
@@ -68,14 +68,14 @@ def maximal(
     steps = whole_steps("the duration", duration, step)
     wanted = None if at is None else {round(time / step) for time in at.tolist()}
     run = _MaximalRun(plant, start, source, tableau(method), step, source.steps_held(step, steps), stabilisation)
-    rows: dict[str, list[Array]] = {name: [] for name in COLUMNS}
+    rows: dict[str, list[Array]] = {name: [] for name in COURSE_COLUMNS}
     times, states = [], []
     for number, state, values in run.steps(steps):
         progress(number * step)
         if wanted is None or number in wanted:
             times.append(number * step)
             states.append(state)
-            for name in COLUMNS:
+            for name in COURSE_COLUMNS:
                 rows[name].append(values[name])
     position, rotation, velocity = (
         np.stack([getattr(state, name) for state in states]) for name in ("position", "rotation", "velocity")
@@ -116,7 +116,7 @@ class _MaximalRun:
             a = project_accelerations(state, acceleration, bias)
             nothing = np.zeros(len(q))
             work = np.array([self._pose.work])
-            yield number, state, dict(zip(COLUMNS, (q, v, work, np.zeros(1), tau, a, nothing), strict=True))
+            yield number, state, dict(zip(COURSE_COLUMNS, (q, v, work, np.zeros(1), tau, a, nothing), strict=True))
             self._q = q
             if number < count:
                 self._advance(t)
@@ -153,7 +153,7 @@ class _MaximalRun:
 
     def _projected(self, pose: Pose) -> Pose:
         """The nearest pose with φ = 0, and the nearest velocity with φ̇ = 0."""
-        for _ in range(PROJECTIONS):
+        for _ in range(MAX_NEWTON_PROJECTIONS):
             state = self._state(pose)
             residual = state.constraint_residual()
             phi_q, _ = constraints(state)
@@ -161,7 +161,7 @@ class _MaximalRun:
             quaternion = pose.quaternion + _times(pose.quaternion, change[:, ANGULAR]) / 2
             quaternion /= np.linalg.norm(quaternion, axis=-1, keepdims=True)
             pose = pose._replace(position=pose.position + change[:, LINEAR], quaternion=quaternion)
-            if np.abs(residual).max() < SMALL:
+            if np.abs(residual).max() < LAST_STEP_RESIDUAL:
                 break
         state = self._state(pose)
         phi_q, _ = constraints(state)

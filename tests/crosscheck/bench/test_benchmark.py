@@ -8,7 +8,7 @@ import small_benchmark
 from small_benchmark import DERIVED, PEERS, SAMPLES, SMALL, WORKS
 
 from crosscheck.bench import cold, identification
-from crosscheck.bench.calls import CALLS
+from crosscheck.bench.calls import CALL_WORKS
 from crosscheck.bench.forms import casadi_forms, mujoco_forms
 from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.commands.bench.record import record as record_of
@@ -45,7 +45,7 @@ class TestNumbers:
                 ("graphdyn compiled", 1), ("graphdyn compiled", 2), ("graphdyn NumPy", 1), ("pinocchio loop", 1)
             }  # fmt: skip
         assert {("graphdyn rollout", 1), ("pinocchio loop", 1)} <= names["simulation"]
-        for work in CALLS:
+        for work in CALL_WORKS:
             assert names[work] == {("graphdyn compiled", 1), ("pinocchio InParallel", 1)}
         assert names["single_forward"] == {
             (n, 1) for n in ("graphdyn.compile", "graphdyn.compile, in place", "pin.aba")
@@ -53,7 +53,7 @@ class TestNumbers:
 
     def test_peers_take_part_or_it_is_said_why(self, found):
         names = {entry.name for measured in found.works for entry in measured.entries}
-        for library, form in (("mujoco", mujoco_forms.ROLLOUT), ("casadi", casadi_forms.NAME)):
+        for library, form in (("mujoco", mujoco_forms.ROLLOUT), ("casadi", casadi_forms.CASADI_NAME)):
             assert (form in names) == (library in found.peers) == (library not in found.left_out)
 
     def test_accuracy(self, found):
@@ -129,7 +129,7 @@ class TestNumbers:
 
     def test_once_per_process(self, found):
         assert set(found.imports) == {"numpy", "graphdyn", "pinocchio"}
-        assert set(found.first_calls) == set(cold.CALLS)
+        assert set(found.first_calls) == set(cold.FIRST_CALLS)
 
     def test_curves(self, found):
         assert [curve.name for curve in found.curves] == [

@@ -12,8 +12,8 @@ from crosscheck.bench.calls import CallWork, contenders
 from crosscheck.bench.curves import chain
 from crosscheck.bench.forms import casadi_forms, graphdyn_forms
 from crosscheck.bench.machine.floor import REQUESTS
-from crosscheck.bench.states import FEW, random_states
-from crosscheck.bench.works import DESCRIPTIONS, OURS
+from crosscheck.bench.states import SINGLE_STATE_SAMPLES, random_states
+from crosscheck.bench.works import GRAPHDYN_FORMS, WORK_DESCRIPTIONS
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import kr500
 from graphdyn.compiler.programs import record
@@ -32,25 +32,25 @@ class TestErrors:
     @pytest.mark.parametrize(("work", "name"), [(work, name) for work, names in DERIVED.items() for name in names])
     def test_one_wrong_number_is_seen(self, states, work, name):
         """In any of the arrays, and in its sample only."""
-        (form, *_) = OURS[work](states, (1,))
+        (form, *_) = GRAPHDYN_FORMS[work](states, (1,))
         answers = form.run(SAMPLES).copy()
         right = form.errors(answers)
         assert right.shape == (SAMPLES,)
-        assert right.max() <= DESCRIPTIONS[work][2]
+        assert right.max() <= WORK_DESCRIPTIONS[work][2]
         answer = answers[DERIVED[work].index(name)]
         answer[(7, *(0,) * (answer.ndim - 1))] += 1e-9 * np.abs(answer).max()
-        wrong = form.errors(answers) > DESCRIPTIONS[work][2]
+        wrong = form.errors(answers) > WORK_DESCRIPTIONS[work][2]
         assert np.flatnonzero(wrong).tolist() == [7]
 
     def test_fewer_samples_than_are_judged(self, states):
-        (form, *_) = OURS["coriolis_matrix"](states, (1,))
+        (form, *_) = GRAPHDYN_FORMS["coriolis_matrix"](states, (1,))
         assert len(form.errors(form.run(8))) == 8
 
     def test_many_samples(self):
         """The first ones are judged."""
-        states = random_states(kr500(), FEW + 1, 1)
-        (form, *_) = OURS["kinetic_energy"](states, (1,))
-        assert len(form.errors(form.run(FEW + 1))) == FEW
+        states = random_states(kr500(), SINGLE_STATE_SAMPLES + 1, 1)
+        (form, *_) = GRAPHDYN_FORMS["kinetic_energy"](states, (1,))
+        assert len(form.errors(form.run(SINGLE_STATE_SAMPLES + 1))) == SINGLE_STATE_SAMPLES
 
 
 class TestForms:

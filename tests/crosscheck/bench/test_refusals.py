@@ -56,7 +56,7 @@ class TestRefusals:
         monkeypatch.setitem(sys.modules, "casadi", None)
         peers = benchmark.Peers(states, tmp_path)
         found = peers.contenders("inverse_dynamics", (1,))
-        assert casadi_forms.NAME not in {contender.name for contender in found}
+        assert casadi_forms.CASADI_NAME not in {contender.name for contender in found}
         assert peers.left_out["casadi"] == "the package casadi is not installed: pip install 'graphdyn[peers]'"
 
     def test_no_c_compiler(self, states, tmp_path, monkeypatch):

@@ -23,7 +23,7 @@ from crosscheck.commands.program import console
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
 from crosscheck.comparing import compare as comparing
 from crosscheck.paper import errata
-from crosscheck.paper.errata import EFFECTS, ERRATA, measure
+from crosscheck.paper.errata import ERRATA, N_EFFECTS, measure
 from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.report.versions import versions
 from graphdyn import __version__
@@ -243,8 +243,8 @@ class TestExamples:
 
         monkeypatch.setattr("socketserver.BaseServer.serve_forever", interrupted)
         monkeypatch.setattr("webbrowser.open", lambda address: True)
-        monkeypatch.setattr("crosscheck.bench.benchmark.QUICK", Effort(1e-3, 2, 1, 300, (2, 3)))
-        monkeypatch.setattr("crosscheck.bench.contender.STEADY", 1e-3)
+        monkeypatch.setattr("crosscheck.bench.benchmark.QUICK_EFFORT", Effort(1e-3, 2, 1, 300, (2, 3)))
+        monkeypatch.setattr("crosscheck.bench.contender.MIN_STEADY_TIME", 1e-3)
 
     FAST = tuple(name for name in COMMANDS if name != "study")
     """A study takes minutes; test_crosscheck_study runs a small one."""
@@ -285,12 +285,12 @@ class TestProgress:
 
     def test_errata(self, program):
         done = program("errata", "--samples", 10)
-        assert re.search(rf"errata.* {EFFECTS}/{EFFECTS} .*A6 on ur5", done.err)
+        assert re.search(rf"errata.* {N_EFFECTS}/{N_EFFECTS} .*A6 on ur5", done.err)
 
     def test_the_callback_of_measure(self):
         seen = []
         assert measure(10, progress=seen.append) == seen
-        assert len(seen) == EFFECTS
+        assert len(seen) == N_EFFECTS
 
 
 class TestLockOption:

@@ -95,7 +95,7 @@ class TestProgressInLines:
     def test_at_most_one_in_an_interval(self, clock, capsys):
         with console.progress("crosscheck", 40) as advance:
             for k in range(40):
-                clock[0] += 0.3 * console.INTERVAL
+                clock[0] += 0.3 * console.PROGRESS_INTERVAL
                 advance(f"arm_{k}.urdf", 1)
         assert capsys.readouterr().err.splitlines() == [
             f"crosscheck: {k} of 40 after {3 * k} s, arm_{k - 1}.urdf" for k in range(4, 41, 4)
@@ -104,7 +104,7 @@ class TestProgressInLines:
     def test_nothing_of_what_is_quick(self, clock, capsys):
         with console.progress("crosscheck", 40) as advance:
             for _ in range(40):
-                clock[0] += console.INTERVAL / 50
+                clock[0] += console.PROGRESS_INTERVAL / 50
                 advance("x", 1)
         assert capsys.readouterr().err == ""
 

@@ -18,7 +18,7 @@ from crosscheck.commands.excite.report import random_is_better
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.distributing import LocalProcesses, Lost
 from crosscheck.exciting.motion_formats.krl import AxisSettings
-from crosscheck.exciting.motion_formats.motion_file import WRITTEN, document, read_motion, slides
+from crosscheck.exciting.motion_formats.motion_file import WRITTEN_SUFFIXES, document, read_motion, slides
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from crosscheck.exciting.noise import assumed_noise
 from crosscheck.recordings import load_recording
@@ -46,7 +46,7 @@ def timed(model, rate=50.0):
     return TimedMotion.of(course(model), model.independent_joints, slides(model), rate)
 
 
-@pytest.mark.parametrize("suffix", WRITTEN)
+@pytest.mark.parametrize("suffix", WRITTEN_SUFFIXES)
 def test_files_are_read_back(suffix, tmp_path):
     model, path = mixed_tree(), tmp_path / f"motion{suffix}"
     path.write_bytes(document(timed(model), path, SETTINGS))

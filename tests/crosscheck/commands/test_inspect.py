@@ -18,11 +18,11 @@ from typer.testing import CliRunner
 import urdf
 from crosscheck.commands import app
 from crosscheck.commands.inspect import many_files as inspect_many
-from crosscheck.commands.inspect.many_files import FEW, inspect_files
+from crosscheck.commands.inspect.many_files import MIN_PARALLEL_FILES, inspect_files
 from crosscheck.commands.inspect.record import FileRecord
-from crosscheck.commands.inspect.report import MANY_FILES, inspect_report, worst
+from crosscheck.commands.inspect.report import MAX_UNFOLDED_FILES, inspect_report, worst
 from crosscheck.commands.program import console
-from crosscheck.report.html import MANY_NOTES, page
+from crosscheck.report.html import MAX_NOTES_PER_CODE, page
 from crosscheck.report.json import plain
 from crosscheck.report.record import written
 
@@ -266,7 +266,7 @@ class TestPage:
         path = tmp_path / "arm.urdf"
         path.write_text(re.sub(r' rpy="0 0 0"', ' rpy="0 0"', CLEAN), encoding="utf-8")
         kind = [f for f in urdf.inspect(path).findings if f.code == "wrong-number-of-entries"]
-        assert len(kind) > MANY_NOTES
+        assert len(kind) > MAX_NOTES_PER_CODE
         root = parsed(page_of(path))
         (row,) = [row for row in root.xpath("//tbody/tr") if "wrong-number-of-entries" in words(row)]
         assert f"wrong-number-of-entries {len(kind)}×" in words(row)
@@ -277,7 +277,7 @@ class TestPage:
 
     def test_many_files_fit_for_dynamics_are_folded(self, folder):
         path = folder / "a_dynamics.urdf"
-        for number, rows in ((MANY_FILES, MANY_FILES), (MANY_FILES + 1, 0)):
+        for number, rows in ((MAX_UNFOLDED_FILES, MAX_UNFOLDED_FILES), (MAX_UNFOLDED_FILES + 1, 0)):
             report = inspect_report([urdf.inspect(path)] * number, ())
             root = parsed(page(report, ["graphdyn"], {}))
             assert len(root.xpath("//table[not(ancestor::details)]/tbody/tr")) == rows
@@ -306,7 +306,7 @@ class TestSweep:
     def many(self, folder, tmp_path):
         place = tmp_path / "many"
         place.mkdir()
-        for k in range(FEW + 2):
+        for k in range(MIN_PARALLEL_FILES + 2):
             shutil.copy(folder / "a_dynamics.urdf", place / f"{k:02}.urdf")
         return place
 
@@ -326,7 +326,7 @@ class TestSweep:
         assert failed == [("the inspection failed: ZeroDivisionError: no reason",)]
 
     def test_a_file_that_kills_its_process(self, many, monkeypatch):
-        monkeypatch.setattr(inspect_many, "FEW", 1)
+        monkeypatch.setattr(inspect_many, "MIN_PARALLEL_FILES", 1)
         for path in sorted(many.iterdir())[4:]:
             path.unlink()
         (many / "03.urdf").rename(many / "03_fatal.urdf")

@@ -17,14 +17,14 @@ from shared_data import REPOSITORY
 from typer.testing import CliRunner
 
 from crosscheck.commands import app
-from crosscheck.commands.paper.over_time_report import MARKED
+from crosscheck.commands.paper.over_time_report import MARKED_SAMPLE_INTERVAL
 from crosscheck.commands.paper.record import record as record_of
 from crosscheck.commands.paper.report import paper_report
 from crosscheck.commands.paper.texts import error_text, misprints, printed_text, value_text
 from crosscheck.commands.program import console
-from crosscheck.paper.checks import REFEREE, Check
+from crosscheck.paper.checks import REFERENCE_BOUND, Check
 from crosscheck.paper.printed import TABLE_2, Printed
-from crosscheck.paper.reproduction import PARTS, reproduce
+from crosscheck.paper.reproduction import PROGRESS_STEPS, reproduce
 from crosscheck.report.html import page as html_page
 from crosscheck.report.json import plain
 from crosscheck.report.report import Plot
@@ -58,7 +58,7 @@ def paper(*arguments):
     return CliRunner().invoke(app, ["paper", "--samples", "10", *map(str, arguments)])
 
 
-def shown(found, monkeypatch, width=console.WIDTH):
+def shown(found, monkeypatch, width=console.LINE_CHARACTERS):
     """What the terminal shows at this width."""
     monkeypatch.setattr(console.out, "width", width)
     with console.out.capture() as captured:
@@ -139,8 +139,8 @@ class TestCommand:
         """Each part once, in order."""
         said = []
         reproduce(10, progress=said.append)
-        assert tuple(said[: len(PARTS)]) == PARTS
-        assert said[len(PARTS)] == "A1 on kr500"
+        assert tuple(said[: len(PROGRESS_STEPS)]) == PROGRESS_STEPS
+        assert said[len(PROGRESS_STEPS)] == "A1 on kr500"
 
 
 class TestRecord:
@@ -235,8 +235,10 @@ class TestPage:
                 assert [one.style for one in panel.series] == ["line"] * 3 + ["marks"] * 3
                 scale = max(np.abs(one.y).max() for one in panel.series[:3])
                 for line, marks in zip(panel.series[:3], panel.series[3:], strict=True):
-                    assert np.array_equal(np.flatnonzero(~np.isnan(marks.y)), np.arange(0, len(plot.x), MARKED))
-                    assert np.nanmax(np.abs(marks.y - line.y)) <= REFEREE * scale
+                    assert np.array_equal(
+                        np.flatnonzero(~np.isnan(marks.y)), np.arange(0, len(plot.x), MARKED_SAMPLE_INTERVAL)
+                    )
+                    assert np.nanmax(np.abs(marks.y - line.y)) <= REFERENCE_BOUND * scale
             expected = np.hstack(
                 [motion.multipliers[:, j], motion.recording.tau[:, j, None], motion.recording.joint_moments[:, j]]
             )

@@ -146,7 +146,7 @@ class TestScheduler:
         assert dict(DaskWorkers("a").each(deadly, ["one", "two"])) == {0: "one", 1: "two"}
 
     def test_the_last_worker_ends(self, monkeypatch):
-        monkeypatch.setattr(dask_workers, "ASK", 0.001)
+        monkeypatch.setattr(dask_workers, "ANSWER_TIMEOUT", 0.001)
         monkeypatch.setattr(FakeCluster, "n_workers", lambda self: 0 if self.given else 1)
         monkeypatch.setattr(Future, "add_done_callback", lambda *_: None)
         with pytest.raises(NoWorkers, match="the scheduler a has lost its last worker; start others, and run this ag"):
@@ -172,7 +172,7 @@ class TestRefusals:
 
     @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "127.0.0.1:x", "http://a b"])
     def test_no_scheduler(self, monkeypatch, address):
-        monkeypatch.setattr(cluster, "PATIENCE", 0.2)
+        monkeypatch.setattr(cluster, "SCHEDULER_TIMEOUT", 0.2)
         with self.refused(r"no Dask scheduler answers at .*; start one with: dask scheduler, and give the address"):
             next(DaskWorkers(address).each(deadly, [1]))
 

@@ -77,7 +77,7 @@ def folding_arm(tmp_path_factory):
 @pytest.fixture(autouse=True)
 def few_poses(monkeypatch):
     """Enough for three pairs, and faster."""
-    monkeypatch.setattr(pairing, "POSES", 100)
+    monkeypatch.setattr(pairing, "PAIR_POSES", 100)
 
 
 @cache

@@ -14,7 +14,7 @@ from shared_data import REPOSITORY
 
 import graphdyn
 from crosscheck.commands.identify.record.record import record
-from crosscheck.identifying import METHODS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
+from crosscheck.identifying import ESTIMATORS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
 from crosscheck.identifying.methods.torque_terms import with_setting
 from crosscheck.identifying.results.baselines import constant_errors
 from crosscheck.identifying.results.parameters import base_rows, body_rows, deviations_of
@@ -162,7 +162,7 @@ class TestRecord:
 
 class TestNames:
     def test_every_method_and_term_has_a_name(self):
-        assert len({method_named(name).name for name in METHODS}) == len(METHODS)
+        assert len({method_named(name).name for name in ESTIMATORS}) == len(ESTIMATORS)
         assert len(friction_terms(list(TERMS))) == len(TERMS)
 
     def test_unknown_ones(self):

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from reproduced_paper import reproduced
 
-from crosscheck.paper.checks import CORRECTED, EXACT, REFEREE, Check, checks
+from crosscheck.paper.checks import CORRECTED_FORM_BOUND, EXACT_PARAMETER_BOUND, REFERENCE_BOUND, Check, checks
 from crosscheck.paper.errata import ERRATA
 from crosscheck.paper.identification import SEEDS
-from crosscheck.paper.multipliers import DIGITS, agreeing_digits, printed_ratios
+from crosscheck.paper.multipliers import MIN_REPRODUCED_DIGITS, agreeing_digits, printed_ratios
 from crosscheck.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4
 from graphdyn import kr500
 
@@ -49,7 +49,7 @@ class TestIdentification:
         trial = getattr(found.identification, way)
         determined = np.isfinite(trial.values)
         error = np.abs(trial.errors / found.identification.true)[determined].max()
-        assert error <= EXACT
+        assert error <= EXACT_PARAMETER_BOUND
         assert trial.undetermined == ("B1 m(e_2)", "B1 J_22", "B1 J_33")
         assert trial.rank == determined.sum() == 33
 
@@ -100,7 +100,7 @@ class TestAsPrinted:
     def test_reproduced(self, found, name, digits):
         number = next(number for number in found.numbers if number.name == name)
         assert number.kind == "reproduced"
-        assert number.digits == digits >= DIGITS
+        assert number.digits == digits >= MIN_REPRODUCED_DIGITS
         assert number.ours == pytest.approx(number.printed.value, rel=1e-6)
 
     def test_the_others_are_marked(self, found):
@@ -138,8 +138,8 @@ class TestCorrected:
     def test_against_rnea(self, found):
         corrected = found.corrected
         assert corrected.multipliers.shape == corrected.rnea.shape == (6, 5)
-        assert corrected.difference <= REFEREE
-        assert np.abs(corrected.multipliers - corrected.rnea).max() <= REFEREE * np.abs(corrected.rnea).max()
+        assert corrected.difference <= REFERENCE_BOUND
+        assert np.abs(corrected.multipliers - corrected.rnea).max() <= REFERENCE_BOUND * np.abs(corrected.rnea).max()
 
     def test_forces_of_section_3(self, found):
         forces = found.corrected.forces
@@ -148,7 +148,7 @@ class TestCorrected:
 
     def test_over_the_whole_motion(self, found):
         motion = found.over_time
-        assert motion.difference <= REFEREE
+        assert motion.difference <= REFERENCE_BOUND
         assert motion.multipliers.shape == (101, 6, 5)
         row = int(np.argmin(np.abs(motion.recording.time - 1.5)))
         np.testing.assert_allclose(motion.multipliers[row], found.corrected.multipliers, rtol=1e-9)
@@ -170,7 +170,7 @@ class TestChecks:
         for effect in found.effects:
             assert len(effect.errors) == len(effect.corrected_errors)
             if effect.erratum not in ("A2", "A3"):
-                assert effect.median > 1e9 * CORRECTED
+                assert effect.median > 1e9 * CORRECTED_FORM_BOUND
             if effect.erratum == "A2":
                 assert effect.median == {"kr500": 2, "ur5": 3}[effect.robot]
 

@@ -223,7 +223,7 @@ class TestInput:
 
     def test_chunks_leave_nothing_out(self, monkeypatch, tree):
         """Many states are handled in portions; the last one counts as well."""
-        monkeypatch.setattr(comparing, "CHUNK", 2)
+        monkeypatch.setattr(comparing, "CHUNK_STATES", 2)
         done = []
         comparison = crosscheck.compare(tree, 5, progress=lambda case, states: done.append((case, states)))
         assert comparison.agrees

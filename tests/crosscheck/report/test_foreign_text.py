@@ -15,7 +15,7 @@ from crosscheck.commands.program.encodings import spelled
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, INTERNAL_ERROR
 from crosscheck.report.html import page
 from crosscheck.report.pictures.svg import picture
-from crosscheck.report.plain_text import UNSEEN, printable
+from crosscheck.report.plain_text import INVISIBLE_CHARACTERS, printable
 from crosscheck.report.report import (
     CharacterPicture,
     Code,
@@ -50,7 +50,7 @@ FILE = "arm\x1b[31m\n\u202e.urdf"
 
 
 def unseen(text):
-    return sorted({character for character in UNSEEN.findall(text) if character not in "\n\t"})
+    return sorted({character for character in INVISIBLE_CHARACTERS.findall(text) if character not in "\n\t"})
 
 
 class TestPrintable:
@@ -226,7 +226,7 @@ class TestCommands:
 
     @pytest.mark.parametrize("terminal", [True, False])
     def test_progress(self, capsys, monkeypatch, terminal):
-        monkeypatch.setattr(console, "INTERVAL", 0.0)
+        monkeypatch.setattr(console, "PROGRESS_INTERVAL", 0.0)
         if terminal:
             monkeypatch.setenv("FORCE_COLOR", "1")
             monkeypatch.setattr(console.err, "is_interactive", True)

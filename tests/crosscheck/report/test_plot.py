@@ -10,8 +10,8 @@ from browser import CHROMIUM, document
 
 from crosscheck.report.html import page
 from crosscheck.report.pictures.plot import (
-    MOST_POINTS,
-    MOST_SAMPLES,
+    MAX_STATIC_POINTS,
+    MAX_ZOOM_POINTS,
     plot_data,
     plot_picture,
     points_per_curve,
@@ -66,12 +66,12 @@ class TestData:
             assert np.isnan(y).any()
 
     def test_a_page_of_many_plots(self):
-        assert samples_per_curve([plot(10)]) == MOST_SAMPLES
-        assert samples_per_curve([]) == MOST_SAMPLES
+        assert samples_per_curve([plot(10)]) == MAX_ZOOM_POINTS
+        assert samples_per_curve([]) == MAX_ZOOM_POINTS
         many = [plot(20_000, 3)] * 96
         samples, points = samples_per_curve(many), points_per_curve(many)
-        assert 400 < samples < MOST_SAMPLES
-        assert 20 < points < MOST_POINTS
+        assert 400 < samples < MAX_ZOOM_POINTS
+        assert 20 < points < MAX_STATIC_POINTS
         length = len(plot_data(many[0], samples)) + len(plot_picture("p", many[0], points))
         assert 96 * length < 4_500_000
 

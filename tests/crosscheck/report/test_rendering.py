@@ -12,8 +12,8 @@ import pytest
 from markupsafe import Markup
 from pages import parsed
 
-from crosscheck.report.html import LONG_NOTE, page
-from crosscheck.report.pictures.plot import MOST_POINTS, plot_data, plot_picture, thinned
+from crosscheck.report.html import MAX_NOTE_LENGTH, page
+from crosscheck.report.pictures.plot import MAX_STATIC_POINTS, plot_data, plot_picture, thinned
 from crosscheck.report.report import (
     Code,
     Column,
@@ -184,7 +184,7 @@ class TestPage:
 
     def test_notes_of_a_kind_are_folded_together_and_long_ones_alone(self):
         alike = tuple(Note(f"note {k}", "doubtful", f"link {k}") for k in range(5))
-        root = shown(Notes((Note("first"), *alike, Note("x" * (LONG_NOTE + 1)))))
+        root = shown(Notes((Note("first"), *alike, Note("x" * (MAX_NOTE_LENGTH + 1)))))
         (folded,) = root.xpath("//details[@class='notes']")
         assert words(folded.find("summary")) == "doubtful (5)"
         assert len(folded.xpath(".//li")) == 5
@@ -245,7 +245,7 @@ class TestPlots:
         y = rng.normal(size=20_000)
         y[777], y[12_345], y[5000:5100] = 50.0, -50.0, np.nan
         rows = thinned(y)
-        assert len(rows) <= 3 * MOST_POINTS
+        assert len(rows) <= 3 * MAX_STATIC_POINTS
         assert {777, 12_345} <= set(rows.tolist())
         assert np.isnan(y[rows]).any()
         assert np.all(np.diff(rows) > 0)

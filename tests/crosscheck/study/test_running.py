@@ -18,9 +18,9 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.distributing import LocalProcesses
 from crosscheck.study import tasks as computing
 from crosscheck.study.database import opened
-from crosscheck.study.running import DATABASE, DIED, Remaining, run_study, tasks_of
-from crosscheck.study.settings.configuration import SHIPPED, read_configuration
-from crosscheck.study.settings.scenarios import AXES, Scenario
+from crosscheck.study.running import DATABASE, PROCESS_DIED, Remaining, run_study, tasks_of
+from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
+from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.tables import RESULTS, SCENARIOS, TIMES
 from graphdyn import InvalidInput
@@ -117,7 +117,7 @@ def test_a_method_that_kills_its_process_fails_alone(folder, complete, tmp_path)
     workers = InThisProcess(lost=lambda task: "ols" in task.methods)
     run_study(study, tmp_path / "out", workers, tell=told.append)
     found = {(row["scenario"], row["run"], row["method"]): row for row in rows(tmp_path / "out")}
-    assert {row["reason"] for (*_, method), row in found.items() if method == "ols"} == {DIED}
+    assert {row["reason"] for (*_, method), row in found.items() if method == "ols"} == {PROCESS_DIED}
     same = [row for row in rows(complete) if row["method"] != "ols" and row["run"] == 0]
     assert [found[row["scenario"], row["run"], row["method"]] for row in same] == same
     assert len(told) == 2 * 2
@@ -284,7 +284,7 @@ def test_what_only_the_robot_shows(folder):
     assert not (folder / "never").exists()
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", SHIPPED_CONFIGURATIONS)
 def test_shipped_configurations(name):
     study = read_configuration(name)
     assert len(study.scenarios) == 5
@@ -293,7 +293,7 @@ def test_shipped_configurations(name):
 
 
 def test_axes_and_columns_are_those_of_a_scenario():
-    assert list(AXES) == list(Scenario.__dataclass_fields__)
+    assert list(GRID_AXES) == list(Scenario.__dataclass_fields__)
 
 
 def test_a_start_keeps_all_its_digits(folder):

@@ -19,9 +19,9 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.recordings import Recording
 from crosscheck.recordings.recording import recording_of
 from crosscheck.viewing.figures import Figure, ShownRobot, inertia_ellipsoid, standing_position
-from crosscheck.viewing.motions import MOST_INSTANTS, closed_instant, recorded_motion, shown_rows
+from crosscheck.viewing.motions import MAX_INSTANTS, closed_instant, recorded_motion, shown_rows
 from crosscheck.viewing.robots import stand_ins
-from crosscheck.viewing.server import LARGEST_QUESTION, STEP, PageServer
+from crosscheck.viewing.server import MAX_QUESTION_BYTES, SIMULATION_STEP, PageServer
 from graphdyn import Body, Chord, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
 
 ROUNDING = 1e-12
@@ -86,7 +86,7 @@ class TestMotions:
         assert np.abs(time[shown_rows(time)] - 3.0 - np.arange(51) / 50).max() < ROUNDING
         assert shown_rows(np.array([0.0, 0.001, 0.002])).tolist() == [0, 2]
         assert shown_rows(np.array([5.0])).tolist() == [0]
-        assert len(shown_rows(np.arange(0, 1000, 0.01))) == MOST_INSTANTS + 1
+        assert len(shown_rows(np.arange(0, 1000, 0.01))) == MAX_INSTANTS + 1
 
     def test_loads_of_inverse_dynamics_or_as_recorded(self):
         model = pendulum()
@@ -188,7 +188,7 @@ class TestServer:
         status, content = self.let_go(server, json.dumps({"figure": 0, "q": [0.5, 0.1], "seconds": 0.2}))
         assert status == 200
         array = arrays(content)
-        expected = simulate(pendulum(), [0.5, 0.1], [0.0, 0.0], 0.2, method="rk4", step=STEP)
+        expected = simulate(pendulum(), [0.5, 0.1], [0.0, 0.0], 0.2, method="rk4", step=SIMULATION_STEP)
         rows = shown_rows(expected.time)
         assert np.array_equal(array("time"), expected.time[rows])
         assert np.array_equal(array("q").reshape(-1, 2), expected.q[rows])
@@ -218,7 +218,7 @@ class TestServer:
         assert reason in content.decode()
 
     def test_a_long_question_is_not_read(self, server):
-        assert self.let_go(server, b" " * (LARGEST_QUESTION + 1))[0] == 413
+        assert self.let_go(server, b" " * (MAX_QUESTION_BYTES + 1))[0] == 413
 
 
 class TestCommand:

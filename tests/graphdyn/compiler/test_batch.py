@@ -10,9 +10,9 @@ from random_trees import NAMED, random_base_motion, random_state, random_wrenche
 
 import graphdyn
 from graphdyn.compiler import interpreter, running
-from graphdyn.compiler.gram.gram import PORTION, torque_gram
+from graphdyn.compiler.gram.gram import SAMPLES_PER_PORTION, torque_gram
 from graphdyn.compiler.llvm import emitter
-from graphdyn.compiler.native import CACHE, host_lanes
+from graphdyn.compiler.native import MAX_CACHED_RESULT_BYTES, host_lanes
 
 MODEL = NAMED["mixed_chain"]
 """Four joints, one of them prismatic."""
@@ -75,7 +75,7 @@ def test_the_number_of_threads_changes_nothing(back_end, monkeypatch):
 def test_large_results_that_bypass_the_caches_are_the_same(back_end):
     """Whole cache lines past the caches need aligned memory; memory of the caller may lie anywhere."""
     width = 4 * 40
-    count = CACHE // (8 * width) + 11
+    count = MAX_CACHED_RESULT_BYTES // (8 * width) + 11
     q, v, a, _ = states(count)
     with on(back_end):
         large = graphdyn.joint_torque_regressor(MODEL, q, v, a, method="recursive")
@@ -88,7 +88,7 @@ def test_large_results_that_bypass_the_caches_are_the_same(back_end):
             assert np.array_equal(large, shifted)
             assert np.all(memory[:shift] == 7.0)
             assert np.all(memory[shift + count * width :] == 7.0)
-    assert large.nbytes > CACHE
+    assert large.nbytes > MAX_CACHED_RESULT_BYTES
     assert np.array_equal(large, np.concatenate(small))
 
 
@@ -96,7 +96,7 @@ def test_blocks_of_the_interpreter_are_not_seen(monkeypatch):
     arrays = states(50)
     with on("numpy"):
         whole = verbs(*arrays)
-    monkeypatch.setattr(interpreter, "BLOCK", 7)
+    monkeypatch.setattr(interpreter, "BLOCK_SAMPLES", 7)
     with on("numpy"):
         assert_same(whole, verbs(*arrays))
 
@@ -207,7 +207,7 @@ def test_gram_matrices_are_those_of_the_regressor(back_end, count):
 def test_gram_matrices_do_not_depend_on_the_number_of_threads(back_end):
     """Bit for bit, with the last portion cut short and not a multiple of the lanes."""
     with on(back_end):
-        sums = [gram(2 * PORTION + 1003, threads)[2][0] for threads in (1, 2, 5)]
+        sums = [gram(2 * SAMPLES_PER_PORTION + 1003, threads)[2][0] for threads in (1, 2, 5)]
     for other in sums[1:]:
         assert all(np.array_equal(x, y) for x, y in zip(sums[0], other, strict=True))
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from graphdyn.compiler.llvm import memory as module
-from graphdyn.compiler.llvm.memory import LARGE, LINE, aligned
+from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES, MIN_REUSED_BYTES, aligned
 
-SIZE = LARGE // 8
+SIZE = MIN_REUSED_BYTES // 8
 
 
 @pytest.fixture(autouse=True)
@@ -20,7 +20,7 @@ def _nothing_kept(monkeypatch):
 def test_arrays_begin_with_a_line(shape):
     array = aligned(shape)
     assert array.shape == shape
-    assert array.ctypes.data % LINE == 0
+    assert array.ctypes.data % CACHE_LINE_BYTES == 0
     assert array.flags.carray
     array[...] = 1.0
 
@@ -45,9 +45,9 @@ def test_other_sizes_have_other_memory():
 
 
 def test_the_oldest_memory_is_let_go(monkeypatch):
-    monkeypatch.setattr(module, "MOST_KEPT", 8 * 5 * SIZE)
+    monkeypatch.setattr(module, "MAX_KEPT_BYTES", 8 * 5 * SIZE)
     arrays = [aligned((SIZE + k,)) for k in range(6)]
-    sizes = [array.size + LINE // 8 for array in arrays]
+    sizes = [array.size + CACHE_LINE_BYTES // 8 for array in arrays]
     while arrays:
         del arrays[0]
     assert [memory.size for memory in module._kept.values()] == sizes[2:]

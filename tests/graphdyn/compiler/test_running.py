@@ -227,7 +227,7 @@ def test_programs_that_would_take_long_to_compile_are_interpreted():
     """Above LONGEST; the same chain in one array may still be short enough."""
     whole = Request("forward_dynamics", ("a", "body_accelerations", "multipliers", "joint_wrenches"))
     long, short = record(CHAIN, whole), record(CHAIN, Request("bias_torque", ("bias_torque",)))
-    assert short.length < running.LONGEST < long.length
+    assert short.length < running.MAX_COMPILED_LENGTH < long.length
     assert isinstance(running._backend(long, "llvm"), Interpreter)
     assert isinstance(running._backend(record(MODEL, whole), "llvm"), CompiledProgram)
     twenty = random_tree(4, list(range(20)), ["revolute"] * 20)
@@ -250,8 +250,8 @@ def test_sums_are_read_after_they_are_done(monkeypatch):
         return {"a": [body.kept("wrench")[0, 0]]}
 
     passes = [Pass(True, ones), Pass(False, added), Pass(True, counted)]
-    monkeypatch.setattr(body_by_body, "PASSES", {"forward_dynamics": passes})
-    monkeypatch.setattr(body_by_body, "UNROLLED", 0)
+    monkeypatch.setattr(body_by_body, "RECURSION_PASSES", {"forward_dynamics": passes})
+    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", 0)
     tree = random_tree(7, [0, 1, 2, 1, 0], ["revolute"] * 5)
     x = np.zeros((20, 5))
     assert np.array_equal(
@@ -280,7 +280,7 @@ def test_gram_of_interpreted_and_compiled_programs_agree(monkeypatch):
     model = NAMED["mixed_chain"]
     arrays = [*random_state(model, 8, (100,)), *random_state(model, 9, (100,))[:1], np.zeros((100, 4, 0))]
     compiled, _ = torque_gram(model, range(40), 0)(*arrays)
-    monkeypatch.setattr(gram, "LONGEST", 10)
+    monkeypatch.setattr(gram, "MAX_COMPILED_LENGTH", 10)
     interpreted, _ = torque_gram(model, range(40), 0)(*arrays)
     for x, y in zip(compiled, interpreted, strict=True):
         assert np.abs(x - y).max() < SUM * np.abs(x).max()

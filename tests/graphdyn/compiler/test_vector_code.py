@@ -9,13 +9,13 @@ from random_trees import NAMED
 import graphdyn
 from graphdyn import Body, Joint, Placement, RobotModel
 from graphdyn.compiler.interpreter import Interpreter
-from graphdyn.compiler.llvm.vector_code import FARTHEST
+from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
 from graphdyn.compiler.native import CompiledProgram, host_lanes
 from graphdyn.compiler.programs import pivot_scales
 from graphdyn.compiler.running import turned_back
 from graphdyn.scalars.expressions import Recorder
 
-ULPS = {100.0: 1.5, FARTHEST: 2.5}
+ULPS = {100.0: 1.5, MAX_ANGLE: 2.5}
 """Largest error in units in the last place of the value, by largest angle: the angle is rounded once or twice as it is
 brought to [-π/4, π/4], where its unit may be twice that of its sine, and the value once more. Measured 1.37 and 2.26
 over 200 000 angles."""
@@ -27,7 +27,7 @@ largest wrench: measured 8e-16."""
 mpmath.mp.dps = 50
 
 
-def angles(farthest=FARTHEST):
+def angles(farthest=MAX_ANGLE):
     """Random ones, tiny ones, and the multiples of π/4 and π/2 with their neighbours."""
     rng = np.random.default_rng(0)
     most = int(farthest / (np.pi / 2))

@@ -294,7 +294,7 @@ def test_random_motions_that_are_nearly_still(monkeypatch):
 
     assert size([0.0, 0.05, 0.5], 0.0)[1] == 1
     assert size([0.0, 0.05, 0.5], 0.1)[1] == 0
-    some_are_larger = [0.02, 0.06, *[0.01] * (random_motions.TRIALS - 2)]
+    some_are_larger = [0.02, 0.06, *[0.01] * (random_motions.MAX_DRAWS - 2)]
     assert size(some_are_larger, 0.1) == (size([0.0, 0.06], 0.0)[0], 0)
 
 
@@ -310,10 +310,10 @@ def test_other_starts_of_a_seed(monkeypatch):
     message = r"from seed 2: the balls around a - b come 2\.5 mm nearer to each other than they may; give limits of pos"
     with pytest.raises(NoFeasibleMotion, match=message):
         optimised(problem, 2)
-    assert len({start.coefficients.tobytes() for start in tried}) == optimising.STARTS
+    assert len({start.coefficients.tobytes() for start in tried}) == optimising.MAX_STARTS
     with pytest.raises(NoFeasibleMotion):
         optimised(problem, 2, start=tried[0])
-    assert tried[optimising.STARTS :] == [tried[0]]
+    assert tried[optimising.MAX_STARTS :] == [tried[0]]
 
 
 def test_the_next_start_is_tried_where_a_search_ends_where_it_began(monkeypatch):
@@ -330,7 +330,7 @@ def test_the_next_start_is_tried_where_a_search_ends_where_it_began(monkeypatch)
 
 def test_no_motion_within_limits(monkeypatch):
     """Torques too small to stand still anywhere."""
-    monkeypatch.setattr(optimising, "ITERATIONS", 5)
+    monkeypatch.setattr(optimising, "MAX_SEARCH_ITERATIONS", 5)
     problem = problem_of(torque=1e-3)
     with pytest.raises(
         NoFeasibleMotion,

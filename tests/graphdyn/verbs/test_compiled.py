@@ -20,7 +20,7 @@ from graphdyn.compiler import running
 from graphdyn.compiler.python_calls import can_call
 from graphdyn.verbs import VERBS, SingleState
 from graphdyn.verbs import compiled as compiled_module
-from graphdyn.verbs.compiled import SINGLE, CompiledModel
+from graphdyn.verbs.compiled import ARRAY_VERBS, CompiledModel
 
 MODEL = NAMED["mixed_chain"]
 """Four joints."""
@@ -32,8 +32,8 @@ def test_single_states_are_rows_of_batches(back_end):
     states = random_state(MODEL, 1, (4,))
     with on(back_end):
         compiled = graphdyn.compile(MODEL)
-        for verb in SINGLE:
-            count = len(SINGLE[verb].inputs)
+        for verb in ARRAY_VERBS:
+            count = len(ARRAY_VERBS[verb].inputs)
             batch = getattr(graphdyn, verb)(MODEL, *states[:count], method="recursive")
             single = getattr(compiled, verb)
             assert getattr(compiled, verb) is single
@@ -239,7 +239,7 @@ def test_calls_have_a_signature_and_a_help():
     call = graphdyn.compile(MODEL).joint_torques
     assert str(inspect.signature(call)) == "(q: 'ArrayLike', v: 'ArrayLike', a: 'ArrayLike', /) -> 'Array'"
     assert inspect.getdoc(call).startswith("joint_torques(q, v, a) → tau (n,) [N m or N]\n\nA verb for one state at a")
-    assert set(SINGLE) <= set(dir(graphdyn.compile(MODEL)))
+    assert set(ARRAY_VERBS) <= set(dir(graphdyn.compile(MODEL)))
 
 
 def test_a_misspelt_call_is_answered_with_the_closest():

@@ -9,7 +9,7 @@ from witnesses import derivative, masses, momenta, origins, relative_error, worl
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput, Placement
 from graphdyn.equations import body_sums
-from graphdyn.equations.complex_steps import STEP
+from graphdyn.equations.complex_steps import COMPLEX_STEP_SIZE
 
 DIFFERENCE = 1e-11
 """Sixth-order central differences, relative to the largest term: measured 2e-13."""
@@ -67,8 +67,8 @@ def test_its_jacobian(model, method):
     """∂c/∂q by complex steps, and times v the velocity on a base at rest."""
     q, v, _ = random_state(model, 3)
     placed = BaseMotion(base_at(0).rotation, base_at(0).translation)
-    stepped = q + 1j * STEP * np.eye(model.n_bodies)  # a row per joint
-    expected = body_sums.center_of_mass(model, {"q": stepped}, placed)["center_of_mass"].imag.T / STEP
+    stepped = q + 1j * COMPLEX_STEP_SIZE * np.eye(model.n_bodies)  # a row per joint
+    expected = body_sums.center_of_mass(model, {"q": stepped}, placed)["center_of_mass"].imag.T / COMPLEX_STEP_SIZE
     found = graphdyn.center_of_mass_jacobian(model, q, base=placed, method=method)
     assert relative_error(found, expected) < IDENTITY
     assert relative_error(found @ v, graphdyn.center_of_mass_velocity(model, q, v, base=placed), found) < IDENTITY

@@ -10,7 +10,7 @@ from random_trees import NAMED, random_state
 import graphdyn
 from graphdyn import BaseMotion, InvalidInput
 from graphdyn.arguments.choices import KEYWORDS, METHODS
-from graphdyn.recursions import ARRAYS, RECURSIONS
+from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.verbs import VERBS
 
 MODEL = NAMED["mixed_chain"]
@@ -75,7 +75,7 @@ def test_help_says_all_of_it(name):
 @pytest.mark.parametrize("method", METHODS)
 def test_shapes_are_those_of_the_table(name, leading, method):
     for output, array in arrays(name, call(name, *leading, method=method)).items():
-        assert array.shape == (*leading, *ARRAYS[output].shape_for(MODEL))
+        assert array.shape == (*leading, *ARRAY_SPECS[output].shape_for(MODEL))
 
 
 @verbs
@@ -147,8 +147,8 @@ def test_every_recursion_answers_arrays_of_known_shape_and_unit():
     for recursion in RECURSIONS.values():
         assert recursion.inputs[0] == "q"
         for name in (*recursion.inputs, *recursion.outputs):
-            assert ARRAYS[name].unit
-            assert all(isinstance(size, int) for size in ARRAYS[name].shape_for(MODEL))
+            assert ARRAY_SPECS[name].unit
+            assert all(isinstance(size, int) for size in ARRAY_SPECS[name].shape_for(MODEL))
 
 
 def test_the_row_reads_like_a_call():

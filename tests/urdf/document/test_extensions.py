@@ -8,8 +8,8 @@ from urdf_text import joint, link, robot_text
 
 import urdf
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from urdf.document.connections.loop_elements import FORMS
-from urdf.document.vocabulary import CHANGES, CLOSES
+from urdf.document.connections.loop_elements import ELEMENT_READERS
+from urdf.document.vocabulary import CLOSING_CHILDREN, UNREAD_CHANGES
 
 DRAKE = 'xmlns:drake="http://drake.mit.edu"'
 CONSTRAINTS = {
@@ -33,7 +33,7 @@ def found(path, code):
 
 class TestConstraints:
     def test_all_are_tried(self):
-        assert {tag for tags in CLOSES.values() for tag in tags} == {*CONSTRAINTS, *FORMS}
+        assert {tag for tags in CLOSING_CHILDREN.values() for tag in tags} == {*CONSTRAINTS, *ELEMENT_READERS}
 
     @pytest.mark.parametrize("tag", CONSTRAINTS)
     def test_refused(self, written, tag):
@@ -171,7 +171,7 @@ UNREAD = {
 
 class TestWhatIsNotRead:
     def test_all_are_tried(self):
-        assert {(kind, tag) for kind, tags in CHANGES.items() for tag in tags} == set(UNREAD)
+        assert {(kind, tag) for kind, tags in UNREAD_CHANGES.items() for tag in tags} == set(UNREAD)
 
     @pytest.mark.parametrize("place", UNREAD, ids="-".join)
     def test_told(self, written, place):

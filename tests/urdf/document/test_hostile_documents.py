@@ -12,8 +12,8 @@ from long_check import few
 from urdf_text import joint, link, robot_text
 
 import urdf
-from urdf.document.document import LARGEST_FILE, MOST_TAGS
-from urdf.document.source import MOST_LINKS
+from urdf.document.document import MAX_TAGS, MAX_URDF_BYTES
+from urdf.document.source import MAX_LINKS
 
 SECONDS = 300
 """After which a test counts as hung, and its process is ended; the longest takes two."""
@@ -61,21 +61,21 @@ REFUSED = {
         "xml-limits",
         "Excessive depth in document",
     ),
-    "an endless text": (lambda: within("x" * (LARGEST_FILE - 100)), "no-links", "there is no <link>"),
+    "an endless text": (lambda: within("x" * (MAX_URDF_BYTES - 100)), "no-links", "there is no <link>"),
     "an endless number": (
         lambda: within('<link name="a"><inertial><mass value="' + "1" * 5_000_000 + '"/></inertial></link>'),
         "not-finite",
         "<inertia> is missing",
     ),
     "many tags": (
-        lambda: within("<a/>" * MOST_TAGS),
+        lambda: within("<a/>" * MAX_TAGS),
         "too-large",
-        rf"the file has {MOST_TAGS + 2} tags, more than {MOST_TAGS}; give a smaller file",
+        rf"the file has {MAX_TAGS + 2} tags, more than {MAX_TAGS}; give a smaller file",
     ),
     "many elements of one kind": (
-        lambda: within('<link name="a">' + "<inertial/>" * (MOST_TAGS - 10) + "</link>"),
+        lambda: within('<link name="a">' + "<inertial/>" * (MAX_TAGS - 10) + "</link>"),
         "duplicate-element",
-        f"{MOST_TAGS - 10} elements <inertial>",
+        f"{MAX_TAGS - 10} elements <inertial>",
     ),
     "many namespaces": (
         lambda: within("".join(f'<a xmlns:a{k}="u{k}" a{k}:x="1"/>' for k in range(90_000))),
@@ -95,14 +95,14 @@ REFUSED = {
     "10,000 links": (
         lambda: chain(10_000),
         "too-large",
-        f"the robot has 10000 links, more than {MOST_LINKS}; give a smaller robot",
+        f"the robot has 10000 links, more than {MAX_LINKS}; give a smaller robot",
     ),
     "many joints": (
-        lambda: robot_text("r", link("a"), *(joint(f"j{k}", "a", "a") for k in range(MOST_LINKS + 1))),
+        lambda: robot_text("r", link("a"), *(joint(f"j{k}", "a", "a") for k in range(MAX_LINKS + 1))),
         "too-large",
-        f"the robot has {MOST_LINKS + 1} joints, more than {MOST_LINKS}",
+        f"the robot has {MAX_LINKS + 1} joints, more than {MAX_LINKS}",
     ),
-    "a long cycle": (lambda: ring(MOST_LINKS), "no-root", "no root: every link is the child of a joint"),
+    "a long cycle": (lambda: ring(MAX_LINKS), "no-root", "no root: every link is the child of a joint"),
 }
 
 
@@ -151,9 +151,9 @@ def test_200_megabytes(tmp_path):
 @pytest.mark.parametrize("kind", few(["revolute", "fixed"], "revolute"))
 def test_the_longest_chain_that_is_read(tmp_path, kind):
     """No recursion anywhere."""
-    path = write(tmp_path, chain(MOST_LINKS, kind))
+    path = write(tmp_path, chain(MAX_LINKS, kind))
     model = urdf.load(path)
-    assert model.n_bodies == (MOST_LINKS - 1 if kind == "revolute" else 1)
+    assert model.n_bodies == (MAX_LINKS - 1 if kind == "revolute" else 1)
     report = urdf.inspect(path)
     assert report.verdict == "dynamics"
 
@@ -221,10 +221,10 @@ print(int(re.search(r"VmHWM:\\s*(\\d+) kB", open("/proc/self/status").read())[1]
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/proc is of Linux")
 def test_memory(tmp_path):
     documents = {
-        "attributes": within('<link name="${a}" b="1"/>' * (MOST_TAGS - 10)),
+        "attributes": within('<link name="${a}" b="1"/>' * (MAX_TAGS - 10)),
         "inertials": REFUSED["many elements of one kind"][0](),
         "attribute": "<robot " + " ".join(f'a{k}=""' for k in range(500_000)) + "/>",
-        "chain": chain(MOST_LINKS),
+        "chain": chain(MAX_LINKS),
     }
     for name, text in documents.items():
         (tmp_path / name).write_text(text, encoding="utf-8")

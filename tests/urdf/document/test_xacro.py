@@ -222,7 +222,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_hostile(within, case, monkeypatch):
-    monkeypatch.setattr(xacro_files, "CPU_SECONDS", SECONDS)
+    monkeypatch.setattr(xacro_files, "MAX_CPU_SECONDS", SECONDS)
     body, message = REFUSED[case]
     path = within(body)
     with pytest.raises(urdf.URDFError) as caught:
@@ -262,7 +262,7 @@ def test_a_package_that_is_no_folder(arm):
 
 
 def test_processor_time_that_never_comes(arm, monkeypatch):
-    monkeypatch.setattr(xacro_files, "WALL_SECONDS", 1e-3)
+    monkeypatch.setattr(xacro_files, "MAX_WALL_SECONDS", 1e-3)
     with pytest.raises(urdf.InvalidXacro, match=r"expanding takes more than 5 s of processor time"):
         urdf.load(arm)
 

@@ -219,18 +219,18 @@ def test_a_damaged_file(drawn, name):
 def test_limits(drawn, monkeypatch):
     robot = drawn(mesh("../meshes/a.stl"))
     with monkeypatch.context() as patched:
-        patched.setattr(readers, "LARGEST_MESH", 600)
+        patched.setattr(readers, "MAX_MESH_BYTES", 600)
         assert "the file is larger than 0 MB; reduce the mesh" in urdf.shapes(robot).missing[0].reason
     with monkeypatch.context() as patched:
-        patched.setattr(reading, "MOST_TRIANGLES", 20)
+        patched.setattr(reading, "MAX_TRIANGLES", 20)
         robot.write_text(one_link(visual(mesh("../meshes/a.stl")) * 2), encoding="utf-8")
         found = urdf.shapes(robot)
         assert len(found.meshes) == 1
         assert "with it, the robot has more than 20 triangles; reduce the meshes" in found.missing[0].reason
     with monkeypatch.context() as patched:
-        patched.setattr(reading, "MOST_BYTES", 600)
+        patched.setattr(reading, "MAX_MESH_FILES_BYTES", 600)
         assert "with it, the meshes have more than 0 MB; reduce them" in urdf.shapes(robot).missing[0].reason
-    monkeypatch.setattr(collada_reader, "MOST_TRIANGLES", 20)
+    monkeypatch.setattr(collada_reader, "MAX_TRIANGLES", 20)
     nodes = '<node><instance_geometry url="#g"/></node>' * 2
     robot = drawn(mesh("../meshes/a.dae"), collada(box(), nodes=nodes), "a.dae")
     assert "the scene has more than 20 triangles; reduce the mesh" in urdf.shapes(robot).missing[0].reason

@@ -199,14 +199,14 @@ class TestFewerFaces:
             monkeypatch.setitem(sys.modules, "fast_simplification", None)
         robot = drawn(mesh("../meshes/a.stl"), form.export(file_type="stl"))
         (shape,) = urdf.shapes(robot, faces=200).meshes
-        assert 60 <= len(shape.faces) <= decimation.ABOVE * 200
+        assert 60 <= len(shape.faces) <= decimation.MAX_FACE_EXCESS * 200
         assert np.abs(bounds(shape) - form.bounds).max() < 0.05
 
     def test_shared_out(self):
         assert decimation.shared_out([1000, 3000, 12], 400) == [99, 299, 12]
         assert decimation.shared_out([1000, 3000], 4000) == [1000, 3000]
         assert decimation.shared_out([1000, 3000], None) == [1000, 3000]
-        assert decimation.shared_out([100_000, 200], 1000) == [998, decimation.FEWEST]
+        assert decimation.shared_out([100_000, 200], 1000) == [998, decimation.MIN_PART_FACES]
 
     def test_a_file_shown_twice_is_read_once(self, drawn, monkeypatch):
         robot = drawn(mesh("../meshes/a.stl"), files.torus().export(file_type="stl"))

@@ -26,7 +26,7 @@ import urdf
 from urdf import errors
 from urdf.inspection import inspecting
 from urdf.inspection.findings import SEVERITIES
-from urdf.inspection.messages import ELSEWHERE
+from urdf.inspection.messages import OTHER_READERS
 from urdf.inspection.rules import document_rules as unread_rules
 
 ALWAYS = ("rotor-inertia", "mass-matrix")
@@ -90,7 +90,7 @@ def test_document_beyond_reading(inspected, code):
     assert finding.severity == "error"
     assert finding.message.startswith(message)
     assert finding.remedy
-    assert finding.message.endswith(ELSEWHERE.get(code, ""))
+    assert finding.message.endswith(OTHER_READERS.get(code, ""))
     assert report.verdict == "refused"
 
 
@@ -223,7 +223,7 @@ class TestSeveral:
         assert max(len(finding.text) for finding in report.findings) < 500
 
     def test_too_many_findings(self, inspected, monkeypatch):
-        monkeypatch.setattr(inspecting, "MOST_FINDINGS", 2)
+        monkeypatch.setattr(inspecting, "MAX_FINDINGS", 2)
         report = inspected(changed('"0.11"', '"x"', '"0.13"', '"y"', '"0.17"', '"z"'))
         (finding,) = of_code(report, "more-findings")
         assert report.count("error") == 2
@@ -310,7 +310,7 @@ def test_every_code_has_a_case():
     )
     written |= set(re.findall(r'(?:[A-Z]\w+,|BadNumber\()\s*"([a-z]+(?:-[a-z]+)+|cycle)"', strict))
     written |= {f"missing-{tag}" for tag in ("mass", "inertia", "parent", "child", "axis")}
-    written |= set(unread_rules.REMEDIES)
+    written |= set(unread_rules.DOCUMENT_REMEDIES)
     written |= {getattr(kind, "default_code", "") for kind in vars(errors).values()} - {""}
     elsewhere = {
         *MESH_CODES,
@@ -332,7 +332,7 @@ def test_every_code_has_a_case():
     }
     assert written <= {*CASES, *DOCUMENTS, *elsewhere}
     assert len(written) > 70
-    assert set(ELSEWHERE) <= {*CASES, *DOCUMENTS, *elsewhere}
+    assert set(OTHER_READERS) <= {*CASES, *DOCUMENTS, *elsewhere}
     page = (REPOSITORY / "docs" / "loading.md").read_text(encoding="utf-8")
     assert {*CASES, *DOCUMENTS, *elsewhere} == set(
         re.findall(r"`([a-z]+(?:-[a-z0-9]+)*)`", page.split("| severity |")[1])

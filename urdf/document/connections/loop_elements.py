@@ -22,7 +22,7 @@ from graphdyn import Placement
 from graphdyn.model import ChordKind
 from urdf.document.connections.loops import CoupledSums, Loop, SourceLocation
 from urdf.document.elements import name_of, written_tag
-from urdf.document.numbers import LARGEST, SHORTEST_AXIS, BadNumber, numbers, rotation_from_rpy
+from urdf.document.numbers import MAX_NUMBER, MIN_AXIS_LENGTH, BadNumber, numbers, rotation_from_rpy
 from urdf.errors import InvalidLoop, UnsupportedConstraint, URDFError, shortened
 
 Kinds = Mapping[str, ChordKind]
@@ -47,7 +47,7 @@ def read(
 
     links: names of all links of the robot
     """
-    form = FORMS.get(written_tag(element))
+    form = ELEMENT_READERS.get(written_tag(element))
     if form is None:
         return None
     try:
@@ -111,7 +111,7 @@ class _ElementReader:
         found = numbers(text, count, f'{attribute}="{shortened(text)}" of <{written_tag(part)}>')
         if isinstance(found, BadNumber):
             raise self.fault(found.problem, found.remedy)
-        if max(map(abs, found)) > LARGEST:
+        if max(map(abs, found)) > MAX_NUMBER:
             raise self.fault(f'{attribute}="{shortened(text)}" is too large for a robot', "give m and rad")
         return found
 
@@ -129,7 +129,7 @@ class _ElementReader:
         if part is None:
             return DEFAULT_AXIS if kind in ("hinge", "slide") else (0.0, 0.0, 1.0)
         axis = self.stated(part, "xyz", 3)
-        if math.hypot(*axis) < SHORTEST_AXIS:
+        if math.hypot(*axis) < MIN_AXIS_LENGTH:
             raise self.fault(f"<{tag}> is zero", "give a direction")
         return tuple(axis)
 
@@ -199,7 +199,7 @@ def _ball(reader: _ElementReader) -> Loop:
     return Loop(name_of(reader.element) or f"{link_i}-{link_j}", "ball", link_i, link_j, at_i, at_j)
 
 
-FORMS: Mapping[str, Callable[[_ElementReader], Loop | CoupledSums]] = {
+ELEMENT_READERS: Mapping[str, Callable[[_ElementReader], Loop | CoupledSums]] = {
     "loop": _loop,
     "coupling": _coupling,
     "loop_joint": _loop_joint,

@@ -17,11 +17,11 @@ from graphdyn.model import ChordKind
 from urdf.document.connections.loops import CompanionFiles, Loop, Motor, SourceLocation
 from urdf.errors import InvalidLoop, URDFError, shortened
 
-KINDS: dict[str, ChordKind] = {"6d": "weld", "6D": "weld", "3d": "ball", "3D": "ball"}
+YAML_CHORD_KINDS: dict[str, ChordKind] = {"6d": "weld", "6D": "weld", "3d": "ball", "3D": "ball"}
 
-KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
+YAML_KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 
-LARGEST = 100_000
+MAX_YAML_BYTES = 100_000
 """Largest size of such a file [bytes]; the largest published one has 1200."""
 
 _IS_ONE = re.compile(rb"^closed_loop[ \t]*:", re.MULTILINE)
@@ -35,7 +35,7 @@ def beside(path: Path) -> CompanionFiles:
     if not file.is_file():
         return CompanionFiles()
     with file.open("rb") as opened:
-        content = opened.read(LARGEST + 1)
+        content = opened.read(MAX_YAML_BYTES + 1)
     return read_yaml(file, content) if _IS_ONE.search(content) else CompanionFiles()
 
 
@@ -43,9 +43,11 @@ def read_yaml(path: Path, content: bytes | None = None) -> CompanionFiles:
     """Raises InvalidLoop, with its line, for anything but what the format has; OSError."""
     if content is None:
         with path.open("rb") as opened:
-            content = opened.read(LARGEST + 1)
-    if len(content) > LARGEST:
-        raise InvalidLoop(f"the file is larger than {LARGEST} bytes", "give the YAML file of the loops", path=path)
+            content = opened.read(MAX_YAML_BYTES + 1)
+    if len(content) > MAX_YAML_BYTES:
+        raise InvalidLoop(
+            f"the file is larger than {MAX_YAML_BYTES} bytes", "give the YAML file of the loops", path=path
+        )
     try:
         document = yaml.compose(content, Loader=yaml.SafeLoader)
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
@@ -75,7 +77,7 @@ class _File:
             if name in nodes:
                 raise self.fault(key, name, "stated twice", "keep the one that is meant")
             nodes[name] = value
-            if name not in KEYS:
+            if name not in YAML_KEYS:
                 unread.append(f"{self.path.name}:{key.start_mark.line + 1}: key '{name}'")
         for element in ("closed_loop", "type"):
             if element not in nodes:
@@ -99,9 +101,9 @@ class _File:
             names = [name for _, name in self.texts(pair, "closed_loop")]
             if len(names) != 2:
                 raise self.fault(pair, "closed_loop", f"{len(names)} names, expected 2", "name two links or joints")
-            if kind not in KINDS:
+            if kind not in YAML_CHORD_KINDS:
                 raise self.fault(node, "type", f"type '{kind}' is unknown", "use 6d or 3d")
-            yield Loop("-".join(names), KINDS[kind], names[0], names[1]), self.place(pair, "closed_loop")
+            yield Loop("-".join(names), YAML_CHORD_KINDS[kind], names[0], names[1]), self.place(pair, "closed_loop")
 
     def items(self, node: yaml.Node, element: str) -> list[yaml.Node]:
         if not isinstance(node, yaml.SequenceNode):

@@ -14,15 +14,15 @@ from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 
-from urdf.errors import MOST, InvalidXacro, XacroNotInstalled, shortened
+from urdf.errors import MAX_QUOTED_NAMES, InvalidXacro, XacroNotInstalled, shortened
 
-CPU_SECONDS = 5
+MAX_CPU_SECONDS = 5
 """Processor time allowed for expanding [s]; the files of one arm take some 0.3 s, on a busy machine twice as much."""
 
-MEGABYTES = 300
+MAX_MEGABYTES = 300
 """Memory allowed for expanding [MB]."""
 
-WALL_SECONDS = 60
+MAX_WALL_SECONDS = 60
 """Elapsed time allowed for expanding [s]: on a busy machine, far more than the processor time."""
 
 SCRIPT = Path(__file__).with_name("process.py")
@@ -50,13 +50,13 @@ def expand(
         "content": content.decode("latin-1"),  # bytes as text, one character each
         "arguments": {name: str(value) for name, value in arguments.items()},
         "packages": {name: str(Path(folder).resolve()) for name, folder in packages.items()},
-        "cpu_seconds": CPU_SECONDS,
-        "megabytes": MEGABYTES,
+        "cpu_seconds": MAX_CPU_SECONDS,
+        "megabytes": MAX_MEGABYTES,
     }
     command = [sys.executable, "-I", "-X", "utf8", str(SCRIPT)]
     try:
         done = subprocess.run(
-            command, input=json.dumps(task).encode(), capture_output=True, env={}, timeout=WALL_SECONDS
+            command, input=json.dumps(task).encode(), capture_output=True, env={}, timeout=MAX_WALL_SECONDS
         )
     except subprocess.TimeoutExpired:
         raise _endless(path) from None
@@ -83,12 +83,14 @@ def _check_packages(path: Path, packages: Mapping[str, str | PathLike[str]]) -> 
 def _complaints(written: bytes) -> list[str]:
     """The lines that begin with "warning:"; the others give the place."""
     lines = (re.sub(r"\x1b\[[\d;]*m", "", line).strip() for line in written.decode(errors="replace").splitlines())
-    return [shortened(line.removeprefix("warning: ")) for line in lines if line.startswith("warning: ")][:MOST]
+    return [shortened(line.removeprefix("warning: ")) for line in lines if line.startswith("warning: ")][
+        :MAX_QUOTED_NAMES
+    ]
 
 
 def _endless(path: Path) -> InvalidXacro:
     return InvalidXacro(
-        f"expanding takes more than {CPU_SECONDS} s of processor time",
+        f"expanding takes more than {MAX_CPU_SECONDS} s of processor time",
         "expand the file yourself, if you trust it, and give the URDF",
         path=path,
     )

@@ -22,7 +22,7 @@ import types
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-HARMLESS = {"compile", "exec", "glob.glob", "glob.glob/2", "builtins.id", "import"}
+HARMLESS_EVENTS = {"compile", "exec", "glob.glob", "glob.glob/2", "builtins.id", "import"}
 """Audit events that are allowed; the files that an import opens are audited separately."""
 
 FORBIDDEN_NODES = (ast.Lambda, ast.GeneratorExp, ast.Await, ast.NamedExpr)
@@ -31,7 +31,7 @@ FORBIDDEN_FUNCTIONS = ("type", "vars")
 """Functions that lead from a value to its class or its frame."""
 
 
-LONGEST = 300
+MAX_MESSAGE_CHARACTERS = 300
 """Largest number of characters of a message, which may quote the file."""
 
 
@@ -64,7 +64,7 @@ def explained(error: Exception, megabytes: int) -> dict[str, str]:
     for cause in causes:
         if isinstance(cause, Refused):
             return {"problem": str(cause), "remedy": cause.remedy}
-    said = " ".join(str(error).split())[:LONGEST] or type(error).__name__
+    said = " ".join(str(error).split())[:MAX_MESSAGE_CHARACTERS] or type(error).__name__
     return {"problem": f"xacro cannot expand it: {said}", "remedy": "correct the file, or give what it needs"}
 
 
@@ -148,7 +148,7 @@ def fence(folders: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
     roots = [os.path.realpath(folder) for folder in folders]
 
     def hook(event: str, arguments: tuple[Any, ...]) -> None:
-        if event in HARMLESS or event.startswith("cpython."):
+        if event in HARMLESS_EVENTS or event.startswith("cpython."):
             return
         if event in ("open", "os.listdir", "os.scandir"):
             path = os.path.realpath(os.fspath(arguments[0]))

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 from urdf.errors import shortened
-from urdf.geometry.meshes.triangles import MOST_TRIANGLES, Triangles
+from urdf.geometry.meshes.triangles import MAX_TRIANGLES, Triangles
 from urdf.geometry.shape import Color, Faces, UnreadableMesh
 
 _ENCODING = re.compile(rb"""<\?xml[^>]*encoding\s*=\s*["']([^"']*)["']""")
@@ -154,8 +154,8 @@ class _ColladaScene:
         mirrored = np.linalg.det(rotation) < 0
         for material, vertices, faces in self.geometries[geometry]:
             self.faces += len(faces)
-            if self.faces > MOST_TRIANGLES:
-                raise UnreadableMesh(f"the scene has more than {MOST_TRIANGLES} triangles; reduce the mesh")
+            if self.faces > MAX_TRIANGLES:
+                raise UnreadableMesh(f"the scene has more than {MAX_TRIANGLES} triangles; reduce the mesh")
             turned = faces[:, ::-1] if mirrored else faces
             yield Triangles(vertices @ rotation.T + translation, turned.copy(), self._color(element, material))
 

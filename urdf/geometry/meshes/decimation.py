@@ -12,25 +12,25 @@ import numpy as np
 
 from urdf.geometry.meshes.triangles import Triangles, clustered
 
-FEWEST = 64
+MIN_PART_FACES = 64
 """Faces that a part keeps at least, where it has them: fewer do not show its form."""
 
 AGGRESSIVENESS = 7
 """Of fast-simplification, its default: how fast the tolerated error grows from pass to pass."""
 
-ABOVE = 1.2
+MAX_FACE_EXCESS = 1.2
 """Part of the wanted number of faces that edge collapse may exceed, before vertices are clustered."""
 
-GRIDS = (256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4)
+CLUSTER_GRIDS = (256, 192, 128, 96, 64, 48, 32, 24, 16, 12, 8, 6, 4)
 """Cells along the longest side of the mesh into which vertices are clustered, until it has few enough faces."""
 
 
 def shared_out(sizes: Sequence[int], faces: int | None) -> list[int]:
-    """How many faces each part may have, of so many in all: in proportion, but none less than FEWEST."""
+    """How many faces each part may have, of so many in all: in proportion, but none less than MIN_PART_FACES."""
     total = sum(sizes)
     if faces is None or total <= faces:
         return list(sizes)
-    return [min(size, max(FEWEST, faces * size // total)) for size in sizes]
+    return [min(size, max(MIN_PART_FACES, faces * size // total)) for size in sizes]
 
 
 def decimated(part: Triangles, faces: int) -> Triangles:
@@ -38,8 +38,8 @@ def decimated(part: Triangles, faces: int) -> Triangles:
     if len(part.faces) <= faces:
         return part
     fewer = _collapsed(part, faces)
-    for cells in GRIDS:
-        if len(fewer.faces) <= ABOVE * faces:
+    for cells in CLUSTER_GRIDS:
+        if len(fewer.faces) <= MAX_FACE_EXCESS * faces:
             break
         fewer = clustered(part, part.size / cells)
     return fewer

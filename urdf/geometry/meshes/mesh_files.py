@@ -16,13 +16,13 @@ from urdf.geometry.meshes.collada import read_collada
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
 from urdf.geometry.shape import Color, UnreadableMesh
 
-LARGEST_MESH = 100_000_000
+MAX_MESH_BYTES = 100_000_000
 """Largest size of a mesh file [bytes]; the largest of published robots have some 30 MB."""
 
-LARGEST_COLORS = 1_000_000
+MAX_COLORS_BYTES = 1_000_000
 """Largest size of the .mtl file that an OBJ file names [bytes]."""
 
-LONGEST = 1e6
+MAX_COORDINATE = 1e6
 """Largest coordinate that is drawn [m]."""
 
 logging.getLogger("trimesh").addHandler(logging.NullHandler())  # else its messages are printed where nobody asked
@@ -39,7 +39,7 @@ def read_mesh(path: Path) -> tuple[Triangles, ...]:
     suffix = path.suffix.lower()
     if suffix not in _READERS:
         raise UnreadableMesh(f"'{shortened(suffix)}' files are not read, only {', '.join(_READERS)}")
-    content = content_of(path, LARGEST_MESH)
+    content = content_of(path, MAX_MESH_BYTES)
     try:
         parts = _READERS[suffix](content, path)
     except UnreadableMesh:
@@ -108,7 +108,7 @@ class _Colors:
         if path.suffix.lower() != ".mtl":
             raise FileNotFoundError(name)
         try:
-            return content_of(path, LARGEST_COLORS)
+            return content_of(path, MAX_COLORS_BYTES)
         except UnreadableMesh as error:
             raise FileNotFoundError(name) from error
 
@@ -146,6 +146,8 @@ def _checked(part: Triangles) -> Triangles:
     used = part.vertices[part.faces.ravel()]
     if not np.isfinite(used).all():
         raise UnreadableMesh("a vertex has a coordinate that is NaN or infinite")
-    if np.abs(used).max() > LONGEST:
-        raise UnreadableMesh(f"a vertex lies farther than {LONGEST:g} m from the origin; check the unit of length")
+    if np.abs(used).max() > MAX_COORDINATE:
+        raise UnreadableMesh(
+            f"a vertex lies farther than {MAX_COORDINATE:g} m from the origin; check the unit of length"
+        )
     return part

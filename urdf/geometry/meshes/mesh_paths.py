@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import unquote
 
-from urdf.document.document import UNNAMED
-from urdf.document.numbers import UNEXPANDED
+from urdf.document.document import UNNAMED_SOURCES
+from urdf.document.numbers import UNEXPANDED_EXPRESSION
 from urdf.errors import shortened
 from urdf.geometry.shape import UnreadableMesh
 
@@ -28,7 +28,7 @@ def find_mesh(name: str, document: Path) -> Path:
     """
     if not name.strip():
         raise UnreadableMesh("<mesh> has no file name")
-    if UNEXPANDED.search(name):
+    if UNEXPANDED_EXPRESSION.search(name):
         raise UnreadableMesh("the name is not expanded; expand the file with xacro")
     scheme, separator, rest = name.partition("://")
     candidates: Iterator[Path]
@@ -49,14 +49,14 @@ def find_mesh(name: str, document: Path) -> Path:
 def _beside(path: Path, document: Path) -> Iterator[Path]:
     if path.is_absolute():
         yield path
-    elif document in UNNAMED:
+    elif document in UNNAMED_SOURCES:
         raise UnreadableMesh("the path is relative, and the URDF comes from no file; load it from its file")
     else:
         yield document.resolve().parent / path
 
 
 def _in_packages(path: str, document: Path) -> Iterator[Path]:
-    folders = [] if document in UNNAMED else [*document.resolve().parents]
+    folders = [] if document in UNNAMED_SOURCES else [*document.resolve().parents]
     yield from (folder / path for folder in folders)
     within = path.partition("/")[2]
     yield from (folder / within for folder in folders)

@@ -9,13 +9,13 @@ import numpy as np
 
 from urdf.geometry.meshes.triangles import Triangles
 
-SECTIONS = 32
+CYLINDER_SECTIONS = 32
 """Sides of the prism that a cylinder is drawn as: its radius is short by at most 0.5 %."""
 
-SUBDIVISIONS = 2
+SPHERE_SUBDIVISIONS = 2
 """Of the icosahedron that a sphere is drawn as: 320 faces."""
 
-SIZES: Mapping[str, Mapping[str, int]] = {
+PRIMITIVE_SIZES: Mapping[str, Mapping[str, int]] = {
     "box": {"size": 3},
     "cylinder": {"radius": 1, "length": 1},
     "sphere": {"radius": 1},
@@ -25,7 +25,7 @@ SIZES: Mapping[str, Mapping[str, int]] = {
 
 
 def primitive(kind: str, *sizes: float) -> Triangles:
-    """The element with these sizes [m], in the order of SIZES."""
+    """The element with these sizes [m], in the order of PRIMITIVE_SIZES."""
     mesh = _MAKERS[kind](*sizes)
     return Triangles(np.array(mesh.vertices, dtype=float), np.array(mesh.faces))
 
@@ -39,19 +39,19 @@ def _box(x: float, y: float, z: float) -> Any:
 def _cylinder(radius: float, length: float) -> Any:
     from trimesh import creation
 
-    return creation.cylinder(radius, length, sections=SECTIONS)
+    return creation.cylinder(radius, length, sections=CYLINDER_SECTIONS)
 
 
 def _sphere(radius: float) -> Any:
     from trimesh import creation
 
-    return creation.icosphere(SUBDIVISIONS, radius)
+    return creation.icosphere(SPHERE_SUBDIVISIONS, radius)
 
 
 def _capsule(radius: float, length: float) -> Any:
     from trimesh import creation
 
-    return creation.capsule(length, radius, count=(SECTIONS // 2, SECTIONS))
+    return creation.capsule(length, radius, count=(CYLINDER_SECTIONS // 2, CYLINDER_SECTIONS))
 
 
 _MAKERS: Mapping[str, Callable[..., Any]] = {

@@ -10,10 +10,10 @@ import numpy as np
 from graphdyn.layout import Array
 from urdf.geometry.shape import Color, Faces
 
-MOST_TRIANGLES = 4_000_000
+MAX_TRIANGLES = 4_000_000
 """Largest number of triangles of a file, and of a robot."""
 
-WELD = 1e-6
+WELD_DISTANCE_SHARE = 1e-6
 """Distance between vertices that count as one, as a part of the size of the mesh."""
 
 
@@ -53,7 +53,7 @@ def joined(parts: Sequence[Triangles]) -> Triangles:
 
 def welded(part: Triangles) -> Triangles:
     """Vertices at the same place as one."""
-    return clustered(part, part.size * WELD)
+    return clustered(part, part.size * WELD_DISTANCE_SHARE)
 
 
 def clustered(part: Triangles, cell: float) -> Triangles:

@@ -13,7 +13,7 @@ from lxml import etree
 
 from urdf.document.document import Document
 from urdf.document.elements import line_of, name_of
-from urdf.document.numbers import UNEXPANDED
+from urdf.document.numbers import UNEXPANDED_EXPRESSION
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.messages import of_file, told
@@ -73,7 +73,7 @@ def _elements(robot: etree._Element) -> Iterator[Finding]:
             lines.setdefault("mesh", line_of(element))
         elif name.localname == "material" and element.getparent() is robot:
             materials.setdefault(name_of(element), []).append(line_of(element))
-        texts = [text for text in element.attrib.values() if UNEXPANDED.search(str(text))]
+        texts = [text for text in element.attrib.values() if UNEXPANDED_EXPRESSION.search(str(text))]
         if texts:
             unexpanded += len(texts)
             lines.setdefault("unexpanded", line_of(element))
@@ -114,7 +114,7 @@ def _elements(robot: etree._Element) -> Iterator[Finding]:
             )
 
 
-REMEDIES = {
+DOCUMENT_REMEDIES = {
     "unread-dynamics": "change the model after loading it, if that matters",
     "unknown-element": "correct its name, or remove it",
     "unknown-attribute": "correct its name, or remove it",
@@ -126,4 +126,4 @@ def unread_findings(structure: Structure) -> Iterator[Finding]:
     for unread in structure.source.extensions.unread:
         number = f" ({unread.places} such places)" if unread.places > 1 else ""
         message = told(unread.code, f"{unread.problem}: not read{number}")
-        yield Finding(unread.code, "warning", unread.element, unread.line, message, REMEDIES[unread.code])
+        yield Finding(unread.code, "warning", unread.element, unread.line, message, DOCUMENT_REMEDIES[unread.code])

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from lxml import etree
 
-from urdf.document.numbers import UNIT_LENGTH, values
+from urdf.document.numbers import UNIT_LENGTH_TOLERANCE, values
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.messages import about, of_file
@@ -17,10 +17,10 @@ RIGHT_ANGLE = math.pi / 2
 TRUNCATED, EXACT = 2e-3, 1e-12
 """Differences from a multiple of π/2 [rad]: an angle between the two is a truncated multiple, such as 3.14 for π."""
 
-OFF_UNIT = 1e-2
+MAX_AXIS_LENGTH_ERROR = 1e-2
 """Difference from 1 of the length of an axis: a smaller one is rounding, a larger one probably another mistake."""
 
-STRAIGHT = 1e-6
+ZERO_COMPONENT = 1e-6
 """Part of its largest component below which a component of an axis counts as zero."""
 
 
@@ -106,15 +106,15 @@ def _axis(joint: etree._Element) -> Iterator[Finding]:
     if axis is None or not any(axis):
         return
     length, largest = math.hypot(*axis), max(map(abs, axis))
-    if abs(length - 1) > UNIT_LENGTH:
+    if abs(length - 1) > UNIT_LENGTH_TOLERANCE:
         yield about(
             "axis-not-normalised",
-            "note" if abs(length - 1) < OFF_UNIT else "warning",
+            "note" if abs(length - 1) < MAX_AXIS_LENGTH_ERROR else "warning",
             element,
             f"the axis has length {length:.9g}; load normalises it",
-            "write it with more digits" if abs(length - 1) < OFF_UNIT else "write a unit vector",
+            "write it with more digits" if abs(length - 1) < MAX_AXIS_LENGTH_ERROR else "write a unit vector",
         )
-    along = [x for x in axis if abs(x) > STRAIGHT * largest]
+    along = [x for x in axis if abs(x) > ZERO_COMPONENT * largest]
     if len(along) > 1:
         text = " ".join(f"{x:g}" for x in axis)
         yield about(

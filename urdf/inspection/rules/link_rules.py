@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from graphdyn.model import CONSISTENCY
+from graphdyn.model import TRIANGLE_TOLERANCE_SHARE
 from urdf.document.elements import name_of
 from urdf.document.numbers import values
 from urdf.errors import shortened
@@ -14,23 +14,23 @@ from urdf.inspection.findings import Finding
 from urdf.inspection.messages import about, of_file
 from urdf.inspection.structure import LinkInertial, Structure
 
-ROUNDED = 0.02
+TRIANGLE_TOLERANCE = 0.02
 """Violation of a triangle inequality, as a part of the largest moment, below which it comes from few digits."""
 
-TINY_MASS = 1e-4
+MIN_PLAUSIBLE_MASS = 1e-4
 """Mass below which it is probably a placeholder [kg]."""
 
-LARGEST_RADIUS = 2.0
+MAX_GYRATION_RADIUS = 2.0
 """Radius of gyration beyond which lengths are probably in other units [m]."""
 
-FARTHEST_CENTER = 50.0
+MAX_CENTER_DISTANCE = 50.0
 """Distance of a center of mass from its link origin beyond which it is probably in other units [m]."""
 
 FAR, SMALLEST_LINK = 5.0, 0.1
 """A radius of gyration beyond FAR times the link's size is implausible; no link counts as smaller than SMALLEST_LINK
 [m]."""
 
-SEVERAL = 3
+MIN_EQUAL_LINKS = 3
 """Number of links from which equal inertials are not a coincidence."""
 
 
@@ -129,7 +129,7 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "give the tensor",
         )
     distance = float(np.linalg.norm(inertial.center))
-    if distance > FARTHEST_CENTER:
+    if distance > MAX_CENTER_DISTANCE:
         yield about(
             "far-center-of-mass",
             "warning",
@@ -137,7 +137,7 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             f"the center of mass is {distance:.3g} m from the origin of the link",
             "give it in metres, in the link frame; it may be in millimetres",
         )
-    if 0 < mass < TINY_MASS:
+    if 0 < mass < MIN_PLAUSIBLE_MASS:
         yield about(
             "tiny-mass",
             "warning",
@@ -149,7 +149,7 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
 
 def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
     element, (low, middle, high), size = inertial.element, inertial.moments, inertial.size
-    if low < -CONSISTENCY * size:
+    if low < -TRIANGLE_TOLERANCE_SHARE * size:
         yield about(
             "indefinite-inertia",
             "warning",
@@ -157,7 +157,7 @@ def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
             f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one",
             "correct the tensor; a sign may be wrong, or entries swapped",
         )
-    elif low <= CONSISTENCY * size:
+    elif low <= TRIANGLE_TOLERANCE_SHARE * size:
         yield about(
             "singular-inertia",
             "warning",
@@ -166,8 +166,8 @@ def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
             "give all moments",
         )
     excess = high - low - middle
-    if excess > CONSISTENCY * size:
-        rounded = excess < ROUNDED * high
+    if excess > TRIANGLE_TOLERANCE_SHARE * size:
+        rounded = excess < TRIANGLE_TOLERANCE * high
         yield about(
             "triangle-inequality",
             "note" if rounded else "warning",
@@ -192,7 +192,7 @@ def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
     places = (values(joint.find("origin"), "xyz", 3) for joint in structure.joints_from.get(inertial.link, ()))
     ends = [inertial.center, *(np.array(place) for place in places if place is not None)]
     size = max(SMALLEST_LINK, *(float(np.linalg.norm(end)) for end in ends))
-    if radius > LARGEST_RADIUS or radius > FAR * size:
+    if radius > MAX_GYRATION_RADIUS or radius > FAR * size:
         yield about(
             "gyration-radius",
             "warning",
@@ -204,7 +204,7 @@ def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
 
 def _placeholders(moving: list[LinkInertial]) -> Iterator[Finding]:
     same = {(inertial.mass, inertial.tensor.tobytes()) for inertial in moving}
-    if len(moving) >= SEVERAL and len(same) == 1:
+    if len(moving) >= MIN_EQUAL_LINKS and len(same) == 1:
         yield of_file(
             "placeholder-inertials",
             "warning",

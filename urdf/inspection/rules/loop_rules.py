@@ -8,18 +8,18 @@ import numpy as np
 
 from graphdyn import InconsistentState, RobotModel
 from graphdyn.layout import Array
-from graphdyn.model import CLOSED, RANK, assembled, loop_spaces
+from graphdyn.model import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, assembled, loop_spaces
 from urdf.document.elements import name_of
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.messages import of_file
 from urdf.inspection.structure import Structure
-from urdf.loops.couplings import INDEPENDENT
+from urdf.loops.couplings import INDEPENDENT_VALUES
 
 STATES, SEED, STRAY = 5, 0, 0.1
 """Closed states that are examined, their seed, and how far from the first of them they are looked for [rad or m]."""
 
-MOST_ROWS = 100
+MAX_CHORD_ROWS = 100
 """Largest number of chord rows that are examined: closing more takes longer than a second."""
 
 
@@ -32,7 +32,7 @@ def closed_states(model: RobotModel) -> Array:
     strayed = start + STRAY * np.random.default_rng(SEED).standard_normal((STATES, start.size))
     strayed[0] = start
     q, gaps = assembled(model.loops, strayed)
-    closed: Array = q[np.abs(gaps).max(axis=-1) <= CLOSED]
+    closed: Array = q[np.abs(gaps).max(axis=-1) <= CLOSED_TOLERANCE]
     return closed
 
 
@@ -45,12 +45,12 @@ def free_motions(model: RobotModel, q: Array) -> list[Array]:
 def loop_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
     """Findings about a robot with chords."""
     yield from _massless(model)
-    if model.n_chord_rows > MOST_ROWS:
+    if model.n_chord_rows > MAX_CHORD_ROWS:
         yield of_file(
             "loops-not-examined",
             "note",
             None,
-            f"the loops have {model.n_chord_rows} rows: more than {MOST_ROWS} are not examined",
+            f"the loops have {model.n_chord_rows} rows: more than {MAX_CHORD_ROWS} are not examined",
             "nothing need be done",
         )
         return
@@ -86,7 +86,7 @@ def _rows(model: RobotModel, motions: list[Array]) -> Finding:
     said = [f"{rows} rows close loops: they hold {held} of {n} joint freedoms and leave {freedoms}"]
     if held < rows:
         said.append(f"redundant rows: {rows - held}, so that not all reactions are determined")
-    if gaps.max() > CLOSED:
+    if gaps.max() > CLOSED_TOLERANCE:
         said.append(f"at q = 0 the loops are open by {gaps.max():.2g} m or rad")
     if motions[0].shape[-1] > freedoms:
         said.append("the closed pose next to q = 0 is singular")
@@ -101,7 +101,7 @@ def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
     of_motors = loop_spaces(motion[[joints.index(name) for name in model.actuated]])
     idle = motion @ of_motors.right[:, of_motors.free]
     if idle.shape[-1]:
-        names = [name for name, row in zip(joints, idle, strict=True) if np.abs(row).max() > RANK]
+        names = [name for name, row in zip(joints, idle, strict=True) if np.abs(row).max() > LOOP_RANK_TOLERANCE]
         yield of_file(
             "idle-freedoms",
             "warning",
@@ -114,14 +114,14 @@ def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
 def _independent(model: RobotModel, structure: Structure, motion: Array) -> Iterator[Finding]:
     """Joints that are not marked independent="false", where any joint is marked."""
     marks = {
-        name_of(joint): INDEPENDENT.get((joint.get("independent") or "true").lower(), True)
+        name_of(joint): INDEPENDENT_VALUES.get((joint.get("independent") or "true").lower(), True)
         for joint in structure.movable
     }
     if not any("independent" in joint.attrib for joint in structure.movable):
         return
     joints = model.independent_joints
     stated = [k for k, name in enumerate(joints) if marks.get(name, True)]
-    rank = np.count_nonzero(np.linalg.svd(motion[stated], compute_uv=False) > RANK) if stated else 0
+    rank = np.count_nonzero(np.linalg.svd(motion[stated], compute_uv=False) > LOOP_RANK_TOLERANCE) if stated else 0
     if not rank == len(stated) == motion.shape[-1]:
         named = listed(shortened(joints[k]) for k in stated)
         yield of_file(

@@ -8,21 +8,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.layout import Array
-from graphdyn.model import CONSISTENCY
-from urdf.errors import MOST, shortened
+from graphdyn.model import TRIANGLE_TOLERANCE_SHARE
+from urdf.errors import MAX_QUOTED_NAMES, shortened
 from urdf.geometry.filled_links import FilledLink, filled_links
 from urdf.inspection.findings import Finding
 from urdf.inspection.messages import about, of_file
 from urdf.inspection.structure import LinkInertial, Structure
 
-OUTSIDE = 0.05
+MAX_OUTSIDE_SHARE = 0.05
 """Distance of a center of mass from the box around the mesh, as a part of its longest side, beyond which they do not
 fit; motors and cables that are not drawn shift it less."""
 
 LIGHTEST, DENSEST = 100.0, 20_000.0
 """Plausible mass over volume [kg/m³]: a hollow link of plastic, solid tungsten."""
 
-FAR = 10.0
+MAX_MOMENT_RATIO = 10.0
 """Factor between a principal moment and that of the filled mesh beyond which they do not fit. A thin shell has at most
 5/3 of a filled body; of the catalogue's links, nine in ten stay below 7."""
 
@@ -44,7 +44,7 @@ class Compared:
     def factor(self) -> float:
         """Largest ratio of the moments, either way; 1 for singular and negative tensors, which have findings."""
         own = self.inertial.moments
-        if own[0] <= CONSISTENCY * self.inertial.size:
+        if own[0] <= TRIANGLE_TOLERANCE_SHARE * self.inertial.size:
             return 1.0
         ratios = own / self.moments
         return float(max(ratios.max(), 1 / ratios.min()))
@@ -81,8 +81,8 @@ def _compared(inertial: LinkInertial, link: FilledLink) -> Compared:
 
 
 def _files(structure: Structure, compared: int, failed: dict[str, str]) -> Finding:
-    names = [f"'{shortened(link)}' ({reason})" for link, reason in failed.items()][:MOST]
-    more = f" and {len(failed) - MOST} more" if len(failed) > MOST else ""
+    names = [f"'{shortened(link)}' ({reason})" for link, reason in failed.items()][:MAX_QUOTED_NAMES]
+    more = f" and {len(failed) - MAX_QUOTED_NAMES} more" if len(failed) > MAX_QUOTED_NAMES else ""
     left = f"; links that are not: {', '.join(names)}{more}" if failed else ""
     drawings = structure.source.drawings.drawings
     lines = [each.line for each in drawings if each.mesh]
@@ -99,7 +99,7 @@ def _place(each: Compared) -> Iterator[Finding]:
     solid, center = each.link.filled, each.inertial.center
     outside = float(np.linalg.norm(np.maximum(np.maximum(solid.low - center, center - solid.high), 0.0)))
     size = float((solid.high - solid.low).max())
-    if outside > OUTSIDE * size:
+    if outside > MAX_OUTSIDE_SHARE * size:
         yield about(
             "center-outside-mesh",
             "warning",
@@ -123,7 +123,7 @@ def _density(each: Compared) -> Iterator[Finding]:
 
 
 def _tensors(compared: list[Compared]) -> Iterator[Finding]:
-    far = sorted((each for each in compared if each.factor > FAR), key=lambda each: -each.factor)
+    far = sorted((each for each in compared if each.factor > MAX_MOMENT_RATIO), key=lambda each: -each.factor)
     if far:
         yield of_file(
             "inertia-unlike-mesh",

@@ -13,19 +13,19 @@ from urdf.document.elements import name_of
 from urdf.errors import listed
 from urdf.inspection.findings import Finding
 from urdf.inspection.messages import about, of_file
-from urdf.inspection.rules.loop_rules import MOST_ROWS, closed_states, free_motions, loop_findings
+from urdf.inspection.rules.loop_rules import MAX_CHORD_ROWS, closed_states, free_motions, loop_findings
 from urdf.inspection.structure import Structure
 
 STATES, SEED = 5, 0
 """Number of random states at which the mass matrix is examined, and their seed."""
 
-MOST_BODIES = 200
+MAX_EXAMINED_BODIES = 200
 """Largest number of bodies whose mass matrix is examined: for more it takes longer than a second."""
 
-ILL_CONDITIONED = 1e8
+MIN_ILL_CONDITION = 1e8
 """Condition number from which an acceleration has lost half of its digits."""
 
-INCONSISTENT = 1e-9
+PSEUDO_INERTIA_TOLERANCE = 1e-9
 """Part of the largest eigenvalue of a pseudo-inertia matrix below which a negative one is rounding."""
 
 SHORTEST, LONGEST = 0.02, 50.0
@@ -48,7 +48,7 @@ def _bodies(model: RobotModel, structure: Structure) -> Iterator[Finding]:
     links = {name_of(link): link for link in structure.source.links}
     for body, verdict in zip(model.bodies, model.physical_consistency(), strict=True):
         eigenvalue = verdict.pseudo_inertia_eigenvalue
-        if eigenvalue < -INCONSISTENT * max(np.abs(body.parameters).max(), 1e-300):
+        if eigenvalue < -PSEUDO_INERTIA_TOLERANCE * max(np.abs(body.parameters).max(), 1e-300):
             yield about(
                 "inconsistent-body",
                 "warning",
@@ -85,12 +85,12 @@ def _units(model: RobotModel) -> Iterator[Finding]:
 
 def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
     n = model.n_bodies
-    if n > MOST_BODIES:
+    if n > MAX_EXAMINED_BODIES:
         yield of_file(
             "mass-matrix-not-examined",
             "note",
             None,
-            f"{n} moving bodies: the mass matrix of more than {MOST_BODIES} is not examined",
+            f"{n} moving bodies: the mass matrix of more than {MAX_EXAMINED_BODIES} is not examined",
             "nothing need be done",
         )
         return
@@ -103,7 +103,7 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
 
 def _of_closed_motions(model: RobotModel) -> Iterator[Finding]:
     """Of the mass matrix of the motions that keep the loops closed; nothing where no such state is known."""
-    if model.n_chord_rows > MOST_ROWS:
+    if model.n_chord_rows > MAX_CHORD_ROWS:
         return
     try:
         q = closed_states(model)
@@ -149,7 +149,7 @@ def _judged(model: RobotModel, matrices: Array, where: str) -> Iterator[Finding]
         f"the mass matrix has rank {n} and condition number {_span(conditions)} {where}",
         "nothing need be done",
     )
-    if conditions.max() > ILL_CONDITIONED:
+    if conditions.max() > MIN_ILL_CONDITION:
         yield of_file(
             "mass-matrix-ill-conditioned",
             "warning",

@@ -11,7 +11,7 @@ from urdf.inspection.findings import Finding
 from urdf.inspection.messages import about
 from urdf.inspection.structure import Structure
 
-RESERVED = "universe"
+RESERVED_NAME = "universe"
 
 
 def name_findings(structure: Structure) -> Iterator[Finding]:
@@ -28,7 +28,7 @@ def name_findings(structure: Structure) -> Iterator[Finding]:
                 f"the link in line {links[name]} has this name too: the frame of this name is the link's",
                 "give one of them another name",
             )
-        if name == RESERVED:
+        if name == RESERVED_NAME:
             yield about("reserved-name", "warning", joint, "the ground has this name in Pinocchio", "rename it")
     for element in (*source.links, *source.joints):
         if "/" in name_of(element):

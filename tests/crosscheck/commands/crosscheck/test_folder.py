@@ -109,7 +109,7 @@ def written(path):
 
 class TestOutcomes:
     def test_in_processes(self, program, folder, tmp_path, monkeypatch):
-        monkeypatch.setattr(console, "INTERVAL", math.inf)  # however slow the machine, no line of progress
+        monkeypatch.setattr(console, "PROGRESS_INTERVAL", math.inf)  # however slow the machine, no line of progress
         done = program(folder, "--samples", 1, "--jobs", 2, "--json", tmp_path / "r.json")
         assert done.code == BAD_INPUT
         assert done.err == ""
@@ -291,7 +291,7 @@ class TestResume:
         assert sweep(*options)[0] == ["good.urdf", "bare.urdf"]
 
     def test_other_versions(self, sweep, monkeypatch):
-        monkeypatch.setattr("crosscheck.reference.pinocchio_model.VERSION", "0")
+        monkeypatch.setattr("crosscheck.reference.pinocchio_model.PINOCCHIO_VERSION", "0")
         assert sweep()[0] == ["good.urdf", "bare.urdf"]
 
     def test_failures_are_tried_again(self, sweep, good_folder):
@@ -363,7 +363,7 @@ class TestPage:
 
     def test_many(self, program, here, folder, tmp_path, plant: Plant, monkeypatch):
         plant.referee_value("tau", lambda x: x * (1 + 1e-9))
-        monkeypatch.setattr(report_of_folder, "FEW", 1)
+        monkeypatch.setattr(report_of_folder, "MAX_DETAILED_ROBOTS", 1)
         path = tmp_path / "r.html"
         program(folder, "--samples", 1, "--html", path)
         html = path.read_text(encoding="utf-8")

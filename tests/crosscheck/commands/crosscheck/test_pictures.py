@@ -13,7 +13,7 @@ from crosscheck.comparing.comparison import QUANTILES
 from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.report.json import plain
 from crosscheck.report.pictures.spread import SpreadRow, spread
-from crosscheck.report.pictures.stick_figure import BENT, pose, pose_text, stick_figure
+from crosscheck.report.pictures.stick_figure import BENT_ANGLE, pose, pose_text, stick_figure
 from graphdyn import Joint, Placement
 
 
@@ -70,7 +70,7 @@ class TestPictures:
         body = graphdyn.Body("a", 1.0, np.zeros(3), np.eye(3))
         bodies = (body, dataclasses.replace(body, name="b"))
         straight = graphdyn.RobotModel("straight", bodies, tuple(joints))
-        assert pose(straight).tolist() == [BENT, BENT]
+        assert pose(straight).tolist() == [BENT_ANGLE, BENT_ANGLE]
         assert "straight line" in pose_text(straight)
         assert 'role="img"' in stick_figure("k", straight, "straight")
 

@@ -16,7 +16,7 @@ from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.quantities.quantities import BY_NAME
 from crosscheck.report.json import as_bytes, plain
-from crosscheck.report.report import ROOMY
+from crosscheck.report.report import WIDE_LINE_CHARACTERS
 from crosscheck.report.text import as_text
 from crosscheck.report.versions import versions
 from graphdyn import Body
@@ -59,8 +59,8 @@ class TestText:
         assert "…" not in "".join(line for line in text.splitlines() if line.startswith("│"))
         for name in comparison.quantities:
             assert f"│ {name} " in text
-        assert ("┃ against Pinocchio's" in text) == (width >= ROOMY)
-        assert ("┃ scale" in text) == (width >= 2 * ROOMY)
+        assert ("┃ against Pinocchio's" in text) == (width >= WIDE_LINE_CHARACTERS)
+        assert ("┃ scale" in text) == (width >= 2 * WIDE_LINE_CHARACTERS)
 
     def test_heading(self, comparison, tree):
         first, _, _, robot, what, *_ = printed(comparison).splitlines()

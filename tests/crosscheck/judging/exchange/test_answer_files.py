@@ -272,7 +272,7 @@ class TestIds:
         assert question("mass_matrix", {"q": np.array([0.5, -1.0])}).id == 148220634166
 
     def test_by_chance(self, monkeypatch):
-        monkeypatch.setattr(question_ids, "IDS", 1)
+        monkeypatch.setattr(question_ids, "N_IDS", 1)
         asked = [question("mass_matrix", {"q": np.array([x])}) for x in (1.0, 1.0, 2.0)]
         with pytest.raises(SameId) as caught:
             once(asked)

@@ -15,7 +15,7 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.judging.exchange import line_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed, end_in_words
 from crosscheck.judging.exchange.program import ProgramFunction
-from crosscheck.judging.exchange.protocols import PROTOCOLS, UnreadableAnswer, number_text
+from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME, UnreadableAnswer, number_text
 from crosscheck.judging.observing.function_under_test import Refusal
 
 SOON = 0.3
@@ -31,7 +31,7 @@ LISTENS = "import sys\nfor line in sys.stdin:\n    x = line.split()\n    "
 def echo(code, *, protocol="plain", time_limit=HANGS, restart_after=None):
     """A Python program as a foreign function: this, after reading a line as the words x."""
     command = [sys.executable, "-c", LISTENS + code]
-    return ProgramFunction(command, "echo", PROTOCOLS[protocol], time_limit, restart_after)
+    return ProgramFunction(command, "echo", PROTOCOLS_BY_NAME[protocol], time_limit, restart_after)
 
 
 def answers(function, shape=(2,)):
@@ -87,7 +87,7 @@ class TestLines:
         ],
     )
     def test_no_answer(self, protocol, line, reason):
-        assert PROTOCOLS[protocol].answer(line, 1, (2,)) == Refusal(reason)
+        assert PROTOCOLS_BY_NAME[protocol].answer(line, 1, (2,)) == Refusal(reason)
 
     def test_full_pipes(self):
         """It answers with more than a pipe holds before it has read all that a pipe holds."""
@@ -129,7 +129,7 @@ class TestUnreadable:
     )
     def test_lines(self, protocol, line, message):
         with pytest.raises(UnreadableAnswer) as caught:
-            PROTOCOLS[protocol].answer(line, 1, (2,))
+            PROTOCOLS_BY_NAME[protocol].answer(line, 1, (2,))
         assert str(caught.value) == message
 
     def test_which_answer(self):
@@ -153,7 +153,7 @@ class TestUnreadable:
             answers(echo("import os; os.write(1, b'1 2\\n' + b'> ' * (x[0] == '2'))"))
 
     def test_no_line_breaks(self, monkeypatch):
-        monkeypatch.setattr(line_process, "LONGEST_LINE", 1000)
+        monkeypatch.setattr(line_process, "MAX_LINE_BYTES", 1000)
         with pytest.raises(ProgramFailed, match=r"echo wrote \d+ bytes without the end of a line; end each answer"):
             answers(echo("print('1 ' * 1000, end='', flush=True)"))
 
@@ -161,7 +161,7 @@ class TestUnreadable:
 class TestFailure:
     def test_what_holds_its_output_back(self, monkeypatch):
         """As a C program does that does not call fflush."""
-        monkeypatch.setattr(line_process, "PATIENCE", HANGS)
+        monkeypatch.setattr(line_process, "CLOSING_TIMEOUT", HANGS)
         with pytest.raises(ProgramFailed) as caught:
             answers(echo(AT_THE_END, time_limit=SOON))
         assert str(caught.value) == (
@@ -179,7 +179,7 @@ class TestFailure:
         with echo(f"{code}if x[0] == '2': time.sleep(600)") as function:
             function.answers("gravity", STATES, (2,))
             monkeypatch.setattr(function._process, "_time_limit", SOON)
-            monkeypatch.setattr(line_process, "PATIENCE", SOON)
+            monkeypatch.setattr(line_process, "CLOSING_TIMEOUT", SOON)
             with pytest.raises(ProgramFailed) as caught:
                 function.answers("gravity", STATES, (2,))
         assert str(caught.value) == (
@@ -205,7 +205,7 @@ class TestFailure:
         )
 
     def test_a_closed_output(self, monkeypatch):
-        monkeypatch.setattr(line_process, "PATIENCE", SOON)
+        monkeypatch.setattr(line_process, "CLOSING_TIMEOUT", SOON)
         with pytest.raises(ProgramFailed, match=r"^echo closed its output after 0 of 3 answers; "):
             answers(echo("import os, time; os.close(1); time.sleep(99)"))
 
@@ -219,7 +219,7 @@ class TestFailure:
             function.answers("gravity", many, (2,))
 
     def test_only_the_end_of_what_it_said(self, monkeypatch):
-        monkeypatch.setattr(line_process, "TOLD", 10)
+        monkeypatch.setattr(line_process, "MAX_REPEATED_ERROR", 10)
         with pytest.raises(ProgramFailed, match=r"on standard error: xxxx last$"):
             answers(echo("sys.exit('x' * 100 + ' last')"))
 

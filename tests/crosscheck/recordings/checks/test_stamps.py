@@ -134,7 +134,7 @@ def test_empty_cells_of_integers(tmp_path):
 @pytest.mark.parametrize("name", ["r.csv", "r.csv.gz", "r.parquet"])
 def test_streamed_stamps(tmp_path, monkeypatch, name, start):
     """In parts, each of which begins with another stamp; a rounded stamp would be refused as an uneven step."""
-    monkeypatch.setattr("crosscheck.recordings.formats.csv_files.AT_ONCE", 2000)
+    monkeypatch.setattr("crosscheck.recordings.formats.csv_files.BATCH_BYTES", 2000)
     write(tmp_path / name, start)
     streamed = StreamedRecording(tmp_path / name, window=50)
     joined = np.concatenate([part.t for part in streamed._parts()])

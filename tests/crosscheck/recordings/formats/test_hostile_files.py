@@ -37,7 +37,7 @@ def small_bound(monkeypatch):
 
 
 def test_the_bound_that_is_documented():
-    assert files.LARGEST_EXPANDED == 1_073_741_824
+    assert files.MAX_EXPANDED_BYTES == 1_073_741_824
 
 
 def npy(shape, body=b"", kind="<f8"):
@@ -103,8 +103,8 @@ def test_what_expands_too_far(tmp_path, small_bound, name):
 
 def test_a_bomb_is_not_expanded_further_than_the_bound(tmp_path, monkeypatch):
     """16 MB of zeros: no more is read than the bound."""
-    monkeypatch.setattr("crosscheck.recordings.formats.files.LARGEST_EXPANDED", 1 << 20)
-    monkeypatch.setattr("crosscheck.recordings.formats.files.LARGEST_EXPANDED", 1 << 20)
+    monkeypatch.setattr("crosscheck.recordings.formats.files.MAX_EXPANDED_BYTES", 1 << 20)
+    monkeypatch.setattr("crosscheck.recordings.formats.files.MAX_EXPANDED_BYTES", 1 << 20)
     read = []
     original = gzip.GzipFile.read
 

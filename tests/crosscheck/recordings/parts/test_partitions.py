@@ -17,8 +17,13 @@ from typer.testing import CliRunner
 from crosscheck.commands import app
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers
 from crosscheck.identifying import CandidateModel
-from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, OF_SAMPLES, STANDARD_METHODS_OF_SUMS, identify_long
-from crosscheck.identifying.methods.methods import METHODS, method_named
+from crosscheck.identifying.long_recordings import (
+    METHODS_OF_SUMS,
+    SAMPLE_METHODS,
+    STANDARD_METHODS_OF_SUMS,
+    identify_long,
+)
+from crosscheck.identifying.methods.methods import ESTIMATORS, method_named
 from crosscheck.recordings import (
     BadRecordingFile,
     PartitionedRecording,
@@ -250,15 +255,15 @@ def long(folder):
     arm = virtual()
     model = CandidateModel("", arm.torque_model.terms, (), ["wls"])
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("crosscheck.identifying.long_recordings.EXCERPT", 1000)
+        patch.setattr("crosscheck.identifying.long_recordings.EXCERPT_ROWS", 1000)
         return identify_long(arm.subject.model, problem(folder / "log").data, [model], poses=5)
 
 
 class TestIdentified:
     def test_every_method_needs_sums_or_samples(self):
-        samples = {name for name in METHODS if isinstance(method_named(name), OF_SAMPLES)}
+        samples = {name for name in ESTIMATORS if isinstance(method_named(name), SAMPLE_METHODS)}
         assert samples.isdisjoint(METHODS_OF_SUMS)
-        assert samples | set(METHODS_OF_SUMS) == set(METHODS)
+        assert samples | set(METHODS_OF_SUMS) == set(ESTIMATORS)
 
     def test_rows(self, long):
         assert long.fit.n_rows == 1875 - 62
@@ -277,7 +282,7 @@ class TestIdentified:
         """They are examined too, from rows that fit into memory however many logs there are; none may be fitted."""
         shutil.copy(folder / "log.parquet", folder / "other.parquet")
         drives = CandidateModel("", (Viscous(),), (KnownBodies(),), ["wls"])
-        monkeypatch.setattr("crosscheck.identifying.long_recordings.EXCERPT", 500)
+        monkeypatch.setattr("crosscheck.identifying.long_recordings.EXCERPT_ROWS", 500)
 
         def found(name):
             data, ahead = (problem(*(folder / n for n in names)).data for names in (["log", "log.parquet"], [name]))

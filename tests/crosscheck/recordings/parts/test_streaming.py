@@ -40,7 +40,7 @@ def files(tmp_path, columns):
 @pytest.mark.parametrize("name", ["log.parquet", "log.csv"])
 def test_pieces_are_those_of_the_whole_file(files, name, monkeypatch):
     monkeypatch.setattr(
-        "crosscheck.recordings.formats.csv_files.AT_ONCE", 20_000
+        "crosscheck.recordings.formats.csv_files.BATCH_BYTES", 20_000
     )  # a CSV file is parsed in many parts too
     whole = differentiated(load_recording(files / name), CUTOFF)
     streamed = StreamedRecording(files / name, cutoff=CUTOFF, window=WINDOW)

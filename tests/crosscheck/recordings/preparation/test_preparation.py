@@ -22,7 +22,7 @@ from crosscheck.recordings import (
     samples_of,
     sampling_rate,
 )
-from crosscheck.recordings.preparation.filtering import BORDER_DECAY, PADDING, border, rows_needed
+from crosscheck.recordings.preparation.filtering import BORDER_DECAY, PADDING_ROWS, border, rows_needed
 from crosscheck.recordings.preparation.noise_floor import white_noise
 from graphdyn import InvalidInput
 
@@ -256,8 +256,8 @@ def test_decimation_of_any_columns_is_that_of_scipy():
 
 
 def test_decimation_leaves_short_blocks_out():
-    assert rows_needed((10,)) == PADDING + 1
-    assert rows_needed((10, 10)) == 10 * PADDING + 1
+    assert rows_needed((10,)) == PADDING_ROWS + 1
+    assert rows_needed((10, 10)) == 10 * PADDING_ROWS + 1
     block = np.repeat([0, 1, 2], [1000, 270, 1730])
     with_short = record(T, block=block, v=record(T).q, a=record(T).q)
     long = samples_of(with_short, (10, 10))

@@ -9,7 +9,7 @@ import pytest
 import urdf
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, joint_torque_regressor, kr500
 from graphdyn.identification import TorqueModel, base_parameters
-from graphdyn.identification.algebra.base_parameters import DROPPED_COLUMN, RANK
+from graphdyn.identification.algebra.base_parameters import MIN_COLUMN_SHARE, RANK_TOLERANCE
 from graphdyn.identification.terms import RigidBodies
 
 STATES = 40
@@ -67,9 +67,9 @@ class TestArms:
     def test_singular_values_say_the_same(self, w):
         """Another witness of the rank: no pivoting, columns at unit length, null columns left out."""
         length = np.linalg.norm(w, axis=0)
-        columns = w[:, length > DROPPED_COLUMN * length.max()] / length[length > DROPPED_COLUMN * length.max()]
+        columns = w[:, length > MIN_COLUMN_SHARE * length.max()] / length[length > MIN_COLUMN_SHARE * length.max()]
         values = np.linalg.svd(columns, compute_uv=False)
-        assert np.count_nonzero(values > RANK * values[0]) == base_parameters(w).rank
+        assert np.count_nonzero(values > RANK_TOLERANCE * values[0]) == base_parameters(w).rank
 
     def test_every_column_is_accounted_for_once(self, w):
         base = base_parameters(w)
@@ -147,7 +147,7 @@ class TestConstructed:
             last = independent[:, 0] + difference * np.random.default_rng(2).normal(size=20)
             base = base_parameters(np.column_stack([independent, last]))
             assert base.rank == rank
-            assert base.gap[1] < RANK < base.gap[0]
+            assert base.gap[1] < RANK_TOLERANCE < base.gap[0]
 
     def test_zero(self):
         base = base_parameters(np.zeros((5, 3)))

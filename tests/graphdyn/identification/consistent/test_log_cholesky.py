@@ -85,10 +85,10 @@ class TestFit:
         """Two solvers, two parametrisations, one minimum."""
         coordinates, inequalities = poor
         fit = fitting.log_cholesky_fit(coordinates, np.ones(18, dtype=bool))
-        convex = ConsistentProblem(coordinates, inequalities, metric="pullback").solve(fitting.STRENGTH)
+        convex = ConsistentProblem(coordinates, inequalities, metric="pullback").solve(fitting.PRIOR_STRENGTH)
         assert fit.agreeing >= 1
         assert not fit.best_fit
-        assert fit.starts[0].suboptimality < fitting.NEAR * fit.starts[0].cost
+        assert fit.starts[0].suboptimality < fitting.MAX_FIT_COST_EXCESS * fit.starts[0].cost
         assert fit.starts[0].cost == pytest.approx(convex.answer.objective, rel=1e-4)
         assert fit.excess == pytest.approx(convex.excess, rel=1e-2)
 
@@ -96,7 +96,7 @@ class TestFit:
         """From points around the minimum, the bound is above the real excess of the cost, and 0 at the minimum."""
         coordinates, _ = poor
         fit = fitting.log_cholesky_fit(coordinates, np.zeros(18, dtype=bool), starts=1)
-        cost, u = Cost(coordinates, "pullback", fitting.STRENGTH), fit.starts[0].u
+        cost, u = Cost(coordinates, "pullback", fitting.PRIOR_STRENGTH), fit.starts[0].u
         lowest = cost.value(u)
         none = (np.zeros((0, len(u))), np.zeros(0), np.zeros(0))
         for seed in range(10):
@@ -113,14 +113,14 @@ class TestFit:
             fitting.log_cholesky_fit(poor[0], np.ones(18, dtype=bool), starts=starts, strength=strength)
 
     def test_falls_back_to_the_convex_program(self, monkeypatch):
-        monkeypatch.setattr(fitting, "EVALUATIONS", 1)
+        monkeypatch.setattr(fitting, "MAX_EVALUATIONS", 1)
         estimate = LogCholesky(starts=2).estimate(data.poor_problem())
         assert "log-Cholesky: the cheapest of 2 starts may be" in estimate.remarks[0]
         assert "this is the answer of the convex program with the same cost" in estimate.remarks[0]
         assert estimate.settings["smallest part of prior"] > 0
 
     def test_without_fallback(self, monkeypatch):
-        monkeypatch.setattr(fitting, "EVALUATIONS", 1)
+        monkeypatch.setattr(fitting, "MAX_EVALUATIONS", 1)
         monkeypatch.setitem(sys.modules, "cvxpy", None)
         with pytest.raises(
             EstimationFailed, match=r"cheapest of 3 starts.*and the convex fallback failed.*\[identify\]"

@@ -5,9 +5,9 @@ import pytest
 
 from graphdyn import InvalidInput
 from graphdyn.identification.consistent.manifold import (
-    MASS,
-    RADIUS,
-    THINNESS,
+    MIN_PRIOR_MASS_SHARE,
+    MIN_PRIOR_RADIUS,
+    MIN_PRIOR_THINNESS,
     entropic_divergence,
     inertial_prior,
     pullback_distance,
@@ -125,8 +125,8 @@ class TestPrior:
         assert list(prior.lifted) == [False, True]
         mass, center, tensor = inertia_from_parameters(parameters_from_pseudo_inertia(prior.pseudo_inertia[1]))
         spread = np.linalg.eigvalsh(np.trace(tensor) / 2 * np.eye(3) - tensor) / mass
-        assert spread[0] > 0.99 * max(RADIUS**2, THINNESS**2 * spread[-1])
-        assert mass >= MASS * given[0, 0]
+        assert spread[0] > 0.99 * max(MIN_PRIOR_RADIUS**2, MIN_PRIOR_THINNESS**2 * spread[-1])
+        assert mass >= MIN_PRIOR_MASS_SHARE * given[0, 0]
         if given[1, 0] > 0:
             assert mass == given[1, 0]
             assert np.abs(center - given[1, 1:4] / mass).max() < EXACT

@@ -20,7 +20,7 @@ from graphdyn.identification import (
     residual_statistics,
 )
 from graphdyn.identification.estimation.plausibility import mass_matrices
-from graphdyn.identification.statistics.residual_statistics import MOVING
+from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED
 from graphdyn.identification.terms import KnownBodies, KnownPayload, RigidBodies, RotorInertia
 
 POSES = 50
@@ -127,7 +127,7 @@ class TestResiduals:
         samples = Samples(samples.q, samples.v * slow, samples.a, samples.tau)
         (found,) = residual_statistics(Problem(torque_data.torque_model(), samples, min_speed=0.1), [x])
         error = torque_data.torque_model().torque(samples, x) - samples.tau
-        moving = np.abs(samples.v) > MOVING
+        moving = np.abs(samples.v) > MIN_MOVING_SPEED
         for sizes, counted in ((found.everything, np.ones_like(moving)), (found.moving, moving)):
             for j in range(6):
                 e, tau = error[counted[:, j], j], samples.tau[counted[:, j], j]

@@ -25,9 +25,9 @@ from graphdyn.identification import (
 )
 from graphdyn.identification.consistent import fit as fitting
 from graphdyn.identification.consistent import semidefinite
-from graphdyn.identification.consistent.coordinates import CLEAREST
-from graphdyn.identification.consistent.fit import MARGIN, ConsistentProblem
-from graphdyn.identification.estimators.robust_consistent import SETTLED
+from graphdyn.identification.consistent.coordinates import MAX_TRUSTED_DEVIATIONS
+from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
+from graphdyn.identification.estimators.robust_consistent import MAX_TORQUE_CHANGE
 from graphdyn.identification.terms import Coulomb, KnownBodies, Payload, RigidBodies, Viscous
 from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
@@ -69,7 +69,7 @@ class TestExactData:
         true = problem.base.values(data.true_parameters())
         assert problem.base.rank == data.RANK
         assert np.abs(problem.base.values(estimate.parameters) / true - 1).max() <= EXACT
-        assert parts_of_prior(problem.torque_model, estimate.parameters).min() > MARGIN
+        assert parts_of_prior(problem.torque_model, estimate.parameters).min() > PRIOR_MARGIN
 
     def test_covariance_is_that_of_wls(self):
         estimate = ConsistentLeastSquares().estimate(data.exact_problem())
@@ -97,7 +97,7 @@ class TestExactData:
                 assert far(other) > far(u) or not inside.all()
 
     def test_scaling_of_exact_data(self):
-        assert np.linalg.norm(data.coordinates(data.exact_problem())[0].right) == pytest.approx(CLEAREST)
+        assert np.linalg.norm(data.coordinates(data.exact_problem())[0].right) == pytest.approx(MAX_TRUSTED_DEVIATIONS)
 
 
 class TestPoorData:
@@ -112,7 +112,9 @@ class TestPoorData:
         estimate = estimator.estimate(problem)
         robot = problem.torque_model.model.with_inertial_parameters(estimate.parameters[:60])
         assert all(body.consistent for body in robot.physical_consistency())
-        assert parts_of_prior(problem.torque_model, estimate.parameters).min() >= fitting.KEPT * MARGIN
+        assert (
+            parts_of_prior(problem.torque_model, estimate.parameters).min() >= fitting.MIN_MARGIN_SHARE * PRIOR_MARGIN
+        )
         assert estimate.parameters[60:].min() >= -1e-9  # friction and rotors
         q, _ = robot.random_state(np.random.default_rng(0), POSES)
         assert np.count_nonzero(np.linalg.eigvalsh(mass_matrix(robot, q))[:, 0] > 0) == POSES
@@ -163,8 +165,8 @@ class TestPoorData:
         coordinates, inequalities = data.coordinates(data.poor_problem())
         reference = ConsistentProblem(coordinates, inequalities, metric="entropic").solve(1.0)
         turn = np.linalg.qr(np.random.default_rng(0).normal(size=(4, 4)))[0]  # another factor of the same prior: U₀ Q
-        basis = np.einsum("ai,ijk,bj->kab", turn, semidefinite.SYMMETRIC, turn)
-        rotation = np.einsum("kab,abl->lk", basis, semidefinite.SYMMETRIC)
+        basis = np.einsum("ai,ijk,bj->kab", turn, semidefinite.SYMMETRIC_BASIS, turn)
+        rotation = np.einsum("kab,abl->lk", basis, semidefinite.SYMMETRIC_BASIS)
         turned = np.eye(len(coordinates.origin))
         turned[:60, :60] = np.kron(np.eye(6), rotation)
         other = dataclasses.replace(
@@ -298,7 +300,7 @@ class TestSolver:
 
     def test_newton_finishes_what_the_solver_began(self, monkeypatch, poor):
         full = ConsistentProblem(*poor, metric="entropic").solve(1.0)
-        monkeypatch.setattr(semidefinite, "ITERATIONS", 6)
+        monkeypatch.setattr(semidefinite, "MAX_SOLVER_ITERATIONS", 6)
         early = ConsistentProblem(*poor, metric="entropic").solve(1.0)
         assert early.answer.status != "optimal"
         assert np.abs(early.parameters - full.parameters).max() < 1e-6 * np.abs(full.parameters).max()
@@ -391,12 +393,15 @@ class TestRobust:
             matrix = sum(x[10 * i + k] * basis[k] for k in range(10))
             relative = inverse @ (matrix - prior) @ inverse.T
             cost = cost + strength / 2 * cvxpy.sum_squares(relative)
-            bodies.append(relative + np.eye(2 * 2) * (1 - MARGIN) >> 0)
+            bodies.append(relative + np.eye(2 * 2) * (1 - PRIOR_MARGIN) >> 0)
         cvxpy.Problem(cvxpy.Minimize(cost), [*bodies, x[20:] >= 0]).solve(solver="CLARABEL")
         apart = (w @ (found.parameters - x.value)) / found.noise
-        assert np.sqrt(np.mean(apart**2, axis=0)).max() <= 2 * SETTLED
+        assert np.sqrt(np.mean(apart**2, axis=0)).max() <= 2 * MAX_TORQUE_CHANGE
         plain = ConsistentWithPrior("pullback", strength=strength).estimate(outliers)
-        assert np.sqrt(np.mean(((w @ (plain.parameters - x.value)) / found.noise) ** 2, axis=0)).min() > 10 * SETTLED
+        assert (
+            np.sqrt(np.mean(((w @ (plain.parameters - x.value)) / found.noise) ** 2, axis=0)).min()
+            > 10 * MAX_TORQUE_CHANGE
+        )
 
     def test_strength_is_chosen(self, outliers):
         found = RobustConsistent("pullback", strengths=(1.0, 10.0)).estimate(outliers)
@@ -404,7 +409,7 @@ class TestRobust:
         assert found.covariance is None
 
     def test_stops_and_says_so(self, outliers, monkeypatch):
-        monkeypatch.setattr("graphdyn.identification.estimators.robust_consistent.MOST_ITERATIONS", 1)
+        monkeypatch.setattr("graphdyn.identification.estimators.robust_consistent.MAX_ROBUST_ITERATIONS", 1)
         assert (
             "stopped after 1 reweightings before the torques had settled"
             in RobustConsistent().estimate(outliers).remarks

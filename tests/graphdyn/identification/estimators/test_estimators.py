@@ -283,7 +283,7 @@ class TestReweighted:
         assert ReweightedLeastSquares(norm).estimate(outliers).settings["mean weight"] < 0.95
 
     def test_stops_and_says_so(self, outliers, monkeypatch):
-        monkeypatch.setattr("graphdyn.identification.estimators.reweighted.MOST_ITERATIONS", 1)
+        monkeypatch.setattr("graphdyn.identification.estimators.reweighted.MAX_REWEIGHTINGS", 1)
         (remark,) = ReweightedLeastSquares().estimate(outliers).remarks
         assert remark == "stopped after 1 iterations before the parameters had settled"
 

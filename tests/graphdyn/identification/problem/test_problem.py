@@ -81,7 +81,7 @@ class TestData:
         assert estimate.parameters.shape == (87,)
 
     def test_read_once_and_long(self, samples, monkeypatch):
-        monkeypatch.setattr("graphdyn.identification.problem.problem.REMEMBERED", 0)
+        monkeypatch.setattr("graphdyn.identification.problem.problem.MAX_CACHED_BYTES", 0)
         once = Problem(torque_data.torque_model(), samples.pieces(100), block_samples=60)
         _ = once.equations
         with pytest.raises(InvalidInput, match="can be read only once and was: give the samples in a list"):
@@ -100,7 +100,7 @@ class TestData:
     def test_gram(self, samples, backend, speed, monkeypatch):
         """Sums of products of equations that never existed, in pieces that fit neither vectors nor time blocks."""
         monkeypatch.setenv("GRAPHDYN_BACKEND", backend)
-        monkeypatch.setattr("graphdyn.identification.problem.problem.SUMMED", 37)
+        monkeypatch.setattr("graphdyn.identification.problem.problem.SUMMED_SAMPLES", 37)
         expected = Problem(torque_data.torque_model(), samples, min_speed=speed)
         gram = Problem(torque_data.torque_model(), samples, compression="gram", min_speed=speed)
         assert same_problem(gram, expected)

@@ -22,7 +22,7 @@ from graphdyn.identification import (
 )
 from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.estimation.cross_validation import CrossValidation
-from graphdyn.identification.statistics.correlation import MOST_CELLS, CorrelationLength, jackknife_covariance
+from graphdyn.identification.statistics.correlation import MAX_CELLS, CorrelationLength, jackknife_covariance
 
 FEW = 30
 """Samples of two joints: 60 equations for 12 parameters, which use up a fifth of them."""
@@ -197,7 +197,7 @@ class TestCorrelationLength:
 
     def test_long_recordings_are_thinned(self):
         """As long as ten times the cells: correlations of thousands of samples are still found."""
-        size = 10 * MOST_CELLS
+        size = 10 * MAX_CELLS
         noise = correlated_noise(np.random.default_rng(0), (size, 1, 1), 2000 / 50)
         np.testing.assert_allclose(self.length(noise, range(0, size, 4999)), self.length(noise), rtol=1e-3)
         np.testing.assert_allclose(self.length(noise), [[2000]], rtol=0.3)

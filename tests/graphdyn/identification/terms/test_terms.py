@@ -189,7 +189,7 @@ class TestMaxwellSlip:
 
     @pytest.mark.parametrize("term", [MaxwellSlip([2.0]), Drift(MaxwellSlip([2.0]))], ids=["slip", "its drift"])
     def test_remembers_beyond_a_chunk(self, term, monkeypatch):
-        monkeypatch.setattr("graphdyn.identification.problem.problem.CHUNK", 7)
+        monkeypatch.setattr("graphdyn.identification.problem.problem.CHUNK_SAMPLES", 7)
         samples = self.still(np.cumsum(np.random.default_rng(0).normal(size=40)))
         samples = replace(samples, time=np.linspace(0.0, 1.0, 40))
         model = TorqueModel(MODEL, [term])

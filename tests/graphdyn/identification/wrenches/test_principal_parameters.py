@@ -17,8 +17,8 @@ from graphdyn.identification import (
     moment_rows,
     principal_regressor,
 )
-from graphdyn.identification.algebra.rank_revealing import MARGIN
-from graphdyn.identification.wrenches.wrench_equations import LARGEST_TOLERANCE
+from graphdyn.identification.algebra.rank_revealing import PRECISION_MARGIN
+from graphdyn.identification.wrenches.wrench_equations import MAX_RANK_TOLERANCE
 
 EXACT = 1e-12
 """Relative error with exact data: some hundred eps times a condition number of 27; measured 3e-13."""
@@ -110,7 +110,7 @@ class TestThePapersExperiment:
     def test_loud_noise_needs_a_precision(self, identify):
         """At 1 % the tilt of B_1 looks like a hundredth of a full column."""
         loud = kr500_experiment().noisy(0, relative=1e-2)
-        assert identify(KR500, loud, precision=2 * LARGEST_TOLERANCE / MARGIN).undetermined == UNSEEN
+        assert identify(KR500, loud, precision=2 * MAX_RANK_TOLERANCE / PRECISION_MARGIN).undetermined == UNSEEN
 
     def test_one_sample(self, experiment, identify):
         """Six equations for six parameters: the numbers stand, their standard deviations do not."""
