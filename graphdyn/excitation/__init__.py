@@ -1,6 +1,6 @@
-"""Exciting motions: which motion of a robot tells most about its parameters, and how well it will determine them.
+"""Exciting motions: motions of a robot with most information on its parameters, and the accuracy they will give.
 
-Public are the names in `__all__`.
+The public names are those in `__all__`.
 """
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis

@@ -1,6 +1,6 @@
-"""Functions of time of which the position of every joint is a sum: q_j(t) = Σ_k c_jk φ_k(t).
+"""Basis functions of time for the position of every joint: q_j(t) = Σ_k c_jk φ_k(t).
 
-All of them begin and end with velocity and acceleration zero. Velocities, accelerations and jerks are the exact
+All of them begin and end with zero velocity and acceleration. Velocities, accelerations and jerks are the exact
 derivatives, so that every limit of a joint's motion is linear in the coefficients.
 """
 
@@ -16,7 +16,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
 SPLINE_DEGREE = 5
-"""Quintic: the jerk is continuous."""
+"""Degree of the splines: with quintic ones the jerk is continuous."""
 
 
 class Basis(Protocol):
@@ -24,17 +24,17 @@ class Basis(Protocol):
 
     @property
     def duration(self) -> float:
-        """Of the motion [s]."""
+        """Duration of the motion [s]."""
         ...
 
     @property
     def size(self) -> int:
-        """K."""
+        """Number of functions K."""
         ...
 
     @property
     def middle(self) -> Array:
-        """Coefficients (K,) of the function that is 1 all the time."""
+        """Coefficients (K,) of the constant function 1."""
         ...
 
     def rows(self, times: Array, order: int) -> Array:
@@ -61,12 +61,12 @@ class FourierBasis:
 
     @property
     def size(self) -> int:
-        """K."""
+        """Number of functions K."""
         return 2 * self.harmonics - 1
 
     @property
     def middle(self) -> Array:
-        """Coefficients (K,) of the function that is 1 all the time."""
+        """Coefficients (K,) of the constant function 1."""
         return np.asarray(np.eye(self.size)[0])
 
     def rows(self, times: Array, order: int) -> Array:
@@ -86,12 +86,12 @@ class FourierBasis:
 
     @cached_property
     def _frequencies(self) -> Array:
-        """l ω (L,) [rad/s]."""
+        """Angular frequencies l ω (L,) [rad/s]."""
         return np.asarray(2 * np.pi / self.duration * np.arange(1, self.harmonics + 1))
 
     @cached_property
     def _combinations(self) -> tuple[Array, Array]:
-        """Orthonormal a and b (L, L - 1) each with v = 0 and a = 0 at the ends."""
+        """Orthonormal a and b (L, L - 1) each, with v = 0 and a = 0 at the ends."""
         harmonic = np.arange(1, self.harmonics + 1)
         return _normal_to(np.ones(self.harmonics)), _normal_to(harmonic.astype(float))
 
@@ -110,12 +110,12 @@ class SplineBasis:
 
     @property
     def size(self) -> int:
-        """K."""
+        """Number of functions K."""
         return self.pieces + 1
 
     @property
     def middle(self) -> Array:
-        """Coefficients (K,) of the function that is 1 all the time."""
+        """Coefficients (K,) of the constant function 1."""
         return np.full(self.size, 1 / self._length)
 
     def rows(self, times: Array, order: int) -> Array:
@@ -134,7 +134,7 @@ class SplineBasis:
 
     @property
     def _length(self) -> float:
-        """Of a piece [s]: coefficients are velocities in size, like those of FourierBasis."""
+        """Length of a piece [s]: coefficients have the size of velocities, like those of FourierBasis."""
         return self.duration / self.pieces
 
 

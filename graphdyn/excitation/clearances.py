@@ -1,6 +1,6 @@
-"""Distances between the balls of two parts of a robot, as a limit of its motion.
+"""Distances between the bounding spheres of two parts of a robot, as a limit of its motion.
 
-Only balls that come nearly as near to each other as the nearest two are looked at: what is farther apart has no weight
+Only spheres nearly as close to each other as the closest two count: those farther apart have no weight
 in the smooth maximum.
 """
 
@@ -24,7 +24,7 @@ NEAREST_SPHERES = 5
 
 
 def clearance_signal(clearance: Clearance, poses: Poses) -> Signal:
-    """1 - (|c_i - c_j| - r_i - r_j - distance) / DISTANCE_SCALE of the balls i of one body and j of the other."""
+    """1 - (|c_i - c_j| - r_i - r_j - distance) / SCALE of the spheres i of one body and j of the other."""
     row, i, j, distance = _near(clearance, poses)
 
     def slopes(weights: Array) -> dict[int, Array]:
@@ -39,16 +39,16 @@ def clearance_signal(clearance: Clearance, poses: Poses) -> Signal:
 
 
 def smallest_distances(clearance: Clearance, poses: Poses) -> Array:
-    """Of any two balls, in each pose (N,) [m]."""
+    """Smallest distance between any two spheres, in each pose (N,) [m]."""
     local = _in_frame_of_one(clearance, poses)
     distances = _distances(clearance, local.reshape(-1, 3), np.tile(np.arange(len(clearance.other)), len(local)))
     return np.asarray(distances.reshape(len(local), -1).min(axis=1))
 
 
 def _near(clearance: Clearance, poses: Poses) -> tuple[Numbers, Numbers, Numbers, Array]:
-    """Pose, ball of one, ball of the other, distance (K,) of all less than DISTANCE_SCALE farther than the nearest.
+    """Pose, sphere of one, sphere of the other, distance (K,) of all pairs within SCALE of the closest.
 
-    What each ball of the other keeps farther away from the ball around all of one is passed over.
+    Spheres of the other that are farther away from the sphere around all of one are skipped.
     """
     local = _in_frame_of_one(clearance, poses)
     around, radius = clearance.around, _radii(clearance.other)
@@ -63,13 +63,17 @@ def _near(clearance: Clearance, poses: Poses) -> tuple[Numbers, Numbers, Numbers
 
 
 def _in_frame_of_one(clearance: Clearance, poses: Poses) -> Array:
-    """Centers of the other's balls in the link frame of one (N, balls of the other, 3) [m]."""
+    """Centers of the other's spheres in the link frame of one (N, spheres of the other, 3) [m]."""
     rotation, origin = poses.of_body(clearance.one[0].body)
     return np.asarray((poses.centers(clearance.other) - origin[:, None]) @ rotation)
 
 
 def _distances(clearance: Clearance, centers: Array, j: Numbers) -> Array:
-    """From balls j of the other, at centers (K, 3) in the frame of one, to all of one (K, balls), between surfaces."""
+    """Distances between surfaces from spheres j of the other, at centers (K, 3) in the frame of one, to all spheres of
+    one.
+
+    The result has the shape (K, spheres).
+    """
     own = np.array([ball.center for ball in clearance.one])
     square = (centers**2).sum(axis=-1)[:, None] + (own**2).sum(axis=-1) - 2 * centers @ own.T
     return np.asarray(np.sqrt(np.maximum(square, 0.0)) - _radii(clearance.one) - _radii(clearance.other)[j, None])

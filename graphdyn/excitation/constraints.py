@@ -1,4 +1,4 @@
-"""How much of every limit a motion uses, and how that changes with the motion."""
+"""Use of every limit by a motion, and its derivatives."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NEGLIGIBLE_WEIGHT = 1e-15
 
 
 def signals(model: RobotModel, limits: MotionLimits, balls: Sequence[Ball], motion: JointMotion) -> Iterator[Signal]:
-    """Those of all limits, in a fixed order; those that take longest last."""
+    """Signals of all limits, in a fixed order; the slowest come last."""
     yield from _of_positions(model, limits, motion)
     matrix = model.freedoms.matrix
     for order, kind in enumerate(("velocity", "acceleration", "jerk"), start=1):
@@ -42,7 +42,7 @@ def signals(model: RobotModel, limits: MotionLimits, balls: Sequence[Ball], moti
 
 
 def _linear(kind: str, name: str, values: Array, order: int, weights: Array) -> Signal:
-    """Of values (N, m) that are linear in one derivative of the motion; weights of the joints (m, n)."""
+    """Signal of values (N, m) that are linear in one derivative of the motion; weights of the joints (m, n)."""
     return Signal(kind, name, values, lambda share: {order: share @ weights})
 
 
@@ -62,7 +62,7 @@ def _of_positions(model: RobotModel, limits: MotionLimits, motion: JointMotion) 
 
 
 def _of_torques(model: RobotModel, limits: MotionLimits, motion: JointMotion) -> list[Signal]:
-    """Of the rigid bodies and the friction that the model states."""
+    """Signal of the torques: rigid bodies, and the friction that the model states."""
     limited = np.flatnonzero(np.isfinite(limits.torque))
     if not limited.size:
         return []

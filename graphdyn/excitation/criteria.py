@@ -1,13 +1,13 @@
-"""Functions of the information matrix F (b, b) that say how well a motion determines the base parameters.
+"""Criteria: functions of the information matrix F (b, b) that measure how well a motion determines the base parameters.
 
-Each answers its value and its derivative by F (b, b), symmetric; smaller is better. Where F is singular the value is
+Each returns its value and its derivative by F (b, b), symmetric; smaller is better. If F is singular, the value is
 infinite.
 
-log_det: ln of the geometric mean of the half axes of the ellipsoid of errors, -ln det F / 2b. Its best motion does not
+log_det: ln of the geometric mean of the semi-axes of the error ellipsoid, -ln det F / 2b. Its best motion does not
     depend on units or on how columns are scaled.
 mean_sigma: ln of the geometric mean of the standard deviations, Σ ln (F⁻¹)_kk / 2b; never below log_det.
 ConditionNumber: ln of that of the regressor with scaled columns, (ln λ_max - ln λ_min) / 2. It depends on the scales,
-    and it is small where all parameters are equally badly determined.
+    and it is small if all parameters are equally badly determined.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def log_det(information: Array) -> tuple[float, Array]:
 
 
 def mean_sigma(information: Array) -> tuple[float, Array]:
-    """∂/∂F of (F⁻¹)_kk is -F⁻¹ e_k e_kᵀ F⁻¹."""
+    """Mean logarithm of the standard deviations: ∂/∂F of (F⁻¹)_kk is -F⁻¹ e_k e_kᵀ F⁻¹."""
     inverse = covariance(information)
     size = len(information)
     if inverse is None:
@@ -43,8 +43,10 @@ def mean_sigma(information: Array) -> tuple[float, Array]:
 
 @dataclass(frozen=True, eq=False)
 class ConditionNumber:
-    """For columns times scale (b,), the prior spreads of the parameters: Gautier and Khalil, "Exciting trajectories for
-    the identification of base inertial parameters of robots", International Journal of Robotics Research 11(4), 1992.
+    """Condition number for columns times scale (b,), the prior spreads of the parameters.
+
+    Gautier and Khalil, "Exciting trajectories for the identification of base inertial parameters of robots",
+    International Journal of Robotics Research 11(4), 1992.
     """
 
     scale: Array
@@ -60,7 +62,7 @@ class ConditionNumber:
 
 
 def covariance(information: Array) -> Array | None:
-    """F⁻¹ of a positive definite F, rows and columns first scaled to a diagonal of one; None of another."""
+    """F⁻¹ of a positive definite F, with rows and columns first scaled to a diagonal of one; None for any other F."""
     diagonal = np.diag(information)
     if not np.all(diagonal > 0):
         return None

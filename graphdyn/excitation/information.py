@@ -1,4 +1,4 @@
-"""What a motion tells about the base parameters, and how that changes with the motion.
+"""Information of a motion on the base parameters, and its derivatives by the motion.
 
 Torques with independent errors of standard deviation s_j at every sample give x = (Wᵀ S⁻¹ W)⁻¹ Wᵀ S⁻¹ τ with the
 covariance F⁻¹, F = Wᵀ S⁻¹ W = Σ_t Σ_j W_jᵀ W_j / s_j²: the information matrix. A criterion is a function of F alone, so
@@ -36,7 +36,7 @@ class Information:
     """The information matrix of a torque model, in its base parameters.
 
     noise: standard deviations of the measured torques      (n,)  [N m or N]
-    width: over which the sign of a velocity changes smoothly, where a term has a sharp one   [rad/s or m/s]
+    width: over which the sign of a velocity changes smoothly, for terms with a sharp one   [rad/s or m/s]
     """
 
     def __init__(self, torque_model: TorqueModel, noise: Array, width: float | None = None) -> None:
@@ -72,7 +72,7 @@ class Information:
         return value, (slopes[0], slopes[1], slopes[2])
 
     def _weighted_rows(self, motion: JointMotion) -> Array:
-        """W / s (N, n, b)."""
+        """Weighted regressor W / s (N, n, b)."""
         w = np.empty((*motion.q.shape, len(self.independent)))
         if self._is_rigid.any():
             whole = joint_torque_regressor(self.torque_model.model, *motion[:3], method="recursive")
@@ -81,7 +81,7 @@ class Information:
         return w / self.noise[:, None]
 
     def _other_rows(self, q: Array, v: Array, a: Array) -> Array:
-        """Of the terms beside the rigid bodies (N, n, those columns)."""
+        """Rows of the terms other than the rigid bodies (N, n, those columns)."""
         samples = Samples(q, v, a, np.zeros_like(q))
         return self.torque_model.rows(samples, self.independent[~self._is_rigid])
 
@@ -94,7 +94,7 @@ class Information:
         return np.moveaxis(gradient.reshape(count, 3, n), 1, 0)
 
     def _other_slopes(self, motion: JointMotion, by_rows: Array) -> Array:
-        """Of terms that are functions in Python. Joints whose columns are their own are moved all at once."""
+        """Slopes of terms that are functions in Python. Joints with columns of their own are moved all at once."""
         n = motion.q.shape[1]
         groups = [np.ones(n)] if self._joints_are_apart else list(np.eye(n))
         slopes = np.zeros((3, *motion.q.shape))
@@ -110,7 +110,9 @@ class Information:
 
     @cached_property
     def _joints_are_apart(self) -> bool:
-        """Whether rows beside those of the rigid bodies depend on the motion of their joint alone, in some states."""
+        """Whether the rows of other terms than rigid bodies depend only on the motion of their joint, in some
+        states.
+        """
         one, other = (random_samples(self.torque_model, 50, seed) for seed in (0, 1))
         rows = self._other_rows(one.q, one.v, one.a)
         joints = np.arange(rows.shape[1])

@@ -1,4 +1,4 @@
-"""Limits that a motion has to keep."""
+"""Limits of a motion."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LIMIT_KINDS = ("position", "velocity", "acceleration", "jerk", "torque")
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """All watched points stay where normal · p ≥ distance; in world axes, normalised here. [-, m]"""
+    """Half-space normal · p ≥ distance for all watched points; in world axes, normalized here. [-, m]"""
 
     normal: ArrayLike
     distance: float = 0.0
@@ -37,11 +37,11 @@ class Plane:
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Every ball of one body stays away from every ball of another, by a distance between surfaces.
+    """Smallest distance between the surfaces of two bodies' bounding spheres.
 
     name: of the two, such as "forearm - wrist_2"
-    one, other: balls of one body each
-    distance: below zero, balls may overlap by so much       [m]
+    one, other: spheres of one body each
+    distance: if negative, spheres may overlap by that much  [m]
     """
 
     name: str
@@ -59,18 +59,18 @@ class Clearance:
 
     @cached_property
     def around(self) -> tuple[Ball, Ball]:
-        """A ball around all of one, and of the other."""
+        """A sphere around all spheres of one, and one around those of the other."""
         return ball_around(self.one), ball_around(self.other)
 
 
 @dataclass(frozen=True, eq=False)
 class MotionLimits:
-    """Of the n joints of a robot, those that others drive included; infinite where there is none.
+    """Limits of the n joints of a robot, including those that others drive; infinite if there is none.
 
     lower, upper: positions                                  (n,)  [rad or m]
     velocity, acceleration, jerk: largest sizes              (n,)  […/s, …/s², …/s³]
-    torque: largest sizes, of the joints that no others drive   (n_freedoms,)  [N m or N]
-    planes: of the working space
+    torque: largest sizes, of the independent joints         (n_freedoms,)  [N m or N]
+    planes: of the workspace
     clearances: between parts of the robot
     """
 
@@ -100,10 +100,10 @@ class MotionLimits:
     ) -> MotionLimits:
         """The limits that the model states, or those given instead: one number for all joints, or one for each.
 
-        velocity_share, torque_share: part of the model's that may be used; not of those given
+        velocity_share, torque_share: usable fraction of the model's limits; not of those given
         A velocity or an effort of zero or less in the model counts as not stated.
 
-        Raises InvalidInput where a joint has no limit of velocity, and for limits that leave no motion.
+        Raises InvalidInput if a joint has no limit of velocity, and for limits that leave no motion.
         """
         stated = [joint.limits for joint in model.joints]
         speeds = [share_of(x.velocity, velocity_share) for x in stated]
@@ -137,7 +137,7 @@ class MotionLimits:
 
 
 def share_of(stated: float | None, share: float) -> float:
-    """A part of a stated limit; infinite where none is stated."""
+    """A fraction of a stated limit; infinite if none is stated."""
     return np.inf if stated is None or stated <= 0 else share * stated
 
 

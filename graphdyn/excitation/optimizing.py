@@ -1,8 +1,8 @@
-"""Motions that tell as much as possible about the base parameters, within limits.
+"""Optimization of the information of a motion on the base parameters, within limits.
 
-Sequential quadratic programming (SLSQP: Kraft, DFVLR-FB 88-28, 1988) from a random motion, with exact gradients, on a
-coarse grid of time. Then the motion is checked on a fine grid; a limit that it violates there is tightened by as much,
-and the search goes on from where it is.
+The method is sequential quadratic programming (SLSQP: Kraft, DFVLR-FB 88-28, 1988) from a random motion, with exact
+gradients, on a coarse grid of time. Then the motion is checked on a fine grid. A limit that it violates there is
+tightened by the violation, and the search goes on from there.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ TIGHTENING_MARGIN = 1e-4
 """By so much more than it was violated a limit is tightened."""
 
 CLEARANCE_MARGIN = 0.1
-"""The same of clearances: a millimetre."""
+"""Additional tightening of clearances, beyond their violation: a millimeter."""
 
 MAX_LIMIT_VIOLATION = 1.3
 """A search that ends with more than this part of a limit will not come within it by tightening."""
@@ -81,7 +81,7 @@ MIN_START_SHARE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class ExcitationProblem:
-    """Which motion is sought.
+    """An optimization problem for a motion.
 
     torque_model: whose base parameters are to be determined
     limits: that the motion has to keep
@@ -90,7 +90,7 @@ class ExcitationProblem:
     rate: samples per second of the measurement, with independent errors   [Hz]
     criterion: of the information matrix
     known: information matrix of earlier recordings, zero if left out   (b, b)
-    balls: that planes keep on their side; the origins of all frames if left out
+    balls: spheres that stay on the allowed side of the planes; the origins of all frames if left out
 
     Raises InvalidInput for a noise that is not above zero, or not of this robot, and for a robot with loops.
     """
@@ -119,20 +119,20 @@ class ExcitationProblem:
 
     @cached_property
     def information(self) -> Information:
-        """With the sharp sign of friction."""
+        """Information with the sharp sign of friction."""
         return Information(self.torque_model, self.noise)
 
     def __getstate__(self) -> dict[str, object]:
-        """Without compiled code."""
+        """The state without compiled code."""
         return {name: value for name, value in vars(self).items() if name != "information"}
 
     @property
     def samples(self) -> float:
-        """Of a recording of the whole motion."""
+        """Number of samples of a recording of the whole motion."""
         return self.rate * self.basis.duration
 
     def total_information(self, trajectory: FiniteMotion) -> Array:
-        """F of a recording of a trajectory, with what is known."""
+        """F of a recording of a trajectory, with the known information added."""
         motion = trajectory.motion(sample_times(trajectory.duration, self.rate))
         return self.information.matrix(motion, self.rate * trajectory.duration) + (
             0.0 if self.known is None else self.known
@@ -143,13 +143,13 @@ class ExcitationProblem:
         return self.criterion(self.total_information(trajectory))[0]
 
     def usages(self, motion: JointMotion) -> list[Usage]:
-        """How much of every limit a motion uses."""
+        """Use of every limit by a motion."""
         found = signals(self.torque_model.model, self.limits, self.watched, motion)
         return [usage(signal) for signal in found]
 
     @property
     def watched(self) -> tuple[Ball, ...]:
-        """The balls that planes keep on their side."""
+        """The spheres that stay on the allowed side of the planes."""
         return self.balls or ()
 
 
@@ -170,7 +170,7 @@ class OptimisedMotion:
 
 
 class NoFeasibleMotion(InvalidInput):
-    """No motion that keeps all limits was found; the message names those that were violated."""
+    """No motion within all limits was found; the message names those that were violated."""
 
 
 def optimised(
@@ -179,12 +179,12 @@ def optimised(
     progress: Callable[[float], None] | None = None,
     start: Trajectory | None = None,
 ) -> OptimisedMotion:
-    """The best motion that is found from the first start from which a better one is found.
+    """The best motion from the first start that leads to a better one.
 
     progress: called with the criterion after every iteration
-    start: up to MAX_STARTS random motions of this seed if left out
+    start: up to STARTS random motions of this seed if left out
 
-    Raises NoFeasibleMotion where no limit-keeping motion is found.
+    Raises NoFeasibleMotion if no motion within the limits is found.
     """
     rng = np.random.default_rng([seed, 1])
     best: OptimisedMotion | None = None
@@ -209,7 +209,7 @@ def optimised(
 def _searched(
     problem: ExcitationProblem, trajectory: Trajectory, seed: int, progress: Callable[[float], None]
 ) -> OptimisedMotion | Usage:
-    """The motion that is found from one start, or the worst of the limits that the last one violates."""
+    """The motion found from one start, or the most violated limit of the last motion."""
     search = _Search(problem, progress)
     for number in range(len(SHARPNESSES) + MAX_TIGHTENINGS):
         trajectory = search.run(trajectory, SHARPNESSES[min(number, len(SHARPNESSES) - 1)])
@@ -225,7 +225,7 @@ def _searched(
 
 
 def _violation(worst: Usage) -> str:
-    """What is violated, and what helps."""
+    """Message on the violated limit and the remedy."""
     if worst.kind == "clearance":
         nearer = 1000 * DISTANCE_SCALE * (worst.used - 1)
         return (
@@ -238,7 +238,7 @@ def _violation(worst: Usage) -> str:
 
 
 class _Search:
-    """SLSQP on one problem; remembers how far limits were tightened."""
+    """SLSQP on one problem, with the tightened limits."""
 
     def __init__(self, problem: ExcitationProblem, progress: Callable[[float], None]) -> None:
         self._problem, self._progress = problem, progress
@@ -259,7 +259,7 @@ class _Search:
         self._allowed = np.where(over > 1, allowed - (over - 1) - margin, allowed)
 
     def run(self, start: Trajectory, sharpness: float) -> Trajectory:
-        """The end of SLSQP; where that violates limits, the best motion on the way among those that do so least."""
+        """The end of SLSQP; if that violates limits, the best of the least violating motions on the way."""
         from scipy.optimize import minimize  # imported where first used: import graphdyn stays light
 
         shape = start.coefficients.shape
@@ -308,7 +308,7 @@ class _Search:
         return [*signals(problem.torque_model.model, problem.limits, problem.watched, motion)]
 
     def _room(self, maxima: Sequence[float]) -> Array:
-        """What is left of every limit."""
+        """Margin to every limit."""
         return (1.0 if self._allowed is None else self._allowed) - np.array(maxima)
 
     def _motion(self, coefficients: Array) -> JointMotion:

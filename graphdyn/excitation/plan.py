@@ -1,4 +1,4 @@
-"""What a motion will determine, before it is made: standard deviations of all base parameters for a given noise."""
+"""Plan of an experiment: standard deviations of all base parameters for a given noise."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 DRIVE_SHARE = 0.1
-"""Before the experiment, a parameter of friction or drive may be as large as to make this part of the torque that the
-joint's bodies take over random states."""
+"""Prior spread of a friction or drive parameter, as its torque relative to the torque that the joint's bodies take over
+random states."""
 
 ZERO_PARAMETER_SHARE = 1e-12
 """Values of the model below this part of the prior spread are sums that cancel."""
 
 WELL, ROUGHLY = 0.1, 0.5
-"""Standard deviations up to these parts of a parameter's size count as well, and as roughly determined."""
+"""Largest standard deviations, relative to a parameter's size, that count as well and as roughly determined."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExcitationPlan:
-    """Standard deviations that a weighted least-squares fit will have.
+    """Standard deviations of a future weighted least-squares fit.
 
     base: the base parameters
     names, units: of each                                   (b,)
     prior: their values in the model; zero for friction and drives   (b,)
-    spread: how far from it they may be before the experiment   (b,)
+    spread: expected distance from them before the experiment   (b,)
     information: F of the recording                         (b, b)
     """
 
@@ -45,7 +45,7 @@ class ExcitationPlan:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Such as "XX_2 - YY_2 + 0.18 M_3"."""
+        """Names such as "XX_2 - YY_2 + 0.18 M_3"."""
         return self.base.names([column.symbol for column in self.torque_model.columns])
 
     @property
@@ -54,34 +54,38 @@ class ExcitationPlan:
 
     @cached_property
     def sigma(self) -> Array:
-        """Standard deviations (b,), in the parameters' units; infinite where the recording determines nothing."""
+        """Standard deviations (b,), in the parameters' units; infinite for parameters that the recording does not
+        determine.
+        """
         found = covariance(self.information)
         return np.full(self.base.rank, np.inf) if found is None else np.sqrt(np.diag(found))
 
     @property
     def relative(self) -> Array:
-        """σ relative to the size of the parameter: its value in the model, or its prior spread if that is more (b,)."""
+        """σ relative to the size of the parameter: its value in the model, or its prior spread if that is larger
+        (b,).
+        """
         return np.asarray(self.sigma / np.maximum(np.abs(self.prior), self.spread))
 
     @property
     def geometric_mean(self) -> float:
-        """Of all standard deviations, in units of the prior spreads."""
+        """Geometric mean of all standard deviations, in units of the prior spreads."""
         return float(np.exp(np.log(self.sigma / self.spread).mean()))
 
     @property
     def condition_number(self) -> float:
-        """Of the regressor, equations divided by their noise and columns times the prior spreads of the parameters."""
+        """Condition number of the regressor, equations divided by their noise and columns times the prior spreads."""
         scaled = np.linalg.eigvalsh(self.information * np.outer(self.spread, self.spread))
         return float(np.sqrt(scaled[-1] / scaled[0])) if scaled[0] > 0 else np.inf
 
     @property
     def verdicts(self) -> tuple[str, ...]:
-        """ "well", "roughly" or "not", for each base parameter: the latter need another motion, or less noise."""
+        """Verdict on each base parameter: "well", "roughly" or "not"; the latter need another motion, or less noise."""
         return tuple("well" if x <= WELL else "roughly" if x <= ROUGHLY else "not" for x in self.relative)
 
     @property
     def only_in_sums(self) -> tuple[str, ...]:
-        """Standard parameters that no motion determines by themselves, because others imitate them."""
+        """Standard parameters that no motion determines individually, because others imitate them."""
         known = set(self.base.alone.tolist()) | set(self.base.structural_zeros.tolist())
         known |= set(self.base.numerical_zeros.tolist())
         columns = self.torque_model.columns
@@ -106,10 +110,10 @@ def excitation_plan(torque_model: TorqueModel, information: Array) -> Excitation
 
 
 def prior_spread(torque_model: TorqueModel) -> Array:
-    """How far the base parameters may be from the model before the experiment (b,), in their units.
+    """Expected distance of the base parameters from the model before the experiment (b,), in their units.
 
-    Bodies as in identification.model_prior (m, m l, m l²); what model_prior does not know, as DRIVE_SHARE says. Sums
-    of independent parameters.
+    It is that of identification.model_prior for bodies (m, m l, m l²), and that of DRIVE_SHARE for the rest. The
+    summands of a base parameter count as independent.
     """
     scale = model_prior(torque_model).scale
     unknown = np.flatnonzero(~np.isfinite(scale))
@@ -123,7 +127,9 @@ def prior_spread(torque_model: TorqueModel) -> Array:
 
 
 def _drive_spread(rows: Array, torques: Array) -> Array:
-    """(k,) for columns (N, n, k). A robot without masses takes no torque: its joints count as 1 N m or N."""
+    """Prior spread (k,) for columns (N, n, k). A robot without masses takes no torque: its joints count as 1 N m or
+    N.
+    """
     size = np.sqrt(np.mean(torques**2, axis=0))
     size = np.where(size > 0, size, 1.0)
     columns = np.sqrt(np.mean(rows**2, axis=0))

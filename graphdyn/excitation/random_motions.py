@@ -1,4 +1,4 @@
-"""Random motions within limits: starts of the search, and what its result is compared with."""
+"""Random motions within limits: starts of the search, and a comparison for its result."""
 
 from __future__ import annotations
 
@@ -35,11 +35,12 @@ def random_trajectory(
     rng: np.random.Generator,
     least: float = 0.0,
 ) -> Trajectory:
-    """A motion with normal random coefficients that reaches a limit with every joint, as far as all are kept.
+    """A motion with normal random coefficients that reaches a limit with every joint, as far as the others allow.
 
-    Each joint is scaled until it reaches its own limit of position, velocity, acceleration or jerk, and put at random
-    where there is room; then all together until torques, planes and clearances are kept. Where even standing still in
-    that pose is too much, or the scale is not above least, another is drawn; the largest of all is returned.
+    Each joint is scaled until it reaches its own limit of position, velocity, acceleration or jerk, and placed at
+    random within its range. Then all joints are scaled together until torques, planes and clearances are kept. If even
+    standstill in that pose violates a limit, or the scale is not above least, another motion is drawn; the largest of
+    all is returned.
     """
     times = np.linspace(0.0, basis.duration, LIMIT_CHECK_POINTS)
     phi = [basis.rows(times, order) for order in range(4)]
@@ -57,7 +58,7 @@ def random_trajectory(
 def _within_own_limits(
     model: RobotModel, limits: MotionLimits, basis: Basis, phi: Sequence[Array], rng: np.random.Generator
 ) -> tuple[Array, Array]:
-    """Coefficients (n, K) of a motion about zero, and the positions (n,) about which it goes."""
+    """Coefficients (n, K) of a motion about zero, and its mean positions (n,)."""
     free = list(model.freedoms.independent)
     moving, middle = rng.normal(size=(len(free), basis.size)), np.zeros(len(free))
     for row, j in enumerate(free):
@@ -78,7 +79,7 @@ def _within_own_limits(
 
 
 def _drawing_range(lower: float, upper: float) -> tuple[float, float]:
-    """Half a turn to both sides of zero, or a turn from the one end that there is."""
+    """Range of positions: half a turn to both sides of zero, or a turn from the only limit."""
     if np.isfinite(lower):
         return lower, lower + 2 * np.pi
     return (upper - 2 * np.pi, upper) if np.isfinite(upper) else (-np.pi, np.pi)
@@ -93,7 +94,7 @@ def _largest_scale(
     moving: Array,
     middle: Array,
 ) -> float:
-    """In 0 … 1, to a part in 2^SCALE_HALVINGS; zero where the robot cannot stand still there."""
+    """Largest scale in 0 … 1, to a part in 2^HALVINGS; zero if the robot cannot stand still there."""
 
     def kept(scale: float) -> bool:
         instants = times if scale else times[:1]

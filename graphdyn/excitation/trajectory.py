@@ -1,13 +1,11 @@
-"""Motions of all joints as functions of time.
-
-Numbers over time that have to stay below 1, and their smooth maximum.
+"""Motions of all joints as functions of time, and limits as numbers that have to stay below 1.
 
 A limit is one number: a smooth maximum over the grid of time and over all numbers that are limited together,
 
     K = m + ln Σ exp(ρ (g - m)) / ρ,    m = max g ≤ K ≤ m + ln(number of g) / ρ,    g = |v_t| / v_max and so on
 
 (Kreisselmeier and Steinhauser, 1979): never below the true maximum, and differentiable. A motion keeps the limit
-where K ≤ 1.
+if K ≤ 1.
 """
 
 from __future__ import annotations
@@ -26,7 +24,7 @@ from graphdyn.layout import Array
 
 
 class JointMotion(NamedTuple):
-    """Positions, velocities, accelerations, jerks (N, n) of the joints that no others drive [rad or m, …/s, …]."""
+    """Positions, velocities, accelerations, jerks (N, n) of the independent joints [rad or m, …/s, …]."""
 
     q: Array
     v: Array
@@ -39,28 +37,28 @@ class FiniteMotion(Protocol):
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """Duration [s]."""
         ...
 
     def motion(self, times: Array) -> JointMotion:
-        """At the times (N,) [s]."""
+        """Motion at the times (N,) [s]."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """q_j(t) = Σ_k coefficients[j, k] φ_k(t); coefficients (n, K)."""
+    """The motion q_j(t) = Σ_k coefficients[j, k] φ_k(t); coefficients (n, K)."""
 
     basis: Basis
     coefficients: Array
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """Duration [s]."""
         return self.basis.duration
 
     def motion(self, times: Array) -> JointMotion:
-        """At the times (N,) [s]."""
+        """Motion at the times (N,) [s]."""
         return JointMotion(*(self.basis.rows(times, order) @ self.coefficients.T for order in range(4)))
 
 
@@ -69,7 +67,7 @@ class TabulatedCourse:
     """Positions at given times, joined by interpolating quintic splines; time counts from the first row.
 
     times: increasing                                       (K,)    [s]
-    positions: of the joints that no others drive           (K, n)  [rad or m]
+    positions: of the independent joints                    (K, n)  [rad or m]
 
     Raises InvalidInput for fewer than six rows, times that do not increase, other shapes, NaN and infinity.
     """
@@ -90,11 +88,11 @@ class TabulatedCourse:
 
     @property
     def duration(self) -> float:
-        """[s]"""
+        """Duration [s]."""
         return float(self.times[-1])
 
     def motion(self, times: Array) -> JointMotion:
-        """At the times (N,) [s]; those outside count as the ends."""
+        """Motion at the times (N,) [s]; times outside count as the ends."""
         inside = np.clip(times, 0.0, self.duration)
         return JointMotion(*(np.asarray(spline(inside)) for spline in self._derivatives))
 
@@ -107,17 +105,17 @@ class TabulatedCourse:
 
 
 def sample_times(duration: float, rate: float) -> Array:
-    """From zero to a duration at a rate [s, Hz], the end included where it is a multiple of the period."""
+    """Times from zero to a duration at a rate [s, Hz], the end included if it is a multiple of the period."""
     return np.arange(int(duration * rate * (1 + 1e-12)) + 1) / rate
 
 
 @dataclass(frozen=True)
 class Usage:
-    """Of one limit.
+    """Use of one limit by a motion.
 
     kind: "position", "velocity", "acceleration", "jerk", "torque", "plane" or "clearance"
     name: of the joint, of the plane, or of the two parts of the robot
-    used: largest part of the limit that the motion uses; above 1 it is violated. Of a position, a plane or a clearance
+    used: largest part of the limit that the motion uses; above 1 it is violated. For a position, a plane or a clearance
         it is 1 at the limit
     """
 
@@ -128,7 +126,7 @@ class Usage:
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Of one limit.
+    """Values of one limit over time, with their slopes.
 
     values: of any shape
     slopes: from weights of the values (their shape) to the derivatives of their weighted sum: by order of the
@@ -142,12 +140,12 @@ class Signal:
 
 
 def usage(signal: Signal) -> Usage:
-    """The true maximum over the grid."""
+    """Use of a limit: the true maximum over the grid."""
     return Usage(signal.kind, signal.name, float(signal.values.max()))
 
 
 def smooth_maximum(signal: Signal, sharpness: float) -> float:
-    """K"""
+    """Smooth maximum K of the values."""
     top = signal.values.max()
     return float(top + np.log(np.exp(sharpness * (signal.values - top)).sum()) / sharpness)
 

@@ -1,4 +1,4 @@
-"""Points and balls of the robot that planes keep on one side, and that keep clear of each other."""
+"""Points and spheres of the robot that stay on one side of planes, and keep a distance from each other."""
 
 from __future__ import annotations
 
@@ -19,7 +19,9 @@ Numbers = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class Ball:
-    """A ball fixed in a body: center in its link frame (3,) [m], and radius [m]; 0 is a point. Body 0 is the ground."""
+    """A sphere fixed in a body: center in its link frame (3,) [m], and radius [m]; 0 is a point. Body 0 is the
+    ground.
+    """
 
     body: int
     center: Array
@@ -27,14 +29,14 @@ class Ball:
 
 
 def frame_origins(model: RobotModel) -> tuple[Ball, ...]:
-    """The origins of all frames that move: bodies and the links that are fused into them, a tool among them."""
+    """The origins of all moving frames: bodies and the links that are fused into them, including tools."""
     origins = [(body, (0.0, 0.0, 0.0)) for body in range(1, model.n_bodies + 1)]
     origins += [(frame.body, tuple(frame.placement.translation.tolist())) for frame in model.frames if frame.body]
     return tuple(Ball(body, np.array(center)) for body, center in dict.fromkeys(origins))
 
 
 def ball_around(balls: Sequence[Ball]) -> Ball:
-    """Around balls of one body."""
+    """A sphere around spheres of one body."""
     centers = np.array([ball.center for ball in balls])
     radii = np.array([ball.radius for ball in balls])
     middle = (centers.max(axis=0) + centers.min(axis=0)) / 2
@@ -42,7 +44,7 @@ def ball_around(balls: Sequence[Ball]) -> Ball:
 
 
 class Poses:
-    """Where the bodies of a robot are at positions q (N, n_freedoms), and how forces on balls act on its joints."""
+    """Poses of a robot's bodies at positions q (N, n_freedoms), and the joint forces of forces on spheres."""
 
     def __init__(self, model: RobotModel, q: Array) -> None:
         self._model = model
@@ -60,7 +62,7 @@ class Poses:
         return vertices.rotation[:, body], origin
 
     def centers(self, balls: tuple[Ball, ...]) -> Array:
-        """World positions (N, balls, 3) [m], computed once for the same balls."""
+        """World positions of centers (N, spheres, 3) [m], computed once for the same spheres."""
         if balls not in self._centers:
             self._centers[balls] = self._computed(balls)
         return self._centers[balls]
@@ -76,10 +78,11 @@ class Poses:
         return found
 
     def joint_forces(self, rows: Numbers, bodies: Numbers, points: Array, forces: Array) -> Array:
-        """Generalised forces (N, n_freedoms) of forces (K, 3) at points (K, 3) of bodies (K,) in the poses rows (K,).
+        """Generalized forces (N, n_freedoms) of forces (K, 3) at points (K, 3) of bodies (K,) in the poses rows (K,).
 
-        A revolute joint feels the moment of all forces beyond it about its axis, a prismatic one their part along it:
-        Jᵀ f. World axes [m].
+        The generalized force is Jᵀ f: for a revolute joint the moment of all forces beyond it about its axis, for a
+            prismatic
+        joint their component along it. World axes [m].
         """
         model = self._model
         moments = cross(points[:, None] - self._origins[rows], forces[:, None])
@@ -95,11 +98,11 @@ class Poses:
 
     @cached_property
     def _axes(self) -> Array:
-        """Of the joints (N, n, 3)."""
+        """Axes of the joints (N, n, 3)."""
         return joint_axes(self._state)
 
     @cached_property
     def _beyond(self) -> Array:
-        """1 in row i, column j if joint j carries body i; the ground is row 0 (n + 1, n)."""
+        """Incidence: 1 in row i, column j if joint j carries body i; the ground is row 0 (n + 1, n)."""
         carried = self._model.graph.path_matrix().T.astype(float)
         return np.vstack([np.zeros(self._model.n_bodies), carried])
