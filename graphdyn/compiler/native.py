@@ -16,7 +16,7 @@ import numpy as np
 from graphdyn.compiler.interpreter import Run, merged
 from graphdyn.compiler.llvm.emitter import emit, scratch
 from graphdyn.compiler.llvm.memory import aligned, places
-from graphdyn.compiler.llvm.vector_code import FINITE_CHECK_STARTS, FINITE_CHECKS
+from graphdyn.compiler.llvm.vector_code import FINITE_CHECK_STARTS, WATCH_KINDS
 from graphdyn.compiler.rolled.long_program import LongProgram
 from graphdyn.compiler.rolled.rolled_code import emit_long, long_scratch
 from graphdyn.layout import Array
@@ -129,7 +129,7 @@ def _watch_starts(lanes: int) -> Array:
 def watches(program: Program | LongProgram, watched: Array) -> dict[Watch, float]:
     """What compiled code has seen, all lanes together."""
     rows = watched.tolist()
-    return {kind: merged(kind, rows[FINITE_CHECKS.index(kind)]) for kind in program.watches}
+    return {kind: merged(kind, rows[WATCH_KINDS.index(kind)]) for kind in program.watches}
 
 
 class MachineCode:

@@ -74,6 +74,7 @@ class PythonCall:
 
     def function(self, count: int, n: int) -> Callable[..., Array]:
         """function(*vectors) copies as many arguments (n,), runs the row and returns the result; function() runs it."""
+        # self of the C function is this object, which the function then keeps alive
         new = ("PyCFunction_NewEx", ctypes.pythonapi)
         make = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)(new)
         made: Callable[..., Array] = make(ctypes.addressof(_definition(count, n)), self, None)
@@ -85,6 +86,7 @@ def can_call() -> bool:
     if sysconfig.get_config_var("Py_GIL_DISABLED") or not is_known():
         return False
     probe = PythonCall(can_call)
+    # read as machine code will, and compared with what Python reads
     slots = [ctypes.c_void_p.from_address(id(probe) + offset).value for offset in (OTHERWISE, SERVED)]
     return slots == [id(probe.otherwise), id(probe.served)]
 
@@ -146,6 +148,7 @@ def _code(count: int, n: int) -> str:
         lines.clear()
         return done
 
+    # the memory that is served, and whether it is that of the thread that calls
     python = ctypes.pythonapi
     read("%memory", "ptr", read("%object", "ptr", "%self", SERVED), DATA)
     state = call("%state", "ptr", python.PyThreadState_Get, "")
@@ -155,6 +158,7 @@ def _code(count: int, n: int) -> str:
     entry = taken()
     for k in range(count):
         x = f"%x{k}"
+        # exactly an ndarray of one dimension and of float64, of length n, without gaps: else Python converts or refuses
         read(x, "ptr", "%arguments", 8 * k)
         read(f"{x}.type", "i64", x, TYPE)
         read(f"{x}.dimensions", "i32", x, DIMENSIONS)
@@ -173,6 +177,7 @@ def _code(count: int, n: int) -> str:
         lines += [f"  {x}.fits = and i1 {x}.long, {x}.dense", f"  br i1 {x}.fits, label %next{k}, label %other"]
         lines += [f"next{k}:"]
     for k in range(count):
+        # all into a copy on the stack first, then to their places
         lines += [f"  %copy{k} = getelementptr double, ptr %copies, i64 {n * k}"]
         copy(f"%copy{k}", read(f"%data{k}", "ptr", f"%x{k}", DATA))
     for k in range(count):  # an argument may be in the place of another
@@ -180,9 +185,11 @@ def _code(count: int, n: int) -> str:
     given = taken()
     for field, name in ((RUN, "%run"), (TABLE, "%table"), (RESULT, "%result")):
         read(name, "ptr", "%memory", 8 * field)
+    # the caller owns the reference that it gets
     lines += ["  call void %run(ptr %table)", f"  %keep = inttoptr i64 {_address(python.Py_IncRef)} to ptr"]
     lines += ["  call void %keep(ptr %result)", "  ret ptr %result"]
     running = taken()
+    # the Python function, with the arguments as they came; its answer, or NULL with an exception, is passed on
     read("%otherwise", "ptr", "%self", OTHERWISE)
     call("%answer", "ptr", python.PyObject_Vectorcall, "ptr %otherwise, ptr %arguments, i64 %count, ptr null")
     return "\n".join(
@@ -192,6 +199,7 @@ def _code(count: int, n: int) -> str:
             f"  %copies = alloca [{count * n} x double]",
             *entry,
             "own:",
+            # no arguments: those in memory; as many as the verb has: copied there; else Python says what is wrong
             f"  switch i64 %count, label %other [ i64 0, label %ready i64 {count}, label %given ]",
             "given:",
             *given,

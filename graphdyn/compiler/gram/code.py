@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 
-from graphdyn.compiler.llvm.vector_code import FINITE_CHECKS, VectorCode, loop_over_rows
+from graphdyn.compiler.llvm.vector_code import WATCH_KINDS, VectorCode, loop_over_rows
 from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Program
 
 COLUMN_VECTORS = 48
@@ -44,7 +44,9 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
     width = len(program.outputs[MULTIPLIED_COLUMNS])
     assert sum(groups) == width
     code = VectorCode(lanes)
+    # where these rows are in each column of scratch, whose columns begin with row %first
     block = code.let(f"getelementptr double, ptr %scratch, i64 {code.let('sub i64 %row, %first')}")
+    # several columns may be the same operation
     places: dict[int, list[int]] = defaultdict(list)
     for column, number in enumerate(program.outputs[MULTIPLIED_COLUMNS]):
         places[number].append(column)
@@ -61,7 +63,7 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
 
     values = code.values(program, columns, store)
     seen = [
-        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in FINITE_CHECKS
+        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCH_KINDS
     ]
     inputs = [f"ptr noalias %in.{name}" for name in program.inputs]
     shared = ", ".join(["i64 %first", "i64 %last", "ptr noalias %scratch", *inputs])
@@ -80,6 +82,7 @@ def _sum_up(groups: Sequence[int], lanes: int) -> list[str]:
     code, place = VectorCode(lanes), 0
     functions: dict[str, list[str]] = {}
     for left, right in tiles(groups, lanes):
+        # places within the tile; of a tile on the diagonal the upper triangle
         pairs = [(x - left[0], y - right[0]) for x in left for y in right if x <= y]
         name = f"tile_{len(left)}_{'itself' if left == right else len(right)}"
         if name not in functions:
@@ -110,6 +113,7 @@ def _tile(
     left = columns("%left", n_left)
     right = left if itself else columns("%right", n_right)
     sums = [code.call("fma", left[x], right[y], f"%sum{index}") for index, (x, y) in enumerate(pairs)]
+    # the lines so far are the body of the loop; those that follow come behind it
     loop, code.lines = code.lines, []
     for index, value in enumerate(sums):
         known = code.load(code.vector, "%sums", index * lanes)
@@ -119,6 +123,7 @@ def _tile(
         "start:",
         "  br label %loop",
         "loop:",
+        # a vector of rows per turn; all sums of the tile stay in registers
         "  %block = phi i64 [ 0, %start ], [ %next, %loop ]",
         *(
             f"  %sum{index} = phi {code.vector} [ zeroinitializer, %start ], [ {value}, %loop ]"
@@ -147,6 +152,7 @@ def _drive(shared: str, inputs: Sequence[str], lanes: int) -> list[str]:
         f"  %reach = add i64 %from, {COLUMN_VECTORS * lanes}",
         "  %beyond = icmp sgt i64 %reach, %last",
         "  %to = select i1 %beyond, i64 %last, i64 %reach",
+        # columns evaluates the stretch into scratch, sum_up reads it while it is in the cache
         f"  call void @columns(i64 %from, i64 %to, ptr %scratch, {passed}, ptr %watched)",
         "  %count = sub i64 %to, %from",
         f"  %blocks = sdiv i64 %count, {lanes}",

@@ -129,6 +129,7 @@ class InterpretedGram:
             equations = np.empty((last - first, self._ends[-1]))
             rows = {name: array[first:last] for name, array in inputs.items()}
             seen = self._interpreter.bind(rows, {MULTIPLIED_COLUMNS: equations})(0, last - first)
+            # [W_j | C_j | τ_j] of each joint, then its Gram matrix
             blocks = np.split(equations, self._ends[:-1], axis=1)
             return np.concatenate([(block.T @ block).ravel() for block in blocks]), seen
 
@@ -158,6 +159,7 @@ class CompiledGram:
         rest = self._rest.bind(inputs)
 
         def run(first: int, last: int) -> tuple[Array, Seen]:
+            # machine code takes multiples of the lanes; the rows that are left are summed by NumPy, into the first lane
             whole = first + (last - first) // self.lanes * self.lanes
             sums, seen = self._whole(first, whole, addresses)
             if whole < last:
@@ -171,6 +173,7 @@ class CompiledGram:
     def matrices(self, sums: Array) -> list[Array]:
         width = sum(self._groups)
         everything = np.zeros((width, width))
+        # each product once, all lanes together; the other triangle is the same
         left, right = self._products.T
         everything[left, right] = everything[right, left] = sums.sum(axis=1)
         return [everything[block, block] for block in self._blocks]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphdyn.compiler.llvm.vector_code import FINITE_CHECKS, Carried, VectorCode, loop_over_rows
+from graphdyn.compiler.llvm.vector_code import WATCH_KINDS, Carried, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program, program_of
 
@@ -24,7 +24,9 @@ Turns = dict[int, tuple[str, str]]
 def turns_ahead(program: Program, lanes: int) -> tuple[Turns, Carried]:
     """All sines and cosines as the lines of the loop know them, and what computes them a turn before."""
     angles = sorted({given[0] for kind, *given in program.operations if kind in ("sine", "cosine")})
+    # the operations that lead to the angles: none where these are inputs
     part = program_of(program.operations, program.inputs, {"angles": angles}, {})
+    # phi nodes of these names hold the pair of a turn, and get that of the next one at its end
     turns = {angle: (f"%sine{angle}", f"%cosine{angle}") for angle in angles}
     names = [name for pair in turns.values() for name in pair]
     return turns, Carried(
@@ -46,6 +48,8 @@ def _turns(part: Program, code: VectorCode, row: str) -> tuple[VectorCode, list[
 MIN_WIDE_COLUMNS = 16
 """Columns from which rows are assembled first: below, writing whole lines does not pay."""
 
+# few: number by number. deliver, with bypass: numbers until the address is a multiple of a vector (head), vectors past
+# the caches (nontemporal, which asks for such addresses), numbers that are left (tail); without: plain copies.
 _DELIVER = """define internal void @few(ptr noalias %to, ptr noalias %from, i64 %first, i64 %last) {{
 entry:
   %any = icmp slt i64 %first, %last
@@ -132,6 +136,7 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
     for name, numbers in program.outputs.items():
         width = len(numbers)
         to = code.rows_of(f"out.{name}", width)
+        # few columns go straight to their place; constants of wide rows are in %scratch from the beginning (scratch)
         if width < MIN_WIDE_COLUMNS:
             code.write_columns(to, width, {column: values[k] for column, k in enumerate(numbers)})
         else:
@@ -140,7 +145,7 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
             code.write_columns(block, width, changing)
             code.do(f"call void @deliver(ptr {to}, ptr {block}, i64 {width}, i1 %bypass)")
     seen = [
-        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in FINITE_CHECKS
+        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCH_KINDS
     ]
     arrays = [f"in.{name}" for name in program.inputs] + [f"out.{name}" for name in program.outputs]
     parameters = ["i64 %first", "i64 %last", "i1 %bypass", *(f"ptr noalias %{name}" for name in ("scratch", *arrays))]
@@ -169,6 +174,7 @@ def with_table(lanes: int, count: int) -> list[str]:
     """The same functions for callers to whom every argument costs time."""
     loads = [
         line
+        # the table says where the addresses stand, mostly in fields of NumPy's arrays: two loads lead to the data
         for k in range(count)
         for line in (
             f"  %at{k} = getelementptr ptr, ptr %table, i64 {k}",

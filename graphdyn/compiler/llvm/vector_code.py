@@ -43,7 +43,7 @@ COSINE_COEFFICIENTS = (
 )
 
 
-FINITE_CHECKS: tuple[Watch, ...] = ("finite", "squares", "minimum")
+WATCH_KINDS: tuple[Watch, ...] = ("finite", "squares", "minimum")
 """Order in which code keeps what it watches: one vector each."""
 
 FINITE_CHECK_STARTS = (0.0, 0.0, float("inf"))
@@ -102,6 +102,7 @@ class VectorCode:
         return self.let(f"call {self.vector} @llvm.{function}.v{self.lanes}f64({arguments})")
 
     def splat(self, value: float) -> str:
+        # hexadecimal, as LLVM refuses decimal fractions that are not exact
         bits = struct.pack(">d", value).hex().upper()
         return "<" + ", ".join([f"double 0x{bits}"] * self.lanes) + ">"
 
@@ -117,6 +118,7 @@ class VectorCode:
 
     def broadcast(self, array: str, index: int) -> str:
         """A number in all lanes."""
+        # into lane 0 of a vector that is undefined otherwise, then from lane 0 into all
         one = self.let(f"insertelement {self.vector} poison, double {self.load('double', array, index)}, i64 0")
         return self.let(
             f"shufflevector {self.vector} {one}, {self.vector} poison, <{self.lanes} x i32> zeroinitializer"
@@ -157,6 +159,7 @@ class VectorCode:
                 values.append(self.arithmetic(_INSTRUCTIONS[kind], *(values[k] for k in arguments)))
             else:
                 (angle,) = arguments
+                # one reduction and two polynomials give both, whichever is asked for first
                 if angle not in turns:
                     turns[angle] = self.sine_and_cosine(values[angle])
                 values.append(turns[angle][kind == "cosine"])
@@ -170,24 +173,32 @@ class VectorCode:
                 less = self.let(f"fcmp olt {self.vector} {value}, {seen}")
                 seen = self.let(f"select <{self.lanes} x i1> {less}, {self.vector} {value}, {self.vector} {seen}")
             else:
+                # finite: 0 · x + seen is NaN from the first x on that is not finite; squares: Σ x²
                 seen = self.call("fma", value, self.splat(0.0) if kind == "finite" else value, seen)
         return seen
 
     def sine_and_cosine(self, angle: str) -> tuple[str, str]:
         """See graphdyn.compiler.llvm.vector_code."""
+        # k = angle · 2/π, rounded to the nearest integer: with 1.5 · 2^52 added, the sum has no bits for a fraction
         scaled = self.arithmetic(
             "fadd", self.arithmetic("fmul", angle, self.splat(QUARTER_TURNS_PER_RADIAN)), self.splat(ROUNDING_OFFSET)
         )
+        # k itself; no flag lets LLVM take the sum and the difference together
         turns = self.let(f"fsub {self.vector} {scaled}, {self.splat(ROUNDING_OFFSET)}")
         rest = angle
+        # angle - k π/2, part after part; each product is exact, as k has 20 bits and a part 33
         for part in HALF_PI:
             rest = self.arithmetic("fsub", rest, self.arithmetic("fmul", turns, self.splat(part)))
+        # r in [-π/4, π/4]: sin r = r + r r² (s_1 + s_2 r² + …), cos r = 1 - r²/2 + r⁴ (c_1 + c_2 r² + …)
         square = self.arithmetic("fmul", rest, rest)
         sine = self._polynomial(SINE_COEFFICIENTS, square)
         sine = self.arithmetic("fadd", self.arithmetic("fmul", self.arithmetic("fmul", rest, square), sine), rest)
         cosine = self._polynomial((1.0, -0.5, *COSINE_COEFFICIENTS), square)
+        # the last bits of the mantissa of k + 1.5 · 2^52 are those of k: k mod 4 is the quadrant
         bits = self.let(f"bitcast {self.vector} {scaled} to {self.integers}")
+        # in odd quadrants sine and cosine of the rest change places
         odd = self.let(f"trunc {self.integers} {bits} to <{self.lanes} x i1>")
+        # cos x = sin(x + π/2): the cosine has the sign of the quadrant after
         following = self.let(f"add {self.integers} {bits}, {self.splat_integer(1)}")
         select = f"select <{self.lanes} x i1> {odd}, {self.vector}"
         return (
@@ -196,6 +207,7 @@ class VectorCode:
         )
 
     def _polynomial(self, coefficients: Sequence[float], x: str) -> str:
+        # Horner's rule
         result = self.splat(coefficients[-1])
         for coefficient in reversed(coefficients[:-1]):
             result = self.arithmetic("fadd", self.arithmetic("fmul", result, x), self.splat(coefficient))
@@ -203,6 +215,7 @@ class VectorCode:
 
     def _signed(self, value: str, quadrant: str) -> str:
         """The value, with the other sign in quadrants 2 and 3."""
+        # bit 1 of the quadrant, moved to the place of the sign, and all others cleared
         shifted = self.let(f"shl {self.integers} {quadrant}, {self.splat_integer(62)}")
         sign = self.let(f"and {self.integers} {shifted}, {self.splat_integer(-(2**63))}")
         bits = self.let(f"bitcast {self.vector} {value} to {self.integers}")
@@ -220,10 +233,13 @@ class VectorCode:
         step = width if step is None else step
         columns: list[str] = []
         for column in range(0, width - 1, 2):
+            # two neighbouring columns of each row: (x_0 y_0), (x_1 y_1), … of the lanes
             pairs = [self.load("<2 x double>", block, lane * step + column) for lane in range(self.lanes)]
+            # even rows x_0 y_0 x_2 y_2 …, odd rows x_1 y_1 x_3 y_3 …; interleaved: x_0 x_1 x_2 …, and y_0 y_1 …
             even, odd = self._joined(pairs[0::2]), self._joined(pairs[1::2])
             columns += [self._interleaved(even, odd, half) for half in (0, 1)]
         if width % 2:
+            # the last of an odd number of columns, lane by lane
             vector = "poison"
             for lane in range(self.lanes):
                 value = self.load("double", block, lane * step + width - 1)
@@ -237,6 +253,7 @@ class VectorCode:
         while pending:
             column = pending.pop(0)
             if pending and pending[0] == column + 1:
+                # the inverse of columns_of: rows 0, 2, … of the pair of columns, and rows 1, 3, …
                 halves = [
                     self._interleaved(columns[column], columns[pending.pop(0)], 0),
                     self._interleaved(columns[column], columns[column + 1], 1),
@@ -253,6 +270,7 @@ class VectorCode:
 
     def fetch_ahead(self, block: str, width: int, turns: int = PREFETCHED_TURNS, to_write: bool = False) -> None:
         """Ask for the rows of some turns of the loop later, which may lie beyond the array."""
+        # one request for each line of memory; 3: to be kept in all caches, 1: data, not code
         rows = self.lanes * width
         for first in range(0, rows, CACHE_LINE_BYTES // 8):
             address = self.element(block, turns * rows + first)
@@ -294,11 +312,12 @@ def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: 
     """A function whose body, the lines of the code, is done for %row from %first on, as many rows at a time as lanes.
 
     It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of
-    FINITE_CHECKS, or none if the lines do that themselves.
+    WATCH_KINDS, or none if the lines do that themselves.
     """
     before, after = (carried.first[0].lines, carried.following[0].lines) if carried else ([], [])
     entry, phis, stores = [], [], []
-    for place, (kind, value) in enumerate(zip(FINITE_CHECKS if seen else (), seen, strict=True)):
+    for place, (kind, value) in enumerate(zip(WATCH_KINDS if seen else (), seen, strict=True)):
+        # what was watched is in registers during the loop, loaded before it and stored behind it
         entry += [
             f"  %place.{kind} = getelementptr double, ptr %watched, i64 {place * code.lanes}",
             f"  %start.{kind} = load {code.vector}, ptr %place.{kind}, align 8",
@@ -313,6 +332,7 @@ def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: 
         "entry:",
         *entry,
         *before,
+        # the last turn begins at %final, as the rows may be no multiple of the lanes: it does some rows again
         f"  %final = sub i64 %last, {code.lanes}",
         "  br label %loop",
         "loop:",
@@ -327,6 +347,7 @@ def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: 
         "  br i1 %more, label %loop, label %exit",
         "exit:",
         *stores,
+        # what bypassed the caches is there before the function returns
         "  fence seq_cst",
         "  ret void",
         "}",

@@ -34,6 +34,7 @@ def _placed(x: Any, acceleration: Any) -> BodyMotion:
     (place,) = places([x.link], [x.joint("q")])
     (motion,) = motions([x.link], [place], x.ground, [x.joint("v")], [acceleration])
     (wrench,) = unloaded([inertial_wrench(x.link, motion)], x.external)
+    # sine and cosine are computed on the way out alone, and read on the way in
     x.keep("turn", [place.c, place.s])
     for name in ("omega", "alpha", "compensated"):
         x.keep(name, getattr(motion, name))
@@ -68,6 +69,7 @@ def _moving(x: Any) -> dict[str, list[Any]]:
 
 def _transmitted(x: Any) -> dict[str, list[Any]]:
     place, (force, moment) = _place(x), x.kept("wrench")
+    # what the joint transmits loads the inside body: the sum over all bodies outside is complete here
     x.add("wrench", inwards(place, (force, moment)))
     tau = force[2] if x.link.prismatic else moment[2]
     return {"tau": [tau], **_answers(x, place, _motion(x), (force, moment))}
@@ -84,6 +86,7 @@ def _at_rest(x: Any) -> dict[str, list[Any]]:
 
 def _eliminated(x: Any) -> dict[str, list[Any]]:
     place, inertia, (force, moment) = _place(x), _inertia(x.kept("inertia")), x.kept("wrench")
+    # I^A and p^A are complete; I^a and p^a go to the inside body (graphdyn.recursions.forward)
     leaf = seen_through_joint(x.link.prismatic, inertia, (force, moment), x.joint("tau"))
     x.add("inertia", _entries(leaf.inertia.inwards(place)))
     x.add("wrench", inwards(place, leaf.bias))
@@ -102,6 +105,7 @@ def _accelerated(x: Any) -> dict[str, list[Any]]:
     leaf = SeenThroughJoint(inertia, (bias[0], bias[1]), (U[0], U[1]), *gain)
     a, (linear, angular), wrench = accelerated(x.link, place, leaf, (x.gained[0], x.gained[1]))
     x.keep("gained", (linear, angular))
+    # the motion at a = 0 that the first pass kept, and what the accelerations add
     total = BodyMotion(motion.omega, motion.alpha + angular, motion.compensated + linear)
     return {"a": [a], **_answers(x, place, total, wrench)}
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from graphdyn.compiler.llvm.emitter import with_table
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
-from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, FINITE_CHECKS, VectorCode, loop_over_rows
+from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, WATCH_KINDS, VectorCode, loop_over_rows
 from graphdyn.compiler.rolled.long_program import CONSTANTS, GROUND_ARRAY_NAME, INSIDE, OWN, BodyProgram, LongProgram
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program
@@ -25,6 +25,7 @@ def emit_long(program: LongProgram, lanes: int) -> str:
         names = {kind: f"step_{number}_{place}" for place, kind in enumerate(steps)}
         functions += [line for kind, name in names.items() for line in _step(steps[kind], name, program, widths, lanes)]
         bodies = range(len(program.kinds))
+        # calls, one after the other: inside bodies first on the way out, last on the way in
         for body in bodies if outwards else reversed(bodies):
             kind = program.kinds[body]
             places = ", ".join(f"ptr {place}" for place in _places(code, program, body, steps[kind].program, widths))
@@ -38,6 +39,7 @@ def emit_long(program: LongProgram, lanes: int) -> str:
 def _places(code: VectorCode, program: LongProgram, body: int, step: Program, widths: dict[str, int]) -> Iterator[str]:
     """Where the constants of a body are, its memory, that of its inside body, and its columns of the arrays."""
     row, memory = _row(program), program.memory * code.lanes
+    # scratch: the table with a row of constants for each body, then the memory of each body
     first = row * len(program.kinds)
     yield code.element("%scratch", body * row)
     yield code.element("%scratch", first + body * memory)
@@ -75,6 +77,7 @@ def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, 
     def columns(array: str) -> list[str]:
         inputs = [given for kind, *given in step.program.operations if kind == "input"]
         used = {column for name, column in inputs if name == array}
+        # one number of the table for all lanes; memory holds a vector per column already
         if array == CONSTANTS:
             return [code.broadcast("%constants", k) if k in used else "" for k in range(max(used) + 1)]
         if array in (OWN, INSIDE):
@@ -85,13 +88,15 @@ def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, 
     outputs = step.program.outputs
     for number, column in zip(outputs[OWN], step.kept, strict=True):
         code.store(f"{code.vector} {values[number]}", "%own", column * lanes)
+    # sums of the inside body: several bodies outside may add to them
     for number, column in zip(outputs[INSIDE], step.summed, strict=True):
         total = code.arithmetic("fadd", code.load(code.vector, "%inside", column * lanes), values[number])
         code.store(f"{code.vector} {total}", "%inside", column * lanes)
     for array in program.outputs:
         if array in outputs:
             code.write_columns(f"%{array}", widths[array], {k: values[x] for k, x in enumerate(outputs[array])})
-    for place, kind in enumerate(FINITE_CHECKS):
+    # in memory, as every step of every body goes on watching
+    for place, kind in enumerate(WATCH_KINDS):
         if kind in step.program.watches:
             before = code.load(code.vector, "%watched", place * lanes)
             seen = code.watch(kind, [values[k] for k in step.program.watches[kind]], before)

@@ -31,6 +31,7 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
     code = VectorCode(lanes, "s")
     vectors = {name: sum(getattr(what, name).values()) for name in ("control", "record")}
     width = splat(code, "%h")
+    # numbers of the tick in force at start, and of the first step at or after start that is recorded
     code.do("%tick.first = udiv i64 %start, %hold")
     code.do("%record.before = add i64 %start, %every")
     code.do("%record.up = sub i64 %record.before, 1")
@@ -39,6 +40,7 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
     code.do("br label %loop")
     _label(code, "loop")
     code.do("%step = phi i64 [ %start, %entry ], [ %next, %after ]")
+    # ticks, records and stages are counted from start: where their blocks begin in memory
     code.do("%step.own = sub i64 %step, %start")
     code.do("%tick.rest = urem i64 %step, %hold")
     code.do("%is.tick = icmp eq i64 %tick.rest, 0")
@@ -52,6 +54,7 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
     if what.friction:
         _decide(code, what)
     _call_rates(code, what, 0, "%state")
+    # behind the first stage, whose accelerations and passive torques are written too
     code.do("%record.rest = urem i64 %step, %every")
     code.do("%is.recorded = icmp eq i64 %record.rest, 0")
     code.do("br i1 %is.recorded, label %write, label %stages")
@@ -64,6 +67,7 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
     _stages(code, what, width)
     code.do("br label %after")
     _label(code, "after")
+    # the state after the last step is not recorded here
     code.do("%next = add i64 %step, 1")
     code.do("%more = icmp slt i64 %next, %end")
     code.do("br i1 %more, label %loop, label %exit")
@@ -95,6 +99,7 @@ def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
         law, state = what.law, Columns(code, "%state", what.state)
         measured = {name: state.columns(name, n) for name in "qv"}
         if what.noisy:
+            # the law sees the state with noise, the dynamics the state itself
             noise = Columns(code, _block(code, "%noise", "%tick.own", 2 * n), {"q": n, "v": n})
             for name, exact in measured.items():
                 measured[name] = [code.arithmetic("fadd", x, noise.load(name, j)) for j, x in enumerate(exact)]
@@ -109,6 +114,7 @@ def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
     for j, torque in enumerate(tau):
         if what.clamped:
             most, least = constants.load("largest_torque", j), constants.load("least_torque", j)
+            # select, not minimum and maximum: NaN stays NaN
             torque = select(code, "ogt", torque, most, most, torque)
             torque = select(code, "olt", torque, least, least, torque)
         memory.store("tau", j, torque)
@@ -120,9 +126,11 @@ def _decide(code: VectorCode, what: StepCode) -> None:
     memory = Columns(code, "%memory", what.memory)
     constants = Columns(code, "%constants", what.constants)
     state = Columns(code, "%state", what.state)
+    # lanes that are at rest and have dry friction, joint by joint; there friction has no direction yet
     resting = []
     for j in range(n):
         v = state.load("v", j)
+        # sign(v): -1, 0 or 1
         sign = select(code, "ogt", v, zero, one, select(code, "olt", v, zero, code.splat(-1.0), zero))
         memory.store("sign", j, sign)
         if what.sticking:
@@ -136,16 +144,19 @@ def _decide(code: VectorCode, what: StepCode) -> None:
     anywhere = resting[0]
     for joint in resting[1:]:
         anywhere = code.let(f"or <{code.lanes} x i1> {anywhere}, {joint}")
+    # one bit per lane: where no robot has a joint at rest, the trial below is skipped
     bits = code.let(f"bitcast <{code.lanes} x i1> {anywhere} to i{code.lanes}")
     some = code.let(f"icmp ne i{code.lanes} {bits}, 0")
     code.do(f"br i1 {some}, label %resting, label %decided")
     _label(code, "resting")
     _call_rates(code, what, 0, "%state")
     for j in range(n):
+        # a trial with the resting joints locked: held is the torque that keeps them so; beyond F_c they begin to slide
         held, dry = memory.load("held", j), constants.load("coulomb", j)
         size = code.call("fabs", held)
         slips = code.let(f"fcmp ogt {code.vector} {size}, {dry}")
         begins = code.let(f"and <{code.lanes} x i1> {resting[j]}, {slips}")
+        # friction points as held did, so that the joint moves the other way
         away = select(code, "ogt", held, zero, code.splat(-1.0), one)
         for name, value in (("sign", away), ("free", one)):
             either = f"select <{code.lanes} x i1> {begins}, {code.vector} {value}, {code.vector}"
@@ -156,9 +167,11 @@ def _decide(code: VectorCode, what: StepCode) -> None:
 
 def _call_rates(code: VectorCode, what: StepCode, stage: int, at: str) -> None:
     memory = Columns(code, "%memory", what.memory)
+    # rates of all stages lie one after the other, each with those of q, v, work and loss
     rates = memory.address("rates", stage * (2 * what.n + 2))
     ground = "%ground"
     if "ground" in what.accelerations.inputs:
+        # the base moves: a row of ground for every stage of every step
         first = code.let(f"mul i64 %step.own, {what.stages}")
         row = code.let(f"add i64 {first}, {stage}")
         place = code.let(f"mul i64 {row}, {what.accelerations.inputs['ground']}")
@@ -195,6 +208,7 @@ def _stages(code: VectorCode, what: StepCode, h: str) -> None:
         assert total is not None
         return code.arithmetic("fadd", state.load("q", column), code.arithmetic("fmul", h, total))
 
+    # k_s = f(x + h Σ a_st k_t), then x + h Σ b_s k_s; work and loss are integrated with the state, and enter no stage
     for stage in range(1, what.stages):
         for column in range(2 * n):
             memory.store("stage", column, moved(column, what.a[stage, :stage]))
@@ -203,6 +217,7 @@ def _stages(code: VectorCode, what: StepCode, h: str) -> None:
     if what.friction:
         zero, constants = code.splat(0.0), Columns(code, "%constants", what.constants)
         for j in range(n):
+            # a velocity against its sign of sliding has passed zero: the joint stops there, where it has dry friction
             along = code.arithmetic("fmul", after[n + j], memory.load("sign", j))
             turned = select(code, "olt", along, zero, zero, after[n + j])
             after[n + j] = select(code, "ogt", constants.load("coulomb", j), zero, turned, after[n + j])

@@ -17,6 +17,7 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
     rates = Columns(code, "%rates", what.state)
     zero = code.splat(0.0)
     q, v, tau = at.columns("q", n), at.columns("v", n), memory.columns("tau", n)
+    # torques on the joints that no actuator gives
     passive = [zero] * n
     if what.friction:
         signs = memory.columns("sign", n)
@@ -28,15 +29,18 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
     def columns(name: str) -> Sequence[str]:
         if name == "ground":
             return [everywhere(code, "%ground", column) for column in range(what.accelerations.inputs[name])]
+        # free is 1 or 0 in memory; external wrenches, parameters and rotors are constants of the run
         given = {"q": q, "v": v, "tau": applied}
         if name in given:
             return given[name]
         return (memory if name == "free" else constants).columns(name, what.accelerations.inputs[name])
 
     values = code.values(what.accelerations, columns)
+    # required: the torque that bodies and rotor take, which differs from the applied one where a joint is locked
     a, required = ([values[k] for k in what.accelerations.outputs[name]] for name in ("a", "required"))
     if what.sticking:
         for j in range(n):
+            # where free is 0, dry friction supplies what is missing: required - applied
             locked = code.arithmetic("fsub", code.splat(1.0), memory.load("free", j))
             held = code.arithmetic("fmul", code.arithmetic("fsub", required[j], applied[j]), locked)
             memory.store("held", j, held)
@@ -45,6 +49,7 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
         rates.store("q", j, v[j])
         rates.store("v", j, a[j])
         memory.store("passive", j, passive[j])
+    # dW/dt = Σ τ v of the actuators, and of friction and stops
     for name, torque in (("work", tau), ("loss", passive)):
         power = code.arithmetic("fmul", torque[0], v[0])
         for j in range(1, n):
@@ -77,6 +82,7 @@ def _stop_force(code: VectorCode, constants: Columns, j: int, q: str, v: str) ->
     above = code.arithmetic("fsub", q, constants.load("upper", j))
     below = code.arithmetic("fsub", q, constants.load("lower", j))
     forces = []
+    # -(k (q - limit) + d v) where q is outside, and only while it points back inside
     for beyond, towards, outside in ((above, "olt", "ogt"), (below, "ogt", "olt")):
         pushed = code.arithmetic("fadd", code.arithmetic("fmul", stiffness, beyond), resisting)
         force = code.let(f"fneg nsz {code.vector} {pushed}")

@@ -124,6 +124,7 @@ def log_cholesky_fit(
     bounded = np.concatenate([np.zeros(c.width, dtype=bool), nonnegative])
     random = np.random.default_rng(seed).normal(scale=START_DEVIATION, size=(starts - 1, c.width))
     tried = [_from(c, theta, bounded, strength, margin) for theta in (np.zeros(c.width), *random)]
+    # the cost is not convex in θ: the cheapest of all starts counts
     tried.sort(key=lambda start: start.cost)
     seconds, best = time.perf_counter() - begin, tried[0]
     if not best.accepted:
@@ -132,6 +133,7 @@ def log_cholesky_fit(
             f"came to {best.cost:.4g}: {best.stopped}"
         )
     agreeing = sum(start.cost <= best.cost + MAX_FIT_COST_EXCESS * max(1.0, best.cost) for start in tried)
+    # the shortest move into the best fits; made if bodies stay off the margin and columns stay ≥ 0
     u = c.nearest_best_fit(best.u, bounded & (best.u <= VIOLATION_TOLERANCE))
     best_fit = bool(
         np.all(c.smallest_eigenvalues(u) >= MIN_MARGIN_SHARE * margin) and np.all(u[bounded] >= -ZERO_COLUMN_NORM)
@@ -148,10 +150,12 @@ def _from(
     """Solution from these bodies, and from the further columns of unconstrained least squares."""
     unknowns = np.concatenate([theta, coordinates.fitting[coordinates.width :]])
     evaluations = 0
+    # from a strong pull to the prior, which straightens the valley, to the wanted one, each from the last solution
     for on_the_way in (*(larger for larger in STRENGTH_PATH if larger > strength), strength):
         problem = Residuals(coordinates, on_the_way, margin)
         unknowns, used, stopped = _settled(problem, unknowns, bounded)
         evaluations += used
+    # off the margin, then down again: kept only where the cost falls by more than the stopping rule leaves
     for _ in range(MAX_LIFTS):
         lifted, used, message = _settled(problem, problem.lifted(unknowns, PRIOR_LIFT), bounded)
         evaluations += used
@@ -161,6 +165,7 @@ def _from(
     u = problem.u(unknowns)
     cost = Cost(coordinates, "pullback", strength)
     rows, zeros = np.eye(len(u))[bounded], np.zeros(np.count_nonzero(bounded))
+    # multipliers of u ≥ 0: where a column is held at zero, the slope of the cost there
     pushes = np.where(rows @ u == 0, np.maximum(0.0, rows @ cost.gradient(u)), 0.0)
     u, pushes = polished(cost, u, pushes, (rows, zeros), margin)
     above = suboptimality(cost, u, rows, zeros, pushes, margin)
@@ -172,6 +177,7 @@ def _settled(problem: Residuals, unknowns: Array, bounded: NDArray[np.bool_]) ->
     from scipy.optimize import least_squares  # imported where first used: import graphdyn stays light
 
     evaluations = 0
+    # an active-set method around Levenberg-Marquardt, which knows no bounds
     held = bounded & (unknowns <= 0)
     for _ in range(MAX_ZERO_SETS):
         unknowns = np.where(held, 0.0, unknowns)
@@ -189,6 +195,7 @@ def _settled(problem: Residuals, unknowns: Array, bounded: NDArray[np.bool_]) ->
         )
         unknowns = with_values(unknowns, free, found.x)
         evaluations += int(found.nfev)
+        # half the gradient of the cost: a held column is released where the cost falls with it
         slope = problem.jacobian(unknowns).T @ problem.residuals(unknowns)
         negative, wanted = bounded & (unknowns < 0), held & (slope < 0)
         if not negative.any() and not wanted.any():

@@ -48,6 +48,7 @@ class Cost:
 
     def value(self, u: Array) -> float:
         c = self.coordinates
+        # in the coordinates of the prior, each of its bodies is E; u: ten entries of each S, then further columns
         distance = entropic_divergence if self.metric == "entropic" else pullback_distance
         bodies = distance(c.symmetric(u), np.eye(4)).sum() + FURTHER_COLUMN_WEIGHT / 2 * np.sum(u[c.width :] ** 2)
         return float(np.sum((c.matrix @ u - c.right) ** 2) + self.strength * bodies)
@@ -55,6 +56,7 @@ class Cost:
     def gradient(self, u: Array) -> Array:
         c, width = self.coordinates, self.coordinates.width
         s, unit = c.symmetric(u), np.eye(4)
+        # ∂/∂S of tr S - log det S is E - S⁻¹, of ½ ‖S - E‖² it is S - E; then the chain rule with S = Σ B_k s_k
         distance = unit - np.linalg.inv(s) if self.metric == "entropic" else s - unit
         slope = 2 * c.matrix.T @ (c.matrix @ u - c.right)
         slope[:width] += self.strength * np.einsum("ijk,nij->nk", SYMMETRIC_BASIS, distance).reshape(-1)
@@ -68,6 +70,7 @@ class Cost:
         for i, s in enumerate(c.symmetric(u)):
             block = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
             if self.metric == "entropic":
+                # ∂²(-log det S)/∂s_k ∂s_l = tr(S⁻¹ B_k S⁻¹ B_l)
                 turned = np.einsum("ij,jak->iak", np.linalg.inv(s), SYMMETRIC_BASIS)
                 h[block, block] += self.strength * np.einsum("iak,ail->kl", turned, turned)
             else:
@@ -83,6 +86,7 @@ def polished(
     Active rows with a negative multiplier are released, violated rows are made active.
     """
     g, h = inequalities
+    # complementary slackness: of a pair, the larger one is the one that does not vanish
     held = multipliers > g @ u - h
     x = u
     for _ in range(MAX_ACTIVE_SETS):
@@ -91,6 +95,7 @@ def polished(
             return u, multipliers
         x, slopes = found[0], np.zeros(len(h))
         slopes[held] = found[1]
+        # rounding of G x is relative to the size of its terms
         violated = ~held & (g @ x - h < -NEWTON_TOLERANCE * (1 + np.abs(g) @ np.abs(x)))
         if not violated.any() and np.all(slopes >= 0):
             return x, slopes
@@ -102,12 +107,14 @@ def _newton(cost: Cost, x: Array, rows: Array, right: Array, margin: float) -> t
     """The minimum of the cost on rows x = right, and the multipliers; None if it is not found off the margin."""
     corner = np.zeros((len(rows), len(rows)))
     for _ in range(MAX_NEWTON_STEPS):
+        # ∇f + ∇²f step = Gᵀλ and G (x + step) = h
         system = np.block([[cost.hessian(x), -rows.T], [rows, corner]])
         try:
             answer = np.linalg.solve(system, np.concatenate([-cost.gradient(x), right - rows @ x]))
         except np.linalg.LinAlgError:
             return None
         step, part = answer[: len(x)], 1.0
+        # log det ends at the margin: shorter steps stay where the cost is smooth
         while not _off_the_margin(cost.coordinates, x + part * step, margin):
             part /= 2
             if part < MIN_STEP_SHARE:

@@ -65,6 +65,7 @@ class SemidefiniteProgram:
         cp = _cvxpy()
         columns = len(coordinates.origin)
         if on_best_fits:
+            # all best fits: one of them, and whatever the data do not determine
             y = cp.Variable(coordinates.null.shape[1])
             self._u: Any = coordinates.fitting + coordinates.null @ y
         else:
@@ -75,16 +76,20 @@ class SemidefiniteProgram:
         from_prior = self._u - coordinates.origin
         width = BODY_PARAMETERS * n
         if metric == "entropic":
+            # tr S - log det S - 4, the entropic divergence of S from E
             distance = cp.sum([cp.trace(s) - cp.log_det(s) - 4 for s in bodies])
         else:
+            # ½ ‖S - E‖²: the entries off the diagonal are scaled by √2 in u, so that norms agree
             distance = cp.sum_squares(from_prior[:width]) / 2
         if columns > width:
+            # without it the minimum would not be unique where data determine no friction
             distance = distance + FURTHER_COLUMN_WEIGHT / 2 * cp.sum_squares(from_prior[width:])
         cost = self._strength * distance
         if not on_best_fits:
             cost = cost + cp.sum_squares(coordinates.matrix @ self._u - coordinates.right)
         g, h = inequalities
         self._limits = [g @ self._u >= h] if len(h) else []
+        # the cone: S_i - margin · E positive semidefinite
         real = [s >> margin * np.eye(4) for s in bodies]
         self._problem = cp.Problem(cp.Minimize(cost), real + self._limits)
 
@@ -94,6 +99,7 @@ class SemidefiniteProgram:
         answer = self._solve(tol_gap_abs=SOLVER_TOLERANCE, tol_gap_rel=SOLVER_TOLERANCE, tol_feas=SOLVER_TOLERANCE)
         if answer.status in ("optimal", "infeasible"):
             return answer
+        # where PRECISION is out of reach, the default may not be
         again = self._solve()
         return again if again.status == "optimal" or answer.u is None else answer
 
@@ -106,6 +112,7 @@ class SemidefiniteProgram:
                 return ConicAnswer(None, np.zeros(0), f"failed: {error}", np.nan, 0, 0.0)
         value, stats = self._u.value, self._problem.solver_stats
         usable = value is not None and bool(np.all(np.isfinite(value)))
+        # the solver's multipliers of an inactive row may be slightly negative
         multipliers = [np.maximum(limit.dual_value, 0.0) for limit in self._limits if usable]
         return ConicAnswer(
             u=np.asarray(value, dtype=float) if usable else None,
@@ -132,6 +139,7 @@ def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, A
 def _bodies(u: Any, n: int) -> list[Any]:
     """Matrices S of the bodies, as expressions of cvxpy."""
     cp = _cvxpy()
+    # columns are the basis matrices of S, written out, so that S is linear in its ten entries
     to_square = SYMMETRIC_BASIS.reshape(-1, BODY_PARAMETERS, order="F")
     parts = (u[BODY_PARAMETERS * i : BODY_PARAMETERS * (i + 1)] for i in range(n))
     return [cp.reshape(to_square @ s, (4, 4), order="F") for s in parts]
