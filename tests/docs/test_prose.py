@@ -10,6 +10,10 @@ README = REPOSITORY / "README.md"
 DOCUMENTS = [README, *sorted((REPOSITORY / "docs").glob("*.md"))]
 MEAN_WORDS = 20
 """Largest mean number of words of a sentence, over all documents."""
+MAX_WORDS = 45
+"""Largest number of words of any sentence."""
+README_WORDS = 1200
+"""Largest number of words of the README, as `wc -w` counts them."""
 NO_PROSE = (
     r"^(```|~~~|:::).*?^\1[`:~]*$",  # blocks of code and of the site's markup
     r"^\$\$.*?^\$\$$",
@@ -38,7 +42,7 @@ def sentences(text):
     found = []
     for paragraph in paragraphs(text):
         whole = re.sub(rf"\b({ABBREVIATIONS})\.(?= )", r"\1", paragraph)
-        found += [part for part in re.split(r"(?<=[.!?])[\"”’)]* +(?=[A-Z\"“(]|code\b|\d)", whole) if " " in part]
+        found += [part for part in re.split(r"(?<=[.!?])[\"”’)]* +", whole) if " " in part]
     return found
 
 
@@ -46,10 +50,20 @@ def n_words(sentence):
     return len(sentence.split())
 
 
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_no_sentence_is_longer_than_can_be_taken_in(document):
+    long = [s for s in sentences(document.read_text(encoding="utf-8")) if n_words(s) > MAX_WORDS]
+    assert long == []
+
+
 def test_sentences_are_short_in_the_mean():
     lengths = [n_words(s) for document in DOCUMENTS for s in sentences(document.read_text(encoding="utf-8"))]
     assert len(lengths) > 1000
     assert mean(lengths) <= MEAN_WORDS
+
+
+def test_the_readme_is_short():
+    assert n_words(README.read_text(encoding="utf-8")) <= README_WORDS
 
 
 @pytest.mark.parametrize(
