@@ -1,11 +1,15 @@
-"""What all tests share: how many examples hypothesis draws, one thread in linear algebra, few sweeps for garbage."""
+"""What all tests share: hypothesis' number of examples, one thread in linear algebra, kept bytecode, rare sweeps."""
 
 import gc
 import os
+import sys
 
 import pytest
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
+
+sys.dont_write_bytecode = False  # else each of the programs that tests start compiles every file again
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=40)
 settings.register_profile("nightly", deadline=None, derandomize=False, max_examples=1000, print_blob=True)

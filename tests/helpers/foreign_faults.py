@@ -64,7 +64,7 @@ PLANTS = {
     },
     "sign": SIGNS,
     "joint_order": {
-        "2 and 3 exchanged": lambda arm, _: shuffled(arm.inverse_dynamics, [0, 2, 1, 3, 4, 5]),
+        "2 and 3 exchanged": lambda arm, _: shuffled(arm.inverse_dynamics, [0, 2, 1, *range(3, len(arm.masses))]),
         "reversed": lambda arm, _: shuffled(arm.inverse_dynamics, [5, 4, 3, 2, 1, 0]),
         "any": lambda arm, _: shuffled(arm.inverse_dynamics, [3, 0, 5, 1, 4, 2]),
         "torques not": lambda arm, _: lambda q, v, a: arm.inverse_dynamics(q[::-1], v[::-1], a[::-1]),
