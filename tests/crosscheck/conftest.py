@@ -14,6 +14,7 @@ from planting import PLANTED, Plant, compared, mixed_tree, with_body
 from textbook import TextbookArm
 from urdf_text import joint, link, robot_text
 
+import crosscheck
 import urdf
 from crosscheck.commands import main
 from crosscheck.commands.program import console, own_process
@@ -119,6 +120,12 @@ def ur5():
 def textbook(ur5):
     """Right code for the ur5, which shares no line with graphdyn."""
     return TextbookArm.of(ur5)
+
+
+@pytest.fixture(scope="session")
+def wrong_judgement(textbook):
+    """Of the ur5 in a code whose ω × q̇ p has the wrong sign."""
+    return crosscheck.judge("ur5", inverse_dynamics=textbook.but(cross=-1.0).inverse_dynamics, samples=5)
 
 
 @pytest.fixture(scope="session")

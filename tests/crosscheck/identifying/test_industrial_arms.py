@@ -143,6 +143,7 @@ def test_tx40_with_the_settings_of_the_literature(run):
     assert recording["recommended"] == "CAD links: WLS"
 
 
+@LONG
 def test_tx40_predicts(run):
     _, prediction = commands("tx40")
     recording = run(prediction, "--methods", "wls,entropic")

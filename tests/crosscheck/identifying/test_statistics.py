@@ -30,7 +30,12 @@ def detent(q, v, a):
 
 @pytest.mark.parametrize(
     "preparation",
-    [Preparation(6.0), Preparation("residual"), Preparation(None, decimate=(10,)), Preparation(12.0, decimate=(5, 4))],
+    [
+        pytest.param(Preparation(6.0), marks=LONG),
+        Preparation("residual"),
+        pytest.param(Preparation(None, decimate=(10,)), marks=LONG),
+        Preparation(12.0, decimate=(5, 4)),
+    ],
     ids=["low-pass", "residual analysis", "decimation", "both"],
 )
 def test_filters_do_not_bias(preparation, monkeypatch):

@@ -21,9 +21,9 @@ from crosscheck.report.text import as_text
 pytest_plugins = ["pytester"]
 
 
-@pytest.fixture(scope="module")
-def wrong(textbook):
-    return crosscheck.judge("ur5", inverse_dynamics=textbook.but(cross=-1.0).inverse_dynamics, samples=5)
+@pytest.fixture
+def wrong(wrong_judgement):
+    return wrong_judgement
 
 
 class TestTexts:

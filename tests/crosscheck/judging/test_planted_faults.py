@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from foreign_faults import FIRST, PLANTS
+from foreign_faults import FIRST, LOCKED, PLANTS, WRIST_LOCKED
 from long_check import few
 from textbook import TextbookArm
 from urdf_text import inertial
@@ -16,9 +16,6 @@ from graphdyn import joint_torque_regressor
 SAMPLES = 10
 TEN_KINDS = (*(kind for kind in FIRST if kind not in ("rotor_inertia", "inertial_parameters")), "fixed_link")
 """The kinds that are counted; the other two are tested below like all variants."""
-
-LOCKED = {"wrist_2_joint": 0.0, "wrist_3_joint": 0.0}
-"""Four joints of the ur5 have all kinds of faults; six are judged by tests/crosscheck/judging/test_diagnosis.py."""
 
 TOOL = (
     f'<link name="gripper">{inertial(4.0, "0.05 0.02 0.1", tensor="0.02 0.001 0 0.03 0 0.01")}</link>'
@@ -138,7 +135,7 @@ def test_unnamed_parameters_still_have_their_body():
 
 
 def test_what_has_no_name_is_located():
-    short = urdf.load("ur5", lock={f"wrist_{k}_joint": 0.0 for k in (1, 2, 3)})  # the whole catalogue is tried on it
+    short = urdf.load("ur5", lock=WRIST_LOCKED)
     right = TextbookArm.of(short)
     (diagnosis,) = judge(
         short, inverse_dynamics=lambda q, v, a: right.inverse_dynamics(q, v, a) + np.sin(3 * q), samples=1

@@ -4,11 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from foreign_faults import WRIST_LOCKED
 from long_check import LONG
 from single_precision import single_precision
 
 import crosscheck
 import graphdyn
+import urdf
 from crosscheck.commands.judge.record import record
 from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.functions.table import FUNCTIONS
@@ -214,6 +216,11 @@ class TestSingleStates:
 
 
 class TestRegions:
+    @pytest.fixture(scope="class")
+    @classmethod
+    def arm(cls):
+        return urdf.load("ur5", lock=WRIST_LOCKED)
+
     @pytest.mark.parametrize(
         ("within", "where"),
         [
@@ -229,11 +236,11 @@ class TestRegions:
             ),
         ],
     )
-    def test_found(self, ur5, within, where):
+    def test_found(self, arm, within, where):
         def foreign(q, v, a):
-            return tau_of(ur5)(q, v, a) + 0.3 * bool(within(ur5, q, v, a))
+            return tau_of(arm)(q, v, a) + 0.3 * bool(within(arm, q, v, a))
 
-        diagnosis = only(judged(foreign, samples=100))
+        diagnosis = only(judged(foreign, samples=100, lock=WRIST_LOCKED))
         assert (diagnosis.kind, diagnosis.message) == ("region", f"the answers deviate only where {where}")
         assert diagnosis.evidence.endswith(f"states deviate, only where {where}")
 
@@ -257,28 +264,28 @@ class TestRegions:
     def test_the_roundest_number_between(self, x, y, between):
         assert roundest(x, y) == roundest(y, x) == between
 
-    def test_beyond_the_limits(self, ur5):
+    def test_beyond_the_limits(self, arm):
         """A function that cuts off at the limits is right within them."""
-        lower, upper = np.transpose([(joint.limits.lower, joint.limits.upper) for joint in ur5.joints])
+        lower, upper = np.transpose([(joint.limits.lower, joint.limits.upper) for joint in arm.joints])
 
         def cut(q, v, a):
-            return tau_of(ur5)(np.clip(q, lower, upper), v, a)
+            return tau_of(arm)(np.clip(q, lower, upper), v, a)
 
-        assert judged(cut).agrees
-        judgement = judged(cut, beyond_limits=True)
+        assert judged(cut, lock=WRIST_LOCKED).agrees
+        judgement = judged(cut, beyond_limits=True, lock=WRIST_LOCKED)
         assert not judgement.agrees
         assert judgement.beyond_limits
         (function,) = judgement.functions.values()
         assert all(len(errors) == SAMPLES + 11 + SAMPLES // 5 for errors in function.errors.values())
         assert (function.largest_errors[:SAMPLES] <= function.bound).all()
 
-    def test_a_fault_beyond_the_limits_of_velocity(self, ur5):
-        limit = ur5.joints[LIFT].limits.velocity
+    def test_a_fault_beyond_the_limits_of_velocity(self, arm):
+        limit = arm.joints[LIFT].limits.velocity
 
         def saturated(q, v, a):
-            return tau_of(ur5)(q, v, a) * (1.1 if abs(v[LIFT]) > limit else 1.0)
+            return tau_of(arm)(q, v, a) * (1.1 if abs(v[LIFT]) > limit else 1.0)
 
-        diagnosis = only(judged(saturated, samples=100, beyond_limits=True))
+        diagnosis = only(judged(saturated, samples=100, lock=WRIST_LOCKED, beyond_limits=True))
         assert diagnosis.message == (
             "the answers deviate only where ∣v∣ of joint 'shoulder_lift_joint' > 3.15 rad/s (100 % of its limit)"
         )

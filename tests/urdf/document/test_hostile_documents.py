@@ -218,17 +218,18 @@ print(int(re.search(r"VmHWM:\\s*(\\d+) kB", open("/proc/self/status").read())[1]
 """ru_maxrss would begin with the memory of the process that started this one."""
 
 
+LARGE = {
+    "attributes": lambda: within('<link name="${a}" b="1"/>' * (MAX_TAGS - 10)),
+    "inertials": REFUSED["many elements of one kind"][0],
+    "attribute": REFUSED["many attributes"][0],
+    "chain": lambda: chain(MAX_LINKS),
+}
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/proc is of Linux")
-def test_memory(tmp_path):
-    documents = {
-        "attributes": within('<link name="${a}" b="1"/>' * (MAX_TAGS - 10)),
-        "inertials": REFUSED["many elements of one kind"][0](),
-        "attribute": "<robot " + " ".join(f'a{k}=""' for k in range(500_000)) + "/>",
-        "chain": chain(MAX_LINKS),
-    }
-    for name, text in documents.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    command = [sys.executable, "-c", MEASURE, *(str(tmp_path / name) for name in documents)]
+@pytest.mark.parametrize("document", few(LARGE, "inertials"))
+def test_memory(tmp_path, document):
+    command = [sys.executable, "-c", MEASURE, str(write(tmp_path, LARGE[document]()))]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=250)
     assert int(done.stdout) < MEGABYTES
 

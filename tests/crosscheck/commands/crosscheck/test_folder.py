@@ -29,11 +29,9 @@ from crosscheck.reference.subject import content_sha256
 SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-2.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
     "aubo_i5": ("agrees", ("model",)),
-    "mk3": ("agrees", ("model",)),
     "gp8l": ("kinematics only", ("urdf", "model")),
-    "kr16_r1610_2": ("kinematics only", ("urdf", "model")),
 }
-"""One or two of each outcome that the makers' files have; test_crosscheck_agreement compares all of them."""
+"""One of each outcome that the makers' files have; test_crosscheck_agreement compares all of them."""
 
 
 class Outcome:
@@ -407,7 +405,7 @@ class TestSummary:
 
 
 def test_vendor_arms(program, here, tmp_path):
-    """Two files are refused by Pinocchio and compared by the model route alone."""
+    """One file is refused by Pinocchio and compared by the model route alone."""
     folder = tmp_path / "arms"
     folder.mkdir()
     for name in VENDOR_ARMS:
@@ -415,7 +413,7 @@ def test_vendor_arms(program, here, tmp_path):
     done = program(folder, "--samples", 1, "--json", tmp_path / "r.json")
     assert done.code == AGREED
     assert done.out.endswith(
-        "4 robots: agrees 2, DISAGREES 0, kinematics only 2, refused 0; 2 by the route 'model' alone\n"
+        "2 robots: agrees 1, DISAGREES 0, kinematics only 1, refused 0; 1 by the route 'model' alone\n"
     )
     rows = [summary.compared_row(record) for record in written(tmp_path / "r.json")["robots"]]
     assert {Path(row.robot).stem: (row.verdict, row.routes) for row in rows} == VENDOR_ARMS

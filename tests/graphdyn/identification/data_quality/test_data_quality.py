@@ -123,10 +123,12 @@ class TestFaults:
     @pytest.mark.parametrize(
         ("kind", "joints", "matrices"),
         [
-            ("reversed torque", (3,), {"torque": signs(3)}),
-            ("reversed position", (1,), {"position": signs(1), "velocity": signs(1)}),
+            pytest.param("reversed torque", (3,), {"torque": signs(3)}, marks=LONG),
+            pytest.param("reversed position", (1,), {"position": signs(1), "velocity": signs(1)}, marks=LONG),
             ("exchanged torques", (1, 2), {"torque": exchange(1, 2)}),
-            ("exchanged positions", (1, 2), {"position": exchange(1, 2), "velocity": exchange(1, 2)}),
+            pytest.param(
+                "exchanged positions", (1, 2), {"position": exchange(1, 2), "velocity": exchange(1, 2)}, marks=LONG
+            ),
             ("exchanged joints", (1, 3), dict.fromkeys(("position", "velocity", "torque"), exchange(1, 3))),
             ("all torques reversed", tuple(range(N)), {"torque": -np.eye(N)}),
             ("zero", (2,), {"zero": np.deg2rad([0, 0, 90, 0])}),
