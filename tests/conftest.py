@@ -23,6 +23,25 @@ def pytest_collection_finish():
     gc.set_threshold(50_000, 10, 10)
 
 
+TOGETHER = ("bench", "paper")
+"""Words in the paths of files that share a result which takes seconds."""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """One process runs all tests of a file, and those of files that share a result: it is made once."""
+    if config.getvalue("dist") != "load":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class BySharedResults(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            file = super()._split_scope(nodeid)
+            return next((word for word in TOGETHER if word in file), file)
+
+    return BySharedResults(config, log)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _one_blas_thread():
     """Threads only get in each other's way on matrices this small."""

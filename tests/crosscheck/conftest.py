@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from planting import PLANTED, Plant, compared, mixed_tree, with_body
+from planting import PLANTED, Plant, compared, mixed_tree, remember_our_answers, with_body
 from textbook import TextbookArm
 from urdf_text import joint, link, robot_text
 
@@ -143,6 +143,16 @@ def wrong_comparison(tree):
         mass = tree.bodies[0].mass * (1 + PLANTED)
         Plant(patch).referee_model(lambda model: with_body(model, 1, mass=mass))
         return compared(tree)
+
+
+OURS_PLANTED = "test_can_fail.py"
+"""Errors are planted there on our side too."""
+
+
+@pytest.fixture(autouse=True)
+def _our_answers_once(request, monkeypatch):
+    if request.path.name != OURS_PLANTED:
+        remember_our_answers(monkeypatch)
 
 
 @pytest.fixture

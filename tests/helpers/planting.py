@@ -53,6 +53,12 @@ OUR_ANSWERS = {
 }
 
 
+def remember_our_answers(patch) -> None:
+    """Let our side answer the same question once, however often a robot is compared."""
+    for name, answer in OUR_ANSWERS.items():
+        patch.setattr(comparing, name, answer)
+
+
 class Plant:
     """Puts one error into a function that the comparison calls, until the test ends."""
 
@@ -62,8 +68,7 @@ class Plant:
     def _in_the_referee(self, name: str, function: object) -> None:
         """Put the function into Pinocchio's side, which leaves our answers as they are: they are computed once."""
         self._patch.setattr(PinocchioModel, name, function)
-        for ours, answer in OUR_ANSWERS.items():
-            self._patch.setattr(comparing, ours, answer)
+        remember_our_answers(self._patch)
 
     def referee_value(self, field: str, change: Callable[[float], float]) -> dict:
         """Change the largest entry of one field of RefereeValues, in the last state of the first call of evaluate.

@@ -11,11 +11,10 @@ import pytest
 from jsonschema import Draft202012Validator, ValidationError
 from long_check import few
 from planted_records import planted
-from planting import PLANTED, mixed_tree
+from planting import PLANTED
 from shared_data import REPOSITORY
 from typer.testing import CliRunner
 
-import crosscheck
 import urdf
 from crosscheck.commands import app
 from crosscheck.commands.crosscheck import record as crosscheck_records
@@ -148,12 +147,11 @@ class TestNumbers:
         assert [type(item) for item in record] == [int, bool, float, int, list]
 
     @pytest.mark.parametrize("number", few([math.nan, math.inf], math.inf))
-    def test_every_number_that_may_be_null(self, number, small_arm):
+    def test_every_number_that_may_be_null(self, number, small_arm, small_comparison, wrong_judgement):
         """Of the formats whose records are quickly made; those of paper, bench and identify are tested beside them."""
-        judgement = crosscheck.judge("kr500", mass_matrix=lambda q: np.eye(6), samples=1)
         for record in (
-            crosscheck_records.record([crosscheck.compare(small_arm, 1)], [], []),
-            judge_records.record(judgement, []),
+            crosscheck_records.record([small_comparison], [], []),
+            judge_records.record(wrong_judgement, []),
             describe(urdf.load(small_arm), "arm", {}),
             errata_records.record([Effect("A1", "arm", "error", np.ones(2), np.zeros(2))]),
         ):
@@ -193,8 +191,8 @@ class TestCrosscheck:
         assert record["robots"][0]["identification"] is None
         check(record)
 
-    def test_a_model_without_a_file(self):
-        record = plain(crosscheck_records.robot_record(crosscheck.compare(mixed_tree(), 1)))
+    def test_a_model_without_a_file(self, wrong_comparison):
+        record = plain(crosscheck_records.robot_record(wrong_comparison))
         assert record["file"] is None
         schema = SCHEMAS["crosscheck-2.schema.json"]
         Draft202012Validator({"$ref": "#/$defs/RobotRecord", "$defs": schema["$defs"]}).validate(record)

@@ -16,7 +16,7 @@ from crosscheck.quantities.quantities import BY_NAME, COUPLED
 from crosscheck.report.snippets import worst_call
 from graphdyn import Coupling
 
-SAMPLES = 20
+SAMPLES = 5
 
 
 @pytest.fixture(scope="module")

@@ -58,13 +58,13 @@ class TestBackwardError:
         assert [diagnosis.kind for diagnosis in judgement.diagnoses] == ["gravity"]
 
     def test_an_error_that_only_the_backward_error_shows(self):
-        """A part in ten million of the acceleration, in the direction that needs most torque."""
+        """A part in a hundred million of the acceleration, in the direction that needs most torque."""
         short = urdf.load("ur5", lock=WRIST_LOCKED)
 
         def forward_dynamics(q, v, tau):
             a = graphdyn.forward_dynamics(short, q, v, tau).a
             heaviest = np.linalg.eigh(graphdyn.mass_matrix(short, q))[1][:, -1]
-            return a + 1e-7 * np.abs(a).max() * heaviest
+            return a + 1e-8 * np.abs(a).max() * heaviest
 
         judgement = crosscheck.judge(short, forward_dynamics=forward_dynamics, samples=SAMPLES)
         function = judgement.functions["forward_dynamics"]

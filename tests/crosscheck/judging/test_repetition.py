@@ -226,9 +226,10 @@ class TestRegions:
         [
             pytest.param(lambda m, q, v, a: q[ELBOW] > 2, "q of joint 'elbow_joint' > 2 rad", marks=LONG),
             pytest.param(lambda m, q, v, a: q[ELBOW] < -1.5, "q of joint 'elbow_joint' < -1.5 rad", marks=LONG),
-            (
+            pytest.param(
                 lambda m, q, v, a: abs(v[LIFT]) > 0.8 * m.joints[LIFT].limits.velocity,
                 "∣v∣ of joint 'shoulder_lift_joint' > 2.52 rad/s (80 % of its limit)",
+                marks=LONG,
             ),
             (
                 lambda m, q, v, a: q[0] > 0 and a[LIFT] > 3,

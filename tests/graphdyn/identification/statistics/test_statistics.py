@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import torque_data
 from coverage_run import Case, correlated_noise, coverage
+from long_check import LONG
 from replayed_problem import ReplayedProblem
 
 from graphdyn.identification import (
@@ -151,10 +152,10 @@ class TestJackknife:
     ("case", "correlation_times"),
     [
         (Case(10, 0.0), (1000, 1e99)),
-        (Case(10, 0.1), (70, 140)),
+        pytest.param(Case(10, 0.1), (70, 140), marks=LONG),
         (Case(20, 0.15, cutoff=4.0), (80, 170)),
         (Case(20, 0.2, white=1.5), (60, 140)),
-        (Case(40, 0.5), (45, 110)),
+        pytest.param(Case(40, 0.5), (45, 110), marks=LONG),
     ],
     ids=str,
 )
