@@ -9,7 +9,7 @@ from itertools import cycle
 import graphdyn
 from crosscheck.bench.contender import Contender
 from crosscheck.bench.forms.graphdyn_forms import our_name
-from crosscheck.bench.forms.pinocchio_forms import PARALLEL
+from crosscheck.bench.forms.pinocchio_forms import PINOCCHIO_PARALLEL
 from crosscheck.bench.states import States
 from graphdyn.compiler import aligned
 from graphdyn.layout import Array
@@ -84,5 +84,5 @@ def contenders(states: States, work: CallWork) -> list[Contender]:
 
     return [
         contender(our_name(), ours, "arguments checked, results in new arrays"),
-        contender(PARALLEL, theirs, "results written to given memory, pool of models made before"),
+        contender(PINOCCHIO_PARALLEL, theirs, "results written to given memory, pool of models made before"),
     ]

@@ -24,7 +24,7 @@ from graphdyn.compiler import MAX_UNROLLED_BODIES, chosen_backend, cores, is_lon
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 
-LENGTH, RADIUS, MASS = 0.2, 0.04, 1.0
+LINK_LENGTH, LINK_RADIUS, LINK_MASS = 0.2, 0.04, 1.0
 """Length, radius and mass of each body, a cylinder along z [m, m, kg]."""
 
 JOINT_TWIST = 1.0
@@ -33,13 +33,13 @@ JOINT_TWIST = 1.0
 
 def chain(n_bodies: int) -> RobotModel:
     """A serial chain of revolute joints with axes normal to the chain."""
-    across = MASS * (3 * RADIUS**2 + LENGTH**2) / 12
-    tensor = np.diag([across, across, MASS * RADIUS**2 / 2])
+    across = LINK_MASS * (3 * LINK_RADIUS**2 + LINK_LENGTH**2) / 12
+    tensor = np.diag([across, across, LINK_MASS * LINK_RADIUS**2 / 2])
     turn = rotation_about(np.array([0.0, 0.0, 1.0]), JOINT_TWIST)
     bodies, joints = [], []
     for k in range(n_bodies):
-        place = Placement(turn, np.array([0.0, 0.0, LENGTH if k else 0.0]))
-        bodies.append(Body(f"body_{k + 1}", MASS, np.array([0.0, 0.0, LENGTH / 2]), tensor))
+        place = Placement(turn, np.array([0.0, 0.0, LINK_LENGTH if k else 0.0]))
+        bodies.append(Body(f"body_{k + 1}", LINK_MASS, np.array([0.0, 0.0, LINK_LENGTH / 2]), tensor))
         joints.append(Joint(f"joint_{k + 1}", "revolute", k, place, np.array([1.0, 0.0, 0.0])))
     return RobotModel(f"chain of {n_bodies}", tuple(bodies), tuple(joints))
 
@@ -96,7 +96,7 @@ def batch_sizes(
 ) -> ScalingCurve:
     """1, 10, 100 … samples per call; a line ends where a call takes half of the duration or longer [s]."""
     sizes = [10**k for k in range(len(str(len(states))))]
-    contenders = [c for c in _forms(states, work, threads) if c.name != graphdyn_forms.DENSE]
+    contenders = [c for c in _forms(states, work, threads) if c.name != graphdyn_forms.DENSE_NAME]
     if work == "inverse_dynamics":
         contenders.append(_by_default(states))
     rows: list[list[tuple[int, Times]]] = [[] for _ in contenders]
@@ -160,7 +160,7 @@ def thread_counts(states: States, threads: Sequence[int], duration: float, repea
     contenders = tuple(
         replace(c, errors=None)
         for c in _forms(states, "forward_dynamics", threads)
-        if c.name in (graphdyn_forms.our_name(), pinocchio_forms.PARALLEL)
+        if c.name in (graphdyn_forms.our_name(), pinocchio_forms.PINOCCHIO_PARALLEL)
     )
     entries = measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries
     names = dict.fromkeys(entry.name for entry in entries)

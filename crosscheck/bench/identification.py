@@ -17,7 +17,7 @@ from crosscheck.bench.states import States, random_states
 from graphdyn import RobotModel, joint_torque_regressor
 from graphdyn.layout import BODY_PARAMETERS, Array
 
-OURS, THEIRS = "graphdyn streamed", "pinocchio loop and lstsq"
+GRAPHDYN_STREAMED, PINOCCHIO_LSTSQ = "graphdyn streamed", "pinocchio loop and lstsq"
 
 MEMORY_COPIES = 3
 """Free memory for lstsq, as a multiple of the regressor's: the matrix, its copy for LAPACK, and a reserve."""
@@ -93,8 +93,8 @@ def identifications(
                 for task, folder in (("identify_graphdyn", whole), ("identify_pinocchio", part)):
                     done(f"{task.split('_')[1]}, {used} threads")
                     records[task].append(in_fresh_process(task, folder, used))
-            entries.append(_entry(OURS, used, samples, records["identify_graphdyn"], test))
-            entries.append(_entry(THEIRS, used, few, records["identify_pinocchio"], test))
+            entries.append(_entry(GRAPHDYN_STREAMED, used, samples, records["identify_graphdyn"], test))
+            entries.append(_entry(PINOCCHIO_LSTSQ, used, few, records["identify_pinocchio"], test))
     return Identifications(samples, tuple(entries))
 
 

@@ -67,7 +67,7 @@ WORK_DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
     "coriolis_matrix": ("Coriolis matrix", DERIVATIVE_SCALES, AGREEMENT.bound),
     "kinetic_energy": ("kinetic energy", DERIVATIVE_SCALES, AGREEMENT.bound),
     "frame_jacobian": ("frame Jacobian", DERIVATIVE_SCALES, AGREEMENT.bound),
-    simulations.NAME: (simulations.TITLE, simulations.ERROR_SCALE, simulations.ERROR_BOUND),
+    simulations.SIMULATION_NAME: (simulations.SIMULATION_TITLE, simulations.ERROR_SCALE, simulations.ERROR_BOUND),
     **{
         name: (
             call.title,
@@ -114,7 +114,7 @@ class Peers:
 def works_of(states: States) -> list[str]:
     """Their names; couplings and loops are not simulated."""
     tree = not (states.model.couplings or states.model.chords)
-    return [name for name in WORK_DESCRIPTIONS if tree or name != simulations.NAME]
+    return [name for name in WORK_DESCRIPTIONS if tree or name != simulations.SIMULATION_NAME]
 
 
 def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Work:
@@ -123,7 +123,7 @@ def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Wor
         contenders = single_states.inverse(states)
     elif name == "single_forward":
         contenders = single_states.forward(states)
-    elif name == simulations.NAME:
+    elif name == simulations.SIMULATION_NAME:
         contenders = simulations.contenders(states, peers.mujoco)
     elif name in CALL_WORKS:
         contenders = calls.contenders(states, CALL_WORKS[name])

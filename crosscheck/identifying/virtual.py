@@ -33,13 +33,13 @@ MAX_SPEED = 3.0
 VIRTUAL_RATE = 250.0
 """[Hz]"""
 
-ENCODER, TORQUE_NOISE = 2e-5, 0.01
+ENCODER_NOISE, TORQUE_NOISE = 2e-5, 0.01
 """Standard deviation of positions [rad or m], and of torques and wrenches as a part of their root mean square."""
 
 DRIVE_TORQUE_SHARE = 0.05
 """Root mean square of the torque of each drive parameter, as a part of that of the joint's torque."""
 
-ENOUGH, PIECE = 2000, 512
+SCALE_ROWS, ROWS_PER_PIECE = 2000, 512
 """Number of rows from which the size of torques is found; number of rows whose regressor is in memory at once."""
 
 CAD_ERROR = 0.2
@@ -121,7 +121,7 @@ def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Reco
 
 def _truth(torque_model: TorqueModel, motion: Recording, rng: np.random.Generator) -> Array:
     """The bodies of the model, and drive parameters whose torques have the size DRIVE_TORQUE_SHARE, randomly ±50 %."""
-    (samples,) = samples_of(motion.take(slice(None, None, -(-len(motion.t) // ENOUGH))))
+    (samples,) = samples_of(motion.take(slice(None, None, -(-len(motion.t) // SCALE_ROWS))))
     size = np.sqrt(np.mean(samples.tau**2, axis=0))
     columns = np.sqrt(np.mean(torque_model.rows(samples) ** 2, axis=0))
     x = torque_model.prior()
@@ -136,7 +136,7 @@ def _measured(
 ) -> Recording:
     """The motion as measured: with friction and noise, without velocities and accelerations."""
     (exact,) = samples_of(motion)
-    length = len(exact) if torque_model.has_memory else PIECE
+    length = len(exact) if torque_model.has_memory else ROWS_PER_PIECE
     tau = np.concatenate([torque_model.torque(piece, truth) for piece in exact.pieces(length)])
     wrenches = motion.channel("joint_wrenches")
 
@@ -146,7 +146,7 @@ def _measured(
 
     return replace(
         motion,
-        q=exact.q + ENCODER * rng.normal(size=exact.q.shape),
+        q=exact.q + ENCODER_NOISE * rng.normal(size=exact.q.shape),
         v=None,
         a=None,
         tau=noisy(tau),

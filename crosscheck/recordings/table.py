@@ -26,7 +26,7 @@ MAX_EXACT_INTEGER = 2**53
 UNIT_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "D": 86400.0, "h": 3600.0, "m": 60.0}
 """Units of time as Arrow and NumPy write them."""
 
-NO_NUMBERS, TRUTH = "it holds no numbers", "it holds truth values, no numbers"
+NO_NUMBERS, TRUTH_VALUES = "it holds no numbers", "it holds truth values, no numbers"
 COMPLEX_NUMBERS_MESSAGE = "it holds complex numbers; save their real parts"
 
 
@@ -72,7 +72,7 @@ def cells_of_column(column: Any) -> Cells | str:
     if pa.types.is_null(kind):
         return Cells(np.full(len(column), np.nan))
     if not (pa.types.is_string(kind) or pa.types.is_large_string(kind)):
-        return TRUTH if pa.types.is_boolean(kind) else NO_NUMBERS
+        return TRUTH_VALUES if pa.types.is_boolean(kind) else NO_NUMBERS
     text = compute.replace_substring_regex(compute.utf8_trim_whitespace(column), r"^\+", "")
     nothing = pa.scalar(None, text.type)
     if compute.all(compute.match_substring_regex(text, DURATION_PATTERN)).as_py():
@@ -99,7 +99,7 @@ def cells_of_array(array: NDArray[Any]) -> Cells | str:
     if array.dtype.kind in "iu":
         return _differences(array, np.zeros(array.shape, dtype=bool))
     if array.dtype.kind != "f":
-        return {"b": TRUTH, "c": COMPLEX_NUMBERS_MESSAGE}.get(array.dtype.kind, NO_NUMBERS)
+        return {"b": TRUTH_VALUES, "c": COMPLEX_NUMBERS_MESSAGE}.get(array.dtype.kind, NO_NUMBERS)
     return Cells(array.astype(float))
 
 

@@ -39,7 +39,7 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.report import Group as BlockGroup
 
-LONG_NAME, SHORT_NAME = 38, 20
+MAX_NAME_WIDTH, MIN_NAME_WIDTH = 38, 20
 """Characters up to which the name of a row is never folded, and those that longer ones have at least."""
 
 WORD = re.compile(r"[^ _]+[ _]*")
@@ -203,10 +203,10 @@ class _Column:
         words = [word.rstrip() for word in WORD.findall(self.column.heading)]
         if self.column.kind == "name":
             longest = max(map(cell_len, self.cells), default=0)
-            return max([*map(cell_len, words), longest if longest <= LONG_NAME else SHORT_NAME])
+            return max([*map(cell_len, words), longest if longest <= MAX_NAME_WIDTH else MIN_NAME_WIDTH])
         if not self.wraps:
             return max(map(cell_len, [*words, *self.cells]), default=0)
-        said = [word[:LONG_NAME] for cell in self.cells for word in cell.split()]  # a path is folded inside
+        said = [word[:MAX_NAME_WIDTH] for cell in self.cells for word in cell.split()]  # a path is folded inside
         return max(map(cell_len, [*words, *said]), default=0)
 
     @property

@@ -19,7 +19,7 @@ from graphdyn.identification.closed_loop import DrivenRobot
 from graphdyn.layout import Array
 from graphdyn.motion_laws import MotionLaw
 
-SECONDS, RATE = 10.0, 100.0
+VALIDATION_SECONDS, VALIDATION_RATE = 10.0, 100.0
 """Length of the held-out motion [s], and samples per second of its torque [Hz]."""
 
 LOOP_RATE = 1000.0
@@ -76,8 +76,8 @@ class Yardstick:
 def yardstick(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> Yardstick:
     """seed: of the study. Raises InvalidInput where the controller does not hold the robot."""
     plant = plant_of(settings)
-    laws = reference(settings, seed, "random", HELD_OUT_SCENARIO, SECONDS)
-    times = np.arange(round(SECONDS * RATE) + 1) / RATE
+    laws = reference(settings, seed, "random", HELD_OUT_SCENARIO, VALIDATION_SECONDS)
+    times = np.arange(round(VALIDATION_SECONDS * VALIDATION_RATE) + 1) / VALIDATION_RATE
     q, v, a = np.moveaxis(np.array([law(times) for law in laws]), 0, -1)
     samples = Samples(q, v, a, np.zeros_like(q), time=times)
     base = structure(torque_model).base
@@ -103,11 +103,11 @@ def _followed(
         v,
         controller,
         step=1 / LOOP_RATE,
-        duration=SECONDS,
+        duration=VALIDATION_SECONDS,
         parameters=bodies,
         friction=friction,
         rotor_inertia=rotors,
-        every=round(LOOP_RATE / RATE),
+        every=round(LOOP_RATE / VALIDATION_RATE),
         threads=1,
     )
     return np.asarray(found.q[0])

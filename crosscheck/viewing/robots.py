@@ -15,9 +15,9 @@ from urdf import Reading
 
 STAND_IN_COLOR = (0.55, 0.63, 0.71, 1.0)
 
-SIDES = 24
+CYLINDER_SIDES = 24
 
-THINNEST, THICKEST = 0.012, 0.06
+MIN_THICKNESS, MAX_THICKNESS = 0.012, 0.06
 """Radius of a cylinder, as parts of the length of the longest arm."""
 
 MIN_LINK_SHARE = 1e-3
@@ -64,10 +64,10 @@ def _edges(model: RobotModel) -> Iterator[tuple[int, Array]]:
 def _radius(model: RobotModel, number: int, end: Array, size: float) -> float:
     """A homogeneous cylinder has the moment m r² / 2 about its axis."""
     if number == 0 or model.bodies[number - 1].mass == 0:
-        return THINNEST * size
+        return MIN_THICKNESS * size
     body, axis = model.bodies[number - 1], end / np.linalg.norm(end)
     squared = 2 * float(axis @ body.inertia @ axis) / body.mass
-    return float(np.clip(np.sqrt(max(squared, 0.0)), THINNEST * size, THICKEST * size))
+    return float(np.clip(np.sqrt(max(squared, 0.0)), MIN_THICKNESS * size, MAX_THICKNESS * size))
 
 
 def _cylinder(end: Array, radius: float) -> tuple[Array, NDArray[np.intp]]:
@@ -75,14 +75,14 @@ def _cylinder(end: Array, radius: float) -> tuple[Array, NDArray[np.intp]]:
     axis = end / np.linalg.norm(end)
     across = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     across /= np.linalg.norm(across)
-    angles = 2 * np.pi * np.arange(SIDES) / SIDES
+    angles = 2 * np.pi * np.arange(CYLINDER_SIDES) / CYLINDER_SIDES
     circle = radius * (np.outer(np.cos(angles), across) + np.outer(np.sin(angles), np.cross(axis, across)))
     vertices = np.vstack([circle, circle + end, np.zeros(3), end])
-    here = np.arange(SIDES)
-    after = (here + 1) % SIDES
-    below, above = np.full(SIDES, 2 * SIDES), np.full(SIDES, 2 * SIDES + 1)
-    faces = [(here, after, here + SIDES), (after, after + SIDES, here + SIDES)]
-    faces += [(after, here, below), (here + SIDES, after + SIDES, above)]
+    here = np.arange(CYLINDER_SIDES)
+    after = (here + 1) % CYLINDER_SIDES
+    below, above = np.full(CYLINDER_SIDES, 2 * CYLINDER_SIDES), np.full(CYLINDER_SIDES, 2 * CYLINDER_SIDES + 1)
+    faces = [(here, after, here + CYLINDER_SIDES), (after, after + CYLINDER_SIDES, here + CYLINDER_SIDES)]
+    faces += [(after, here, below), (here + CYLINDER_SIDES, after + CYLINDER_SIDES, above)]
     return vertices, np.vstack([np.stack(corners, axis=-1) for corners in faces]).astype(np.intp)
 
 

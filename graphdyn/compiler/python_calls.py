@@ -32,7 +32,7 @@ from graphdyn.layout import Array
 FASTCALL = 0x80
 """METH_FASTCALL: arguments as a C array and their number."""
 
-OTHERWISE, SERVED = OBJECT_HEAD_BYTES, OBJECT_HEAD_BYTES + 8
+FALLBACK_OFFSET, SERVED_OFFSET = OBJECT_HEAD_BYTES, OBJECT_HEAD_BYTES + 8
 """Offsets in a PythonCall: Python puts slots after the head of the object, in alphabetical order."""
 
 THREAD, RUN, TABLE, RESULT, PLACES = range(5)
@@ -87,7 +87,7 @@ def can_call() -> bool:
         return False
     probe = PythonCall(can_call)
     # read as machine code will, and compared with what Python reads
-    slots = [ctypes.c_void_p.from_address(id(probe) + offset).value for offset in (OTHERWISE, SERVED)]
+    slots = [ctypes.c_void_p.from_address(id(probe) + offset).value for offset in (FALLBACK_OFFSET, SERVED_OFFSET)]
     return slots == [id(probe.otherwise), id(probe.served)]
 
 
@@ -150,7 +150,7 @@ def _code(count: int, n: int) -> str:
 
     # the memory that is served, and whether it is that of the thread that calls
     python = ctypes.pythonapi
-    read("%memory", "ptr", read("%object", "ptr", "%self", SERVED), DATA)
+    read("%memory", "ptr", read("%object", "ptr", "%self", SERVED_OFFSET), DATA)
     state = call("%state", "ptr", python.PyThreadState_Get, "")
     thread = call("%thread", "i64", python.PyThreadState_GetID, f"ptr {state}")
     served = read("%served", "i64", "%memory", 8 * THREAD)
@@ -190,7 +190,7 @@ def _code(count: int, n: int) -> str:
     lines += ["  call void %keep(ptr %result)", "  ret ptr %result"]
     running = taken()
     # the Python function, with the arguments as they came; its answer, or NULL with an exception, is passed on
-    read("%otherwise", "ptr", "%self", OTHERWISE)
+    read("%otherwise", "ptr", "%self", FALLBACK_OFFSET)
     call("%answer", "ptr", python.PyObject_Vectorcall, "ptr %otherwise, ptr %arguments, i64 %count, ptr null")
     return "\n".join(
         [

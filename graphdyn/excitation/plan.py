@@ -22,7 +22,7 @@ random states."""
 ZERO_PARAMETER_SHARE = 1e-12
 """Values of the model below this part of the prior spread are sums that cancel."""
 
-WELL, ROUGHLY = 0.1, 0.5
+MAX_WELL_DETERMINED, MAX_ROUGHLY_DETERMINED = 0.1, 0.5
 """Largest standard deviations, relative to a parameter's size, that count as well and as roughly determined."""
 
 
@@ -81,7 +81,10 @@ class ExcitationPlan:
     @property
     def verdicts(self) -> tuple[str, ...]:
         """Verdict on each base parameter: "well", "roughly" or "not"; the latter need another motion, or less noise."""
-        return tuple("well" if x <= WELL else "roughly" if x <= ROUGHLY else "not" for x in self.relative)
+        return tuple(
+            "well" if x <= MAX_WELL_DETERMINED else "roughly" if x <= MAX_ROUGHLY_DETERMINED else "not"
+            for x in self.relative
+        )
 
     @property
     def only_in_sums(self) -> tuple[str, ...]:

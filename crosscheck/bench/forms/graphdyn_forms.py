@@ -25,7 +25,12 @@ from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, A
 from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs import VERBS
 
-COMPILED, RECURSIVE, PROJECTED, DENSE = "graphdyn compiled", "graphdyn NumPy", "graphdyn projected", "dense NumPy"
+COMPILED_NAME, RECURSIVE_NAME, PROJECTED_NAME, DENSE_NAME = (
+    "graphdyn compiled",
+    "graphdyn NumPy",
+    "graphdyn projected",
+    "dense NumPy",
+)
 
 MAX_REGRESSOR_SAMPLES = 100_000
 """Largest number of samples of a regressor that is written out: 300 MB for a six-axis arm."""
@@ -50,7 +55,7 @@ def backend(name: str) -> Iterator[None]:
 
 def our_name() -> str:
     """Name of the form that the method "auto" uses for batches on this machine."""
-    return COMPILED if chosen_backend() == "llvm" else RECURSIVE
+    return COMPILED_NAME if chosen_backend() == "llvm" else RECURSIVE_NAME
 
 
 def inverse(states: States, threads: Sequence[int]) -> list[Contender]:
@@ -83,7 +88,9 @@ def everything(states: States, threads: Sequence[int]) -> list[Contender]:
     return [
         *_recursive(into, threads, states.multiplier_errors),
         _projected(lambda count: run(count, "projected"), states.multiplier_errors),
-        Contender(DENSE, 1, lambda count: run(count, "dense"), states.multiplier_errors, f"{dense}; {NEW_ARRAYS_NOTE}"),
+        Contender(
+            DENSE_NAME, 1, lambda count: run(count, "dense"), states.multiplier_errors, f"{dense}; {NEW_ARRAYS_NOTE}"
+        ),
     ]
 
 
@@ -152,19 +159,26 @@ def _recursive(
 
     compiled = [
         Contender(
-            COMPILED + form, used, partial(run, used=used), errors, RESULTS_WRITTEN_NOTE, True, UNLIMITED_SAMPLES, most
+            COMPILED_NAME + form,
+            used,
+            partial(run, used=used),
+            errors,
+            RESULTS_WRITTEN_NOTE,
+            True,
+            UNLIMITED_SAMPLES,
+            most,
         )
         for used in threads
-        if our_name() == COMPILED
+        if our_name() == COMPILED_NAME
     ]
     arrays = Contender(
-        RECURSIVE + form, 1, on_arrays, errors, RESULTS_WRITTEN_NOTE, not compiled, AMORTIZED_SAMPLES, most
+        RECURSIVE_NAME + form, 1, on_arrays, errors, RESULTS_WRITTEN_NOTE, not compiled, AMORTIZED_SAMPLES, most
     )
     return [*compiled, arrays]
 
 
 def _projected(run: Callable[[int], Array], errors: Callable[[Array], Array]) -> Contender:
-    return Contender(PROJECTED, 1, run, errors, NEW_ARRAYS_NOTE)
+    return Contender(PROJECTED_NAME, 1, run, errors, NEW_ARRAYS_NOTE)
 
 
 def _streamed(states: States, threads: Sequence[int]) -> list[Contender]:

@@ -10,14 +10,14 @@ from crosscheck.bench.contender import AMORTIZED_SAMPLES, Contender
 from crosscheck.bench.states import States
 from crosscheck.reference.mujoco_model import MujocoModel
 
-LOOP, ROLLOUT = "mujoco loop", "mujoco rollout"
+MUJOCO_LOOP, MUJOCO_ROLLOUT = "mujoco loop", "mujoco rollout"
 
 
 def inverse(states: States, native: MujocoModel) -> list[Contender]:
     out = np.empty(states.q.shape)
     return [
         Contender(
-            LOOP,
+            MUJOCO_LOOP,
             1,
             lambda count: native.inverse_loop(states.q[:count], states.v[:count], states.a[:count], out[:count]),
             states.torque_errors,
@@ -29,7 +29,7 @@ def inverse(states: States, native: MujocoModel) -> list[Contender]:
 def forward(states: States, native: MujocoModel, threads: Sequence[int]) -> list[Contender]:
     return [
         Contender(
-            ROLLOUT,
+            MUJOCO_ROLLOUT,
             used,
             native.rollout(states.q, states.v, states.tau, used),
             states.acceleration_errors,

@@ -13,7 +13,7 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs import VERBS
 
-LOOP, PARALLEL = "pinocchio loop", "pinocchio InParallel"
+PINOCCHIO_LOOP, PINOCCHIO_PARALLEL = "pinocchio loop", "pinocchio InParallel"
 PYTHON_LOOP_NOTE = "a Python loop, results copied to given memory"
 POOL_NOTE = "results written to given memory, pool of models made before"
 
@@ -40,7 +40,7 @@ def inverse(states: States, threads: Sequence[int]) -> list[Contender]:
         return out[:count]
 
     return [
-        Contender(LOOP, 1, loop, states.torque_errors, PYTHON_LOOP_NOTE),
+        Contender(PINOCCHIO_LOOP, 1, loop, states.torque_errors, PYTHON_LOOP_NOTE),
         *_in_parallel(bare.rnea_in_parallel, bare.pool, (states.q, states.v, states.a), threads, states.torque_errors),
     ]
 
@@ -55,7 +55,7 @@ def forward(states: States, threads: Sequence[int]) -> list[Contender]:
         return out[:count]
 
     return [
-        Contender(LOOP, 1, loop, states.acceleration_errors, PYTHON_LOOP_NOTE),
+        Contender(PINOCCHIO_LOOP, 1, loop, states.acceleration_errors, PYTHON_LOOP_NOTE),
         *_in_parallel(
             bare.aba_in_parallel, bare.pool, (states.q, states.v, states.tau), threads, states.acceleration_errors
         ),
@@ -75,7 +75,7 @@ def everything(states: States, threads: Sequence[int]) -> list[Contender]:
         return out[:count]
 
     included = "a Python loop of aba and rnea, accelerations copied to given memory, joint wrenches left in data.f"
-    return [Contender(f"{LOOP} (aba + rnea)", 1, loop, None, included)]
+    return [Contender(f"{PINOCCHIO_LOOP} (aba + rnea)", 1, loop, None, included)]
 
 
 def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
@@ -91,7 +91,7 @@ def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
             out[k] = regressor(model, data, q, v, a)
         return out[:count]
 
-    return [Contender(LOOP, 1, loop, states.regressor_errors, PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
+    return [Contender(PINOCCHIO_LOOP, 1, loop, states.regressor_errors, PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
 
 
 def inverse_derivatives(states: States, threads: Sequence[int]) -> list[Contender]:
@@ -117,7 +117,7 @@ def _derivatives(
             by_q[k], by_v[k], by_given[k] = function(model, data, q, v, x)
         return out[:, :count]
 
-    return [Contender(LOOP, 1, loop, states.derived_errors(names), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
+    return [Contender(PINOCCHIO_LOOP, 1, loop, states.derived_errors(names), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
 
 
 def quantity(name: str) -> Forms:
@@ -135,7 +135,11 @@ def quantity(name: str) -> Forms:
                 out[k] = function(model, data, *row, *further)
             return out[None, :count]
 
-        return [Contender(LOOP, 1, loop, states.derived_errors([output]), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
+        return [
+            Contender(
+                PINOCCHIO_LOOP, 1, loop, states.derived_errors([output]), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES
+            )
+        ]
 
     return forms
 
@@ -156,6 +160,6 @@ def _in_parallel(
             function(used, models, *(x[:count].T for x in arrays), out[:count].T)
             return out[:count]
 
-        return Contender(PARALLEL, used, run, errors, POOL_NOTE, least=UNLIMITED_SAMPLES)
+        return Contender(PINOCCHIO_PARALLEL, used, run, errors, POOL_NOTE, least=UNLIMITED_SAMPLES)
 
     return [contender(used) for used in threads]

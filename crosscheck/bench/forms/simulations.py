@@ -13,8 +13,8 @@ from graphdyn import rollout
 from graphdyn.compiler import chosen_backend
 from graphdyn.layout import Array
 
-NAME, TITLE = "simulation", "simulated steps, Runge-Kutta of order 4"
-STEPS, WIDTH = 100, 1e-3
+SIMULATION_NAME, SIMULATION_TITLE = "simulation", "simulated steps, Runge-Kutta of order 4"
+N_STEPS, STEP_WIDTH = 100, 1e-3
 """Steps of each motion, fewer if there are fewer samples, and their width [s]. A sample is one step."""
 
 ERROR_SCALE = "largest position and velocity of the motion"
@@ -22,7 +22,7 @@ ERROR_BOUND = 1e-11
 """Accelerations agree to rounding times the condition number of M, up to 1e4 in an arm, and a light wrist that turns
 fast spreads the difference from step to step. Measured 2e-15 over a hundred steps of two arms."""
 
-OURS, MUJOCO, PINOCCHIO = "graphdyn rollout", "mujoco loop", "pinocchio loop"
+GRAPHDYN_ROLLOUT, MUJOCO_STEPS, PINOCCHIO_STEPS = "graphdyn rollout", "mujoco loop", "pinocchio loop"
 
 
 def contenders(states: States, native: MujocoModel | None) -> list[Contender]:
@@ -31,7 +31,9 @@ def contenders(states: States, native: MujocoModel | None) -> list[Contender]:
 
     def ours(count: int) -> Array:
         rows = slice(count // steps)
-        found = rollout(states.model, q[rows], v[rows], step=WIDTH, duration=steps * WIDTH, every=steps, threads=1)
+        found = rollout(
+            states.model, q[rows], v[rows], step=STEP_WIDTH, duration=steps * STEP_WIDTH, every=steps, threads=1
+        )
         return np.concatenate([found.q[:, -1], found.v[:, -1]], axis=-1)
 
     theirs = pinocchio_loop(states)
@@ -43,18 +45,20 @@ def contenders(states: States, native: MujocoModel | None) -> list[Contender]:
         found: Array = np.abs(answers[:judged] - reference).max(axis=-1) / size
         return found
 
-    name = OURS if chosen_backend() == "llvm" else f"{OURS}, NumPy"
-    motion = f"{steps} steps of {WIDTH * 1e3:g} ms from each state"
+    name = GRAPHDYN_ROLLOUT if chosen_backend() == "llvm" else f"{GRAPHDYN_ROLLOUT}, NumPy"
+    motion = f"{steps} steps of {STEP_WIDTH * 1e3:g} ms from each state"
     found = [
         Contender(name, 1, ours, errors, f"{motion}, all robots at once, memory made", ours=True, least=steps),
-        Contender(PINOCCHIO, 1, theirs, errors, f"{motion}: pin.aba at every stage, the step in NumPy", least=steps),
+        Contender(
+            PINOCCHIO_STEPS, 1, theirs, errors, f"{motion}: pin.aba at every stage, the step in NumPy", least=steps
+        ),
     ]
     if native is not None:
-        loop = native.steps_loop(q, v, steps, WIDTH)
+        loop = native.steps_loop(q, v, steps, STEP_WIDTH)
         found.append(
             Contender(
-                MUJOCO, 1, lambda count: loop(count // steps), errors, f"{motion}: mj_step, one robot after the other",
-                least=steps,
+                MUJOCO_STEPS, 1, lambda count: loop(count // steps), errors,
+                f"{motion}: mj_step, one robot after the other", least=steps,
             )
         )  # fmt: skip
     return found
@@ -74,9 +78,9 @@ def pinocchio_loop(states: States) -> Callable[[int], Array]:
             y = np.concatenate([states.q[k], states.v[k]])
             for _ in range(steps):
                 first = rates(y)
-                second = rates(y + WIDTH / 2 * first)
-                third = rates(y + WIDTH / 2 * second)
-                y = y + WIDTH / 6 * (first + 2 * (second + third) + rates(y + WIDTH * third))
+                second = rates(y + STEP_WIDTH / 2 * first)
+                third = rates(y + STEP_WIDTH / 2 * second)
+                y = y + STEP_WIDTH / 6 * (first + 2 * (second + third) + rates(y + STEP_WIDTH * third))
             out[k] = y
         return out[: count // steps]
 
@@ -84,4 +88,4 @@ def pinocchio_loop(states: States) -> Callable[[int], Array]:
 
 
 def _steps(states: States) -> int:
-    return min(STEPS, len(states))
+    return min(N_STEPS, len(states))

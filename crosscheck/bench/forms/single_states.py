@@ -18,7 +18,7 @@ from graphdyn.verbs import SingleState
 CALLS_PER_RUN = 1000
 """Number of calls of a run, each with another state."""
 
-COPIED, IN_PLACE = "graphdyn.compile", "graphdyn.compile, in place"
+COPIED_NAME, IN_PLACE_NAME = "graphdyn.compile", "graphdyn.compile, in place"
 
 
 def inverse(states: States) -> list[Contender]:
@@ -69,7 +69,7 @@ def _contenders(
         return Contender(name, 1, run, judged(call), included, call is single, least=CALLS_PER_RUN, most=CALLS_PER_RUN)
 
     return [
-        contender(COPIED, copied, single, "arguments copied after checking their lengths"),
-        contender(IN_PLACE, in_place, single, "arguments are already in its memory"),
+        contender(COPIED_NAME, copied, single, "arguments copied after checking their lengths"),
+        contender(IN_PLACE_NAME, in_place, single, "arguments are already in its memory"),
         contender(name, theirs, partial(function, model, data), "the call, with a new array for the result"),
     ]

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from graphdyn.compiler import VectorCode
 from graphdyn.scalars import Program
 
-NAME, CONTRACTED = r"%[\w.]+", " contract "
+REGISTER_PATTERN, CONTRACT_FLAG = r"%[\w.]+", " contract "
 """Of values in LLVM code; the mark of sums that may take in a product."""
 
 
@@ -22,14 +22,14 @@ def fused_instructions(program: Program) -> tuple[int, int]:
     """Additions, multiplications and divisions with each product fused into the sum that is its only use; and those
     among them that multiply or divide."""
     code, values = _arithmetic(program)
-    uses = Counter(re.findall(NAME, " ".join(line.split("=", 1)[1] for line in code)))
+    uses = Counter(re.findall(REGISTER_PATTERN, " ".join(line.split("=", 1)[1] for line in code)))
     uses.update(values[k] for numbers in program.outputs.values() for k in numbers)
     kinds, single = _kinds(code), set()
     for line, kind in kinds:
         if kind == "fmul" and uses[line.split()[0]] == 1:
             single.add(line.split()[0])
-    sums = [line for line, kind in kinds if kind in ("fadd", "fsub") and CONTRACTED in line]
-    fused = sum(not single.isdisjoint(re.findall(NAME, line.split("=", 1)[1])) for line in sums)
+    sums = [line for line, kind in kinds if kind in ("fadd", "fsub") and CONTRACT_FLAG in line]
+    fused = sum(not single.isdisjoint(re.findall(REGISTER_PATTERN, line.split("=", 1)[1])) for line in sums)
     return len(kinds) - fused, sum(kind in ("fmul", "fdiv") for _, kind in kinds)
 
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from crosscheck.bench.curves import Line, ScalingCurve
-from crosscheck.bench.forms.graphdyn_forms import DENSE
+from crosscheck.bench.forms.graphdyn_forms import DENSE_NAME
 from crosscheck.report.plain_text import span_text, threads_text, time_text
 from crosscheck.report.report import Block, Column, Panel, Plot, Prose, Row, Section, Series, Table
 from graphdyn.layout import Array
@@ -54,7 +54,7 @@ def _series(line: Line, xs: list[int], k: int) -> Series:
         return np.array([at.get(x, np.nan) for x in xs])
 
     low, high = (over_all([times.quartiles[end] for times in line.times]) for end in (0, 1))
-    ours = line.name.startswith("graphdyn") or line.name == DENSE
+    ours = line.name.startswith("graphdyn") or line.name == DENSE_NAME
     style: Literal["line", "dashed"] = "line" if ours else "dashed"
     return Series(_name(line), over_all([t.median for t in line.times]), style, k, low=low, high=high)
 

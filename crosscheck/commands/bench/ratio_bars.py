@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from markupsafe import Markup
 
 from crosscheck.bench.contender import SpeedRatio
-from crosscheck.report.pictures.colors import BAR, FAINT, INK
+from crosscheck.report.pictures.colors import BAR, FAINT_COLOR, INK
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.plain_text import ratio_text, threads_text
 
@@ -36,7 +36,7 @@ def _draw(axes: Axes, comparisons: Sequence[SpeedRatio]) -> None:
     inner.set_facecolor("none")
     inner.spines[["top", "right"]].set_visible(False)
     inner.tick_params(labelsize=7.5, length=2, color=INK)
-    inner.grid(color=FAINT, linewidth=0.5)
+    inner.grid(color=FAINT_COLOR, linewidth=0.5)
     inner.set_axisbelow(True)
     places = range(len(comparisons))
     inner.barh(places, [c.ratio.median for c in comparisons], color=BAR, height=0.62, left=0)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from crosscheck.bench.benchmark import Benchmark
 from crosscheck.bench.contender import MeasuredWork, SpeedRatio
-from crosscheck.bench.identification import OURS, THEIRS, IdentificationRun, Identifications
+from crosscheck.bench.identification import GRAPHDYN_STREAMED, PINOCCHIO_LSTSQ, IdentificationRun, Identifications
 from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.load import Load
 from crosscheck.bench.machine.timing import MAX_QUARTILE_RATIO, Times
@@ -162,7 +162,7 @@ def _ratio_rows(title: str, comparisons: Sequence[SpeedRatio]) -> Iterator[Row]:
 
 
 def _comparisons(found: Identifications) -> tuple[SpeedRatio, ...]:
-    return tuple(SpeedRatio(OURS, THEIRS, threads, ratio) for threads, ratio in found.comparisons)
+    return tuple(SpeedRatio(GRAPHDYN_STREAMED, PINOCCHIO_LSTSQ, threads, ratio) for threads, ratio in found.comparisons)
 
 
 def _work(measured: MeasuredWork, floor: Floor | None) -> Section:

@@ -29,7 +29,7 @@ from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
 
 ROUTES = {"urdf": "urdf: Pinocchio builds the same file", "model": "model: Pinocchio is built from our model"}
 
-PLOTTED, SWITCHED_ON = 8, 3
+N_PLOTTED, N_SWITCHED_ON = 8, 3
 """Quantities whose errors are plotted, those nearest to their bounds, and how many of them before a reader asks."""
 
 READER_NOTE = "Pinocchio's reader wrote: "
@@ -170,7 +170,7 @@ def _distribution(comparison: Comparison) -> tuple[Block, ...]:
     """Of all quantities, and over the states those nearest to their bounds."""
     results = sorted(comparison.quantities.values(), key=lambda result: result.agrees)
     bounded = [result for result in results if result.quantity.tolerance.bound and result.worst]
-    nearest = sorted(bounded, key=lambda result: result.part_of_bound, reverse=True)[:PLOTTED]
+    nearest = sorted(bounded, key=lambda result: result.part_of_bound, reverse=True)[:N_PLOTTED]
     return (
         distribution([SpreadRow(r.quantity.name, r.errors, r.quantity.tolerance.bound) for r in results]),
         *over_states(
@@ -179,7 +179,7 @@ def _distribution(comparison: Comparison) -> tuple[Block, ...]:
             "error as part of its bound",
             "state, case after case",
             f"The {len(nearest)} quantities nearest to their bounds, on every route.",
-            SWITCHED_ON,
+            N_SWITCHED_ON,
         ),
     )
 

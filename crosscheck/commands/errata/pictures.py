@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from crosscheck.paper.checks import CORRECTED_FORM_BOUND
 from crosscheck.paper.errata import COSINES, Effect
-from crosscheck.report.pictures.colors import CURVES, FAINT, INK
+from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.plain_text import superscript
@@ -26,7 +26,7 @@ RANK_HEIGHT = 1.7
 MIN_DRAWN_ERROR = 1e-17
 """Where an error of zero is drawn."""
 
-PRINTED, RIGHT = CURVES[1], CURVES[0]
+PRINTED_COLOR, CORRECT_COLOR = CURVES[1], CURVES[0]
 ROBOT_MARKERS = {"kr500": "o", "ur5": "^"}
 
 
@@ -69,14 +69,16 @@ def _draw_lock(axes: Axes, effects: Sequence[Effect]) -> None:
     ticks = range(-16, 4, 4)
     axes.set_xticks(range(-6, -1), [superscript(k) for k in range(-6, -1)], fontsize=9, color=INK)
     axes.set_yticks(list(ticks), [superscript(k) for k in ticks], fontsize=9, color=INK)
-    axes.hlines(list(ticks), -6.45, -1.55, color=FAINT, linewidth=0.5, zorder=0)
+    axes.hlines(list(ticks), -6.45, -1.55, color=FAINT_COLOR, linewidth=0.5, zorder=0)
     axes.set_xlabel("|cos β|", fontsize=9, color=INK)
     axes.set_ylabel("relative error of a", fontsize=9, color=INK)
     for k, robot in enumerate(ROBOT_MARKERS):
         near = [effect for effect in effects if effect.robot == robot]
-        _draw_form(axes, k, f"{robot}, printed (Cardano)", [effect.errors for effect in near], PRINTED, filled=True)
+        _draw_form(
+            axes, k, f"{robot}, printed (Cardano)", [effect.errors for effect in near], PRINTED_COLOR, filled=True
+        )
         right = [effect.corrected_errors for effect in near]
-        _draw_form(axes, k, f"{robot}, corrected (twist)", right, RIGHT, filled=False)
+        _draw_form(axes, k, f"{robot}, corrected (twist)", right, CORRECT_COLOR, filled=False)
     axes.legend(
         loc="center left",
         bbox_to_anchor=(1.0, 0.5),
@@ -112,11 +114,11 @@ def _draw_rank(axes: Axes, effects: Sequence[Effect]) -> None:
         np.arange(len(rows)) + 0.5, [f"A2 {effect.robot}, {form}" for effect, form in rows], fontsize=9, color=INK
     )
     axes.set_xlabel("missing rank of the 30 rows", fontsize=9, color=INK)
-    axes.vlines(range(6), 0, len(rows), color=FAINT, linewidth=0.5, zorder=0)
+    axes.vlines(range(6), 0, len(rows), color=FAINT_COLOR, linewidth=0.5, zorder=0)
     for y, (effect, form) in enumerate(rows):
         values = effect.errors if form == "printed" else effect.corrected_errors
         for missing, count in zip(*np.unique(values, return_counts=True), strict=True):
-            color = PRINTED if form == "printed" else RIGHT
+            color = PRINTED_COLOR if form == "printed" else CORRECT_COLOR
             axes.plot([missing], [y + 0.5], marker="o", markersize=9 * np.sqrt(count / len(values)), color=color)
             share = f"{count / len(values):.0%} of {len(values)} states"
             axes.annotate(share, (missing, y + 0.5), xytext=(9, -3), textcoords="offset points", fontsize=8, color=INK)

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.exciting.excited import Excited
-from crosscheck.report.pictures.colors import BAR, CURVES, FAINT, INK
+from crosscheck.report.pictures.colors import BAR, CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.parameter_rows import put_key, put_rows, size
 from crosscheck.report.pictures.svg import picture
 
@@ -45,7 +45,7 @@ def _draw(axes: Axes, found: Excited) -> None:
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     put_rows(axes, plan.names)
     axes.tick_params(labelsize=8)
-    axes.grid(axis="x", color=FAINT, linewidth=0.5)
+    axes.grid(axis="x", color=FAINT_COLOR, linewidth=0.5)
     axes.set_axisbelow(True)
     y = np.arange(len(plan.sigma)) + 0.5
     left = reach[0]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
+from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.plain_text import superscript
 from graphdyn.layout import Array
@@ -20,7 +20,7 @@ WIDTH, ROW, AXIS = 7.6, 0.3, 0.85
 """Of the picture, of one row, of axis and key [inches]."""
 
 METHOD_MARKERS = "os^Dv*Px<>ph"
-MEAN, JOINT = CURVES[0], MIDDLE
+MEAN_COLOR, JOINT_COLOR = CURVES[0], MIDDLE_COLOR
 
 SINGULAR_VALUES_HEIGHT = 2.6
 """[inches]"""
@@ -46,11 +46,15 @@ def _draw(axes: Axes, methods: Sequence[str], joints: Sequence[str], errors: Arr
     axes.tick_params(axis="x", which="both", labelsize=8.5, length=2, color=INK)
     axes.set_xlabel("‖e‖ / ‖τ‖ [%] over rows that were not fitted", fontsize=9, color=INK)
     y = np.arange(len(methods)) + 0.5
-    axes.hlines(y, *axes.get_xlim(), color=FAINT, linewidth=0.6, zorder=0)
+    axes.hlines(y, *axes.get_xlim(), color=FAINT_COLOR, linewidth=0.6, zorder=0)
     for j, name in enumerate(joints):
         marker = METHOD_MARKERS[j % len(METHOD_MARKERS)]
-        axes.plot(errors[:, j], y, linestyle="", marker=marker, markersize=4.5, color=JOINT, alpha=0.8, label=name)
-    axes.plot(np.nanmean(errors, axis=1), y, linestyle="", marker="|", markersize=13, color=MEAN, mew=2.2, label="mean")
+        axes.plot(
+            errors[:, j], y, linestyle="", marker=marker, markersize=4.5, color=JOINT_COLOR, alpha=0.8, label=name
+        )
+    axes.plot(
+        np.nanmean(errors, axis=1), y, linestyle="", marker="|", markersize=13, color=MEAN_COLOR, mew=2.2, label="mean"
+    )
     axes.legend(
         loc="lower left", bbox_to_anchor=(-0.37, 1.0), ncols=min(len(joints) + 1, 7), fontsize=7.5, frameon=False,
         handletextpad=0.1, columnspacing=0.8,
@@ -70,5 +74,5 @@ def _draw_singular(axes: Axes, values: Array) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8.5, length=2, color=INK)
     axes.yaxis.set_major_formatter(lambda x, _: superscript(round(np.log10(x))))
-    axes.plot(np.arange(1, len(values) + 1), values, color=MEAN, marker="o", markersize=3, linewidth=0.8)
+    axes.plot(np.arange(1, len(values) + 1), values, color=MEAN_COLOR, marker="o", markersize=3, linewidth=0.8)
     axes.set_xlabel("number of the singular value", fontsize=9, color=INK)

@@ -25,7 +25,7 @@ from crosscheck.report.report import (
 from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
 
-BLUE, RED, GREY = 0, 1, 7
+BLUE_CURVE, RED_CURVE, GRAY_CURVE = 0, 1, 7
 """Colours of curves."""
 
 TORQUE_HEIGHT, RESIDUAL_HEIGHT = 0.8, 0.45
@@ -66,13 +66,16 @@ def _torque_plot(joint: str, j: int, prismatic: bool, side: str, curves: Sequenc
         (
             Panel(
                 torque,
-                (Series("measured", measured, color=GREY), Series("predicted", predicted, "dashed", color=BLUE)),
+                (
+                    Series("measured", measured, color=GRAY_CURVE),
+                    Series("predicted", predicted, "dashed", color=BLUE_CURVE),
+                ),
                 unit,
                 height=TORQUE_HEIGHT,
             ),
             Panel(
                 "predicted minus measured",
-                (Series("residual", residual, color=RED),),
+                (Series("residual", residual, color=RED_CURVE),),
                 unit,
                 height=RESIDUAL_HEIGHT,
             ),

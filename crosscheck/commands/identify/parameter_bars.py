@@ -1,4 +1,4 @@
-"""Every base parameter beside CAD, in a common unit: the torque that it makes over the recording."""
+"""Every base parameter beside CAD_COLOR, in a common unit: the torque that it makes over the recording."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.identifying.results.parameters import BaseRow
-from crosscheck.report.pictures.colors import CURVES, FAINT, INK
+from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.parameter_rows import put_key, put_rows, size
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.plain_text import superscript
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 LINEAR_AXIS_SHARE = 1e-4
 """Part of the largest torque below which the axis is linear."""
 
-FOUND, CAD, TRUE = CURVES[:3]
+FOUND_COLOR, CAD_COLOR, TRUE_COLOR = CURVES[:3]
 
 
 def parameter_bars(key: str, rows: Sequence[BaseRow], sizes: Array) -> Markup:
     """sizes: root mean square torque that a parameter of 1 makes, over all joints (r,)."""
-    label = f"{len(rows)} base parameters with error bars of two standard deviations beside the CAD values"
+    label = f"{len(rows)} base parameters with error bars of two standard deviations beside the CAD_COLOR values"
     return picture(key, label, size(len(rows)), lambda axes: _draw(axes, rows, sizes))
 
 
@@ -42,13 +42,13 @@ def _draw(axes: Axes, rows: Sequence[BaseRow], sizes: Array) -> None:
     axes.set_xticks(ticks, names, fontsize=9, color=INK)
     axes.set_xticks([], minor=True)
     put_rows(axes, [row.name for row in rows])
-    axes.vlines(ticks, 0, len(rows), color=FAINT, linewidth=0.5, zorder=0)
+    axes.vlines(ticks, 0, len(rows), color=FAINT_COLOR, linewidth=0.5, zorder=0)
     y = np.arange(len(rows)) + 0.5
-    axes.hlines(y, -2 * reach, 2 * reach, color=FAINT, linewidth=0.4, zorder=0)
+    axes.hlines(y, -2 * reach, 2 * reach, color=FAINT_COLOR, linewidth=0.4, zorder=0)
     axes.set_xlabel("torque that the parameter makes, root mean square [N m]", fontsize=9, color=INK)
-    axes.plot(cad, y, linestyle="", marker="o", markersize=5, mfc="none", mec=CAD, mew=1.1, label="CAD")
+    axes.plot(cad, y, linestyle="", marker="o", markersize=5, mfc="none", mec=CAD_COLOR, mew=1.1, label="CAD")
     if np.isfinite(true).any():
-        axes.plot(true, y, linestyle="", marker="x", markersize=5, mec=TRUE, mew=1.3, label="truth")
+        axes.plot(true, y, linestyle="", marker="x", markersize=5, mec=TRUE_COLOR, mew=1.3, label="truth")
     axes.errorbar(
         found,
         y,
@@ -56,7 +56,7 @@ def _draw(axes: Axes, rows: Sequence[BaseRow], sizes: Array) -> None:
         linestyle="",
         marker="o",
         markersize=3,
-        color=FOUND,
+        color=FOUND_COLOR,
         elinewidth=1.2,
         label="identified ± 2 σ",
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crosscheck.identifying import Identified, IdentifiedModel
-from crosscheck.identifying.data_quality.data_quality import CLEAR, Health
+from crosscheck.identifying.data_quality.data_quality import MIN_CLEAR_SHARE, Health
 from crosscheck.report.report import Block, Code, Column, Note, Notes, Prose, Row, Section, Table
 from graphdyn.identification.data_quality import RecordingHealth, excitation
 
@@ -27,8 +27,8 @@ def _joints(measures: RecordingHealth) -> Table:
     late = measures.lag
     caption = (
         "gain: of measured on predicted torque, CAD and fitted drives; in brackets where CAD explains less than "
-        f"{100 * CLEAR:.0f} % of the torque; sign: by how much the residual grows with this torque reversed, geometric "
-        f"mean over the joints; delay: of this torque behind the motion, of all {1e3 * late.common:.1f} ± "
+        f"{100 * MIN_CLEAR_SHARE:.0f} % of the torque; sign: by how much the residual grows with this torque reversed, "
+        f"geometric mean over the joints; delay: of this torque behind the motion, of all {1e3 * late.common:.1f} ± "
         f"{1e3 * late.deviation:.1f} ms; residual: ‖e‖/‖τ‖ of the fit with masses and friction not negative, and "
         "without this bound"
     )
@@ -67,7 +67,7 @@ def _joints(measures: RecordingHealth) -> Table:
 def _gain(numbers: tuple[float, float, float]) -> str:
     gain, deviation, share = numbers
     text = f"{gain:.3g} ± {deviation:.1g}"
-    return text if share >= CLEAR else f"({text})"
+    return text if share >= MIN_CLEAR_SHARE else f"({text})"
 
 
 def _with_deviation(numbers: tuple[float, float]) -> str:

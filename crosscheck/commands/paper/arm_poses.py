@@ -99,7 +99,7 @@ def _draw_cylinder(axes: Axes, origin: Array, rotation: Array, length: float, ra
     points = np.hstack([_flat(near + ring), _flat(far + ring)]).T
     outline = points[ConvexHull(points).vertices]
     axes.fill(*outline.T, facecolor=colors.GROUND, edgecolor=LINK, linewidth=0.9, zorder=5)
-    axes.fill(*_flat(near + ring), facecolor=colors.FAINT, edgecolor=LINK, linewidth=0.6, zorder=5)
+    axes.fill(*_flat(near + ring), facecolor=colors.FAINT_COLOR, edgecolor=LINK, linewidth=0.6, zorder=5)
 
 
 def _flat(points: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from crosscheck.report.pictures.colors import CURVES, MIDDLE
+from crosscheck.report.pictures.colors import CURVES, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
 
@@ -54,8 +54,8 @@ def _draw(axes: Axes, pattern: NDArray[np.bool_], n: int, chords: Sequence[int])
     of_chords = (size - sum(chords) + np.cumsum([0, *chords])).tolist()
     for k, start in enumerate([*ends, *of_chords]):
         width = 1.2 if k in (0, n, 2 * n) or start == size else 0.25
-        axes.plot([start, start], [0, size], color=MIDDLE, linewidth=width)
-        axes.plot([0, size], [start, start], color=MIDDLE, linewidth=width)
+        axes.plot([start, start], [0, size], color=MIDDLE_COLOR, linewidth=width)
+        axes.plot([0, size], [start, start], color=MIDDLE_COLOR, linewidth=width)
     numbers = {"b": n, "j": n, "c": len(chords)}
     names = [f"{letter}{k}" for letter, number in numbers.items() for k in range(1, number + 1)]
     for label, (start, end) in zip(names, [*pairwise(ends), *pairwise(of_chords)], strict=True):

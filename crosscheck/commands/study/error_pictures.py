@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
+from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-WIDTH, PANEL, TITLE, LEFT = 7.6, 1.25, 0.26, 0.5
+WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, LEFT_MARGIN = 7.6, 1.25, 0.26, 0.5
 """Of the picture, height of a panel, of what is above it, room for the numbers on the left [inches]."""
 
 ERROR_PANELS_PER_ROW = 5
 """Panels beside each other."""
 
-KEY, BELOW = 0.3, 0.55
+KEY_HEIGHT, SPACE_BELOW = 0.3, 0.55
 """Room above for the key, and below for the axis [inches]."""
 
 BEST_DASHES = (0, (3, 2))
@@ -64,7 +64,7 @@ def study_errors(
 ) -> Markup:
     """methods: of the columns; places: of the axis in words, title: of the axis; hovers: of the links."""
     rows = -(-len(methods) // ERROR_PANELS_PER_ROW)
-    height = KEY + rows * (PANEL + TITLE) + BELOW
+    height = KEY_HEIGHT + rows * (PANEL_HEIGHT + TITLE_HEIGHT) + SPACE_BELOW
     return picture(key, label, (WIDTH, height), lambda axes: _draw(axes, methods, places, title, lines, height), hovers)
 
 
@@ -73,21 +73,23 @@ def _draw(
 ) -> None:
     axes.set_axis_off()
     across = min(ERROR_PANELS_PER_ROW, len(methods))
-    width = (WIDTH - LEFT) / ERROR_PANELS_PER_ROW
+    width = (WIDTH - LEFT_MARGIN) / ERROR_PANELS_PER_ROW
     there = np.concatenate([part.ravel() for line in lines for part in line.errors])
     there = there[np.isfinite(there) & (there > 0)]
     reach = (there.min() / 1.5, there.max() * 1.5) if there.size else (0.1, 1.0)
     for k, name in enumerate(methods):
         row, column = divmod(k, ERROR_PANELS_PER_ROW)
-        bottom = height - KEY - row * (PANEL + TITLE) - TITLE - PANEL
-        place = ((LEFT + column * width) / WIDTH, bottom / height, 0.93 * width / WIDTH, PANEL / height)
+        bottom = height - KEY_HEIGHT - row * (PANEL_HEIGHT + TITLE_HEIGHT) - TITLE_HEIGHT - PANEL_HEIGHT
+        place = ((LEFT_MARGIN + column * width) / WIDTH, bottom / height, 0.93 * width / WIDTH, PANEL_HEIGHT / height)
         panel = axes.inset_axes(place)
         lowest = k + ERROR_PANELS_PER_ROW >= len(methods)
         _frame(panel, name, places, reach, numbers=column == 0, named=lowest)
         for color, line in enumerate(lines):
             _draw_line(panel, line, k, (color - (len(lines) - 1) / 2) / max(1, len(lines)), color, reach[1])
     bottom = 0.08 / height
-    axes.text((LEFT + across * width / 2) / WIDTH, bottom, title, fontsize=8.5, color=INK, ha="center", va="bottom")
+    axes.text(
+        (LEFT_MARGIN + across * width / 2) / WIDTH, bottom, title, fontsize=8.5, color=INK, ha="center", va="bottom"
+    )
     _draw_key(axes, lines)
 
 
@@ -96,13 +98,13 @@ def _frame(
 ) -> None:
     panel.set_facecolor("none")
     panel.spines[["top", "right"]].set_visible(False)
-    panel.spines[["left", "bottom"]].set_color(MIDDLE)
+    panel.spines[["left", "bottom"]].set_color(MIDDLE_COLOR)
     panel.set(yscale="log", xlim=(-0.6, len(places) - 0.4), ylim=(reach[0], reach[1] * 1.6))
     panel.set_title(name, fontsize=8.5, color=INK, loc="left", pad=3)
-    panel.grid(axis="y", color=FAINT, linewidth=0.5)
+    panel.grid(axis="y", color=FAINT_COLOR, linewidth=0.5)
     panel.set_axisbelow(True)
     panel.set_xticks(range(len(places)), places if named else [""] * len(places))
-    panel.tick_params(axis="x", labelsize=6.5, length=2, color=MIDDLE, rotation=30 if _long(places) else 0, pad=1)
+    panel.tick_params(axis="x", labelsize=6.5, length=2, color=MIDDLE_COLOR, rotation=30 if _long(places) else 0, pad=1)
     panel.tick_params(axis="y", which="both", labelsize=7, length=0, labelleft=numbers)
     panel.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     panel.yaxis.set_minor_formatter(lambda _, __: "")
@@ -119,7 +121,7 @@ def _draw_line(panel: Axes, line: ErrorLine, method: int, aside: float, color: i
     shade = CURVES[color % len(CURVES)]
     x = np.array(line.places) + RUN_SPREAD * aside
     best = np.where(np.isfinite(line.middle), line.middle, np.inf).min(axis=1)
-    _draw_medians(panel, x, best, line.joined, color=MIDDLE, linewidth=0.7, linestyle=BEST_DASHES)
+    _draw_medians(panel, x, best, line.joined, color=MIDDLE_COLOR, linewidth=0.7, linestyle=BEST_DASHES)
     low, middle, high = (part[:, method] for part in (line.low, line.middle, line.high))
     _draw_medians(panel, x, middle, line.joined, color=shade, linewidth=1.2)
     panel.vlines(x, low, np.minimum(high, 10 * top), color=shade, linewidth=3, alpha=0.3)
@@ -159,9 +161,9 @@ def _draw_key(axes: Axes, lines: Sequence[ErrorLine]) -> None:
         if line.name
     ]
     handles += [
-        axes.plot([], [], color=MIDDLE, linewidth=0.7, linestyle=(0, (3, 2)), label="smallest median of all methods")[
-            0
-        ],
+        axes.plot(
+            [], [], color=MIDDLE_COLOR, linewidth=0.7, linestyle=(0, (3, 2)), label="smallest median of all methods"
+        )[0],
         axes.plot([], [], color=INK, linestyle="", marker="x", markersize=4, label="failed, or not finite")[0],
     ]
     axes.legend(

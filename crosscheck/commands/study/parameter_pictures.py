@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import BAR, CURVES, INK, MIDDLE
+from crosscheck.report.pictures.colors import BAR, CURVES, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
 from crosscheck.study.statistics.summary import MethodSummary
 from graphdyn.layout import Array
@@ -56,7 +56,7 @@ def _frame(panel: Axes, one: MethodSummary, count: int, reach: float, *, numbers
 
     panel.set_facecolor("none")
     panel.spines[["top", "right", "bottom"]].set_visible(False)
-    panel.spines["left"].set_color(MIDDLE)
+    panel.spines["left"].set_color(MIDDLE_COLOR)
     panel.set_yscale("symlog", linthresh=MAX_LINEAR_VALUE, linscale=1.0)
     panel.set(xlim=(0, count + 1), ylim=(-reach, reach))
     title = f"{one.method.name}: {one.parameters.biased} biased"
@@ -67,8 +67,8 @@ def _frame(panel: Axes, one: MethodSummary, count: int, reach: float, *, numbers
     panel.yaxis.set_minor_locator(NullLocator())
     panel.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     panel.tick_params(axis="y", labelsize=7, length=0, labelleft=numbers)
-    panel.tick_params(axis="x", labelsize=7, length=2, color=MIDDLE, labelbottom=named, pad=1)
-    panel.axhline(0, color=MIDDLE, linewidth=0.6)
+    panel.tick_params(axis="x", labelsize=7, length=2, color=MIDDLE_COLOR, labelbottom=named, pad=1)
+    panel.axhline(0, color=MIDDLE_COLOR, linewidth=0.6)
     if named:
         panel.set_xlabel("number of the parameter", fontsize=7.5, color=INK, labelpad=1)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
+from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
 
 if TYPE_CHECKING:
@@ -58,16 +58,18 @@ def _draw(axes: Axes, trades: Sequence[Trade], what: str, best: str) -> None:
     axes.set_facecolor("none")
     axes.spines[["top", "right"]].set_visible(False)
     axes.set(xscale="log", yscale="log")
-    axes.grid(color=FAINT, linewidth=0.5)
+    axes.grid(color=FAINT_COLOR, linewidth=0.5)
     axes.set_axisbelow(True)
     axes.tick_params(which="both", labelsize=8, length=2, color=INK)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(lambda value, _: f"{value:g}")
         axis.set_minor_formatter(lambda value, _: "")
     line = efficient(trades)
-    axes.step([t.seconds for t in line], [t.ratio for t in line], where="post", color=MIDDLE, linewidth=1, zorder=1)
+    axes.step(
+        [t.seconds for t in line], [t.ratio for t in line], where="post", color=MIDDLE_COLOR, linewidth=1, zorder=1
+    )
     for trade in trades:
-        color = CURVES[0] if trade in line else MIDDLE
+        color = CURVES[0] if trade in line else MIDDLE_COLOR
         axes.vlines(trade.seconds, trade.low, trade.high, color=color, linewidth=1.2)
         fill = color if trade.whole else "none"
         axes.plot(trade.seconds, trade.ratio, marker="o", markersize=5, mfc=fill, mec=color, linestyle="")
@@ -92,7 +94,7 @@ def _name(axes: Axes, trades: Sequence[Trade], line: Sequence[Trade]) -> None:
         while any(abs(other[1] - height) < MIN_NAME_DISTANCE for other in beside):
             height += MIN_NAME_DISTANCE / 4
         placed.append((x, height, 0.015 + wide))
-        style: dict[str, Any] = {"color": INK if trade in line else MIDDLE, "transform": axes.transAxes}
+        style: dict[str, Any] = {"color": INK if trade in line else MIDDLE_COLOR, "transform": axes.transAxes}
         if height - y > MIN_NAME_DISTANCE:
-            axes.plot([x, x + 0.006], [y, height], **style | {"color": MIDDLE}, linewidth=0.5, zorder=0)
+            axes.plot([x, x + 0.006], [y, height], **style | {"color": MIDDLE_COLOR}, linewidth=0.5, zorder=0)
         axes.text(x + 0.008, height, trade.name, fontsize=7.5, va="center", **style)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import BAR, CURVES, FAINT, INK
+from crosscheck.report.pictures.colors import BAR, CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.svg import picture
 from crosscheck.study.statistics.ranking import Ranking
 
@@ -45,7 +45,7 @@ def _draw(axes: Axes, ranking: Ranking, height: float) -> None:
     axes.set_yticks(y, ranking.methods, fontsize=8, color=INK)
     axes.tick_params(axis="y", length=0)
     axes.tick_params(axis="x", labelsize=7.5, length=2, color=INK)
-    axes.hlines(y, 0.5, count + 0.5, color=FAINT, linewidth=0.5, zorder=0)
+    axes.hlines(y, 0.5, count + 0.5, color=FAINT_COLOR, linewidth=0.5, zorder=0)
     axes.hlines(y, ranking.low, ranking.high, color=BAR, linewidth=3.5)
     colors = [CURVES[0] if name in ranking.leaders else INK for name in ranking.methods]
     axes.scatter(ranking.mean, y, s=16, color=colors, zorder=3, linewidths=0)

@@ -20,7 +20,7 @@ from crosscheck.study.statistics.ranking import record_ranks
 from crosscheck.study.statistics.summary import MethodSummary, StudySummary
 from graphdyn.layout import Array
 
-MOST_RUNS, MOST_DETAILED = 120, 8
+MAX_RUNS, MAX_DETAILED_SCENARIOS = 120, 8
 """Runs that a page has one by one, in all; scenarios of which it has the parameters."""
 
 ZERO_VALUE = 1e-12
@@ -51,7 +51,7 @@ class ShownRuns:
 
 
 def shown_runs(found: StudySummary) -> ShownRuns:
-    return ShownRuns(max(1, MOST_RUNS // len(found.scenarios)))
+    return ShownRuns(max(1, MAX_RUNS // len(found.scenarios)))
 
 
 def scenario_sections(
@@ -65,7 +65,7 @@ def scenario_sections(
             scenario.methods[k] for measures in METHOD_CLASSES for k in found.methods(measures) if outcomes.taken[k]
         ]
         blocks: list[Block] = [_axes(outcomes), _results(outcomes, in_order)]
-        if place < MOST_DETAILED:
+        if place < MAX_DETAILED_SCENARIOS:
             blocks += _parameters(outcomes, in_order)
         blocks.append(_runs(number, outcomes, found, on_page, repeat))
         yield Section(f"scenario-{number + 1}", f"Scenario: {grid.words(outcomes)}", tuple(blocks))

@@ -33,10 +33,10 @@ MIN_STANDSTILL_SHARE = 0.9
 MIN_UNRELATED_RESIDUAL = 0.9
 """Residual of the fit, in parts of the deviation of the torque from its mean, from which the two are unrelated."""
 
-CLEAR, EXACT = 0.3, 0.25
+MIN_CLEAR_SHARE, MAX_GAIN_DEVIATION = 0.3, 0.25
 """A gain speaks of units where the model explains this share of the torque, and its σ is at most this part of it."""
 
-UNITS, ALIKE = 2.0, 2.5
+MIN_UNITS_GAIN, MAX_GAIN_RATIO = 2.0, 2.5
 """Gain from which the unit of all torques is in doubt, and the factor within which all joints must then agree: CAD that
 is wrong is wrong by another factor in each link."""
 
@@ -176,15 +176,15 @@ def _of_units(found: RecordingHealth) -> list[HealthFinding]:
     """Of the unit of all torques; nothing where links and drives say little."""
     g = found.gains
     with np.errstate(invalid="ignore"):
-        clear = np.flatnonzero((g.share >= CLEAR) & (g.deviation <= EXACT * np.abs(g.gain)))
+        clear = np.flatnonzero((g.share >= MIN_CLEAR_SHARE) & (g.deviation <= MAX_GAIN_DEVIATION * np.abs(g.gain)))
     if not clear.size:
         return []
     sizes = np.abs(g.gain[clear])
-    alike = max((sizes[(least <= sizes) & (sizes <= ALIKE * least)] for least in sizes), key=len)
+    alike = max((sizes[(least <= sizes) & (sizes <= MAX_GAIN_RATIO * least)] for least in sizes), key=len)
     most = 1 < len(alike) > len(clear) / 2
     usual = float(np.median(alike if most else sizes))
     away = max(usual, 1 / usual)
-    if away < UNITS:
+    if away < MIN_UNITS_GAIN:
         return []
     listed = ", ".join(f"{found.joint_names[j]} {g.gain[j]:.3g} ± {g.deviation[j]:.2g}" for j in clear)
     message = f"measured torques are {usual:.3g} times those of CAD and drives ({listed})"

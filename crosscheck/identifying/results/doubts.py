@@ -19,7 +19,7 @@ from graphdyn.layout import Array
 MAX_RELATIVE_ERROR = 0.5
 """Largest error of a joint, ‖e‖ / ‖τ‖, on rows that were held out: a quarter of the power of the torque unexplained."""
 
-WORSE, WORSE_ON_THE_MEAN = 1.5, 1.1
+MAX_JOINT_ERROR_RATIO, MAX_MEAN_ERROR_RATIO = 1.5, 1.1
 """One joint, and the mean over the joints, may be so many times worse than CAD with drives: links are fitted for all
 joints together, and rows that were held out are few."""
 
@@ -61,10 +61,10 @@ def doubts(
             )
         elif errors[j] >= constant[j]:
             said.append(f"{name} is predicted no better than by a constant: {_against(errors[j], constant[j])}")
-        elif errors[j] > WORSE * cad[j]:
+        elif errors[j] > MAX_JOINT_ERROR_RATIO * cad[j]:
             said.append(f"{name} is predicted worse than by CAD with fitted drives: {_against(errors[j], cad[j])}")
     mean, known = float(np.nanmean(errors)), float(np.nanmean(cad))
-    if mean > WORSE_ON_THE_MEAN * known:
+    if mean > MAX_MEAN_ERROR_RATIO * known:
         said.append(
             f"CAD with fitted drives predicts better on the mean over the joints: {_against(known, mean)}; "
             "use --known-bodies"

@@ -50,7 +50,7 @@ them."""
 
 TRAVEL_TOLERANCE = 0.1
 """Allowed relative error of the distance travelled by v against that by q; wrong units or joints give far more."""
-TRAVEL, WINDOWS = 0.05, 20
+MIN_TRAVEL, N_WINDOWS = 0.05, 20
 """Distance travelled below which v and q are not compared [rad or m]; number of intervals in which they are."""
 
 
@@ -126,7 +126,7 @@ def motion_findings(
     """Velocities that do not fit the positions: other units, signs or joints. block: block number of each row (N,)."""
     inside = np.diff(block) == 0
     steps = np.diff(t)[inside, None]
-    edges = np.unique(np.linspace(0, max(len(steps) - 1, 0), WINDOWS, dtype=int))
+    edges = np.unique(np.linspace(0, max(len(steps) - 1, 0), N_WINDOWS, dtype=int))
     if not len(steps):
         return []
     from_q = np.add.reduceat(np.diff(q, axis=0)[inside], edges)
@@ -135,7 +135,7 @@ def motion_findings(
     for j, joint in enumerate(joints):
         way = float(np.linalg.norm(from_q[:, j]))
         error = float(np.linalg.norm(from_v[:, j] - from_q[:, j]))
-        if max(way, float(np.linalg.norm(from_v[:, j]))) > TRAVEL and error > TRAVEL_TOLERANCE * way:
+        if max(way, float(np.linalg.norm(from_v[:, j]))) > MIN_TRAVEL and error > TRAVEL_TOLERANCE * way:
             message = f"v of {joint!r} is not the rate of its q: its integral is off by {error / (way or 1):.0%}"
             remedy = "check units, signs and order of the columns, or leave v out of the mapping and derive it"
             findings.append(RecordingFinding("velocity-mismatch", "warning", file, None, (), message, remedy))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
-from crosscheck.recordings.formats.csv_layout import HEAD, Layout, cells_of_line, layout_of
+from crosscheck.recordings.formats.csv_layout import HEAD_BYTES, Layout, cells_of_line, layout_of
 from crosscheck.recordings.formats.files import content_of
 from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.mapping.mapping import ColumnMapping
@@ -37,7 +37,7 @@ def read_text(path: Path, mapping: ColumnMapping | None, _joints: tuple[str, ...
 def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     """Read delimited text. Raises BadRecordingFile where it is not a table of numbers, and OSError."""
     content = content_of(path)
-    head = content[:HEAD].decode(errors="ignore")  # the last character may be cut off
+    head = content[:HEAD_BYTES].decode(errors="ignore")  # the last character may be cut off
     layout = layout_of(path, head, delimiter)
     body = memoryview(content)[len(head[: layout.length].encode()) :]
     ends = content.endswith(b"\n")
@@ -200,7 +200,7 @@ def batches_of_csv(path: Path, delimiter: str | None, _rows: int) -> tuple[tuple
         return pa.input_stream(str(path), compression="gzip" if path.suffix.lower() == ".gz" else None)
 
     with opened() as file:
-        head = file.read(HEAD).decode("utf-8-sig", errors="ignore")
+        head = file.read(HEAD_BYTES).decode("utf-8-sig", errors="ignore")
     head = head.replace("\r\n", "\n").replace("\r", "\n")
     layout = layout_of(path, head, delimiter)
     if layout.delimiter == " ":

@@ -14,10 +14,10 @@ from crosscheck.recordings.errors import BadRecordingFile
 DELIMITERS = (";", "\t", ",", " ")
 """Delimiters, in the order in which they are tried: a comma may be the decimal sign of a file with another one."""
 
-HEAD, SAMPLED_LINES = 1 << 20, 50
+HEAD_BYTES, SAMPLED_LINES = 1 << 20, 50
 """Number of characters read to find comments and header; number of lines from which the delimiter is found."""
 
-MAX_FIRST_LINE = HEAD // 4
+MAX_FIRST_LINE = HEAD_BYTES // 4
 """Number of characters from which a first line without end is no line of a table."""
 
 COMMENT = re.compile(r"\s*[#%]+\s*")
@@ -35,7 +35,7 @@ class Layout(NamedTuple):
 
 def layout_of(path: Path, text: str, delimiter: str | None) -> Layout:
     """The layout of a file that begins with this text. Raises BadRecordingFile."""
-    head = text[:HEAD].split("\n")
+    head = text[:HEAD_BYTES].split("\n")
     n_above = next((k for k, line in enumerate(head) if line.strip() and not COMMENT.match(line)), None)
     if n_above is None:
         raise BadRecordingFile(f"{path}: the file holds no table; record at least one row")

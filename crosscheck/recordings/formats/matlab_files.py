@@ -17,7 +17,7 @@ from crosscheck.recordings.formats.files import MAX_EXPANDED_BYTES, check_expand
 from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.table import RecordedTable
 
-HEADER, COMPRESSED = 128, 15
+HEADER_BYTES, COMPRESSED_TYPE = 128, 15
 """Of version 5: bytes before the first element; type of an element that is compressed with zlib."""
 
 
@@ -40,14 +40,14 @@ def read_mat(path: Path) -> RecordedTable:
 
 def _expanded_size(content: bytes) -> int:
     """Size of the elements of a file of version 5 when expanded [bytes]; counted no further than is allowed."""
-    order = {b"IM": "<", b"MI": ">"}.get(content[HEADER - 2 : HEADER])
+    order = {b"IM": "<", b"MI": ">"}.get(content[HEADER_BYTES - 2 : HEADER_BYTES])
     if order is None:  # version 4, which is not compressed
         return len(content)
-    size, place = 0, HEADER
+    size, place = 0, HEADER_BYTES
     while place + 8 <= len(content) and size <= MAX_EXPANDED_BYTES:
         kind, length = struct.unpack_from(f"{order}II", content, place)
         place += 8
-        if kind == COMPRESSED:
+        if kind == COMPRESSED_TYPE:
             expander, rest = zlib.decompressobj(), content[place : place + length]
             while rest and size <= MAX_EXPANDED_BYTES:
                 size += len(expander.decompress(rest, 1 << 24))

@@ -27,9 +27,9 @@ N_TRIAL_CUTOFFS = 60
 RESPONSE_FREQUENCIES = 1024
 """Number of frequencies over which the response of a filter is averaged."""
 
-LOWEST, NOISE_FROM, HIGHEST = 0.002, 0.5, 0.9
-"""Parts of the Nyquist frequency: trial cutoffs range from LOWEST to HIGHEST, above which hardly any noise is removed;
-from NOISE_FROM on, only noise is expected."""
+MIN_CUTOFF, NOISE_FROM, MAX_CUTOFF = 0.002, 0.5, 0.9
+"""Parts of the Nyquist frequency: trial cutoffs range from MIN_CUTOFF to MAX_CUTOFF, above which hardly any noise is
+removed; from NOISE_FROM on, only noise is expected."""
 
 NOISE_DIFFERENCE_ORDER = 6
 """Order of the differences that show white noise alone: of a motion a tenth as fast as the sampling they leave 6 %."""
@@ -57,10 +57,10 @@ def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAna
     """
     values = np.asarray(values, dtype=float)
     nyquist = rate / 2
-    shortest = max(LOWEST * nyquist, rate * 4 / max(len(values), 1))  # a border of the recording must fit into it
+    shortest = max(MIN_CUTOFF * nyquist, rate * 4 / max(len(values), 1))  # a border of the recording must fit into it
     if shortest > NOISE_FROM * nyquist / 2:
         raise InvalidInput(f"{len(values)} rows are too few to choose a cutoff from; give the cutoff")
-    frequencies = np.geomspace(shortest, HIGHEST * nyquist, N_TRIAL_CUTOFFS)
+    frequencies = np.geomspace(shortest, MAX_CUTOFF * nyquist, N_TRIAL_CUTOFFS)
     cut = min(border(rate, float(frequencies[0]), order), len(values) // 4)
     squares = np.array(
         [np.mean((values - lowpass(values, rate, float(f), order))[cut : len(values) - cut] ** 2) for f in frequencies]

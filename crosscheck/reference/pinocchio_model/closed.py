@@ -19,7 +19,7 @@ from graphdyn.layout import Array
 POINT_CHORD_KINDS = ("hinge", "ball", "weld")
 """Chords that can be held by points; a slide and a distance cannot."""
 
-ACCURACY, ITERATIONS = 1e-14, 30
+CLOSURE_ACCURACY, MAX_CLOSURE_ITERATIONS = 1e-14, 30
 """Of the proximal method, whose accuracy only ends it early."""
 
 CLOSURE_TRIALS = tuple((apart, mu) for apart in (1.0, 0.1, 0.01) for mu in (1e-12, 1e-10, 1e-8))
@@ -66,7 +66,7 @@ def _solved(
         datas.append(contact.createData())
     native, data = robot.native, robot.native.createData()
     pin.initConstraintDynamics(native, data, models, datas)
-    settings, torques = pin.ProximalSettings(ACCURACY, mu, ITERATIONS), robot.there(tau) - loads
+    settings, torques = pin.ProximalSettings(CLOSURE_ACCURACY, mu, MAX_CLOSURE_ITERATIONS), robot.there(tau) - loads
     a = np.array(pin.constraintDynamics(native, data, state, robot.there(v), torques, models, datas, settings))
     pin.forwardKinematics(native, robot.data, state)
     forces = robot.forces(external_wrenches)

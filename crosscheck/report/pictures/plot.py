@@ -11,7 +11,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from crosscheck.report.pictures.colors import CURVES, FAINT, INK, MIDDLE
+from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.plain_text import printable, superscript
 from crosscheck.report.report import Panel, Plot, Series
@@ -161,12 +161,12 @@ def _draw_panel(axes: Axes, plot: Plot, panel: Panel, points: int, *, last: bool
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8, length=2, color=INK)
     axes.set(xscale="log" if plot.log_x else "linear", yscale="log" if panel.log else "linear")
-    axes.grid(color=FAINT, linewidth=0.5)
+    axes.grid(color=FAINT_COLOR, linewidth=0.5)
     _label_ticks(axes, plot, panel)
     if panel.level is not None:
         axes.axhline(panel.level, color=INK, linewidth=0.8, linestyle=(0, (3, 2)))
     if plot.upright is not None:
-        axes.axvline(plot.upright, color=MIDDLE, linewidth=1)
+        axes.axvline(plot.upright, color=MIDDLE_COLOR, linewidth=1)
     for one in panel.series:
         if not one.hidden:
             _draw_series(axes, plot, one, panel.log, points)

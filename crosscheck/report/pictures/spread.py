@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import BAR, CURVES, FAINT, INK
+from crosscheck.report.pictures.colors import BAR, CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.svg import picture
 from crosscheck.report.plain_text import superscript
 from graphdyn.layout import Array
@@ -32,7 +32,7 @@ MIN_BIN_HEIGHT = 0.06
 WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
 """Of the picture, of one row, of what the axis needs [inches]."""
 
-WITHIN, BEYOND = BAR, CURVES[1]
+WITHIN_COLOR, BEYOND_COLOR = BAR, CURVES[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,10 +102,10 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
     for text, row in zip(axes.get_yticklabels(), rows, strict=True):
         text.set_fontweight("normal" if row.agrees else "bold")
     axes.tick_params(length=0)
-    axes.vlines(decades, 0, len(rows), color=FAINT, linewidth=0.5, zorder=0)
+    axes.vlines(decades, 0, len(rows), color=FAINT_COLOR, linewidth=0.5, zorder=0)
     feet = np.arange(len(rows)) + 1.0
     ends = np.full((len(rows), 2), [scale.zero - 0.3, scale.infinity + 0.3])
-    axes.plot(*_strokes(ends, np.stack([feet, feet], axis=1)), color=FAINT, linewidth=0.6, zorder=1)
+    axes.plot(*_strokes(ends, np.stack([feet, feet], axis=1)), color=FAINT_COLOR, linewidth=0.6, zorder=1)
     bounds = np.array([_bound(scale, row) for row in rows])
     heads = np.stack([feet, feet - FULLEST_BIN_HEIGHT], axis=1)
     axes.plot(*_strokes(np.stack([bounds, bounds], axis=1), heads), color=INK, linewidth=1.3, zorder=3)
@@ -137,7 +137,7 @@ def _draw_histogram(axes: Axes, scale: _Scale, row: SpreadRow, foot: float, boun
     places = np.concatenate([[scale.zero - width / 2], edges[:-1], [scale.infinity - width / 2]])
     occupied = counts > 0
     heights = FULLEST_BIN_HEIGHT * np.maximum(counts / counts.max(), MIN_BIN_HEIGHT)
-    for beyond, color in ((False, WITHIN), (True, BEYOND)):
+    for beyond, color in ((False, WITHIN_COLOR), (True, BEYOND_COLOR)):
         part = occupied & ((places + width / 2 > bound) == beyond)
         if part.any():
             _draw_bars(axes, places[part], width, foot, heights[part], color)

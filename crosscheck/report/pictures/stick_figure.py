@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.report.pictures import colors
-from crosscheck.report.pictures.colors import CURVES, MIDDLE, SOFT
+from crosscheck.report.pictures.colors import CURVES, MIDDLE_COLOR, SOFT_COLOR
 from crosscheck.report.pictures.svg import picture
 from graphdyn import RobotModel, frame_placement, maximal_state
 from graphdyn.equations import joint_axes, link_origins
@@ -26,7 +26,7 @@ FLAT_EXTENT_SHARE = 0.02
 BENT_ANGLE = 0.5
 """Angle of every revolute joint where the zero pose puts all link origins on one line [rad]."""
 
-WIDTH, LOWEST, TALLEST = 4.6, 0.62, 1.25
+WIDTH, MIN_HEIGHT_RATIO, MAX_HEIGHT_RATIO = 4.6, 0.62, 1.25
 """Of the picture [inches], and the limits of height over width."""
 
 PICTURE_MARGIN = 0.11
@@ -41,7 +41,7 @@ DISC_AREA = 420.0
 LABEL_DISTANCE = 0.045
 """Joints nearer to each other than this part of the size share one label."""
 
-LINK, JOINT, MASS, EDGE, FAINT, GROUND = SOFT, CURVES[0], "#c98a1b", CURVES[3], MIDDLE, colors.FAINT
+LINK, JOINT, MASS, EDGE, FAINT, GROUND = SOFT_COLOR, CURVES[0], "#c98a1b", CURVES[3], MIDDLE_COLOR, colors.FAINT_COLOR
 CHORD_COLOR = CURVES[1]
 
 
@@ -104,7 +104,7 @@ class _Drawing:
         self.size = max(float(np.ptp(points, axis=0).max()), 1e-3)
         low, high = points.min(axis=0), points.max(axis=0)
         width, height = high - low + 2 * PICTURE_MARGIN * self.size
-        self.ratio = float(np.clip(height / width, LOWEST, TALLEST))
+        self.ratio = float(np.clip(height / width, MIN_HEIGHT_RATIO, MAX_HEIGHT_RATIO))
         half = max(width, height / self.ratio) / 2
         reach = np.array([half, half * self.ratio])
         self._corners = np.stack([(low + high) / 2 - reach, (low + high) / 2 + reach])

@@ -17,7 +17,7 @@ from graphdyn.excitation import ExcitationProblem, FourierBasis, Trajectory, fra
 from graphdyn.layout import Array
 from graphdyn.motion_laws import ConstantAcceleration, Course, Locked, MotionLaw
 
-PERIOD, HARMONICS = 10.0, 5
+MOTION_PERIOD, HARMONICS = 10.0, 5
 """Of Fourier series, which repeat in longer recordings [s]."""
 
 MIN_MOTION_RANGE = 1e-9
@@ -58,7 +58,7 @@ def start_of(laws: Sequence[MotionLaw]) -> tuple[Array, Array]:
 def _random(
     plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
 ) -> tuple[MotionLaw, ...]:
-    basis, balls = FourierBasis(min(duration, PERIOD), HARMONICS), frame_origins(plant.model)
+    basis, balls = FourierBasis(min(duration, MOTION_PERIOD), HARMONICS), frame_origins(plant.model)
     found = random_trajectory(plant.model, plant.limits, balls, basis, rng)
     if np.ptp(found.motion(np.linspace(0.0, basis.duration)).q, axis=0).max() < MIN_MOTION_RANGE:
         raise InvalidInput(
@@ -73,7 +73,7 @@ def _excited(
 ) -> tuple[MotionLaw, ...]:
     """For equal shares of noise in the torques of all joints, whatever the noise of the scenario."""
     torque_model = plant.known_exactly
-    basis = FourierBasis(min(duration, PERIOD), HARMONICS)
+    basis = FourierBasis(min(duration, MOTION_PERIOD), HARMONICS)
     problem = ExcitationProblem(torque_model, plant.limits, basis, assumed_noise(plant.model)[0], OPTIMIZED_RATE)
     return _repeated(optimised(problem, int(rng.integers(2**31))).trajectory)
 

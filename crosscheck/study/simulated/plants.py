@@ -20,7 +20,7 @@ from graphdyn.identification.terms import Coulomb, RigidBodies, RotorInertia, Te
 from graphdyn.layout import Array
 from graphdyn.motion_laws import MotionLaw
 
-FREQUENCY, DAMPING = 30.0, 1.0
+CONTROLLER_FREQUENCY, CONTROLLER_DAMPING = 30.0, 1.0
 """Of the position loop where no gains are given [rad/s], and its damping ratio."""
 
 
@@ -86,7 +86,7 @@ def plant_of(settings: RobotSettings) -> ControlledRobot:
 
     rotors = each("rotor_inertia", settings.rotor_inertia)
     inertia = np.diag(mass_matrix(model, np.zeros(model.n_freedoms))) + rotors
-    stiff, damped = FREQUENCY**2 * inertia, 2 * DAMPING * FREQUENCY * inertia
+    stiff, damped = CONTROLLER_FREQUENCY**2 * inertia, 2 * CONTROLLER_DAMPING * CONTROLLER_FREQUENCY * inertia
     if settings.position_gain is not None and settings.velocity_gain is not None:
         stiff, damped = each("position_gain", settings.position_gain), each("velocity_gain", settings.velocity_gain)
     bounds: dict[str, Any] = {

@@ -25,7 +25,7 @@ from graphdyn.layout import Array
 EQUAL_ERROR_TOLERANCE = 1e-6
 """Errors closer than this part of them are equal: what solvers of the same equations differ by is rounding."""
 
-MANY, PERMUTATIONS = 30, 2000
+MAX_EXACT_SCENARIOS, N_PERMUTATIONS = 30, 2000
 """Records from which the χ² distribution holds for Friedman's statistic; permutations that are drawn below."""
 
 
@@ -60,12 +60,12 @@ def friedman(ranks: Array) -> float | None:
     if count < 2 or methods < 2:
         return None
     statistic = float(friedman_statistic(ranks))
-    if count >= MANY:
+    if count >= MAX_EXACT_SCENARIOS:
         return float(chi2.sf(statistic, methods - 1))
     rng = np.random.default_rng(0)
-    permuted = rng.permuted(np.broadcast_to(ranks, (PERMUTATIONS, count, methods)), axis=2)
+    permuted = rng.permuted(np.broadcast_to(ranks, (N_PERMUTATIONS, count, methods)), axis=2)
     as_large = (friedman_statistic(permuted) >= statistic * (1 - EQUAL_ERROR_TOLERANCE)).sum()
-    return float((1 + as_large) / (1 + PERMUTATIONS))
+    return float((1 + as_large) / (1 + N_PERMUTATIONS))
 
 
 def friedman_statistic(ranks: Array) -> Array:

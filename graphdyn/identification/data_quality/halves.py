@@ -10,7 +10,7 @@ from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
-CONTRADICTED, WORTH = 2.0, 0.2
+MIN_CONTRADICTION, MIN_WORTH = 2.0, 0.2
 """Residual of the common fit from which the halves of a recording contradict each other: as a multiple of that of their
 separate fits, and as a fraction of the torque."""
 
@@ -31,4 +31,4 @@ def halves_apart(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -
 def contradictions(halves: Array) -> NDArray[np.bool_]:
     """Halves and joints where a recording contradicts its other half (2, n). halves: of RecordingHealth."""
     common, own = halves[:, 0], halves[:, 1]
-    return np.asarray(common > np.maximum(CONTRADICTED * own, WORTH))
+    return np.asarray(common > np.maximum(MIN_CONTRADICTION * own, MIN_WORTH))

@@ -22,7 +22,7 @@ MAX_RANDOM_ACCELERATION = 10.0
 MAX_RANDOM_SPEED = 10.0
 """Largest random speed [rad/s or m/s]: beyond it centrifugal torques would dominate all others."""
 
-SMALLEST_STEP, LARGEST_STEP = 1e-6, 0.1
+MIN_STEP, MAX_STEP = 1e-6, 0.1
 """Steps between random states of friction with memory [rad or m]: with only long steps all elements slip alike."""
 
 
@@ -58,7 +58,7 @@ def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:
     v = np.clip(v, -MAX_RANDOM_SPEED, MAX_RANDOM_SPEED)
     a = rng.uniform(-MAX_RANDOM_ACCELERATION, MAX_RANDOM_ACCELERATION, q.shape)
     if torque_model.has_memory:
-        sizes = np.exp(rng.uniform(np.log(SMALLEST_STEP), np.log(LARGEST_STEP), q[1::2].shape))
+        sizes = np.exp(rng.uniform(np.log(MIN_STEP), np.log(MAX_STEP), q[1::2].shape))
         q[1::2] = q[: 2 * len(sizes) : 2] + sizes * rng.choice([-1.0, 1.0], sizes.shape)
     if torque_model.model.chords:
         q, v, a = assemble(torque_model.model, q, v, a)

@@ -20,7 +20,7 @@ from graphdyn.simulation.integration.events import changes, limit_events
 from graphdyn.simulation.integration.loop_steps import LoopSteps, Stepped
 from graphdyn.simulation.integration.steps import Torque, tableau
 
-SAFETY, NARROWER, WIDER, ORDER = 0.9, 0.2, 10.0, 8
+STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
 """Of the choice of the next width, as in scipy.integrate."""
 
 MIN_STEP_NEAR_POSE = 1 / 8
@@ -122,11 +122,11 @@ class _AdaptiveRun:
                 )
             step = self._tried(h)
             error = np.inf if step is None else self._error(step)
-            wider = min(WIDER, SAFETY * error ** (-1 / ORDER)) if error > 0 else WIDER
+            wider = min(MAX_STEP_RATIO, STEP_SAFETY * error ** (-1 / ERROR_ORDER)) if error > 0 else MAX_STEP_RATIO
             near = step is not None and step.distance <= self._steps.wary
             if step is not None and (error < 1 or (near and h <= self._far_width * MIN_STEP_NEAR_POSE)):
                 break
-            self._width = h * max(NARROWER, wider)
+            self._width = h * max(MIN_STEP_RATIO, wider)
             if near:
                 self._width = max(self._width, self._far_width * MIN_STEP_NEAR_POSE)
         if not near:

@@ -53,7 +53,7 @@ class TestNumbers:
 
     def test_peers_take_part_or_it_is_said_why(self, found):
         names = {entry.name for measured in found.works for entry in measured.entries}
-        for library, form in (("mujoco", mujoco_forms.ROLLOUT), ("casadi", casadi_forms.CASADI_NAME)):
+        for library, form in (("mujoco", mujoco_forms.MUJOCO_ROLLOUT), ("casadi", casadi_forms.CASADI_NAME)):
             assert (form in names) == (library in found.peers) == (library not in found.left_out)
 
     def test_accuracy(self, found):
@@ -115,7 +115,9 @@ class TestNumbers:
     def test_identification(self, found):
         entries = found.identification.entries
         assert [(entry.name, entry.threads) for entry in entries] == [
-            (name, threads) for threads in (1, 2) for name in (identification.OURS, identification.THEIRS)
+            (name, threads)
+            for threads in (1, 2)
+            for name in (identification.GRAPHDYN_STREAMED, identification.PINOCCHIO_LSTSQ)
         ]
         assert {entry.samples for entry in entries} == {10 * SAMPLES, SMALL.most_loop}
         assert all(entry.error < PEERS for entry in entries)

@@ -134,7 +134,7 @@ def test_classes_are_apart(shown):
 
 def test_largest_studies_keep_a_page(folder, monkeypatch):
     """The first runs of every scenario have their tables; links and dots of others are left out."""
-    monkeypatch.setattr("crosscheck.commands.study.scenarios_report.MOST_RUNS", 8)
+    monkeypatch.setattr("crosscheck.commands.study.scenarios_report.MAX_RUNS", 8)
     report = study_report(folder, [], repeat)
     groups = [group for section in report.sections for group in section.blocks if getattr(group, "title", "") == "Runs"]
     assert len(groups) == 2 * len(NOISES)

@@ -41,7 +41,7 @@ def detent(q, v, a):
 def test_filters_do_not_bias(preparation, monkeypatch):
     """Friction, a column of the user's own and a known torque, none of them smooth."""
     monkeypatch.setattr("crosscheck.identifying.virtual.TORQUE_NOISE", 0.0)
-    monkeypatch.setattr("crosscheck.identifying.virtual.ENCODER", 0.0)
+    monkeypatch.setattr("crosscheck.identifying.virtual.ENCODER_NOISE", 0.0)
     cogging = UserColumns(lambda q, v, a: detent(q, v, a)[:, :, None] * np.eye(3)[0][:, None], ["C"], ["N m"])
     drives = (*friction_terms(["viscous", "coulomb", "offset"]), cogging)
     arm = virtual_robot(mixed_tree(), drives, seconds=10.0)

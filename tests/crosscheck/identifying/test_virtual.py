@@ -59,6 +59,6 @@ class TestVirtualRobot:
     def test_friction_with_memory_does_not_forget(self, monkeypatch):
         """The regressor in memory at once is a matter of memory alone."""
         at_once = virtual_robot(mixed_tree(), friction_terms(["slip"]), seconds=10.0).fitted
-        monkeypatch.setattr("crosscheck.identifying.virtual.PIECE", 100)
+        monkeypatch.setattr("crosscheck.identifying.virtual.ROWS_PER_PIECE", 100)
         in_pieces = virtual_robot(mixed_tree(), friction_terms(["slip"]), seconds=10.0).fitted
         assert np.allclose(in_pieces.tau, at_once.tau, rtol=0, atol=ALIKE * np.abs(at_once.tau).max())

@@ -99,7 +99,7 @@ def tag(element: etree._Element) -> str:
     return etree.QName(element).localname
 
 
-MOST_NODES, DEEPEST = 20_000, 100
+MAX_NODES, MAX_DEPTH = 20_000, 100
 """Largest number of nodes of a scene, those that it shows several times counted as often; largest depth of them."""
 
 
@@ -130,8 +130,8 @@ class _ColladaScene:
 
     def _node(self, node: etree._Element, outside: Array, depth: int) -> Iterator[Triangles]:
         self.nodes += 1
-        if self.nodes > MOST_NODES or depth > DEEPEST:
-            raise UnreadableMesh(f"the scene has more than {MOST_NODES} nodes, or more than {DEEPEST} in each other")
+        if self.nodes > MAX_NODES or depth > MAX_DEPTH:
+            raise UnreadableMesh(f"the scene has more than {MAX_NODES} nodes, or more than {MAX_DEPTH} in each other")
         matrix = outside
         for element in node.iterchildren(etree.Element):
             kind = tag(element)

@@ -14,7 +14,7 @@ from urdf.inspection.messages import about, of_file
 from urdf.inspection.structure import Structure
 
 RIGHT_ANGLE = math.pi / 2
-TRUNCATED, EXACT = 2e-3, 1e-12
+MAX_TRUNCATION, EXACT_TOLERANCE = 2e-3, 1e-12
 """Differences from a multiple of π/2 [rad]: an angle between the two is a truncated multiple, such as 3.14 for π."""
 
 MAX_AXIS_LENGTH_ERROR = 1e-2
@@ -71,7 +71,7 @@ def _angles(element: etree._Element) -> Iterator[Finding]:
 
 def _truncated(angle: float) -> bool:
     turns = round(angle / RIGHT_ANGLE)
-    return turns != 0 and abs(turns) <= 4 and EXACT < abs(angle - RIGHT_ANGLE * turns) < TRUNCATED
+    return turns != 0 and abs(turns) <= 4 and EXACT_TOLERANCE < abs(angle - RIGHT_ANGLE * turns) < MAX_TRUNCATION
 
 
 def _kind(joint: etree._Element) -> Iterator[Finding]:

@@ -26,9 +26,9 @@ MAX_GYRATION_RADIUS = 2.0
 MAX_CENTER_DISTANCE = 50.0
 """Distance of a center of mass from its link origin beyond which it is probably in other units [m]."""
 
-FAR, SMALLEST_LINK = 5.0, 0.1
-"""A radius of gyration beyond FAR times the link's size is implausible; no link counts as smaller than SMALLEST_LINK
-[m]."""
+MAX_GYRATION_RATIO, MIN_LINK_SIZE = 5.0, 0.1
+"""A radius of gyration beyond MAX_GYRATION_RATIO times the link's size is implausible; no link counts as smaller
+than MIN_LINK_SIZE [m]."""
 
 MIN_EQUAL_LINKS = 3
 """Number of links from which equal inertials are not a coincidence."""
@@ -191,8 +191,8 @@ def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
     radius = float(np.sqrt(max(inertial.moments[2], 0.0) / inertial.mass))
     places = (values(joint.find("origin"), "xyz", 3) for joint in structure.joints_from.get(inertial.link, ()))
     ends = [inertial.center, *(np.array(place) for place in places if place is not None)]
-    size = max(SMALLEST_LINK, *(float(np.linalg.norm(end)) for end in ends))
-    if radius > MAX_GYRATION_RADIUS or radius > FAR * size:
+    size = max(MIN_LINK_SIZE, *(float(np.linalg.norm(end)) for end in ends))
+    if radius > MAX_GYRATION_RADIUS or radius > MAX_GYRATION_RATIO * size:
         yield about(
             "gyration-radius",
             "warning",

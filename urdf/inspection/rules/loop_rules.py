@@ -16,7 +16,7 @@ from urdf.inspection.messages import of_file
 from urdf.inspection.structure import Structure
 from urdf.loops.couplings import INDEPENDENT_VALUES
 
-STATES, SEED, STRAY = 5, 0, 0.1
+N_LOOP_STATES, SEED, STATE_DISTANCE = 5, 0, 0.1
 """Closed states that are examined, their seed, and how far from the first of them they are looked for [rad or m]."""
 
 MAX_CHORD_ROWS = 100
@@ -24,12 +24,12 @@ MAX_CHORD_ROWS = 100
 
 
 def closed_states(model: RobotModel) -> Array:
-    """Joint positions that close the loops (STATES, n_freedoms); the first near q = 0.
+    """Joint positions that close the loops (N_LOOP_STATES, n_freedoms); the first near q = 0.
 
     Raises InconsistentState where none is found.
     """
     start = model.closed_pose
-    strayed = start + STRAY * np.random.default_rng(SEED).standard_normal((STATES, start.size))
+    strayed = start + STATE_DISTANCE * np.random.default_rng(SEED).standard_normal((N_LOOP_STATES, start.size))
     strayed[0] = start
     q, gaps = assembled(model.loops, strayed)
     closed: Array = q[np.abs(gaps).max(axis=-1) <= CLOSED_TOLERANCE]

@@ -19,7 +19,7 @@ MAX_OUTSIDE_SHARE = 0.05
 """Distance of a center of mass from the box around the mesh, as a part of its longest side, beyond which they do not
 fit; motors and cables that are not drawn shift it less."""
 
-LIGHTEST, DENSEST = 100.0, 20_000.0
+MIN_MESH_DENSITY, MAX_MESH_DENSITY = 100.0, 20_000.0
 """Plausible mass over volume [kg/m³]: a hollow link of plastic, solid tungsten."""
 
 MAX_MOMENT_RATIO = 10.0
@@ -111,7 +111,7 @@ def _place(each: Compared) -> Iterator[Finding]:
 
 
 def _density(each: Compared) -> Iterator[Finding]:
-    if not LIGHTEST <= each.density <= DENSEST:
+    if not MIN_MESH_DENSITY <= each.density <= MAX_MESH_DENSITY:
         yield about(
             "mesh-density",
             "warning",

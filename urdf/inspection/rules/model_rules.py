@@ -16,7 +16,7 @@ from urdf.inspection.messages import about, of_file
 from urdf.inspection.rules.loop_rules import MAX_CHORD_ROWS, closed_states, free_motions, loop_findings
 from urdf.inspection.structure import Structure
 
-STATES, SEED = 5, 0
+N_STATES, SEED = 5, 0
 """Number of random states at which the mass matrix is examined, and their seed."""
 
 MAX_EXAMINED_BODIES = 200
@@ -28,10 +28,10 @@ MIN_ILL_CONDITION = 1e8
 PSEUDO_INERTIA_TOLERANCE = 1e-9
 """Part of the largest eigenvalue of a pseudo-inertia matrix below which a negative one is rounding."""
 
-SHORTEST, LONGEST = 0.02, 50.0
+MIN_REACH, MAX_REACH = 0.02, 50.0
 """Plausible reach of a robot [m]: sum of the distances between joints, along the longest branch."""
 
-LIGHTEST, DENSEST = 0.05, 5000.0
+MIN_LINK_DENSITY, MAX_LINK_DENSITY = 0.05, 5000.0
 """Plausible total mass over the cube of the reach [kg/m³]; arms have 10 to 1000."""
 
 
@@ -65,7 +65,7 @@ def _units(model: RobotModel) -> Iterator[Finding]:
         along[j] = along[joint.inside] + np.linalg.norm(joint.placement.translation)
     ends = [along[frame.body] + np.linalg.norm(frame.placement.translation) for frame in model.frames]
     reach, mass = float(max(along.max(), *ends, 0.0)), sum(body.mass for body in model.bodies)
-    if not SHORTEST <= reach <= LONGEST:
+    if not MIN_REACH <= reach <= MAX_REACH:
         yield of_file(
             "suspicious-lengths",
             "warning",
@@ -73,7 +73,7 @@ def _units(model: RobotModel) -> Iterator[Finding]:
             f"the joints span {reach:.3g} m along the longest branch",
             "give lengths in metres; they may be in millimetres",
         )
-    elif mass > 0 and not LIGHTEST <= mass / reach**3 <= DENSEST:
+    elif mass > 0 and not MIN_LINK_DENSITY <= mass / reach**3 <= MAX_LINK_DENSITY:
         yield of_file(
             "suspicious-masses",
             "warning",
@@ -97,8 +97,8 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
     if model.chords:
         yield from _of_closed_motions(model)
         return
-    q, _ = model.random_state(np.random.default_rng(SEED), STATES)
-    yield from _judged(model, mass_matrix(model, q), f"over {STATES} random states (seed {SEED})")
+    q, _ = model.random_state(np.random.default_rng(SEED), N_STATES)
+    yield from _judged(model, mass_matrix(model, q), f"over {N_STATES} random states (seed {SEED})")
 
 
 def _of_closed_motions(model: RobotModel) -> Iterator[Finding]:
