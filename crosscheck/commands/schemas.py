@@ -15,7 +15,7 @@ from crosscheck.commands.crosscheck import record as crosscheck
 from crosscheck.commands.errata import record as errata
 from crosscheck.commands.excite import record as excite
 from crosscheck.commands.export import record as export
-from crosscheck.commands.identify.record import record as identify
+from crosscheck.commands.identify import record as identify
 from crosscheck.commands.inspect import record as inspect
 from crosscheck.commands.judge import record as judge
 from crosscheck.commands.paper import record as paper

@@ -51,6 +51,7 @@ class RecordingFinding:
     severity: "error": refused unless its rows are dropped; "warning": doubtful; "note": good to know
     file, column: where; column is None where it concerns whole rows
     rows: rows of data, counted from 0 as NumPy and pandas do, including malformed lines; empty: all rows
+    message: what was found; remedy: what to do
     lines: line of row 0 in the file; None where the file has no lines
     """
 

@@ -23,10 +23,12 @@ class OfReading:
 
     @property
     def locked(self) -> dict[str, float]:
+        """Value per joint that was held still [rad or m]."""
         return self.reading.locked
 
     @property
     def chain(self) -> Chain:
+        """Base link and tip link of the arm that was cut out; None for the whole robot."""
         return self.reading.chain
 
 
@@ -35,7 +37,8 @@ class Subject(OfReading):
     """The robot to be compared.
 
     name: as given
-    file: whole path of its URDF, file_sha256: of its content; both None where a RobotModel was given
+    file: whole path of its URDF; None where a RobotModel was given
+    file_sha256: SHA-256 of the content of that file, in hexadecimal; None where a RobotModel was given
     reading: how the file is read
     """
 

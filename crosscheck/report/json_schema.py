@@ -88,10 +88,11 @@ def _member_of_record(record: type[Record], name: str) -> Member:
     try:
         found = _along(record.result, record.paths[name])
     except AttributeError:
-        return own
-    return Member(
-        types.get(name, found.kind), *((own.meaning, own.sizes) if own.meaning else (found.meaning, found.sizes))
-    )
+        if name in types:
+            return own
+        raise
+    said = own if own.meaning else found
+    return Member(types.get(name, found.kind), said.meaning, said.sizes)
 
 
 def _along(kind: Any, path: str) -> Member:
@@ -115,6 +116,7 @@ def _member(kind: Any, name: str) -> Member:
             returned = get_type_hints(function, include_extras=True)["return"]
             return Member(returned, *_taken_off(inspect.cleandoc(function.__doc__ or "")))
         annotation = inspect.get_annotations(base).get(name)
+        annotation = getattr(annotation, "__forward_arg__", annotation)  # of a named tuple
         if isinstance(annotation, str):
             annotation = eval(annotation, vars(sys.modules[base.__module__]), dict(vars(base)))
         if annotation is not None:

@@ -22,10 +22,10 @@ fields are written.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 from inspect import get_annotations
-from typing import Any, ClassVar, NamedTuple, get_args, get_type_hints
+from typing import Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
 
 
 class Attribute(NamedTuple):
@@ -62,15 +62,21 @@ class Record:
         format: str = "",
     ) -> None:
         """of: class of the result; leave_out: its fields that are not written, or only: those that are"""
-        names = [] if of is None else [field.name for field in fields(of)]
+        names = [] if of is None else _names(of)
         if unknown := {*leave_out, *(only or ())}.difference(names):
             raise TypeError(f"{cls.__name__}: {of} has no field {', '.join(unknown)}")
-        kept = tuple(name for name in names if name not in leave_out and (only is None or name in only))
-        declared = [name for name in get_annotations(cls) if name not in names]
-        own = {name: name for name in declared}
-        own |= {name: value.path or name for name, value in vars(cls).items() if isinstance(value, Attribute)}
+        own: dict[str, str] = {}
+        for base in reversed(cls.__mro__[: cls.__mro__.index(Record)]):
+            own |= {name: name for name in get_annotations(base)}
+            own |= {name: value.path or name for name, value in vars(base).items() if isinstance(value, Attribute)}
+        kept = [name for name in names if name not in leave_out and (only is None or name in only)]
         result = {name: own.pop(name, name) for name in kept}
         cls.format, cls.result, cls.paths = format, of, own | result if format else result | own
+
+
+def _names(kind: Any) -> Sequence[str]:
+    """Fields of a dataclass or of a named tuple."""
+    return getattr(kind, "_fields", None) or [field.name for field in fields(kind)]
 
 
 def written(record: type[Record], result: object = None, **said: Any) -> dict[str, Any]:
@@ -90,15 +96,22 @@ def _found(result: object, path: str) -> Any:
 
 
 def _as_typed(value: Any, kind: Any) -> Any:
-    """A value in which objects are written as the records that the type of the field names."""
+    """A value in which objects are written as the records that the type of the field names; dictionaries are written
+    already.
+    """
     record = _record_in(kind)
     if record is None or value is None:
         return value
-    if isinstance(value, Mapping):
-        return value if kind is record else {key: _as_typed(item, record) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_as_typed(item, record) for item in value]
+    if isinstance(value, Mapping):
+        return {key: _as_typed(item, record) for key, item in value.items()} if _is_mapping(kind) else value
     return written(record, value)
+
+
+def _is_mapping(kind: Any) -> bool:
+    origin = get_origin(kind)
+    return isinstance(origin, type) and issubclass(origin, Mapping)
 
 
 def _record_in(kind: Any) -> type[Record] | None:

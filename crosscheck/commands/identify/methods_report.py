@@ -80,8 +80,8 @@ def _method(found: Identified, candidate: Candidate) -> Row:
             verdict,
             100 * mean_error(result),
             f"{links} of {found.torque_model.model.n_bodies}",
-            f"{plausible.positive_definite} of {len(plausible.mass_matrix_eigenvalues)}",
-            plausible.mass_matrix_eigenvalues.min(),
+            f"{plausible.positive_definite} of {plausible.poses}",
+            plausible.smallest_mass_matrix_eigenvalue,
             result.seconds,
         )
     )

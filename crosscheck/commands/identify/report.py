@@ -12,7 +12,7 @@ from crosscheck.commands.identify.method_errors import singular_values
 from crosscheck.commands.identify.methods_report import methods_section
 from crosscheck.commands.identify.model_report import parameters_section, torques_section
 from crosscheck.commands.identify.quality_report import doubts_sections, excitation_table, health_section
-from crosscheck.commands.identify.record.record import record
+from crosscheck.commands.identify.record import record
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
 from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict

@@ -49,8 +49,10 @@ joints carry, are not ten times as heavy or as light all together."""
 class HealthFinding:
     """Something about a recording.
 
+    code: stable name of its kind
     severity: "fault": no model is recommended while it lasts; "warning": doubtful
-    joints: names; lines: of a mapping file, to be pasted over those that are there
+    joints: whose columns; message: what was found; remedy: what to do
+    lines: of the mapping file, to be pasted over those that are there; empty where no mapping helps
     """
 
     code: str
@@ -68,7 +70,12 @@ class HealthFinding:
 
 @dataclass(frozen=True, eq=False)
 class Health:
-    """What is known of the recordings of the fit. measures: the numbers; unseen: in sentences"""
+    """What is known of the recordings of the fit.
+
+    measures: the numbers
+    findings: in the order in which to correct them
+    unseen: what they cannot show, and the test that would, in sentences
+    """
 
     measures: RecordingHealth
     findings: tuple[HealthFinding, ...]

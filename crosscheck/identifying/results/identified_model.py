@@ -68,6 +68,7 @@ class HeldOutPrediction:
 
     @property
     def n_rows(self) -> int:
+        """Number of these rows."""
         return sum(map(len, self.times))
 
     @property
@@ -184,7 +185,11 @@ def _measured_squares(problem: Problem, own: slice) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A row of the comparison. name: unlike those of all others"""
+    """A row of the comparison.
+
+    name: as in the tables, unlike those of all others
+    model: torque model; result: of one method on it
+    """
 
     name: str
     model: IdentifiedModel

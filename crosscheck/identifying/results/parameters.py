@@ -22,10 +22,16 @@ correlation in time."""
 
 @dataclass(frozen=True)
 class BaseRow:
-    """One base parameter; NaN for numbers that do not exist.
+    """One base parameter.
 
-    name: in standard parameters; symbol: as Khalil writes it; error: of the value against the truth
-    deviation: for white noise; block_deviation: allowing for correlation in time; relative_deviation: of that one [%]
+    name: in standard parameters; symbol: as Khalil writes it; unit: of the numbers
+    cad: of the robot as given; drives are zero
+    value: identified
+    deviation: standard deviation for white noise; NaN where there is none
+    block_deviation: the same, allowing for correlation in time: jackknife over time blocks; NaN where there is none
+    relative_deviation: 100 block_deviation / |value|; NaN where there is none [%]
+    truth: true value, of a simulated robot; NaN where it is not known
+    error: value minus truth; NaN where that is not known
     """
 
     name: str
@@ -42,7 +48,14 @@ class BaseRow:
 
 @dataclass(frozen=True, eq=False)
 class BodyRow:
-    """One link; parameters: all ten; masses [kg], centers of mass [m]; eigenvalue: smallest of the pseudo-inertia."""
+    """One link.
+
+    name: of the link
+    parameters, cad_parameters: all ten, identified and as given
+    mass, cad_mass: [kg]
+    center, cad_center: of mass, in link axes (3,) [m]
+    eigenvalue: smallest of the pseudo-inertia; below zero: no real body
+    """
 
     name: str
     parameters: Array

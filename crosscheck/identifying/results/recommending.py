@@ -93,10 +93,10 @@ TIE_TOLERANCE = 1e-6
 class Recommendation:
     """Which result to use.
 
-    name: of the method, None where no result can be used
-    reason: one sentence
-    best: of the method that would be recommended if there were no doubts; name where there are none
-    doubts: why it is not, in sentences
+    name: of the method to trust; None where there is none
+    reason: why this one, or why none, in one sentence
+    best: method that would be recommended without the doubts; None where no result is consistent
+    doubts: why it is not recommended, joint by joint
     """
 
     name: str | None
@@ -108,11 +108,7 @@ class Recommendation:
 def real(result: MethodResult) -> bool:
     """Whether every link is physically consistent, and the mass matrix positive definite in every tested pose."""
     plausible = result.plausibility
-    return (
-        plausible is not None
-        and plausible.consistent
-        and plausible.positive_definite == len(plausible.mass_matrix_eigenvalues)
-    )
+    return plausible is not None and plausible.consistent and plausible.positive_definite == plausible.poses
 
 
 def recommendation(candidates: Sequence[Candidate]) -> Recommendation:

@@ -22,7 +22,7 @@ MIN_CLIPPED_ROWS = 5
 class Channels:
     """Properties of the channels, per joint (n,), over all rows.
 
-    standstill: share of rows with |v| ≤ MOVING
+    standstill: share of rows with |v| ≤ 0.02 rad/s or m/s (MIN_MOVING_SPEED)
     clipped: share of rows with the torque held at an end of its range; of torques as recorded
     constant_positions, constant_torques: joints; duplicated_…: pairs of joints that have the same signal
     velocity_gain: of the given v on the rate of q, 1 if v is that rate; NaN for a joint that does not move

@@ -21,6 +21,7 @@ FIRST_MOMENTS = sum(not name.startswith("I") for name in PARAMETER_NAMES)
 class Excitation:
     """Excitation of one group of base parameters.
 
+    name: of the group
     determined: number that the recording determines; structural: number that some motion could determine
     weakest: smallest singular value of the group's part of the regressor that no other group can imitate, joints
         weighted by their torque and columns at unit length: 1 is best, 0 is not excited; NaN for an empty group

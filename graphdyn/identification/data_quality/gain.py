@@ -27,7 +27,9 @@ NEGLIGIBLE_TORQUE_SHARE = 1e-6
 class Gains:
     """Gains per joint of τ = gain · τ_model + drives, with the drives fitted along (n,).
 
-    gain, deviation: 1 for SI units at the joints and a right model; NaN if the model predicts no torque
+    gain: of measured on predicted torque, 1 for SI units at the joints and a right model; NaN if the model predicts no
+        torque
+    deviation: standard deviation of the gain; NaN likewise
     share: ‖gain · τ_model‖ / ‖τ‖; if it is small, the drives dominate the torque, and the gain means little
     without_gain: ‖e_j‖ / ‖τ_j‖ of the model with drives, gain 1
     """

@@ -32,9 +32,11 @@ LAG_BLOCKS = 20
 class Lag:
     """Delay of the torques; positive if they were recorded late.
 
-    common, deviation: of all joints                        [s]
+    common: of all torques behind the motion                [s]
+    deviation: standard deviation of it                     [s]
     gained: fall of Σ_j log ‖e_j‖ if the delay is removed
-    joints, deviations: of each, the others as `common`     (n,) [s]
+    joints: of each torque, the others as `common`          (n,) [s]
+    deviations: standard deviations of them                 (n,) [s]
     joints_gained: further fall of the sum                  (n,)
     """
 

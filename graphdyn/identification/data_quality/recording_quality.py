@@ -34,7 +34,7 @@ class RecordingHealth:
     faults: in the order of their correction; none are searched if a channel holds no signal of its own
     unseen: changes after which the recording would fit equally well, so that it cannot reveal them
     errors: ‖e_j‖ / ‖τ_j‖ of the fit within bounds, as recorded                      (n,)
-    free_errors: of the fit without bounds                                           (n,)
+    free_errors: the same without bounds                                             (n,)
     sign_costs: rise of Σ log ‖e_j‖ with the torque of each joint reversed           (n,)
     halves: of each half of the rows, errors of the common and of its separate fit   (2, 2, n)
     variation: ‖τ_j - mean‖ / ‖τ_j‖: error of a constant                            (n,)

@@ -30,14 +30,17 @@ NO_EXPECTED_VALUES = (
 class MethodResult:
     """Result of one method: the estimate and its quality, or the reason why there is none.
 
-    failure: the reason, None if there is an estimate
+    name: as in the tables; reference: where it is published
+    assumptions: what has to hold; needs: what has to be measured
+    failure: why there is no answer, None if there is an estimate
     base_values: of the base parameters of the problem (r,)
-    standard_deviations: of them, right for white noise; None if the method gives none
-    block_deviations: of them, allowing for correlation in time (jackknife over time blocks); None likewise. Right for
-        recordings of MIN_CORRELATION_TIMES correlation times or more, a lower bound for shorter ones
+    standard_deviations: of the base parameters, right for white noise; None if the method gives none
+    block_deviations: of the base parameters, allowing for correlation in time (jackknife over time blocks); None
+        likewise. Right for recordings of MIN_CORRELATION_TIMES correlation times or more, a lower bound for shorter ones
         (`training.correlation_times`)
-    training, held_out: residuals on the recording, and on the one that was held out
-    seconds: of the estimation alone, without the compression of the recording
+    training: residuals on the rows of the fit, slow ones included
+    held_out: residuals on the predicted rows, of all trials together
+    seconds: of the estimation alone, without the compression of the recording; NaN without an answer [s]
     """
 
     name: str
@@ -56,7 +59,7 @@ class MethodResult:
 
     @property
     def relative_deviations(self) -> Array | None:
-        """%σ = 100 σ / |x| (r,) with the block deviations σ; infinite for a value of zero."""
+        """100 block_deviations / |base_values|, infinite for a value of zero (r,) [%]."""
         if self.base_values is None or self.block_deviations is None:
             return None
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -69,9 +72,11 @@ class MethodComparison:
 
     names, units: of the p parameters of the torque model; base_names, base_units: of the r base parameters
     base_symbols: short names of these in Khalil's notation, such as XXR_2
-    rank: r; structural_rank: number that some motion could determine; gap: smallest accepted and largest rejected pivot
+    rank: number of base parameters that the recording determines, r
+    structural_rank: number that some motion could determine
+    gap: smallest accepted and largest rejected pivot, relative to the first
     condition_number: of the regressor, joints weighted by their measured torque and columns at unit length
-    undetermined: parameters that are determined only in combinations, or not at all
+    undetermined: standard parameters that are determined only in combinations, or not at all
     lost: base parameters of the structure that this recording does not determine individually
     """
 

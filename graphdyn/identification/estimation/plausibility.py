@@ -36,6 +36,16 @@ class Plausibility:
         """Number of poses with a positive definite mass matrix."""
         return int(np.count_nonzero(self.mass_matrix_eigenvalues > 0))
 
+    @property
+    def poses(self) -> int:
+        """Number of poses that were tried."""
+        return len(self.mass_matrix_eigenvalues)
+
+    @property
+    def smallest_mass_matrix_eigenvalue(self) -> float:
+        """Over all poses [kg m² or kg]."""
+        return float(self.mass_matrix_eigenvalues.min())
+
 
 def plausibility(
     torque_model: TorqueModel, parameters: Array, *, poses: int = CHECKED_POSES, seed: int = 0

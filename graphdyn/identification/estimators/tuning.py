@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,11 +67,13 @@ class Tunable:
         return self.make(**{name: np.full(model.n_freedoms, value) for name, value in self.start.items()})
 
 
-class Tuned(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Tuned:
     """A setting that was found.
 
-    name: of term and setting, such as "coulomb width"; values: (n,)  [the unit of the setting]
-    at_end: joints whose setting is at the end of its range: the recording does not determine it  (n,)
+    name: of term and setting, such as "coulomb width"
+    values: one per joint  (n,)  [the unit of the setting]
+    at_end: whether it is at the end of the range of the search, because the recording does not determine it  (n,)
     """
 
     name: str

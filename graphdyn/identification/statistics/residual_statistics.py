@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
 from graphdyn.identification.data.rows import Rows
@@ -27,13 +28,16 @@ N_LAGS = 20
 
 @dataclass(frozen=True, eq=False)
 class ResidualSizes:
-    """Sizes of the residuals per joint, over some of the samples; NaN if there are none.
+    """Sizes of the residuals per joint, over some of the samples.
 
-    count: samples (n,); mean, rms, largest: of predicted minus measured torque (n,) [N m or N]
-    relative: ‖e‖ / ‖τ‖ with the measured torque (n,)
+    count: samples (n,)
+    mean: of predicted minus measured torque; NaN without samples (n,) [N m or N]
+    rms: root mean square of it; NaN without samples (n,) [N m or N]
+    largest: largest absolute value of it; NaN without samples (n,) [N m or N]
+    relative: ‖e‖ / ‖τ‖ with the measured torque; NaN without samples (n,)
     """
 
-    count: Array
+    count: NDArray[np.int_]
     mean: Array
     rms: Array
     largest: Array
@@ -45,11 +49,12 @@ class ResidualStatistics:
     """Statistics of predicted minus measured torque.
 
     everything: over all samples
-    moving: per joint over the samples with |v_j| > MIN_MOVING_SPEED
-    durbin_watson, ljung_box_p: per joint over all samples (n,); p below 0.05 means that the residual is not white,
-        and that standard deviations for white noise are too small
-    correlation_length: per joint (n,), in samples: the lag at which the autocorrelation has fallen to 1/e; zero for a
-        white residual
+    moving: per joint over the samples with |v_j| > 0.02 rad/s or m/s (MIN_MOVING_SPEED)
+    durbin_watson: statistic over all samples, 2 for white noise; NaN without samples (n,)
+    ljung_box_p: probability of such a residual if it were white, over all samples; below 0.05 standard deviations for
+        white noise are too small; NaN where several trials were put together (n,)
+    correlation_length: samples after which the autocorrelation has fallen to 1/e, 0 for a white residual; NaN where
+        several trials were put together (n,)
     """
 
     everything: ResidualSizes

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import urdf
 from crosscheck.commands import app
-from crosscheck.commands.identify.record.record import record
+from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
 from crosscheck.identifying.data_quality.data_quality import health
@@ -264,7 +264,7 @@ class TestVerdict:
             words.startswith(f"{name}, which is predicted: the torque of") for words in found.recommendation.doubts
         )
         assert f"Of {name}, which is predicted:" in as_text(identify_report(found, found.shown()), 250)
-        assert record(found, None, []).validation_health[0].findings[0].code == "reversed-torque"
+        assert record(found, None, [])["validation_health"][0]["findings"][0].code == "reversed-torque"
 
     def test_every_joint_counts(self):
         found = identified_arm.compared()

@@ -13,7 +13,7 @@ from planted_records import planted
 from shared_data import REPOSITORY
 
 import graphdyn
-from crosscheck.commands.identify.record.record import record
+from crosscheck.commands.identify.record import record
 from crosscheck.identifying import ESTIMATORS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
 from crosscheck.identifying.methods.torque_terms import with_setting
 from crosscheck.identifying.results.baselines import constant_errors
@@ -139,16 +139,17 @@ def mass_of_base(found, links):
 class TestRecord:
     """What --json writes, also of a method without an answer and of numbers that are not finite."""
 
+    schema = json.loads((REPOSITORY / "docs/schemas/identify-2.schema.json").read_text(encoding="utf-8"))
+
     def checked(self, whole):
-        schema = REPOSITORY / "docs/schemas/identify-2.schema.json"
-        Draft202012Validator(json.loads(schema.read_text(encoding="utf-8"))).validate(plain(whole))
+        Draft202012Validator(self.schema).validate(plain(whole))
         return plain(whole)
 
     @pytest.mark.parametrize("number", [math.nan, math.inf])
     def test_every_number_that_may_be_null(self, number):
         found = compared()
         whole = record(found, found.comparison.results[0], ["identify"])
-        spoiled = self.checked(planted(whole, number))
+        spoiled = self.checked(planted(whole, self.schema, number))
         assert set(spoiled["methods"][0]["parameters"]) == {None}
         assert spoiled["shown"]["base_parameters"][0]["error"] is None
         assert set(self.checked(whole)["methods"][0]["parameters"]) != {None}

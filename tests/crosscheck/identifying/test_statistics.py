@@ -11,7 +11,7 @@ from long_check import LONG
 from planting import mixed_tree
 
 import crosscheck
-from crosscheck.commands.identify.record.record import record
+from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import LastPart, Preparation, friction_terms, virtual_robot
 from crosscheck.identifying.results.parameters import base_rows, correlation_of, deviations_of
@@ -103,9 +103,9 @@ class TestCorrelation:
         assert f"the fitted rows are {correlation.times:.0f} times as long" in text
         assert ("fewer than 80: σ is a lower bound" in text) == lower_bound
         assert ("σ of WLS (a lower bound: the recording is too short for its correlation)" in text) == lower_bound
-        written = record(found, shown, []).shown
-        assert (written.correlation_time, written.correlation_times) == (correlation.time, correlation.times)
-        assert written.lower_bound is lower_bound
+        written = record(found, shown, [])["shown"]
+        assert (written["correlation_time"], written["correlation_times"]) == (correlation.time, correlation.times)
+        assert written["lower_bound"] is lower_bound
 
     def test_of_a_white_residual(self):
         arm = virtual_robot(mixed_tree(), (), seconds=10.0)
@@ -132,7 +132,7 @@ class TestCorrelation:
         shown = found.comparison.of("consistent")
         assert deviations_of(found, shown) == (None, "consistent gives none")
         assert "No σ: consistent gives none" in plain_text(found, shown)
-        assert record(found, shown, []).shown.lower_bound is None
+        assert record(found, shown, [])["shown"]["lower_bound"] is None
 
 
 def plain_text(found, shown):

@@ -1,1 +1,0 @@
-"""The format `graphdyn identify 2`."""
