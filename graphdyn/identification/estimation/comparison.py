@@ -36,7 +36,7 @@ class MethodResult:
     base_values: of the base parameters of the problem (r,)
     standard_deviations: of the base parameters, right for white noise; None if the method gives none
     block_deviations: of the base parameters, allowing for correlation in time (jackknife over time blocks); None
-        likewise. Right for recordings of MIN_CORRELATION_TIMES correlation times or more, a lower bound for shorter ones
+        likewise. Right for recordings of MIN_CORRELATION_TIMES or more, a lower bound for shorter ones
         (`training.correlation_times`)
     training: residuals on the rows of the fit, slow ones included
     held_out: residuals on the predicted rows, of all trials together
