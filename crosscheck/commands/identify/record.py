@@ -26,7 +26,7 @@ from crosscheck.report.versions import versions
 from graphdyn.identification import MethodComparison, MethodResult, ResidualSizes
 from graphdyn.identification.data_quality import Excitation, excitation
 from graphdyn.layout import Array
-from graphdyn.model.inertia import PARAMETER_NAMES
+from graphdyn.model import PARAMETER_NAMES
 
 Numbers = Sequence[Number]
 
